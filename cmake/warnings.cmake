@@ -1,0 +1,13 @@
+# What every target of ours is compiled with; generated code and other people's
+# headers are SYSTEM and stay out of it.
+add_library(graspdb_options INTERFACE)
+target_include_directories(graspdb_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(graspdb_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
+
+# Same input, same bytes: no contraction that differs from one machine to the next.
+add_compile_options(-ffp-contract=off)
+
+if(GRASPDB_SANITIZE)
+  add_compile_options(-fsanitize=${GRASPDB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${GRASPDB_SANITIZE})
+endif()
