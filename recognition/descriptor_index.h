@@ -1,0 +1,55 @@
+// Exact nearest neighbours among the descriptors of all views.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "recognition/descriptor.h"
+#include "recognition/taught.h"
+
+namespace graspdb::recognition {
+
+// A view with its descriptor.
+struct IndexedView {
+  std::shared_ptr<const TaughtView> view;
+  Descriptor descriptor;
+};
+
+// A view that was found.
+struct Match {
+  std::shared_ptr<const TaughtView> view;
+  double distance = 0;  // chi-square, see ChiSquareDistance
+};
+
+// An immutable index; copies share their content, and With/Without share what
+// does not change, so that a write costs one chunk and not the whole. Searches
+// are exact (FLANN's linear index, chi-square) and their result does not depend
+// on the order in which the views came. Thread-safe.
+class DescriptorIndex {
+ public:
+  // `size` bins a descriptor.
+  explicit DescriptorIndex(int size);
+
+  // This index and more views, whose names must be new.
+  DescriptorIndex With(std::span<const IndexedView> views) const;
+
+  // This index without the views of these resource names.
+  DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
+
+  // The `count` nearest views, nearest first; equal distances by name.
+  std::vector<Match> Nearest(const Descriptor& query, int count) const;
+
+  std::size_t view_count() const { return view_count_; }
+
+ private:
+  class Chunk;
+
+  std::size_t bins_;
+  std::size_t view_count_ = 0;
+  std::vector<std::shared_ptr<const Chunk>> chunks_;
+};
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,90 @@
+// The whole path: scan, segments, descriptors, nearest views, rough pose, refined
+// pose, grasps.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/descriptor_index.h"
+#include "recognition/parameters.h"
+#include "recognition/registration.h"
+#include "recognition/segmentation.h"
+#include "recognition/stages.h"
+#include "recognition/taught.h"
+
+namespace graspdb::recognition {
+
+// Everything that was taught, as of one revision. Immutable.
+struct CatalogueSnapshot {
+  std::int64_t revision = 0;
+  DescriptorIndex index;
+  // By resource name.
+  std::shared_ptr<const std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>
+      stable_poses;
+};
+
+// Why there is or is no answer; see the public contract.
+enum class RecognitionOutcome {
+  kOk,
+  kEmptyRegion,
+  kNoCluster,
+  kUnknownObject,
+  kIcpRejected,
+  kNoGrasp,
+  kOutOfWorkspace,
+};
+
+struct RecognitionParameters {
+  SegmentationParameters segmentation;
+  DescriptorParameters descriptor;
+  MatchingParameters matching;
+  std::optional<Box> workspace;  // world frame; where the tool may go
+};
+
+// A stored view that resembles the scan.
+struct Candidate {
+  std::shared_ptr<const TaughtView> view;
+  double descriptor_distance = 0;
+  std::optional<double> verification_score;  // where the view was aligned
+};
+
+// A grasp carried along to where the object stands.
+struct GraspProposal {
+  TaughtGrasp grasp;
+  Pose world_tcp = Pose::Identity();  // T_world_tcp
+};
+
+// One thing on the table.
+struct Detection {
+  RecognitionOutcome outcome = RecognitionOutcome::kUnknownObject;
+  std::shared_ptr<const TaughtView> view;  // null when unknown
+  double score = 0;                        // 0 to 1
+  Pose rough_pose = Pose::Identity();      // T_world_object after the shift
+  Pose refined_pose = Pose::Identity();    // T_world_object after the alignment
+  Registration registration;
+  std::vector<GraspProposal> grasps;  // best first
+  std::vector<Candidate> candidates;  // nearest first
+  std::size_t point_count = 0;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame
+};
+
+struct Recognition {
+  RecognitionOutcome outcome = RecognitionOutcome::kNoCluster;
+  std::int64_t revision = 0;
+  Pose world_sensor = Pose::Identity();
+  WorldFrame world_frame = WorldFrame::kGiven;
+  std::vector<Detection> detections;  // the nearest to the sensor first
+  std::vector<StageReport> stages;
+};
+
+// Recognises everything in a scan. The same scan against the same snapshot gives
+// the same answer. Errors as SegmentScan, and those of `clouds`. Thread-safe.
+absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot& catalogue,
+                                      ViewClouds& clouds, const RecognitionParameters& parameters,
+                                      const IsCancelled& is_cancelled);
+
+}  // namespace graspdb::recognition

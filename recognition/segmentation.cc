@@ -1,0 +1,233 @@
+#include "recognition/segmentation.h"
+
+#include <algorithm>
+
+#include "absl/status/status.h"
+#include "recognition/clusters.h"
+#include "recognition/filters.h"
+#include "recognition/region.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using Eigen::Vector3d;
+
+// The table that makes the world frame is looked for within this range, m.
+constexpr double kTableRange = 1.5;
+// Parts of one thing with unseen space between them may be so many cluster
+// tolerances apart.
+constexpr double kJoinReach = 2;
+
+template <typename T>
+std::vector<T> Select(const std::vector<T>& from, const Indices& which) {
+  std::vector<T> out;
+  out.reserve(which.size());
+  for (const std::int32_t i : which) out.push_back(from[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+std::vector<double> Heights(const Plane& table, const Points& points) {
+  std::vector<double> out;
+  out.reserve(points.size());
+  for (const auto& p : points) out.push_back(table.Height(p.cast<double>()));
+  return out;
+}
+
+void Keep(const Indices& which, RegionPoints* cloud) {
+  *cloud = {Select(cloud->points, which), Select(cloud->indices, which)};
+}
+
+// T_world_sensor from the dominant plane in front of the sensor.
+absl::StatusOr<Pose> WorldFromTable(const Points& scan, const SegmentationParameters& parameters) {
+  Points near;
+  for (const auto& p : scan) {
+    if (IsMeasurement(p) && p.squaredNorm() < kTableRange * kTableRange) near.push_back(p);
+  }
+  PlaneConstraint constraint;
+  constraint.distance_m = parameters.plane_distance_m;
+  constraint.min_share = parameters.plane_min_share;
+  const std::optional<Plane> table = FindPlane(near, Vector3d::Zero(), constraint);
+  std::optional<Pose> world_sensor;
+  if (table) {
+    world_sensor = WorldFromPlane(*table, Vector3d::Zero(), Vector3d::UnitZ(), Vector3d::UnitX());
+  }
+  if (!world_sensor) {
+    return absl::FailedPreconditionError(
+        "the sensor pose is not known and the scan shows no table plane within 1.5 m; give a "
+        "sensor pose or a calibrated cell");
+  }
+  return *world_sensor;
+}
+
+absl::Status FindWorldFrame(const Scan& scan, const SegmentationParameters& parameters,
+                            Segmentation* out) {
+  if (scan.world_sensor) {
+    out->world_sensor = *scan.world_sensor;
+    out->world_frame = WorldFrame::kGiven;
+  } else if (scan.segmented) {
+    out->world_frame = WorldFrame::kSensor;
+  } else {
+    absl::StatusOr<Pose> pose = WorldFromTable(scan.points, parameters);
+    if (!pose.ok()) return pose.status();
+    out->world_sensor = *pose;
+    out->world_frame = WorldFrame::kDominantPlane;
+  }
+  return absl::OkStatus();
+}
+
+// Removes the table and what is below it. Keeps all when there is no table.
+void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, Segmentation* out) {
+  PlaneConstraint constraint;
+  constraint.distance_m = parameters.plane_distance_m;
+  constraint.min_share = parameters.plane_min_share;
+  constraint.max_tilt_rad = parameters.plane_max_tilt_rad;
+  constraint.max_offset_m = parameters.plane_max_offset_m;
+  out->table = FindPlane(cloud->points, out->world_sensor.translation(), constraint);
+  if (!out->table) return;
+  Indices above;
+  for (std::size_t i = 0; i < cloud->points.size(); ++i) {
+    if (out->table->Height(cloud->points[i].cast<double>()) > parameters.plane_distance_m) {
+      above.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  Keep(above, cloud);
+}
+
+// The voxels as one cluster each, with their normals and the scan's points.
+std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& voxels,
+                                  const std::vector<Indices>& clusters, const PointSearch& search,
+                                  const Vector3d& viewpoint, double normal_radius_m,
+                                  StageLog* log) {
+  std::vector<std::int32_t> cluster_of(voxels.points.size(), -1);
+  std::vector<Segment> segments(clusters.size());
+  Normals normals;
+  log->Measure("normals", voxels.points.size(), [&] {
+    normals = EstimateNormals(voxels.points, search, viewpoint, normal_radius_m);
+    return normals.size();
+  });
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    segments[c].cloud = {Select(voxels.points, clusters[c]), Select(normals, clusters[c])};
+    segments[c].centroid = Centroid(segments[c].cloud.points);
+    for (const std::int32_t v : clusters[c]) {
+      cluster_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(c);
+    }
+  }
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const std::int32_t c = cluster_of[static_cast<std::size_t>(voxels.voxel_of[i])];
+    if (c >= 0) segments[static_cast<std::size_t>(c)].indices.push_back(cloud.indices[i]);
+  }
+  std::stable_sort(segments.begin(), segments.end(), [&](const Segment& a, const Segment& b) {
+    return (a.centroid - viewpoint).squaredNorm() < (b.centroid - viewpoint).squaredNorm();
+  });
+  return segments;
+}
+
+// Outliers, voxels, clusters and normals of what stands on the table.
+void FindSegments(RegionPoints cloud, bool segmented, const SegmentationParameters& parameters,
+                  const DescriptorParameters& descriptor, StageLog* log, Segmentation* out) {
+  if (!segmented) {
+    log->Measure("outliers", cloud.points.size(), [&] {
+      Keep(RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,
+                                     parameters.outlier_deviation_factor),
+           &cloud);
+      return cloud.points.size();
+    });
+  }
+  VoxelCloud voxels;
+  log->Measure("voxels", cloud.points.size(), [&] {
+    voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m);
+    return voxels.points.size();
+  });
+  const PointSearch search(voxels.points);
+  std::vector<Indices> clusters;
+  log->Measure("clusters", voxels.points.size(), [&] {
+    const auto smallest = static_cast<std::size_t>(
+        std::max(parameters.min_cluster_point_count, static_cast<int>(kMinDescriptorPoints)));
+    if (!segmented) {
+      clusters = FindClusters(voxels.points, search, parameters.cluster_tolerance_m, smallest);
+      if (out->table) {
+        clusters =
+            JoinUnsupported(voxels.points, search, Heights(*out->table, voxels.points),
+                            std::move(clusters), kJoinReach * parameters.cluster_tolerance_m);
+      }
+    } else if (voxels.points.size() >= smallest) {
+      clusters.emplace_back(voxels.points.size());
+      for (std::size_t i = 0; i < voxels.points.size(); ++i) {
+        clusters.back()[i] = static_cast<std::int32_t>(i);
+      }
+    }
+    std::size_t kept = 0;
+    for (const Indices& cluster : clusters) kept += cluster.size();
+    return kept;
+  });
+  if (clusters.empty()) return;
+  out->segments = MakeSegments(cloud, voxels, clusters, search, out->world_sensor.translation(),
+                               descriptor.normal_radius_m, log);
+  out->outcome = SegmentationOutcome::kFound;
+}
+
+}  // namespace
+
+Box DefaultRegion(const Pose& world_sensor) {
+  Box region{Vector3d(-0.5, -0.5, -0.05), Vector3d(0.5, 0.5, 0.6)};
+  const Eigen::Vector2d foot = world_sensor.translation().head<2>();
+  region.min.head<2>() = region.min.head<2>().cwiseMin(foot);
+  region.max.head<2>() = region.max.head<2>().cwiseMax(foot);
+  return region;
+}
+
+Eigen::Vector3d Centroid(const Points& points) {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& p : points) sum += p.cast<double>();
+  return points.empty() ? sum : Vector3d(sum / static_cast<double>(points.size()));
+}
+
+Points Transform(const Pose& a_b, const Points& points) {
+  Points out;
+  out.reserve(points.size());
+  for (const auto& p : points) out.emplace_back((a_b * p.cast<double>()).cast<float>());
+  return out;
+}
+
+OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoint,
+                           const DescriptorParameters& parameters) {
+  OrientedCloud out;
+  out.points = DownsampleToVoxels(points, parameters.voxel_size_m).points;
+  out.normals =
+      EstimateNormals(out.points, PointSearch(out.points), viewpoint, parameters.normal_radius_m);
+  return out;
+}
+
+absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
+                                         const DescriptorParameters& descriptor,
+                                         const IsCancelled& is_cancelled, StageLog* log) {
+  Segmentation out;
+  RegionPoints cloud;
+  absl::Status status;
+  log->Measure("region", scan.points.size(), [&] {
+    if (std::none_of(scan.points.begin(), scan.points.end(), IsMeasurement)) return std::size_t{0};
+    status = FindWorldFrame(scan, parameters, &out);
+    if (!status.ok()) return std::size_t{0};
+    std::optional<Box> region = scan.region;
+    if (!region && !scan.segmented) region = DefaultRegion(out.world_sensor);
+    cloud = CropToRegion(scan.points, out.world_sensor, region);
+    return cloud.points.size();
+  });
+  if (!status.ok()) return status;
+  if (cloud.points.empty()) {
+    out.outcome = SegmentationOutcome::kEmptyRegion;
+    return out;
+  }
+  if (is_cancelled()) return absl::CancelledError("cancelled after the region of interest");
+  if (!scan.segmented) {
+    log->Measure("plane", cloud.points.size(), [&] {
+      RemoveTable(parameters, &cloud, &out);
+      return cloud.points.size();
+    });
+  }
+  if (is_cancelled()) return absl::CancelledError("cancelled after the table plane");
+  FindSegments(std::move(cloud), scan.segmented, parameters, descriptor, log, &out);
+  return out;
+}
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,81 @@
+// From a sensor frame to the points of each object: region of interest, table
+// plane, outliers, voxels, clusters, normals (paper, section 3.1). Teaching and
+// recognising use the same code.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/parameters.h"
+#include "recognition/plane.h"
+#include "recognition/stages.h"
+#include "recognition/types.h"
+
+namespace graspdb::recognition {
+
+// What a sensor saw.
+struct Scan {
+  Points points;                     // sensor frame, m; NaN or zero: no measurement
+  std::optional<Pose> world_sensor;  // T_world_sensor, where known
+  std::optional<Box> region;         // world frame; absent: DefaultRegion
+  bool segmented = false;            // the points are one object's and nothing else
+};
+
+// Where objects are looked for when nobody says where: from 5 cm below to 60 cm
+// above the table, 0.5 m to each side of the world's origin, and on to the foot of
+// the sensor at `world_sensor`, so that what stands nearer than the image centre
+// is not cut off.
+Box DefaultRegion(const Pose& world_sensor);
+
+// Where the world frame came from.
+enum class WorldFrame {
+  kGiven,          // Scan::world_sensor.
+  kDominantPlane,  // The table before the sensor, see WorldFromPlane.
+  kSensor,         // The sensor's own frame, for a segmented scan without a pose.
+};
+
+// One thing on the table.
+struct Segment {
+  Indices indices;      // its points in the scan
+  OrientedCloud cloud;  // its voxels, world frame, normals towards the sensor
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // of `cloud`, world frame
+};
+
+// What there is if there is no segment.
+enum class SegmentationOutcome { kFound, kEmptyRegion, kNoCluster };
+
+struct Segmentation {
+  SegmentationOutcome outcome = SegmentationOutcome::kNoCluster;
+  Pose world_sensor = Pose::Identity();
+  WorldFrame world_frame = WorldFrame::kGiven;
+  std::optional<Plane> table;     // world frame; absent when no plane was found
+  std::vector<Segment> segments;  // the nearest to the sensor first
+};
+
+// Whether the caller has lost interest; asked between the steps.
+using IsCancelled = std::function<bool()>;
+
+// Finds the objects in a scan and appends what each step did to `log`.
+//
+// Without a plane in the region nothing is removed as table. A scan that is
+// `segmented` is one segment, whatever it holds, as long as it has
+// min_cluster_point_count voxels. FAILED_PRECONDITION when the sensor pose is not
+// known and there is no plane that could stand in for it; CANCELLED.
+absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
+                                         const DescriptorParameters& descriptor,
+                                         const IsCancelled& is_cancelled, StageLog* log);
+
+// Voxels and normals of one object's points (world frame, m) as SegmentScan makes
+// them; the way a stored cloud is made ready again.
+OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoint,
+                           const DescriptorParameters& parameters);
+
+// Mean of the points, in their frame; zero without points.
+Eigen::Vector3d Centroid(const Points& points);
+
+// The points moved by T_a_b from frame b to frame a.
+Points Transform(const Pose& a_b, const Points& points);
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,48 @@
+// What each step of the pipeline did and how long it took.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace graspdb::recognition {
+
+// One step; one that runs for every cluster is summed.
+struct StageReport {
+  std::string stage;
+  std::size_t input_points = 0;
+  std::size_t output_points = 0;
+  double duration_ms = 0;
+};
+
+// Collects the reports in the order in which the steps first ran. Not thread-safe.
+class StageLog {
+ public:
+  // Runs `step`, which returns the number of points that came out of it.
+  template <typename Step>
+  void Measure(std::string_view stage, std::size_t input_points, Step&& step) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t output_points = step();
+    const std::chrono::duration<double, std::milli> spent =
+        std::chrono::steady_clock::now() - start;
+    StageReport& report = Find(stage);
+    report.input_points += input_points;
+    report.output_points += output_points;
+    report.duration_ms += spent.count();
+  }
+
+  const std::vector<StageReport>& reports() const { return reports_; }
+
+ private:
+  StageReport& Find(std::string_view stage) {
+    for (StageReport& report : reports_) {
+      if (report.stage == stage) return report;
+    }
+    return reports_.emplace_back(StageReport{std::string(stage)});
+  }
+
+  std::vector<StageReport> reports_;
+};
+
+}  // namespace graspdb::recognition

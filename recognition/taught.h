@@ -1,0 +1,44 @@
+// What was taught, as the recognition needs it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/types.h"
+
+namespace graspdb::recognition {
+
+struct TaughtGrasp {
+  std::string id;
+  Pose object_tcp = Pose::Identity();  // T_object_tcp
+  double approach_distance_m = 0;
+  double gripper_opening_m = 0;
+  int priority = 0;  // the higher, the earlier
+};
+
+struct TaughtStablePose {
+  std::string name;        // resource name
+  int symmetry_order = 1;  // about the object's z axis; 0: any turn
+  std::vector<TaughtGrasp> grasps;
+};
+
+struct TaughtView {
+  std::string name;                      // resource name
+  std::string content;                   // digest: names may be used again, content not
+  std::string object;                    // resource name
+  std::string stable_pose;               // resource name
+  Pose world_object = Pose::Identity();  // T_world_object of the capture
+  Pose world_sensor = Pose::Identity();  // T_world_sensor of the capture
+};
+
+// Gives the prepared clouds of views. Implementations are thread-safe.
+class ViewClouds {
+ public:
+  virtual ~ViewClouds() = default;
+  // The view's voxels and normals in the world frame of its capture.
+  virtual absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) = 0;
+};
+
+}  // namespace graspdb::recognition
