@@ -1,0 +1,83 @@
+#include "storage/catalogue.h"
+
+#include <utility>
+
+#include "storage/change_log.h"
+#include "storage/database.h"
+#include "storage/record_list.h"
+#include "storage/revision_floor.h"
+#include "storage/schema.h"
+
+namespace graspdb::storage {
+
+absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& directory,
+                                                           CatalogueOptions options) {
+  const auto floor = ReadRevisionFloor(directory);
+  if (!floor.ok()) return floor.status();
+  auto database = Database::Open(directory, {.create_if_missing = options.create_if_missing,
+                                             .write_buffer_bytes = options.write_buffer_bytes,
+                                             .env = options.env});
+  if (!database.ok()) return database.status();
+  auto meta = PrepareSchema(**database, *floor, options.clock());
+  if (!meta.ok()) return meta.status();
+  const absl::Status floor_written = WriteRevisionFloor(directory, meta->revision());
+  if (!floor_written.ok()) return floor_written;
+  auto log = std::make_unique<ChangeLog>(**database, *std::move(meta), std::move(options.clock));
+  // The constructor is private, so std::make_unique cannot call it.
+  return std::unique_ptr<Catalogue>(new Catalogue(*std::move(database), std::move(log)));
+}
+
+Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log)
+    : database_(std::move(database)), log_(std::move(log)) {}
+
+Catalogue::~Catalogue() {
+  // An older floor is true as well; it only notices less.
+  WriteRevisionFloor(database_->directory(), revision()).IgnoreError();
+}
+
+std::int64_t Catalogue::revision() const { return log_->meta().revision(); }
+
+CatalogueCounts Catalogue::counts() const {
+  const MetaRecord meta = log_->meta();
+  return {.objects = meta.object_count(),
+          .stable_poses = meta.stable_pose_count(),
+          .views = meta.view_count(),
+          .cells = meta.cell_count()};
+}
+
+int Catalogue::schema_version() const { return log_->meta().schema_version(); }
+
+absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {
+  const Database::Snapshot snapshot = database_->TakeSnapshot();
+  const auto bytes = database_->Get(Family::kMeta, kMetaKey, snapshot.get());
+  if (!bytes.ok()) return bytes.status();
+  MetaRecord meta;
+  if (!meta.ParseFromString(*bytes)) return DamagedRecord(kMetaKey);
+  absl::Status status = VisitRecords<v1::Object>(*database_, snapshot.get(), visitor.object);
+  if (!status.ok()) return status;
+  status = VisitRecords<v1::StablePose>(*database_, snapshot.get(), visitor.stable_pose);
+  if (!status.ok()) return status;
+  status = VisitRecords<ViewRecord>(*database_, snapshot.get(), visitor.view);
+  if (!status.ok()) return status;
+  status = VisitRecords<v1::Cell>(*database_, snapshot.get(), visitor.cell);
+  if (!status.ok()) return status;
+  return meta.revision();
+}
+
+absl::StatusOr<std::int64_t> Catalogue::ForEachView(
+    const std::function<absl::Status(const ViewRecord&)>& visit) const {
+  RecordVisitor visitor;
+  visitor.view = visit;
+  return ForEach(visitor);
+}
+
+absl::StatusOr<std::int64_t> Catalogue::Subscribe(ChangeListener listener) {
+  return log_->Subscribe(std::move(listener));
+}
+
+absl::StatusOr<std::vector<ChangeRecord>> Catalogue::ReadChanges(std::int64_t after_revision,
+                                                                 std::size_t limit) const {
+  return log_->Read(after_revision, limit);
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,209 @@
+// The catalogue: objects, stable poses, views and cells on disk.
+//
+// Thread safety: every method may be called from any thread. Readers never wait for
+// writers; writers take turns. What a reader gets is one committed state of one record;
+// ForEach() gives one state of everything.
+//
+// Durability: a mutation that returned OK is on the disk. It survives the end of the
+// process at any instruction and, if the disk keeps its promise to flush, the end of
+// the machine. A mutation that did not return is there as a whole or not at all; so is
+// one that returned UNAVAILABLE, RESOURCE_EXHAUSTED or DATA_LOSS from the disk, and
+// after such an error the catalogue refuses further changes until it is opened anew.
+//
+// Revisions: every change gets the next revision, 1 first, without gaps, and leaves a
+// change record in the same atomic write. Nothing writes around them.
+//
+// Errors: each one is a status whose text says what to do next. Besides the codes that
+// the methods name, all of them can return DATA_LOSS (the database is damaged) and
+// UNAVAILABLE (the disk fails). No method throws, short of running out of memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "graspdb/v1/catalog.pb.h"
+#include "graspdb/v1/cell.pb.h"
+#include "storage/records.pb.h"
+
+namespace rocksdb {
+class Env;
+}  // namespace rocksdb
+
+namespace graspdb::storage {
+
+class ChangeLog;
+class Database;
+
+struct CatalogueOptions {
+  // Whether to make a database when there is none; otherwise that is NOT_FOUND.
+  bool create_if_missing = true;
+  // Source of create and update times. Called by one writer at a time; must not throw.
+  std::function<absl::Time()> clock = absl::Now;
+  // Memory that each of the seven families may fill before it goes to a file, in bytes.
+  std::size_t write_buffer_bytes = 16U << 20;
+  // How files are reached; not owned, must outlive the catalogue. Null: as the machine
+  // does. Tests put a failing disk here.
+  rocksdb::Env* env = nullptr;
+};
+
+struct CatalogueCounts {
+  std::int64_t objects = 0;
+  std::int64_t stable_poses = 0;
+  std::int64_t views = 0;
+  std::int64_t cells = 0;
+};
+
+// Records in ascending bytewise order of their names.
+template <typename Record>
+struct Page {
+  std::vector<Record> records;
+  bool more = false;  // whether records follow; list again after the last name
+};
+
+// A view as it is taught. create_time of the record is set by the catalogue.
+struct NewView {
+  ViewRecord record;
+  std::string packed_cloud;  // of PackCloud(); stored as it is
+};
+
+enum class PutViewOutcome {
+  kCreated,   // stored under a revision of its own
+  kExisting,  // a view of that name and digest is there; nothing changed
+};
+
+// The descriptors that a view is to have instead of those it has.
+struct DescriptorUpdate {
+  std::string view_name;
+  std::vector<DescriptorRecord> descriptors;
+};
+
+// Who gets the records in ForEach(); empty functions are passed over, and an error ends
+// the reading. Called on the reading thread.
+struct RecordVisitor {
+  std::function<absl::Status(const v1::Object&)> object;
+  std::function<absl::Status(const v1::StablePose&)> stable_pose;
+  std::function<absl::Status(const ViewRecord&)> view;
+  std::function<absl::Status(const v1::Cell&)> cell;
+};
+
+// Must not throw.
+using ChangeListener = std::function<void(const ChangeRecord&)>;
+
+class Catalogue {
+ public:
+  // Opens the database in `directory`, or makes one there. One process owns a database
+  // at a time: FAILED_PRECONDITION for the second. FAILED_PRECONDITION also when the
+  // directory holds something else or the schema is newer than this program;
+  // DATA_LOSS when it is damaged. An older schema is migrated.
+  static absl::StatusOr<std::unique_ptr<Catalogue>> Open(const std::string& directory,
+                                                         CatalogueOptions options = {});
+  // Closes the database. No other thread may be in a method.
+  ~Catalogue();
+  Catalogue(const Catalogue&) = delete;
+  Catalogue& operator=(const Catalogue&) = delete;
+
+  // Revision of the last change; 0 before the first one.
+  std::int64_t revision() const;
+  // How many records there are; kept in memory.
+  CatalogueCounts counts() const;
+  int schema_version() const;
+
+  // --- Objects, stable poses, cells -------------------------------------------------
+  // Names are checked, INVALID_ARGUMENT; other fields are stored as they are. Etag,
+  // create_time and update_time are set here, whatever the caller gives.
+  //
+  // Create: ALREADY_EXISTS, or NOT_FOUND for a missing parent.
+  // Get: NOT_FOUND.
+  // List: at most `page_size` (at least 1) records after `after_name` (empty: from the
+  //   first); NOT_FOUND for a missing parent.
+  // Update: lets `change` edit the record while no other change can come between; its
+  //   error ends the update with nothing changed. `change` must not call the catalogue.
+  //   ABORTED when `etag` is given and not the record's.
+  // Delete: ABORTED as Update. FAILED_PRECONDITION when there are children, unless
+  //   `force`, which deletes them, views and clouds included, in the same change.
+
+  absl::StatusOr<v1::Object> CreateObject(v1::Object object);
+  absl::StatusOr<v1::Object> GetObject(std::string_view name) const;
+  absl::StatusOr<Page<v1::Object>> ListObjects(std::size_t page_size,
+                                               std::string_view after_name) const;
+  absl::StatusOr<v1::Object> UpdateObject(std::string_view name, std::string_view etag,
+                                          const std::function<absl::Status(v1::Object&)>& change);
+  absl::Status DeleteObject(std::string_view name, bool force, std::string_view etag);
+
+  absl::StatusOr<v1::StablePose> CreateStablePose(v1::StablePose stable_pose);
+  absl::StatusOr<v1::StablePose> GetStablePose(std::string_view name) const;
+  absl::StatusOr<Page<v1::StablePose>> ListStablePoses(std::string_view object_name,
+                                                       std::size_t page_size,
+                                                       std::string_view after_name) const;
+  absl::StatusOr<v1::StablePose> UpdateStablePose(
+      std::string_view name, std::string_view etag,
+      const std::function<absl::Status(v1::StablePose&)>& change);
+  absl::Status DeleteStablePose(std::string_view name, bool force, std::string_view etag);
+
+  absl::StatusOr<v1::Cell> CreateCell(v1::Cell cell);
+  absl::StatusOr<v1::Cell> GetCell(std::string_view name) const;
+  absl::StatusOr<Page<v1::Cell>> ListCells(std::size_t page_size,
+                                           std::string_view after_name) const;
+  absl::StatusOr<v1::Cell> UpdateCell(std::string_view name, std::string_view etag,
+                                      const std::function<absl::Status(v1::Cell&)>& change);
+  absl::Status DeleteCell(std::string_view name, std::string_view etag);
+
+  // --- Views ------------------------------------------------------------------------
+
+  // Stores a view. NOT_FOUND without its stable pose, INVALID_ARGUMENT without a digest
+  // or a cloud, ALREADY_EXISTS when a view of that name has another digest.
+  absl::StatusOr<PutViewOutcome> PutView(const NewView& view);
+  // Stores views in one atomic write: each with its own revision, all or none. The
+  // outcomes are in the order of `views`. The first view that cannot be stored ends
+  // the call with its error, which names it.
+  absl::StatusOr<std::vector<PutViewOutcome>> PutViews(std::span<const NewView> views);
+  absl::StatusOr<ViewRecord> GetView(std::string_view name) const;
+  // The bytes given to PutView.
+  absl::StatusOr<std::string> GetPackedCloud(std::string_view name) const;
+  absl::StatusOr<Page<ViewRecord>> ListViews(std::string_view stable_pose_name,
+                                             std::size_t page_size,
+                                             std::string_view after_name) const;
+  absl::Status DeleteView(std::string_view name);
+  // Replaces descriptors after their parameters changed: one change, all or nothing.
+  // Its change record holds all the views, so give some hundreds at a time. NOT_FOUND
+  // when one is missing. Returns the revision; without updates, the current one.
+  absl::StatusOr<std::int64_t> ReplaceDescriptors(std::span<const DescriptorUpdate> updates);
+
+  // --- Following --------------------------------------------------------------------
+
+  // Reads all records of one revision, parents before children and each kind by name,
+  // and returns that revision. Reads no clouds. Writers are not held up.
+  absl::StatusOr<std::int64_t> ForEach(const RecordVisitor& visitor) const;
+  absl::StatusOr<std::int64_t> ForEachView(
+      const std::function<absl::Status(const ViewRecord&)>& visit) const;
+
+  // Sets the one listener (empty: none) and returns the revision R after which it is
+  // told of every change: R + 1, R + 2, ... in order, on the thread that makes the change,
+  // after the change is durable and before the call that made it returns. So whoever
+  // sees a write acknowledged sees a follower that knows of it. To follow from the
+  // start: Subscribe, then ForEach, then drop changes up to the revision of ForEach.
+  // The listener holds up all writers. It may call reading methods; changes and
+  // Subscribe from within it are refused with FAILED_PRECONDITION.
+  absl::StatusOr<std::int64_t> Subscribe(ChangeListener listener);
+  // At most `limit` (at least 1) change records after `after_revision`, oldest first.
+  absl::StatusOr<std::vector<ChangeRecord>> ReadChanges(std::int64_t after_revision,
+                                                        std::size_t limit) const;
+
+ private:
+  Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log);
+
+  std::unique_ptr<Database> database_;
+  std::unique_ptr<ChangeLog> log_;
+};
+
+}  // namespace graspdb::storage

@@ -1,0 +1,140 @@
+// Objects, stable poses and cells.
+#include <string>
+#include <utility>
+
+#include "storage/catalogue.h"
+#include "storage/change_log.h"
+#include "storage/database.h"
+#include "storage/record_kind.h"
+#include "storage/record_list.h"
+#include "storage/resource_writer.h"
+
+namespace graspdb::storage {
+namespace {
+
+// Removes all records of a family below `prefix` in the change that has begun.
+absl::Status RemoveBelow(const Database& database, Family family, const std::string& prefix,
+                         ChangeBatch& batch) {
+  return database.Scan(family, prefix, "",
+                       [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
+                         batch.Remove(family, key);
+                         return true;
+                       });
+}
+
+absl::StatusOr<bool> IsEmptyBelow(const Database& database, Family family,
+                                  const std::string& prefix) {
+  bool empty = true;
+  const absl::Status scanned = database.Scan(
+      family, prefix, "", [&empty](std::string_view, std::string_view) -> absl::StatusOr<bool> {
+        empty = false;
+        return false;
+      });
+  if (!scanned.ok()) return scanned;
+  return empty;
+}
+
+absl::Status CheckChildless(const Database& database, Family family, const std::string& prefix,
+                            std::string_view name, std::string_view children) {
+  const auto empty = IsEmptyBelow(database, family, prefix);
+  if (!empty.ok()) return empty.status();
+  if (*empty) return absl::OkStatus();
+  return absl::FailedPreconditionError(std::string(name) + " has " + std::string(children) +
+                                       "; delete them first, or delete with force");
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Object> Catalogue::CreateObject(v1::Object object) {
+  return CreateRecord(*database_, *log_, std::move(object));
+}
+
+absl::StatusOr<v1::Object> Catalogue::GetObject(std::string_view name) const {
+  return ReadRecord<v1::Object>(*database_, name);
+}
+
+absl::StatusOr<Page<v1::Object>> Catalogue::ListObjects(std::size_t page_size,
+                                                        std::string_view after_name) const {
+  return ListRecords<v1::Object>(*database_, "", page_size, after_name);
+}
+
+absl::StatusOr<v1::Object> Catalogue::UpdateObject(
+    std::string_view name, std::string_view etag,
+    const std::function<absl::Status(v1::Object&)>& change) {
+  return UpdateRecord(*database_, *log_, name, etag, change);
+}
+
+absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::string_view etag) {
+  const std::string below = std::string(name) + std::string(Kind<v1::StablePose>::kCollection);
+  return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
+    auto status = RemoveRecord<v1::Object>(*database_, batch, name, etag);
+    if (status.ok() && !force) {
+      status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
+    }
+    for (const Family family : {Family::kStablePoses, Family::kViews, Family::kClouds}) {
+      if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
+    }
+    return status;
+  });
+}
+
+absl::StatusOr<v1::StablePose> Catalogue::CreateStablePose(v1::StablePose stable_pose) {
+  return CreateRecord(*database_, *log_, std::move(stable_pose));
+}
+
+absl::StatusOr<v1::StablePose> Catalogue::GetStablePose(std::string_view name) const {
+  return ReadRecord<v1::StablePose>(*database_, name);
+}
+
+absl::StatusOr<Page<v1::StablePose>> Catalogue::ListStablePoses(std::string_view object_name,
+                                                                std::size_t page_size,
+                                                                std::string_view after_name) const {
+  if (auto parent = GetObject(object_name); !parent.ok()) return parent.status();
+  return ListRecords<v1::StablePose>(*database_, object_name, page_size, after_name);
+}
+
+absl::StatusOr<v1::StablePose> Catalogue::UpdateStablePose(
+    std::string_view name, std::string_view etag,
+    const std::function<absl::Status(v1::StablePose&)>& change) {
+  return UpdateRecord(*database_, *log_, name, etag, change);
+}
+
+absl::Status Catalogue::DeleteStablePose(std::string_view name, bool force, std::string_view etag) {
+  const std::string below = std::string(name) + std::string(Kind<ViewRecord>::kCollection);
+  return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
+    auto status = RemoveRecord<v1::StablePose>(*database_, batch, name, etag);
+    if (status.ok() && !force) {
+      status = CheckChildless(*database_, Family::kViews, below, name, "views");
+    }
+    for (const Family family : {Family::kViews, Family::kClouds}) {
+      if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
+    }
+    return status;
+  });
+}
+
+absl::StatusOr<v1::Cell> Catalogue::CreateCell(v1::Cell cell) {
+  return CreateRecord(*database_, *log_, std::move(cell));
+}
+
+absl::StatusOr<v1::Cell> Catalogue::GetCell(std::string_view name) const {
+  return ReadRecord<v1::Cell>(*database_, name);
+}
+
+absl::StatusOr<Page<v1::Cell>> Catalogue::ListCells(std::size_t page_size,
+                                                    std::string_view after_name) const {
+  return ListRecords<v1::Cell>(*database_, "", page_size, after_name);
+}
+
+absl::StatusOr<v1::Cell> Catalogue::UpdateCell(
+    std::string_view name, std::string_view etag,
+    const std::function<absl::Status(v1::Cell&)>& change) {
+  return UpdateRecord(*database_, *log_, name, etag, change);
+}
+
+absl::Status Catalogue::DeleteCell(std::string_view name, std::string_view etag) {
+  return log_->Mutate(
+      [&](ChangeBatch& batch) { return RemoveRecord<v1::Cell>(*database_, batch, name, etag); });
+}
+
+}  // namespace graspdb::storage

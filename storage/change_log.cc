@@ -1,0 +1,113 @@
+#include "storage/change_log.h"
+
+#include <string>
+#include <utility>
+
+#include "google/protobuf/util/time_util.h"
+#include "storage/change_key.h"
+#include "storage/revision_floor.h"
+
+namespace graspdb::storage {
+namespace {
+
+// Changes between two writes of the revision floor, which costs about three of them.
+constexpr std::int64_t kFloorInterval = 256;
+
+}  // namespace
+
+ChangeLog::ChangeLog(Database& database, MetaRecord meta, Clock clock)
+    : database_(database),
+      clock_(std::move(clock)),
+      floor_(meta.revision()),
+      meta_(std::move(meta)) {}
+
+absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill) {
+  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  absl::MutexLock lock(&writer_mutex_);
+  if (!failure_.ok()) return failure_;
+  ChangeBatch batch(
+      database_, meta(),
+      google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(clock_())));
+  if (auto filled = fill(batch); !filled.ok()) return filled;
+  if (batch.changes().empty()) return absl::OkStatus();
+  return Commit(batch);
+}
+
+absl::Status ChangeLog::Commit(ChangeBatch& batch) {
+  if (auto finished = batch.Finish(); !finished.ok()) return finished;
+  if (auto written = database_.Write(batch.rocks()); !written.ok()) {
+    // The batch may be on the disk or not. Going on could give its revision away twice.
+    failure_ = absl::UnavailableError("the catalogue takes no changes since a write failed (" +
+                                      std::string(written.message()) +
+                                      "); see to the disk and restart the server");
+    return written;
+  }
+  {
+    absl::MutexLock lock(&meta_mutex_);
+    meta_ = batch.meta();
+  }
+  RaiseFloor(batch.meta().revision());
+  Notify(batch.changes());
+  return absl::OkStatus();
+}
+
+void ChangeLog::RaiseFloor(std::int64_t revision) {
+  if (revision < floor_ + kFloorInterval) return;
+  // An older floor is true as well; it only notices less.
+  WriteRevisionFloor(database_.directory(), revision).IgnoreError();
+  floor_ = revision;
+}
+
+void ChangeLog::Notify(const std::vector<ChangeRecord>& changes) {
+  if (!listener_) return;
+  notifying_thread_ = std::this_thread::get_id();
+  for (const ChangeRecord& change : changes) listener_(change);
+  notifying_thread_ = std::thread::id();
+}
+
+absl::Status ChangeLog::CheckNotInListener() const {
+  if (notifying_thread_.load() != std::this_thread::get_id()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      "the catalogue cannot be changed from within its change listener; do it from another thread "
+      "after the listener has returned");
+}
+
+absl::StatusOr<std::int64_t> ChangeLog::Subscribe(Listener listener) {
+  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  absl::MutexLock lock(&writer_mutex_);
+  listener_ = std::move(listener);
+  return meta().revision();
+}
+
+MetaRecord ChangeLog::meta() const {
+  absl::MutexLock lock(&meta_mutex_);
+  return meta_;
+}
+
+absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_revision,
+                                                          std::size_t limit) const {
+  std::vector<ChangeRecord> changes;
+  if (after_revision < 0 || limit == 0) {
+    return absl::InvalidArgumentError(
+        "give a revision of 0 or more and a limit of at least 1 to read changes");
+  }
+  std::int64_t expected = after_revision;
+  const absl::Status scanned = database_.Scan(
+      Family::kChanges, "", ChangeKey(after_revision),
+      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+        ChangeRecord change;
+        ++expected;
+        if (key != ChangeKey(expected) ||
+            !change.ParseFromArray(value.data(), static_cast<int>(value.size())) ||
+            change.revision() != expected) {
+          return absl::DataLossError("the change record of revision " + std::to_string(expected) +
+                                     " is missing or damaged; restore the database from a backup");
+        }
+        changes.push_back(std::move(change));
+        return changes.size() < limit;
+      });
+  if (!scanned.ok()) return scanned;
+  return changes;
+}
+
+}  // namespace graspdb::storage

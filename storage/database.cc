@@ -1,0 +1,197 @@
+#include "storage/database.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "rocksdb/cache.h"
+#include "rocksdb/iterator.h"
+#include "storage/database_directory.h"
+#include "storage/log_check.h"
+#include "storage/rocksdb_options.h"
+#include "storage/rocksdb_status.h"
+
+namespace graspdb::storage {
+namespace {
+
+constexpr std::size_t kBlockCacheBytes = 64U << 20;
+
+rocksdb::Slice ToSlice(std::string_view text) { return {text.data(), text.size()}; }
+std::string_view ToView(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
+
+// The first key behind all keys with this prefix; empty when there is none. The
+// prefixes in use are short and end in '/'.
+std::string EndOfPrefix(std::string_view prefix) {
+  std::string end(prefix);
+  while (!end.empty() && static_cast<unsigned char>(end.back()) == 0xff) end.pop_back();
+  if (!end.empty()) end.back() = static_cast<char>(static_cast<unsigned char>(end.back()) + 1);
+  return end;
+}
+
+// Makes sure that there is something of ours to open, or that nothing is in the way.
+absl::Status PrepareDirectory(const std::string& directory, bool create_if_missing) {
+  const auto content = InspectDirectory(directory);
+  if (!content.ok()) return content.status();
+  if (*content == DirectoryContent::kDatabase) return CheckLogs(directory);
+  if (!create_if_missing) {
+    return absl::NotFoundError("there is no database at " + directory + "; choose another --db");
+  }
+  return MakeDirectory(directory);
+}
+
+// The families on disk; only the default one when there is no database yet. A
+// database of another program is refused before RocksDB could change it.
+absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& options,
+                                                      const std::string& directory) {
+  const auto content = InspectDirectory(directory);
+  if (!content.ok()) return content.status();
+  std::vector<std::string> names = {std::string(FamilyName(Family::kMeta))};
+  if (*content == DirectoryContent::kNothing) return names;
+  const rocksdb::Status listed = rocksdb::DB::ListColumnFamilies(options, directory, &names);
+  if (!listed.ok()) return FromRocksDbOpen(listed, directory);
+  const auto known = [](const std::string& name) {
+    return std::find(kFamilyNames.begin(), kFamilyNames.end(), name) != kFamilyNames.end();
+  };
+  const bool all_known = std::all_of(names.begin(), names.end(), known);
+  const bool ours = std::count_if(names.begin(), names.end(), known) == kFamilyCount;
+  if (all_known || ours) return names;  // begun by us, or by us with families of the future
+  return absl::FailedPreconditionError("the directory " + directory +
+                                       " holds the database of another program; choose an empty "
+                                       "directory or another --db");
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& directory,
+                                                         const Options& options) {
+  if (auto prepared = PrepareDirectory(directory, options.create_if_missing); !prepared.ok()) {
+    return prepared;
+  }
+  const rocksdb::DBOptions db_options = MakeDbOptions(options.env);
+  const auto names = ListFamilies(db_options, directory);
+  if (!names.ok()) return names.status();
+
+  std::unique_ptr<Database> database(new Database(directory));
+  database->write_buffer_bytes_ = options.write_buffer_bytes;
+  database->block_cache_ = rocksdb::NewLRUCache(kBlockCacheBytes);
+  std::vector<rocksdb::ColumnFamilyDescriptor> descriptors;
+  for (const std::string& name : *names) {
+    descriptors.emplace_back(
+        name, MakeFamilyOptions(name, options.write_buffer_bytes, database->block_cache_));
+  }
+  rocksdb::DB* db = nullptr;
+  std::vector<rocksdb::ColumnFamilyHandle*> handles;
+  const rocksdb::Status opened =
+      rocksdb::DB::Open(db_options, directory, descriptors, &handles, &db);
+  if (!opened.ok()) return FromRocksDbOpen(opened, directory);
+  database->db_.reset(db);
+  database->Adopt(handles);
+  return database;
+}
+
+Database::~Database() {
+  if (db_ == nullptr) return;
+  // Every acknowledged write is in the synced log; an error here can lose nothing.
+  for (rocksdb::ColumnFamilyHandle* handle : handles_) {
+    db_->DestroyColumnFamilyHandle(handle).PermitUncheckedError();
+  }
+  db_->Close().PermitUncheckedError();
+}
+
+void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {
+  for (rocksdb::ColumnFamilyHandle* handle : handles) {
+    handles_.push_back(handle);
+    const auto name = std::find(kFamilyNames.begin(), kFamilyNames.end(), handle->GetName());
+    if (name == kFamilyNames.end()) continue;
+    families_[static_cast<std::size_t>(name - kFamilyNames.begin())] = handle;
+  }
+}
+
+bool Database::IsPristine() const { return db_->GetLatestSequenceNumber() == 0; }
+
+bool Database::HasAllFamilies() const {
+  return std::find(families_.begin(), families_.end(), nullptr) == families_.end();
+}
+
+absl::Status Database::CreateMissingFamilies() {
+  std::vector<rocksdb::ColumnFamilyDescriptor> missing;
+  for (std::size_t i = 0; i < kFamilyCount; ++i) {
+    if (families_[i] != nullptr) continue;
+    const std::string name(kFamilyNames[i]);
+    missing.emplace_back(name, MakeFamilyOptions(name, write_buffer_bytes_, block_cache_));
+  }
+  std::vector<rocksdb::ColumnFamilyHandle*> handles;
+  const rocksdb::Status created = db_->CreateColumnFamilies(missing, &handles);
+  Adopt(handles);
+  return FromRocksDb(created, "make the column families");
+}
+
+absl::StatusOr<std::string> Database::Get(Family family, std::string_view key,
+                                          const rocksdb::Snapshot* snapshot) const {
+  rocksdb::ReadOptions options;
+  options.snapshot = snapshot;
+  std::string value;
+  const rocksdb::Status read = db_->Get(options, Handle(family), ToSlice(key), &value);
+  if (!read.ok()) return FromRocksDb(read, "read " + std::string(key));
+  return value;
+}
+
+absl::StatusOr<bool> Database::Contains(Family family, std::string_view key) const {
+  rocksdb::PinnableSlice value;
+  const rocksdb::Status read =
+      db_->Get(rocksdb::ReadOptions(), Handle(family), ToSlice(key), &value);
+  if (read.IsNotFound()) return false;
+  if (!read.ok()) return FromRocksDb(read, "read " + std::string(key));
+  return true;
+}
+
+absl::Status Database::Scan(Family family, std::string_view prefix, std::string_view after,
+                            RowVisitor visit, const rocksdb::Snapshot* snapshot) const {
+  const std::string end = EndOfPrefix(prefix);
+  const rocksdb::Slice upper_bound(end);
+  rocksdb::ReadOptions options;
+  options.snapshot = snapshot;
+  if (!end.empty()) options.iterate_upper_bound = &upper_bound;
+  const std::unique_ptr<rocksdb::Iterator> row(db_->NewIterator(options, Handle(family)));
+  const std::string start(std::max(prefix, after));
+  row->Seek(start);
+  if (!after.empty() && row->Valid() && ToView(row->key()) == after) row->Next();
+  for (; row->Valid(); row->Next()) {
+    const absl::StatusOr<bool> go_on = visit(ToView(row->key()), ToView(row->value()));
+    if (!go_on.ok()) return go_on.status();
+    if (!*go_on) return absl::OkStatus();
+  }
+  return FromRocksDb(row->status(), "scan the family " + std::string(FamilyName(family)));
+}
+
+absl::StatusOr<std::string> Database::LastKey(Family family) const {
+  const std::unique_ptr<rocksdb::Iterator> row(
+      db_->NewIterator(rocksdb::ReadOptions(), Handle(family)));
+  row->SeekToLast();
+  if (row->Valid()) return row->key().ToString();
+  if (!row->status().ok()) return FromRocksDb(row->status(), "find the last change");
+  return std::string();
+}
+
+Database::Snapshot Database::TakeSnapshot() const {
+  rocksdb::DB* db = db_.get();
+  return {db->GetSnapshot(), [db](const rocksdb::Snapshot* taken) { db->ReleaseSnapshot(taken); }};
+}
+
+absl::Status Database::Put(Family family, std::string_view key, std::string_view value,
+                           rocksdb::WriteBatch& batch) const {
+  return FromRocksDb(batch.Put(Handle(family), ToSlice(key), ToSlice(value)),
+                     "put together a change");
+}
+
+absl::Status Database::Delete(Family family, std::string_view key,
+                              rocksdb::WriteBatch& batch) const {
+  return FromRocksDb(batch.Delete(Handle(family), ToSlice(key)), "put together a change");
+}
+
+absl::Status Database::Write(rocksdb::WriteBatch& batch) {
+  rocksdb::WriteOptions options;
+  options.sync = true;
+  return FromRocksDb(db_->Write(options, &batch), "write the change");
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,89 @@
+// The RocksDB database below the catalogue: opening, reading, scanning, durable
+// writing. Internal to storage/; nobody else sees RocksDB.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "rocksdb/db.h"
+#include "rocksdb/snapshot.h"
+#include "rocksdb/write_batch.h"
+#include "storage/family.h"
+
+namespace graspdb::storage {
+
+// Called with one row; false ends the scan, an error ends it with that error.
+using RowVisitor =
+    absl::FunctionRef<absl::StatusOr<bool>(std::string_view key, std::string_view value)>;
+
+// Owns the open database and its lock. Safe from any thread, but for
+// CreateMissingFamilies().
+class Database {
+ public:
+  struct Options {
+    bool create_if_missing = true;
+    std::size_t write_buffer_bytes = 16U << 20;
+    rocksdb::Env* env = nullptr;  // not owned; null: the machine's
+  };
+
+  // A point in time; released with the pointer, which must not outlive the database.
+  using Snapshot = std::shared_ptr<const rocksdb::Snapshot>;
+
+  // Opens the database in `directory` and takes its lock; makes an empty one when
+  // there is none. Only families that are there already are opened.
+  static absl::StatusOr<std::unique_ptr<Database>> Open(const std::string& directory,
+                                                        const Options& options);
+  ~Database();
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  const std::string& directory() const { return directory_; }
+  // Whether nothing was ever written.
+  bool IsPristine() const;
+  bool HasAllFamilies() const;
+  // Makes the families that are missing. Before other threads use the database.
+  absl::Status CreateMissingFamilies();
+
+  // The value of `key`; NOT_FOUND without one. With a snapshot, as it was then.
+  absl::StatusOr<std::string> Get(Family family, std::string_view key,
+                                  const rocksdb::Snapshot* snapshot = nullptr) const;
+  // OK when `key` is there, NOT_FOUND when not.
+  absl::StatusOr<bool> Contains(Family family, std::string_view key) const;
+  // Visits the rows whose keys begin with `prefix` and come after `after` (empty: all
+  // of them), in ascending order of the keys.
+  absl::Status Scan(Family family, std::string_view prefix, std::string_view after,
+                    RowVisitor visit, const rocksdb::Snapshot* snapshot = nullptr) const;
+  // The greatest key of a family; empty when there is none.
+  absl::StatusOr<std::string> LastKey(Family family) const;
+  Snapshot TakeSnapshot() const;
+
+  // Adds to a batch.
+  absl::Status Put(Family family, std::string_view key, std::string_view value,
+                   rocksdb::WriteBatch& batch) const;
+  absl::Status Delete(Family family, std::string_view key, rocksdb::WriteBatch& batch) const;
+  // Writes all of `batch` or nothing; when it returns, the batch is on the disk.
+  absl::Status Write(rocksdb::WriteBatch& batch);
+
+ private:
+  explicit Database(std::string directory) : directory_(std::move(directory)) {}
+  void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
+  rocksdb::ColumnFamilyHandle* Handle(Family family) const {
+    return families_[static_cast<std::size_t>(family)];
+  }
+
+  std::string directory_;
+  std::size_t write_buffer_bytes_ = 0;
+  std::shared_ptr<rocksdb::Cache> block_cache_;
+  std::unique_ptr<rocksdb::DB> db_;
+  std::vector<rocksdb::ColumnFamilyHandle*> handles_;  // all of them, known or not
+  std::array<rocksdb::ColumnFamilyHandle*, kFamilyCount> families_{};
+};
+
+}  // namespace graspdb::storage

@@ -1,0 +1,74 @@
+#include "storage/database_directory.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "absl/status/status.h"
+#include "storage/revision_floor.h"
+
+namespace graspdb::storage {
+namespace {
+
+// What RocksDB writes before the file CURRENT makes a directory a database, and what a
+// freshly made file system holds.
+bool MayPrecedeDatabase(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kNames = {"LOCK", "IDENTITY", "LOG", "lost+found",
+                                                      "LOG.old"};
+  constexpr std::array<std::string_view, 4> kPrefixes = {"MANIFEST-", "OPTIONS-", "LOG.old.",
+                                                         "CURRENT."};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end() ||
+         name.ends_with(".dbtmp") ||
+         std::any_of(kPrefixes.begin(), kPrefixes.end(),
+                     [name](std::string_view prefix) { return name.starts_with(prefix); });
+}
+
+absl::Status CannotRead(const std::string& directory, const std::error_code& error) {
+  return absl::UnavailableError("the directory " + directory + " cannot be read (" +
+                                error.message() +
+                                "); check its permissions or choose another --db");
+}
+
+}  // namespace
+
+absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(directory, error);
+  if (status.type() == std::filesystem::file_type::not_found) return DirectoryContent::kNothing;
+  if (error) return CannotRead(directory, error);
+  if (status.type() != std::filesystem::file_type::directory) {
+    return absl::FailedPreconditionError(directory + " is no directory; choose another --db");
+  }
+  bool foreign = false;
+  bool ours = false;
+  for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name == "CURRENT") return DirectoryContent::kDatabase;
+    ours |= name == kRevisionFloorFile;
+    foreign |= !MayPrecedeDatabase(name);
+  }
+  if (error) return CannotRead(directory, error);
+  if (ours) {
+    return absl::DataLossError("the database at " + directory +
+                               " is damaged (the file CURRENT is missing); restore it from a "
+                               "backup into an empty directory");
+  }
+  if (!foreign) return DirectoryContent::kNothing;
+  return absl::FailedPreconditionError("the directory " + directory +
+                                       " is not empty and holds no graspdb database; choose an "
+                                       "empty directory or another --db");
+}
+
+absl::Status MakeDirectory(const std::string& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError("the directory " + directory + " cannot be made (" +
+                                error.message() +
+                                "); check its permissions or choose another --db");
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,164 @@
+#include "storage/packed_cloud.h"
+
+#include <zstd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+
+#include "absl/status/status.h"
+#include "storage/crc32c.h"
+
+namespace graspdb::storage {
+namespace {
+
+// Header: magic and version, number of points, checksum of all the rest; the numbers
+// little-endian. Behind it stands one zstd frame.
+constexpr std::string_view kMagic{"GPC\x01", 4};
+constexpr std::size_t kCountOffset = 4;
+constexpr std::size_t kChecksumOffset = 8;
+constexpr std::size_t kHeaderSize = 12;
+constexpr int kCompressionLevel = 3;
+// A difference of two coordinates is below 2^23 steps, which is four bytes of seven bits.
+constexpr std::size_t kMaxVarintSize = 4;
+constexpr std::int32_t kMaxSteps = 2'000'000;
+
+absl::Status Damaged(std::string_view what) {
+  return absl::DataLossError("the packed cloud is damaged (" + std::string(what) +
+                             "); restore the database from a backup or teach the view again");
+}
+
+void AppendUint32(std::uint32_t value, std::string& out) {
+  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>((value >> shift) & 0xff);
+}
+
+std::uint32_t ReadUint32(std::string_view bytes, std::size_t offset) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
+  }
+  return value;
+}
+
+// Small differences of either sign become small unsigned numbers.
+std::uint32_t ZigZag(std::int32_t value) {
+  return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
+}
+
+std::int32_t UnZigZag(std::uint32_t value) {
+  return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
+}
+
+void AppendVarint(std::uint32_t value, std::string& out) {
+  for (; value >= 0x80; value >>= 7) out += static_cast<char>((value & 0x7f) | 0x80);
+  out += static_cast<char>(value);
+}
+
+// Takes a number off the front of `bytes`; false when there is none of at most four bytes.
+bool TakeVarint(std::string_view& bytes, std::uint32_t& value) {
+  value = 0;
+  for (std::size_t i = 0; i < kMaxVarintSize && i < bytes.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(bytes[i]);
+    value |= static_cast<std::uint32_t>(byte & 0x7f) << (7 * i);
+    if ((byte & 0x80) == 0) {
+      bytes.remove_prefix(i + 1);
+      return true;
+    }
+  }
+  return false;
+}
+
+absl::StatusOr<std::string> EncodePlanes(std::span<const CloudPoint> points) {
+  std::string raw;
+  raw.reserve(points.size() * 5);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::int32_t previous = 0;
+    for (const CloudPoint& point : points) {
+      const float coordinate = point[axis];
+      if (!(std::abs(coordinate) <= kMaxCloudCoordinate)) {  // also NaN
+        return absl::InvalidArgumentError(
+            "a coordinate of the cloud is not finite or farther than 100 m from the sensor; "
+            "give points in metres and leave out those without a measurement");
+      }
+      const auto steps =
+          static_cast<std::int32_t>(std::lround(static_cast<double>(coordinate) / kCloudStep));
+      AppendVarint(ZigZag(steps - previous), raw);
+      previous = steps;
+    }
+  }
+  return raw;
+}
+
+absl::StatusOr<std::vector<CloudPoint>> DecodePlanes(std::string_view raw, std::size_t count) {
+  std::vector<CloudPoint> points(count);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::int32_t steps = 0;
+    for (CloudPoint& point : points) {
+      std::uint32_t difference = 0;
+      if (!TakeVarint(raw, difference)) return Damaged("a coordinate is cut off");
+      steps += UnZigZag(difference);
+      if (steps > kMaxSteps || steps < -kMaxSteps) return Damaged("a coordinate is out of range");
+      point[axis] = static_cast<float>(steps * kCloudStep);
+    }
+  }
+  if (!raw.empty()) return Damaged("there are more bytes than points");
+  return points;
+}
+
+absl::StatusOr<std::string> Compress(std::string_view raw) {
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                     &ZSTD_freeCCtx);
+  if (context == nullptr) return absl::ResourceExhaustedError("no memory to pack the cloud");
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  std::string frame(ZSTD_compressBound(raw.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress2(context.get(), frame.data(), frame.size(), raw.data(), raw.size());
+  if (ZSTD_isError(size) != 0) {
+    return absl::InternalError(std::string("zstd cannot pack the cloud: ") +
+                               ZSTD_getErrorName(size));
+  }
+  frame.resize(size);
+  return frame;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points) {
+  if (points.size() > kMaxCloudPoints) {
+    return absl::InvalidArgumentError(
+        "the cloud has more than 10 million points; give the region of interest only");
+  }
+  auto raw = EncodePlanes(points);
+  if (!raw.ok()) return raw.status();
+  auto frame = Compress(*raw);
+  if (!frame.ok()) return frame.status();
+  std::string packed(kMagic);
+  AppendUint32(static_cast<std::uint32_t>(points.size()), packed);
+  AppendUint32(Crc32c(*frame, Crc32c(packed)), packed);
+  return packed + *frame;
+}
+
+absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed) {
+  if (packed.size() < kHeaderSize) return Damaged("it is shorter than its header");
+  if (!packed.starts_with(kMagic)) return Damaged("it is none, or of an unknown version");
+  const std::size_t count = ReadUint32(packed, kCountOffset);
+  if (count > kMaxCloudPoints) return Damaged("it claims too many points");
+  const std::string_view frame = packed.substr(kHeaderSize);
+  if (Crc32c(frame, Crc32c(packed.substr(0, kChecksumOffset))) !=
+      ReadUint32(packed, kChecksumOffset)) {
+    return Damaged("its checksum does not match");
+  }
+  // The checksum stops accidents; what follows also stops malice.
+  const unsigned long long raw_size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (raw_size == ZSTD_CONTENTSIZE_ERROR || raw_size == ZSTD_CONTENTSIZE_UNKNOWN ||
+      raw_size < 3 * count || raw_size > 3 * kMaxVarintSize * count) {
+    return Damaged("its size does not fit its points");
+  }
+  std::string raw(raw_size, '\0');
+  const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), frame.data(), frame.size());
+  if (ZSTD_isError(size) != 0 || size != raw.size()) return Damaged("zstd cannot unpack it");
+  return DecodePlanes(raw, count);
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,54 @@
+#include "storage/record_kind.h"
+
+#include "storage/resource_name.h"
+
+namespace graspdb::storage {
+
+absl::StatusOr<Parent> Kind<v1::Object>::ParentOf(std::string_view name) {
+  if (auto parsed = ParseObjectName(name); !parsed.ok()) return parsed.status();
+  return Parent{};
+}
+
+absl::StatusOr<Parent> Kind<v1::StablePose>::ParentOf(std::string_view name) {
+  const auto parsed = ParseStablePoseName(name);
+  if (!parsed.ok()) return parsed.status();
+  return Parent{Family::kObjects, MakeObjectName(parsed->object_id)};
+}
+
+absl::StatusOr<Parent> Kind<ViewRecord>::ParentOf(std::string_view name) {
+  const auto parsed = ParseViewName(name);
+  if (!parsed.ok()) return parsed.status();
+  return Parent{Family::kStablePoses,
+                MakeStablePoseName(parsed->object_id, parsed->stable_pose_id)};
+}
+
+absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
+  if (auto parsed = ParseCellName(name); !parsed.ok()) return parsed.status();
+  return Parent{};
+}
+
+absl::Status NotFound(std::string_view word, std::string_view name) {
+  return absl::NotFoundError("there is no " + std::string(word) + " " + std::string(name) +
+                             "; list what there is, or create it first");
+}
+
+absl::Status AlreadyExists(std::string_view word, std::string_view name) {
+  return absl::AlreadyExistsError("the " + std::string(word) + " " + std::string(name) +
+                                  " exists already; update it or choose another id");
+}
+
+absl::Status DamagedRecord(std::string_view name) {
+  return absl::DataLossError("the record of " + std::string(name) +
+                             " is damaged; restore the database from a backup");
+}
+
+absl::Status CheckParent(const Database& database, const Parent& parent) {
+  if (parent.family == Family::kMeta) return absl::OkStatus();
+  const auto there = database.Contains(parent.family, parent.name);
+  if (!there.ok()) return there.status();
+  if (*there) return absl::OkStatus();
+  const bool is_object = parent.family == Family::kObjects;
+  return NotFound(is_object ? Kind<v1::Object>::kWord : Kind<v1::StablePose>::kWord, parent.name);
+}
+
+}  // namespace graspdb::storage

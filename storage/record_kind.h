@@ -1,0 +1,88 @@
+// What the kinds of records have in common and where they differ: family, name,
+// parent, word. Internal to storage/.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graspdb/v1/catalog.pb.h"
+#include "graspdb/v1/cell.pb.h"
+#include "storage/database.h"
+#include "storage/family.h"
+#include "storage/records.pb.h"
+
+namespace graspdb::storage {
+
+// The kind of a record that another one belongs to.
+struct Parent {
+  Family family = Family::kMeta;  // kMeta: no parent
+  std::string name;
+};
+
+template <typename Record>
+struct Kind;
+
+template <>
+struct Kind<v1::Object> {
+  static constexpr Family kFamily = Family::kObjects;
+  static constexpr std::string_view kWord = "object";
+  static constexpr std::string_view kCollection = "objects/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
+template <>
+struct Kind<v1::StablePose> {
+  static constexpr Family kFamily = Family::kStablePoses;
+  static constexpr std::string_view kWord = "stable pose";
+  static constexpr std::string_view kCollection = "/stablePoses/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
+template <>
+struct Kind<ViewRecord> {
+  static constexpr Family kFamily = Family::kViews;
+  static constexpr std::string_view kWord = "view";
+  static constexpr std::string_view kCollection = "/views/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
+template <>
+struct Kind<v1::Cell> {
+  static constexpr Family kFamily = Family::kCells;
+  static constexpr std::string_view kWord = "cell";
+  static constexpr std::string_view kCollection = "cells/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
+absl::Status NotFound(std::string_view word, std::string_view name);
+absl::Status AlreadyExists(std::string_view word, std::string_view name);
+absl::Status DamagedRecord(std::string_view name);
+
+// NOT_FOUND when `parent` is one and is not there.
+absl::Status CheckParent(const Database& database, const Parent& parent);
+
+// The record in `bytes`, which were found under `name`; DATA_LOSS when they are none.
+template <typename Record>
+absl::StatusOr<Record> ParseRecord(std::string_view name, std::string_view bytes) {
+  Record record;
+  if (!record.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())) ||
+      record.name() != name) {
+    return DamagedRecord(name);
+  }
+  return record;
+}
+
+// The record of that name. INVALID_ARGUMENT for a wrong name, NOT_FOUND without one.
+template <typename Record>
+absl::StatusOr<Record> ReadRecord(const Database& database, std::string_view name) {
+  if (auto parent = Kind<Record>::ParentOf(name); !parent.ok()) return parent.status();
+  const auto bytes = database.Get(Kind<Record>::kFamily, name);
+  if (absl::IsNotFound(bytes.status())) return NotFound(Kind<Record>::kWord, name);
+  if (!bytes.ok()) return bytes.status();
+  return ParseRecord<Record>(name, *bytes);
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,56 @@
+// Resource names after AIP-122: what is a name, and what are its parts.
+//
+//   objects/{object}
+//   objects/{object}/stablePoses/{stable_pose}
+//   objects/{object}/stablePoses/{stable_pose}/views/{view}
+//   cells/{cell}
+//
+// An id has 1 to 63 characters of [A-Za-z0-9_.-] and begins with a letter or a
+// digit. Pure functions; safe from any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace graspdb::storage {
+
+struct ObjectName {
+  std::string object_id;
+};
+
+struct StablePoseName {
+  std::string object_id;
+  std::string stable_pose_id;
+};
+
+struct ViewName {
+  std::string object_id;
+  std::string stable_pose_id;
+  std::string view_id;
+};
+
+struct CellName {
+  std::string cell_id;
+};
+
+// INVALID_ARGUMENT, with a sentence that quotes the id and the rule, unless `id` is an id.
+absl::Status ValidateResourceId(std::string_view id);
+
+// The parts of a name. INVALID_ARGUMENT, with a sentence that quotes the name and
+// the expected form, when it is not one.
+absl::StatusOr<ObjectName> ParseObjectName(std::string_view name);
+absl::StatusOr<StablePoseName> ParseStablePoseName(std::string_view name);
+absl::StatusOr<ViewName> ParseViewName(std::string_view name);
+absl::StatusOr<CellName> ParseCellName(std::string_view name);
+
+// The name made of ids. The ids are not checked; the catalogue checks the name.
+std::string MakeObjectName(std::string_view object_id);
+std::string MakeStablePoseName(std::string_view object_id, std::string_view stable_pose_id);
+std::string MakeViewName(std::string_view object_id, std::string_view stable_pose_id,
+                         std::string_view view_id);
+std::string MakeCellName(std::string_view cell_id);
+
+}  // namespace graspdb::storage

@@ -1,0 +1,63 @@
+#include "storage/rocksdb_options.h"
+
+#include <cstdint>
+
+#include "rocksdb/cache.h"
+#include "rocksdb/table.h"
+#include "storage/family.h"
+
+namespace graspdb::storage {
+namespace {
+
+constexpr std::uint64_t kMaxWalBytes = 64ULL << 20;
+constexpr std::uint64_t kBlobFileBytes = 64ULL << 20;
+constexpr std::uint64_t kMinBlobBytes = 4096;
+constexpr int kMaxOpenFiles = 512;
+
+}  // namespace
+
+rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env) {
+  rocksdb::DBOptions options;
+  if (env != nullptr) options.env = env;
+  options.create_if_missing = true;  // the caller has looked at the directory before
+  options.paranoid_checks = true;
+  // A crash may leave the last write in pieces; replay stops before it. That replay
+  // does not also stop at damage further up is what CheckLogs() sees to.
+  options.wal_recovery_mode = rocksdb::WALRecoveryMode::kPointInTimeRecovery;
+  options.track_and_verify_wals_in_manifest = true;
+  // All families go to files together, so that even without its log a database is the
+  // catalogue of some revision, and no idle family keeps old logs alive.
+  options.atomic_flush = true;
+  options.max_total_wal_size = kMaxWalBytes;
+  options.max_open_files = kMaxOpenFiles;  // below the usual limit of 1024 descriptors
+  options.bytes_per_sync = 1 << 20;
+  options.max_log_file_size = 4 << 20;  // RocksDB's own text log
+  options.keep_log_file_num = 4;
+  return options;
+}
+
+rocksdb::ColumnFamilyOptions MakeFamilyOptions(std::string_view name,
+                                               std::size_t write_buffer_bytes,
+                                               const std::shared_ptr<rocksdb::Cache>& block_cache) {
+  rocksdb::ColumnFamilyOptions options;
+  options.write_buffer_size = write_buffer_bytes;
+  options.paranoid_file_checks = true;  // read a file back before its log goes
+  options.compression = rocksdb::kLZ4Compression;
+  rocksdb::BlockBasedTableOptions table;
+  table.block_cache = block_cache;
+  table.format_version = 5;
+  options.table_factory.reset(rocksdb::NewBlockBasedTableFactory(table));
+  if (name == FamilyName(Family::kClouds)) {
+    // Clouds are written once and read whole: kept out of the sorted files, they are
+    // not copied again with every compaction. They come compressed.
+    options.enable_blob_files = true;
+    options.min_blob_size = kMinBlobBytes;
+    options.blob_file_size = kBlobFileBytes;
+    options.blob_compression_type = rocksdb::kNoCompression;
+    options.enable_blob_garbage_collection = true;
+    options.compression = rocksdb::kNoCompression;
+  }
+  return options;
+}
+
+}  // namespace graspdb::storage

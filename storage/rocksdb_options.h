@@ -1,0 +1,22 @@
+// How RocksDB is set up; the reasons stand beside the values in the .cc.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string_view>
+
+#include "rocksdb/env.h"
+#include "rocksdb/options.h"
+
+namespace graspdb::storage {
+
+// Options of the whole database. `env` is not owned; null means the machine's.
+rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env);
+
+// Options of the column family `name`, which may be one that this program does not
+// know. `write_buffer_bytes` is the memory it may fill before it is written to a file.
+rocksdb::ColumnFamilyOptions MakeFamilyOptions(std::string_view name,
+                                               std::size_t write_buffer_bytes,
+                                               const std::shared_ptr<rocksdb::Cache>& block_cache);
+
+}  // namespace graspdb::storage

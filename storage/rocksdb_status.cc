@@ -1,0 +1,55 @@
+#include "storage/rocksdb_status.h"
+
+#include <string>
+
+namespace graspdb::storage {
+namespace {
+
+// RocksDB has no code of its own for a lock that is taken; both of its texts (lock of
+// this process, lock of another one) have the word, and no other error of opening does.
+bool IsLockTaken(const rocksdb::Status& status) {
+  const std::string text = status.ToString();
+  return status.IsIOError() && (text.find("lock hold by current process") != std::string::npos ||
+                                text.find("While lock file") != std::string::npos);
+}
+
+}  // namespace
+
+absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action) {
+  if (status.ok()) return absl::OkStatus();
+  const std::string what = "cannot " + std::string(action) + ": " + status.ToString();
+  if (status.IsNotFound()) return absl::NotFoundError(what);
+  if (status.IsCorruption()) {
+    return absl::DataLossError(what + "; restore the database from a backup");
+  }
+  if (status.IsNoSpace()) {
+    return absl::ResourceExhaustedError(what + "; free space on the disk and restart the server");
+  }
+  return absl::UnavailableError(what + "; check the disk and restart the server");
+}
+
+absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view directory) {
+  if (status.ok()) return absl::OkStatus();
+  const std::string where = "the database at " + std::string(directory);
+  if (IsLockTaken(status)) {
+    return absl::FailedPreconditionError(
+        where + " is in use by another process; stop it or choose another --db");
+  }
+  const bool file_missing = status.IsNotFound() || status.IsPathNotFound();
+  if (status.IsCorruption() || file_missing) {
+    return absl::DataLossError(where + " is damaged (" + status.ToString() +
+                               "); restore it from a backup");
+  }
+  if (status.IsInvalidArgument() || status.IsNotSupported()) {
+    return absl::FailedPreconditionError(where + " was not made by this program (" +
+                                         status.ToString() + "); choose another --db");
+  }
+  if (status.IsNoSpace()) {
+    return absl::ResourceExhaustedError(where + " cannot be opened (" + status.ToString() +
+                                        "); free space on the disk");
+  }
+  return absl::UnavailableError(where + " cannot be opened (" + status.ToString() +
+                                "); check the disk and the permissions of the directory");
+}
+
+}  // namespace graspdb::storage

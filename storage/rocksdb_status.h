@@ -1,0 +1,20 @@
+// Turns RocksDB's errors into ours.
+#pragma once
+
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "rocksdb/status.h"
+
+namespace graspdb::storage {
+
+// The status of an operation on an open database. `action` says what was tried,
+// e.g. "write the change". Corruption is DATA_LOSS, a full disk RESOURCE_EXHAUSTED,
+// a missing key NOT_FOUND, anything else UNAVAILABLE.
+absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action);
+
+// The status of opening the database in `directory`. A second owner is
+// FAILED_PRECONDITION, a missing or damaged file DATA_LOSS.
+absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view directory);
+
+}  // namespace graspdb::storage

@@ -1,0 +1,125 @@
+#include "storage/schema.h"
+
+#include <algorithm>
+#include <string>
+
+#include "google/protobuf/util/time_util.h"
+#include "storage/change_key.h"
+
+namespace graspdb::storage {
+namespace {
+
+constexpr std::string_view kFormat = "graspdb";
+
+std::string Where(const Database& database) { return "the database at " + database.directory(); }
+
+absl::Status Damaged(const Database& database, std::string_view what) {
+  return absl::DataLossError(Where(database) + " is damaged (" + std::string(what) +
+                             "); restore it from a backup into an empty directory");
+}
+
+absl::Status WriteMeta(Database& database, const MetaRecord& meta, rocksdb::WriteBatch& batch) {
+  const absl::Status added = database.Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch);
+  return added.ok() ? database.Write(batch) : added;
+}
+
+absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {
+  if (auto created = database.CreateMissingFamilies(); !created.ok()) return created;
+  MetaRecord meta;
+  meta.set_format(std::string(kFormat));
+  meta.set_schema_version(kSchemaVersion);
+  *meta.mutable_create_time() =
+      google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(now));
+  rocksdb::WriteBatch batch;
+  if (auto written = WriteMeta(database, meta, batch); !written.ok()) return written;
+  return meta;
+}
+
+absl::Status CheckMigratable(const Database& database, int version,
+                             std::span<const Migration> steps, int target) {
+  const std::string where =
+      Where(database) + " has schema version " + std::to_string(version) + ", this program ";
+  if (version > target) {
+    return absl::FailedPreconditionError(where + "knows " + std::to_string(target) +
+                                         "; start the newer program that wrote it, or restore a "
+                                         "backup made before the upgrade");
+  }
+  for (int from = version; from < target; ++from) {
+    const bool known = std::any_of(steps.begin(), steps.end(), [from](const Migration& step) {
+      return step.from_version == from;
+    });
+    if (known) continue;
+    return absl::FailedPreconditionError(where +
+                                         "cannot migrate it; export the catalogue with the program "
+                                         "that wrote it and import it into an empty database");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
+                           std::optional<std::int64_t> floor) {
+  if (floor.has_value() && meta.revision() < *floor) {
+    return Damaged(database, "changes after revision " + std::to_string(meta.revision()) +
+                                 " are lost, there were " + std::to_string(*floor));
+  }
+  const auto key = database.LastKey(Family::kChanges);
+  if (!key.ok()) return key.status();
+  const std::string expected = meta.revision() == 0 ? "" : ChangeKey(meta.revision());
+  // They are written together, so they can only differ when one of them was lost.
+  return *key == expected ? absl::OkStatus()
+                          : Damaged(database, "its last change is not its revision");
+}
+
+}  // namespace
+
+std::span<const Migration> Migrations() { return {}; }
+
+absl::StatusOr<MetaRecord> ReadMeta(const Database& database) {
+  const auto bytes = database.Get(Family::kMeta, kMetaKey);
+  if (!bytes.ok()) return bytes.status();
+  MetaRecord meta;
+  if (!meta.ParseFromString(*bytes) || meta.format() != kFormat) {
+    return Damaged(database, "its meta record cannot be read");
+  }
+  return meta;
+}
+
+absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migration> steps,
+                     int target) {
+  const absl::Status migratable = CheckMigratable(database, meta.schema_version(), steps, target);
+  if (!migratable.ok()) return migratable;
+  while (meta.schema_version() < target) {
+    const auto step = std::find_if(steps.begin(), steps.end(), [&meta](const Migration& candidate) {
+      return candidate.from_version == meta.schema_version();
+    });
+    rocksdb::WriteBatch batch;
+    if (auto applied = step->apply(database, batch); !applied.ok()) return applied;
+    MetaRecord next = meta;
+    next.set_schema_version(meta.schema_version() + 1);
+    if (auto written = WriteMeta(database, next, batch); !written.ok()) return written;
+    meta = next;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::int64_t> floor,
+                                         absl::Time now) {
+  auto meta = ReadMeta(database);
+  if (absl::IsNotFound(meta.status())) {
+    // The floor is written after the first MetaRecord.
+    if (floor.has_value()) return Damaged(database, "its meta record is lost");
+    if (database.IsPristine()) return Initialize(database, now);
+    return absl::FailedPreconditionError("the directory " + database.directory() +
+                                         " holds the database of another program; choose an empty "
+                                         "directory or another --db");
+  }
+  if (!meta.ok()) return meta.status();
+  const absl::Status migrated = Migrate(database, *meta, Migrations(), kSchemaVersion);
+  if (!migrated.ok()) return migrated;
+  if (!database.HasAllFamilies()) return Damaged(database, "a column family is missing");
+  const absl::Status consistent = CheckRevision(database, *meta, floor);
+  if (!consistent.ok()) return consistent;
+  return meta;
+}
+
+}  // namespace graspdb::storage
