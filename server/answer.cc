@@ -1,0 +1,122 @@
+#include "server/answer.h"
+
+#include "server/convert.h"
+
+namespace graspdb::server {
+namespace {
+
+v1::RecognitionStatus StatusToProto(recognition::RecognitionOutcome outcome) {
+  using Outcome = recognition::RecognitionOutcome;
+  switch (outcome) {
+    case Outcome::kOk:
+      return v1::OK;
+    case Outcome::kEmptyRegion:
+      return v1::EMPTY_REGION;
+    case Outcome::kNoCluster:
+      return v1::NO_CLUSTER;
+    case Outcome::kUnknownObject:
+      return v1::UNKNOWN_OBJECT;
+    case Outcome::kIcpRejected:
+      return v1::ICP_REJECTED;
+    case Outcome::kNoGrasp:
+      return v1::NO_GRASP;
+    case Outcome::kOutOfWorkspace:
+      return v1::OUT_OF_WORKSPACE;
+  }
+  return v1::RECOGNITION_STATUS_UNSPECIFIED;
+}
+
+v1::WorldFrameSource SourceToProto(recognition::WorldFrame frame, bool from_cell) {
+  switch (frame) {
+    case recognition::WorldFrame::kGiven:
+      return from_cell ? v1::WORLD_FRAME_SOURCE_CELL : v1::WORLD_FRAME_SOURCE_REQUEST;
+    case recognition::WorldFrame::kDominantPlane:
+      return v1::WORLD_FRAME_SOURCE_DOMINANT_PLANE;
+    case recognition::WorldFrame::kSensor:
+      return v1::WORLD_FRAME_SOURCE_SENSOR;
+  }
+  return v1::WORLD_FRAME_SOURCE_UNSPECIFIED;
+}
+
+// What is known of the object: nothing of it is sent when it is unknown, so that
+// nobody mistakes the nearest view for an answer.
+void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* out) {
+  out->set_object(detection.view->object);
+  out->set_stable_pose(detection.view->stable_pose);
+  out->set_view(detection.view->name);
+  *out->mutable_rough_pose() = PoseToProto(detection.rough_pose);
+  *out->mutable_refined_pose() = PoseToProto(detection.refined_pose);
+  for (const recognition::GraspProposal& proposal : detection.grasps) {
+    v1::GraspProposal* grasp = out->add_grasps();
+    grasp->set_grasp_id(proposal.grasp.id);
+    *grasp->mutable_tcp_pose() = PoseToProto(proposal.world_tcp);
+    grasp->set_approach_distance_m(proposal.grasp.approach_distance_m);
+    grasp->set_gripper_opening_m(proposal.grasp.gripper_opening_m);
+    grasp->set_priority(proposal.grasp.priority);
+  }
+}
+
+void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
+  using Outcome = recognition::RecognitionOutcome;
+  out->set_status(StatusToProto(detection.outcome));
+  out->set_score(detection.score);
+  out->set_point_count(static_cast<int>(detection.point_count));
+  *out->mutable_centroid() = VectorToProto(detection.centroid);
+  for (const recognition::Candidate& c : detection.candidates) {
+    v1::Candidate* candidate = out->add_candidates();
+    candidate->set_view(c.view->name);
+    candidate->set_descriptor_distance(c.descriptor_distance);
+    if (c.verification_score) candidate->set_verification_score(*c.verification_score);
+  }
+  const recognition::Registration& r = detection.registration;
+  out->mutable_registration()->set_converged(r.converged);
+  out->mutable_registration()->set_iteration_count(r.iterations);
+  out->mutable_registration()->set_rms_error_m(r.rms_error_m);
+  out->mutable_registration()->set_inlier_fraction(r.inlier_fraction);
+  const bool known =
+      detection.outcome != Outcome::kUnknownObject && detection.outcome != Outcome::kIcpRejected;
+  if (known) AddPoseAndGrasps(detection, out);
+}
+
+void AddTimings(const recognition::Recognition& recognition, const AnswerContext& context,
+                v1::Timings* out) {
+  out->set_total_ms(context.total_ms);
+  out->set_decode_ms(context.decode_ms);
+  for (const recognition::StageReport& stage : recognition.stages) {
+    const double ms = stage.duration_ms;
+    if (stage.stage == "descriptor") {
+      out->set_describe_ms(ms);
+    } else if (stage.stage == "match") {
+      out->set_match_ms(ms);
+    } else if (stage.stage == "register") {
+      out->set_register_ms(ms);
+    } else {
+      out->set_segment_ms(out->segment_ms() + ms);
+    }
+  }
+}
+
+}  // namespace
+
+v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
+                                 const AnswerContext& context) {
+  v1::RecognizeResponse out;
+  out.set_status(StatusToProto(recognition.outcome));
+  out.set_catalog_revision(recognition.revision);
+  for (const auto& detection : recognition.detections) {
+    AddDetection(detection, out.add_detections());
+  }
+  out.set_world_frame_source(SourceToProto(recognition.world_frame, context.sensor_pose_from_cell));
+  *out.mutable_sensor_pose() = PoseToProto(recognition.world_sensor);
+  for (const recognition::StageReport& stage : recognition.stages) {
+    v1::StageReport* report = out.add_stages();
+    report->set_stage(stage.stage);
+    report->set_input_point_count(static_cast<int>(stage.input_points));
+    report->set_output_point_count(static_cast<int>(stage.output_points));
+    if (!context.omit_timings) report->set_duration_ms(stage.duration_ms);
+  }
+  if (!context.omit_timings) AddTimings(recognition, context, out.mutable_timings());
+  return out;
+}
+
+}  // namespace graspdb::server

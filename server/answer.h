@@ -1,0 +1,20 @@
+// A recognition becomes the answer of the public contract.
+#pragma once
+
+#include "graspdb/v1/recognition_service.pb.h"
+#include "recognition/recognizer.h"
+
+namespace graspdb::server {
+
+// What a request said of itself, which the recognition does not know.
+struct AnswerContext {
+  bool sensor_pose_from_cell = false;
+  bool omit_timings = false;
+  double decode_ms = 0;
+  double total_ms = 0;
+};
+
+v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
+                                 const AnswerContext& context);
+
+}  // namespace graspdb::server

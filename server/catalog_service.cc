@@ -1,0 +1,271 @@
+#include "server/catalog_service.h"
+
+#include <array>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/convert.h"
+#include "server/errors.h"
+#include "server/handle.h"
+#include "server/records.h"
+#include "server/respond.h"
+#include "server/scan_from_proto.h"
+#include "server/update_mask.h"
+#include "server/version.h"
+#include "storage/packed_cloud.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr std::array<std::string_view, 1> kObjectFields = {"display_name"};
+constexpr std::array<std::string_view, 3> kStablePoseFields = {"display_name", "symmetry_order",
+                                                               "grasps"};
+
+// An error of the storage about an id or a name, with the request's field.
+absl::Status AtField(std::string_view field, const absl::Status& status) {
+  return status.ok() ? status : InvalidField(field, std::string(status.message()));
+}
+
+v1::View ViewToProto(const storage::ViewRecord& record) {
+  v1::View out;
+  out.set_name(record.name());
+  *out.mutable_object_pose() = record.object_pose();
+  *out.mutable_sensor_pose() = record.sensor_pose();
+  out.set_segmented(true);
+  out.set_point_count(record.point_count());
+  *out.mutable_create_time() = record.create_time();
+  return out;
+}
+
+}  // namespace
+
+CatalogService::CatalogService(CatalogContext context)
+    : context_(std::move(context)), start_(absl::Now()) {}
+
+grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
+                                          const v1::CreateObjectRequest* request,
+                                          v1::Object* response) {
+  return Handle(*context, "CreateObject", [&]() -> absl::Status {
+    absl::Status status = AtField("object_id", storage::ValidateResourceId(request->object_id()));
+    if (!status.ok()) return status;
+    v1::Object object = request->object();
+    object.set_name(storage::MakeObjectName(request->object_id()));
+    return Respond(context_.catalogue.CreateObject(std::move(object)), response);
+  });
+}
+
+grpc::Status CatalogService::GetObject(grpc::ServerContext* context,
+                                       const v1::GetObjectRequest* request, v1::Object* response) {
+  return Handle(*context, "GetObject",
+                [&] { return Respond(context_.catalogue.GetObject(request->name()), response); });
+}
+
+grpc::Status CatalogService::ListObjects(grpc::ServerContext* context,
+                                         const v1::ListObjectsRequest* request,
+                                         v1::ListObjectsResponse* response) {
+  return Handle(*context, "ListObjects", [&] {
+    return RespondPage(
+        *request,
+        [&](std::size_t size, const std::string& after) {
+          return context_.catalogue.ListObjects(size, after);
+        },
+        [&](v1::Object object) { *response->add_objects() = std::move(object); }, response);
+  });
+}
+
+grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
+                                          const v1::UpdateObjectRequest* request,
+                                          v1::Object* response) {
+  return Handle(*context, "UpdateObject", [&] {
+    const v1::Object& update = request->object();
+    return Respond(context_.catalogue.UpdateObject(
+                       update.name(), update.etag(),
+                       [&](v1::Object& object) {
+                         return ApplyUpdate(update, request->update_mask(), kObjectFields, &object);
+                       }),
+                   response);
+  });
+}
+
+grpc::Status CatalogService::DeleteObject(grpc::ServerContext* context,
+                                          const v1::DeleteObjectRequest* request,
+                                          google::protobuf::Empty* /*response*/) {
+  return Handle(*context, "DeleteObject", [&] {
+    return context_.catalogue.DeleteObject(request->name(), request->force(), request->etag());
+  });
+}
+
+grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
+                                              const v1::CreateStablePoseRequest* request,
+                                              v1::StablePose* response) {
+  return Handle(*context, "CreateStablePose", [&]() -> absl::Status {
+    absl::StatusOr<storage::ObjectName> parent = storage::ParseObjectName(request->parent());
+    if (!parent.ok()) return AtField("parent", parent.status());
+    absl::Status status =
+        AtField("stable_pose_id", storage::ValidateResourceId(request->stable_pose_id()));
+    if (!status.ok()) return status;
+    v1::StablePose pose = request->stable_pose();
+    pose.set_name(storage::MakeStablePoseName(parent->object_id, request->stable_pose_id()));
+    if (auto valid = StablePoseFromProto(pose); !valid.ok()) return valid.status();
+    return Respond(context_.catalogue.CreateStablePose(std::move(pose)), response);
+  });
+}
+
+grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
+                                           const v1::GetStablePoseRequest* request,
+                                           v1::StablePose* response) {
+  return Handle(*context, "GetStablePose", [&] {
+    return Respond(context_.catalogue.GetStablePose(request->name()), response);
+  });
+}
+
+grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
+                                             const v1::ListStablePosesRequest* request,
+                                             v1::ListStablePosesResponse* response) {
+  return Handle(*context, "ListStablePoses", [&] {
+    return RespondPage(
+        *request,
+        [&](std::size_t size, const std::string& after) {
+          return context_.catalogue.ListStablePoses(request->parent(), size, after);
+        },
+        [&](v1::StablePose pose) { *response->add_stable_poses() = std::move(pose); }, response);
+  });
+}
+
+grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
+                                              const v1::UpdateStablePoseRequest* request,
+                                              v1::StablePose* response) {
+  return Handle(*context, "UpdateStablePose", [&] {
+    const v1::StablePose& update = request->stable_pose();
+    const auto change = [&](v1::StablePose& pose) {
+      absl::Status status = ApplyUpdate(update, request->update_mask(), kStablePoseFields, &pose);
+      if (!status.ok()) return status;
+      return StablePoseFromProto(pose).status();
+    };
+    return Respond(context_.catalogue.UpdateStablePose(update.name(), update.etag(), change),
+                   response);
+  });
+}
+
+grpc::Status CatalogService::DeleteStablePose(grpc::ServerContext* context,
+                                              const v1::DeleteStablePoseRequest* request,
+                                              google::protobuf::Empty* /*response*/) {
+  return Handle(*context, "DeleteStablePose", [&] {
+    return context_.catalogue.DeleteStablePose(request->name(), request->force(), request->etag());
+  });
+}
+
+grpc::Status CatalogService::GetView(grpc::ServerContext* context,
+                                     const v1::GetViewRequest* request, v1::View* response) {
+  return Handle(*context, "GetView", [&]() -> absl::Status {
+    absl::StatusOr<storage::ViewRecord> record = context_.catalogue.GetView(request->name());
+    if (!record.ok()) return record.status();
+    *response = ViewToProto(*record);
+    if (request->detail() != v1::VIEW_DETAIL_FULL) return absl::OkStatus();
+    absl::StatusOr<std::string> packed = context_.catalogue.GetPackedCloud(request->name());
+    if (!packed.ok()) return packed.status();
+    absl::StatusOr<recognition::Points> points = PointsFromPacked(*packed);
+    if (!points.ok()) return points.status();
+    *response->mutable_cloud() = PointsToProto(*points);
+    return absl::OkStatus();
+  });
+}
+
+grpc::Status CatalogService::ListViews(grpc::ServerContext* context,
+                                       const v1::ListViewsRequest* request,
+                                       v1::ListViewsResponse* response) {
+  return Handle(*context, "ListViews", [&] {
+    return RespondPage(
+        *request,
+        [&](std::size_t size, const std::string& after) {
+          return context_.catalogue.ListViews(request->parent(), size, after);
+        },
+        [&](const storage::ViewRecord& view) { *response->add_views() = ViewToProto(view); },
+        response);
+  });
+}
+
+grpc::Status CatalogService::DeleteView(grpc::ServerContext* context,
+                                        const v1::DeleteViewRequest* request,
+                                        google::protobuf::Empty* /*response*/) {
+  return Handle(*context, "DeleteView",
+                [&] { return context_.catalogue.DeleteView(request->name()); });
+}
+
+absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
+                                       const recognition::IsCancelled& is_cancelled,
+                                       v1::UploadViewsResponse* response) {
+  absl::StatusOr<storage::StablePoseName> parent = storage::ParseStablePoseName(request.parent());
+  if (!parent.ok()) return AtField("parent", parent.status());
+  absl::Status status = AtField("view_id", storage::ValidateResourceId(request.view_id()));
+  if (!status.ok()) return status;
+  const std::string name =
+      storage::MakeViewName(parent->object_id, parent->stable_pose_id, request.view_id());
+
+  // What is there already is not computed again.
+  absl::StatusOr<storage::ViewRecord> existing = context_.catalogue.GetView(name);
+  if (existing.ok() && existing->content_digest() == UploadDigest(request)) {
+    response->set_existing_count(response->existing_count() + 1);
+    return absl::OkStatus();
+  }
+  if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
+    return pose.status();
+  }
+  absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
+  if (!ticket.ok()) return ticket.status();
+  absl::StatusOr<storage::NewView> view =
+      MakeView(request, context_.parameters, context_.limits, is_cancelled);
+  if (!view.ok()) return view.status();
+  view->record.set_name(name);
+  absl::StatusOr<storage::PutViewOutcome> outcome = context_.catalogue.PutView(*view);
+  if (!outcome.ok()) return outcome.status();
+  if (*outcome == storage::PutViewOutcome::kCreated) {
+    response->set_created_count(response->created_count() + 1);
+  } else {
+    response->set_existing_count(response->existing_count() + 1);
+  }
+  return absl::OkStatus();
+}
+
+grpc::Status CatalogService::UploadViews(grpc::ServerContext* context,
+                                         grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                                         v1::UploadViewsResponse* response) {
+  return Handle(*context, "UploadViews", [&]() -> absl::Status {
+    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    v1::UploadViewsRequest request;
+    while (reader->Read(&request)) {
+      absl::Status status = UploadOne(request, is_cancelled, response);
+      if (status.ok()) continue;
+      absl::Status named(status.code(), absl::StrCat("view \"", request.view_id(), "\" of ",
+                                                     request.parent(), ": ", status.message()));
+      status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+        named.SetPayload(url, payload);
+      });
+      return named;
+    }
+    if (is_cancelled()) return absl::CancelledError("the upload was broken off");
+    response->set_catalog_revision(context_.catalogue.revision());
+    return absl::OkStatus();
+  });
+}
+
+grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
+                                              const v1::GetCatalogStatusRequest* /*request*/,
+                                              v1::CatalogStatus* response) {
+  return Handle(*context, "GetCatalogStatus", [&] {
+    const storage::CatalogueCounts counts = context_.catalogue.counts();
+    response->set_catalog_revision(context_.catalogue.revision());
+    response->set_object_count(counts.objects);
+    response->set_stable_pose_count(counts.stable_poses);
+    response->set_view_count(counts.views);
+    response->set_server_version(kVersion);
+    response->set_uptime_s(absl::ToDoubleSeconds(absl::Now() - start_));
+    response->set_descriptor_name(
+        std::string(recognition::DescriptorName(context_.parameters.descriptor.kind)));
+    response->set_schema_version(context_.catalogue.schema_version());
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace graspdb::server

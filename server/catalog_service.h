@@ -1,0 +1,71 @@
+// CatalogService over the storage.
+#pragma once
+
+#include "graspdb/v1/catalog_service.grpc.pb.h"
+#include "recognition/recognizer.h"
+#include "server/admission.h"
+#include "server/teacher.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// What the catalogue's handlers work with; all of it outlives them.
+struct CatalogContext {
+  storage::Catalogue& catalogue;
+  Admission& teaching;
+  recognition::RecognitionParameters parameters;
+  TeachLimits limits;
+};
+
+// Thread-safe.
+class CatalogService final : public v1::CatalogService::Service {
+ public:
+  explicit CatalogService(CatalogContext context);
+
+  grpc::Status CreateObject(grpc::ServerContext* context, const v1::CreateObjectRequest* request,
+                            v1::Object* response) override;
+  grpc::Status GetObject(grpc::ServerContext* context, const v1::GetObjectRequest* request,
+                         v1::Object* response) override;
+  grpc::Status ListObjects(grpc::ServerContext* context, const v1::ListObjectsRequest* request,
+                           v1::ListObjectsResponse* response) override;
+  grpc::Status UpdateObject(grpc::ServerContext* context, const v1::UpdateObjectRequest* request,
+                            v1::Object* response) override;
+  grpc::Status DeleteObject(grpc::ServerContext* context, const v1::DeleteObjectRequest* request,
+                            google::protobuf::Empty* response) override;
+  grpc::Status CreateStablePose(grpc::ServerContext* context,
+                                const v1::CreateStablePoseRequest* request,
+                                v1::StablePose* response) override;
+  grpc::Status GetStablePose(grpc::ServerContext* context, const v1::GetStablePoseRequest* request,
+                             v1::StablePose* response) override;
+  grpc::Status ListStablePoses(grpc::ServerContext* context,
+                               const v1::ListStablePosesRequest* request,
+                               v1::ListStablePosesResponse* response) override;
+  grpc::Status UpdateStablePose(grpc::ServerContext* context,
+                                const v1::UpdateStablePoseRequest* request,
+                                v1::StablePose* response) override;
+  grpc::Status DeleteStablePose(grpc::ServerContext* context,
+                                const v1::DeleteStablePoseRequest* request,
+                                google::protobuf::Empty* response) override;
+  grpc::Status GetView(grpc::ServerContext* context, const v1::GetViewRequest* request,
+                       v1::View* response) override;
+  grpc::Status ListViews(grpc::ServerContext* context, const v1::ListViewsRequest* request,
+                         v1::ListViewsResponse* response) override;
+  grpc::Status DeleteView(grpc::ServerContext* context, const v1::DeleteViewRequest* request,
+                          google::protobuf::Empty* response) override;
+  grpc::Status UploadViews(grpc::ServerContext* context,
+                           grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                           v1::UploadViewsResponse* response) override;
+  grpc::Status GetCatalogStatus(grpc::ServerContext* context,
+                                const v1::GetCatalogStatusRequest* request,
+                                v1::CatalogStatus* response) override;
+
+ private:
+  absl::Status UploadOne(const v1::UploadViewsRequest& request,
+                         const recognition::IsCancelled& is_cancelled,
+                         v1::UploadViewsResponse* response);
+
+  CatalogContext context_;
+  absl::Time start_;
+};
+
+}  // namespace graspdb::server

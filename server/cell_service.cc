@@ -1,0 +1,88 @@
+#include "server/cell_service.h"
+
+#include <array>
+#include <utility>
+
+#include "server/convert.h"
+#include "server/errors.h"
+#include "server/handle.h"
+#include "server/respond.h"
+#include "server/update_mask.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr std::array<std::string_view, 5> kFields = {"display_name", "sensor_pose",
+                                                     "region_of_interest", "workspace", "pipeline"};
+
+}  // namespace
+
+absl::Status ValidateCell(const v1::Cell& cell) {
+  absl::Status status;
+  if (cell.has_sensor_pose()) {
+    status.Update(PoseFromProto(cell.sensor_pose(), "cell.sensor_pose").status());
+  }
+  if (cell.has_region_of_interest()) {
+    status.Update(BoxFromProto(cell.region_of_interest(), "cell.region_of_interest").status());
+  }
+  if (cell.has_workspace()) {
+    status.Update(BoxFromProto(cell.workspace(), "cell.workspace").status());
+  }
+  recognition::RecognitionParameters scratch;
+  status.Update(ApplyPipeline(cell.pipeline(), "cell.pipeline", &scratch));
+  return status;
+}
+
+grpc::Status CellService::CreateCell(grpc::ServerContext* context,
+                                     const v1::CreateCellRequest* request, v1::Cell* response) {
+  return Handle(*context, "CreateCell", [&]() -> absl::Status {
+    if (absl::Status status = storage::ValidateResourceId(request->cell_id()); !status.ok()) {
+      return InvalidField("cell_id", std::string(status.message()));
+    }
+    v1::Cell cell = request->cell();
+    cell.set_name(storage::MakeCellName(request->cell_id()));
+    if (absl::Status status = ValidateCell(cell); !status.ok()) return status;
+    return Respond(catalogue_.CreateCell(std::move(cell)), response);
+  });
+}
+
+grpc::Status CellService::GetCell(grpc::ServerContext* context, const v1::GetCellRequest* request,
+                                  v1::Cell* response) {
+  return Handle(*context, "GetCell",
+                [&] { return Respond(catalogue_.GetCell(request->name()), response); });
+}
+
+grpc::Status CellService::ListCells(grpc::ServerContext* context,
+                                    const v1::ListCellsRequest* request,
+                                    v1::ListCellsResponse* response) {
+  return Handle(*context, "ListCells", [&] {
+    return RespondPage(
+        *request,
+        [&](std::size_t size, const std::string& after) {
+          return catalogue_.ListCells(size, after);
+        },
+        [&](v1::Cell cell) { *response->add_cells() = std::move(cell); }, response);
+  });
+}
+
+grpc::Status CellService::UpdateCell(grpc::ServerContext* context,
+                                     const v1::UpdateCellRequest* request, v1::Cell* response) {
+  return Handle(*context, "UpdateCell", [&] {
+    const v1::Cell& update = request->cell();
+    const auto change = [&](v1::Cell& cell) {
+      absl::Status status = ApplyUpdate(update, request->update_mask(), kFields, &cell);
+      return status.ok() ? ValidateCell(cell) : status;
+    };
+    return Respond(catalogue_.UpdateCell(update.name(), update.etag(), change), response);
+  });
+}
+
+grpc::Status CellService::DeleteCell(grpc::ServerContext* context,
+                                     const v1::DeleteCellRequest* request,
+                                     google::protobuf::Empty* /*response*/) {
+  return Handle(*context, "DeleteCell",
+                [&] { return catalogue_.DeleteCell(request->name(), request->etag()); });
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,142 @@
+#include "server/convert.h"
+
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr double kFarthest = 1000;  // m
+constexpr double kNormTolerance = 1e-3;
+constexpr int kMaxGrasps = 64;
+
+std::string Join(std::string_view path, std::string_view field) {
+  return absl::StrCat(std::string(path), ".", std::string(field));
+}
+
+Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+// Copies a field that is given, if it lies in [lo, hi].
+template <typename T, typename U>
+absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::string_view field,
+                   U* target) {
+  if (!given) return absl::OkStatus();
+  if (!(value >= lo && value <= hi)) {
+    return InvalidField(Join(path, field),
+                        absl::StrCat("is ", value, "; it must lie in ", lo, " to ", hi));
+  }
+  *target = value;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
+  const Eigen::Vector3d position = VectorFromProto(pose.position());
+  if (!position.allFinite() || position.norm() > kFarthest) {
+    return InvalidField(Join(path, "position"), "must be finite and within 1000 m of the origin");
+  }
+  const v1::Quaternion& q = pose.orientation();
+  const Eigen::Quaterniond rotation(q.w(), q.x(), q.y(), q.z());
+  const double norm = rotation.norm();
+  if (!(std::abs(norm - 1) <= kNormTolerance)) {
+    return InvalidField(Join(path, "orientation"),
+                        absl::StrCat("has norm ", norm, "; a rotation is a unit quaternion"));
+  }
+  recognition::Pose out = recognition::Pose::Identity();
+  out.linear() = rotation.normalized().toRotationMatrix();
+  out.translation() = position;
+  return out;
+}
+
+v1::Pose PoseToProto(const recognition::Pose& pose) {
+  v1::Pose out;
+  *out.mutable_position() = VectorToProto(pose.translation());
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() = -q.coeffs();  // one rotation, one text
+  out.mutable_orientation()->set_x(q.x());
+  out.mutable_orientation()->set_y(q.y());
+  out.mutable_orientation()->set_z(q.z());
+  out.mutable_orientation()->set_w(q.w());
+  return out;
+}
+
+absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box,
+                                              std::string_view path) {
+  recognition::Box out{VectorFromProto(box.min()), VectorFromProto(box.max())};
+  if (!out.min.allFinite() || !out.max.allFinite()) {
+    return InvalidField(path, "must have finite corners");
+  }
+  if ((out.min.array() >= out.max.array()).any()) {
+    return InvalidField(path, "is empty: min must be smaller than max in x, y and z");
+  }
+  return out;
+}
+
+v1::Vector3 VectorToProto(const Eigen::Vector3d& v) {
+  v1::Vector3 out;
+  out.set_x(v.x());
+  out.set_y(v.y());
+  out.set_z(v.z());
+  return out;
+}
+
+absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view path,
+                           recognition::RecognitionParameters* parameters) {
+  auto& s = parameters->segmentation;
+  auto& m = parameters->matching;
+  absl::Status status;
+  status.Update(Apply(p.has_plane_distance_m(), p.plane_distance_m(), 0.0005, 0.1, path,
+                      "plane_distance_m", &s.plane_distance_m));
+  status.Update(Apply(p.has_outlier_neighbor_count(), p.outlier_neighbor_count(), 0, 200, path,
+                      "outlier_neighbor_count", &s.outlier_neighbor_count));
+  status.Update(Apply(p.has_outlier_deviation_factor(), p.outlier_deviation_factor(), 0.1, 100.0,
+                      path, "outlier_deviation_factor", &s.outlier_deviation_factor));
+  status.Update(Apply(p.has_cluster_tolerance_m(), p.cluster_tolerance_m(), 0.003, 0.2, path,
+                      "cluster_tolerance_m", &s.cluster_tolerance_m));
+  status.Update(Apply(p.has_min_cluster_point_count(), p.min_cluster_point_count(), 10, 100000,
+                      path, "min_cluster_point_count", &s.min_cluster_point_count));
+  status.Update(Apply(p.has_verified_view_count(), p.verified_view_count(), 1, 100, path,
+                      "verified_view_count", &m.verified_view_count));
+  status.Update(Apply(p.has_icp_iteration_count(), p.icp_iteration_count(), 0, 1000, path,
+                      "icp_iteration_count", &m.icp_iteration_count));
+  status.Update(Apply(p.has_min_score(), p.min_score(), 0.0, 1.0, path, "min_score", &m.min_score));
+  return status;
+}
+
+absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose) {
+  recognition::TaughtStablePose out;
+  out.name = pose.name();
+  out.symmetry_order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+  if (out.symmetry_order < 0 || out.symmetry_order > 360) {
+    return InvalidField("stable_pose.symmetry_order",
+                        "must lie in 0 (any turn) to 360, 1 for no symmetry");
+  }
+  if (pose.grasps_size() > kMaxGrasps) {
+    return InvalidField("stable_pose.grasps", "has more than 64 grasps");
+  }
+  std::set<std::string> ids;
+  for (int i = 0; i < pose.grasps_size(); ++i) {
+    const v1::Grasp& grasp = pose.grasps(i);
+    const std::string path = absl::StrCat("stable_pose.grasps[", i, "]");
+    if (grasp.grasp_id().empty() || !ids.insert(grasp.grasp_id()).second) {
+      return InvalidField(Join(path, "grasp_id"), "must be given and be unique");
+    }
+    absl::StatusOr<recognition::Pose> tcp = PoseFromProto(grasp.tcp_pose(), Join(path, "tcp_pose"));
+    if (!tcp.ok()) return tcp.status();
+    if (!(grasp.approach_distance_m() >= 0 && grasp.approach_distance_m() <= 10)) {
+      return InvalidField(Join(path, "approach_distance_m"), "must lie in 0 to 10 m");
+    }
+    if (!(grasp.gripper_opening_m() >= 0 && grasp.gripper_opening_m() <= 10)) {
+      return InvalidField(Join(path, "gripper_opening_m"), "must lie in 0 to 10 m");
+    }
+    out.grasps.push_back({grasp.grasp_id(), *tcp, grasp.approach_distance_m(),
+                          grasp.gripper_opening_m(), grasp.priority()});
+  }
+  return out;
+}
+
+}  // namespace graspdb::server

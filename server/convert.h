@@ -1,0 +1,33 @@
+// The one place where messages of the public contract become the recognition's
+// types and back. Errors are INVALID_ARGUMENT and name the field at `path`.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "graspdb/v1/catalog.pb.h"
+#include "graspdb/v1/cell.pb.h"
+#include "graspdb/v1/geometry.pb.h"
+#include "recognition/recognizer.h"
+
+namespace graspdb::server {
+
+// Finite, not farther than 1 km from the origin, the quaternion's norm within
+// 1e-3 of one; the result is exactly normalised.
+absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path);
+v1::Pose PoseToProto(const recognition::Pose& pose);
+
+// Finite, min below max in every component.
+absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box, std::string_view path);
+
+v1::Vector3 VectorToProto(const Eigen::Vector3d& v);
+
+// Replaces the fields that are given. Values out of range are errors.
+absl::Status ApplyPipeline(const v1::PipelineParameters& pipeline, std::string_view path,
+                           recognition::RecognitionParameters* parameters);
+
+// A stable pose with its grasps; the name is taken as it is.
+absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose);
+
+}  // namespace graspdb::server

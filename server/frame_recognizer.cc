@@ -1,0 +1,116 @@
+#include "server/frame_recognizer.h"
+
+#include <chrono>
+
+#include "absl/status/status.h"
+#include "server/answer.h"
+#include "server/convert.h"
+#include "server/errors.h"
+#include "server/scan_from_proto.h"
+
+namespace graspdb::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// A request, unpacked and checked, with what its cell says filled in.
+struct Job {
+  recognition::Scan scan;
+  recognition::RecognitionParameters parameters;
+  bool sensor_pose_from_cell = false;
+};
+
+absl::StatusOr<recognition::Points> ReadScan(const v1::RecognizeRequest& request,
+                                             std::size_t max_points) {
+  switch (request.scan_case()) {
+    case v1::RecognizeRequest::kCloud:
+      return PointsFromProto(request.cloud(), max_points, "cloud");
+    case v1::RecognizeRequest::kDepthImage:
+      return PointsFromProto(request.depth_image(), max_points, "depth_image");
+    case v1::RecognizeRequest::SCAN_NOT_SET:
+      break;
+  }
+  return InvalidField("scan", "is missing: give a cloud or a depth_image");
+}
+
+// Applies what the cell or the request says of the frame; `path` leads the fields'
+// names ("cell." or nothing).
+template <typename Source>
+absl::Status ApplySettings(const Source& source, const std::string& path, Job* job) {
+  if (source.has_sensor_pose()) {
+    absl::StatusOr<recognition::Pose> pose =
+        PoseFromProto(source.sensor_pose(), path + "sensor_pose");
+    if (!pose.ok()) return pose.status();
+    job->scan.world_sensor = *pose;
+  }
+  if (source.has_region_of_interest()) {
+    absl::StatusOr<recognition::Box> box =
+        BoxFromProto(source.region_of_interest(), path + "region_of_interest");
+    if (!box.ok()) return box.status();
+    job->scan.region = *box;
+  }
+  return ApplyPipeline(source.pipeline(), path + "pipeline", &job->parameters);
+}
+
+absl::Status ApplyCell(const storage::Catalogue& catalogue, const std::string& name, Job* job) {
+  if (name.empty()) return absl::OkStatus();
+  absl::StatusOr<v1::Cell> cell = catalogue.GetCell(name);
+  if (!cell.ok()) return cell.status();
+  if (absl::Status status = ApplySettings(*cell, "cell.", job); !status.ok()) return status;
+  job->sensor_pose_from_cell = cell->has_sensor_pose();
+  if (cell->has_workspace()) {
+    absl::StatusOr<recognition::Box> box = BoxFromProto(cell->workspace(), "cell.workspace");
+    if (!box.ok()) return box.status();
+    job->parameters.workspace = *box;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+FrameRecognizer::FrameRecognizer(const storage::Catalogue& catalogue, const LiveCatalogue& live,
+                                 recognition::ViewClouds& clouds,
+                                 const recognition::RecognitionParameters& parameters,
+                                 std::size_t max_points)
+    : catalogue_(catalogue),
+      live_(live),
+      clouds_(clouds),
+      parameters_(parameters),
+      max_points_(max_points) {}
+
+absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
+    const v1::RecognizeRequest& request, const recognition::IsCancelled& is_cancelled) {
+  const Clock::time_point start = Clock::now();
+  Job job;
+  job.parameters = parameters_;
+  if (absl::Status status = ApplyCell(catalogue_, request.cell(), &job); !status.ok()) {
+    return status;
+  }
+  if (absl::Status status = ApplySettings(request, "", &job); !status.ok()) return status;
+  job.scan.segmented = request.segmented();
+  absl::StatusOr<recognition::Points> points = ReadScan(request, max_points_);
+  if (!points.ok()) return points.status();
+  job.scan.points = *std::move(points);
+
+  AnswerContext context;
+  context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
+  context.omit_timings = request.omit_timings();
+  context.decode_ms = MillisecondsSince(start);
+  // A view may be deleted between the snapshot and the loading of its cloud; the
+  // next snapshot does not have it any more.
+  for (;;) {
+    const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
+    absl::StatusOr<recognition::Recognition> result =
+        recognition::Recognize(job.scan, *snapshot, clouds_, job.parameters, is_cancelled);
+    if (absl::IsNotFound(result.status()) && live_.snapshot() != snapshot) continue;
+    if (!result.ok()) return result.status();
+    context.total_ms = MillisecondsSince(start);
+    return MakeAnswer(*result, context);
+  }
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,59 @@
+#include "server/handle.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <exception>
+#include <new>
+
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+#include "server/log_field.h"
+
+namespace graspdb::server {
+namespace {
+
+absl::Status RunGuarded(const std::function<absl::Status()>& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("the server has no memory left for this call");
+  } catch (const std::exception& e) {
+    return absl::InternalError(absl::StrCat("a library failed: ", e.what()));
+  }
+}
+
+spdlog::level::level_enum LevelOf(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+      return spdlog::level::info;
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kUnknown:
+      return spdlog::level::err;
+    default:
+      return spdlog::level::warn;
+  }
+}
+
+}  // namespace
+
+bool IsAbandoned(const grpc::ServerContextBase& context) {
+  return context.IsCancelled() || context.deadline() < std::chrono::system_clock::now();
+}
+
+grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
+                    const std::function<absl::Status()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  absl::Status status = RunGuarded(work);
+  if (absl::IsCancelled(status) && context.deadline() < std::chrono::system_clock::now()) {
+    status = absl::DeadlineExceededError("the call's deadline passed before it was done");
+  }
+  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+  spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}", method,
+              LogField(context.peer()), absl::StatusCodeToString(status.code()), spent.count(),
+              status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
+  return ToGrpcStatus(status);
+}
+
+}  // namespace graspdb::server

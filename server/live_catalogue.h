@@ -1,0 +1,47 @@
+// The catalogue in memory, always as of the last acknowledged change.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <unordered_set>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "recognition/parameters.h"
+#include "recognition/recognizer.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// Follows a storage::Catalogue: loads it once, then applies every change before
+// the call that made the change returns. Readers take a snapshot and never wait
+// for a writer. Thread-safe.
+class LiveCatalogue {
+ public:
+  // Loads `catalogue`, which must outlive this. Views whose descriptors were made
+  // with other parameters are described again from their clouds, and stored.
+  static absl::StatusOr<std::unique_ptr<LiveCatalogue>> Follow(
+      storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
+  ~LiveCatalogue();
+  LiveCatalogue(const LiveCatalogue&) = delete;
+  LiveCatalogue& operator=(const LiveCatalogue&) = delete;
+
+  std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
+
+ private:
+  using Snapshot = recognition::CatalogueSnapshot;
+
+  LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
+  absl::Status Load();
+  void Apply(const storage::ChangeRecord& change);
+  void Publish(Snapshot snapshot);
+
+  storage::Catalogue& catalogue_;
+  const recognition::DescriptorParameters parameters_;
+  std::unordered_set<std::string> view_names_;  // only on the thread that changes
+  mutable absl::Mutex mutex_;
+  std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::server

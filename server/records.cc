@@ -1,0 +1,75 @@
+#include "server/records.h"
+
+#include "absl/strings/str_cat.h"
+#include "recognition/segmentation.h"
+#include "server/convert.h"
+#include "storage/packed_cloud.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+
+absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
+    const storage::ViewRecord& record) {
+  auto view = std::make_shared<recognition::TaughtView>();
+  absl::StatusOr<storage::ViewName> name = storage::ParseViewName(record.name());
+  absl::StatusOr<recognition::Pose> object = PoseFromProto(record.object_pose(), "object_pose");
+  absl::StatusOr<recognition::Pose> sensor = PoseFromProto(record.sensor_pose(), "sensor_pose");
+  for (const absl::Status& status : {name.status(), object.status(), sensor.status()}) {
+    if (status.ok()) continue;
+    return absl::DataLossError(absl::StrCat("the record of view ", record.name(),
+                                            " is damaged: ", status.message(),
+                                            "; restore the catalogue from a backup"));
+  }
+  view->name = record.name();
+  view->content = record.content_digest();
+  view->object = storage::MakeObjectName(name->object_id);
+  view->stable_pose = storage::MakeStablePoseName(name->object_id, name->stable_pose_id);
+  view->world_object = *object;
+  view->world_sensor = *sensor;
+  return view;
+}
+
+const storage::DescriptorRecord* FindDescriptor(
+    const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters) {
+  const std::string fingerprint = parameters.Fingerprint();
+  for (const storage::DescriptorRecord& d : record.descriptors()) {
+    if (d.parameters() == fingerprint &&
+        d.bins_size() == recognition::DescriptorSize(parameters.kind)) {
+      return &d;
+    }
+  }
+  return nullptr;
+}
+
+absl::StatusOr<recognition::Points> PointsFromPacked(std::string_view packed) {
+  absl::StatusOr<std::vector<storage::CloudPoint>> unpacked = storage::UnpackCloud(packed);
+  if (!unpacked.ok()) return unpacked.status();
+  recognition::Points points;
+  points.reserve(unpacked->size());
+  for (const storage::CloudPoint& p : *unpacked) points.emplace_back(p[0], p[1], p[2]);
+  return points;
+}
+
+absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
+    std::string_view packed, const recognition::Pose& world_sensor,
+    const recognition::DescriptorParameters& parameters) {
+  absl::StatusOr<recognition::Points> points = PointsFromPacked(packed);
+  if (!points.ok()) return points.status();
+  return recognition::PrepareCloud(recognition::Transform(world_sensor, *points),
+                                   world_sensor.translation(), parameters);
+}
+
+absl::StatusOr<storage::DescriptorRecord> MakeDescriptorRecord(
+    const recognition::OrientedCloud& cloud, const recognition::Pose& world_sensor,
+    const recognition::DescriptorParameters& parameters) {
+  absl::StatusOr<recognition::Descriptor> bins =
+      recognition::Describe(cloud, world_sensor.translation(), parameters.kind);
+  if (!bins.ok()) return bins.status();
+  storage::DescriptorRecord record;
+  record.set_kind(std::string(recognition::DescriptorName(parameters.kind)));
+  record.set_parameters(parameters.Fingerprint());
+  record.mutable_bins()->Assign(bins->begin(), bins->end());
+  return record;
+}
+
+}  // namespace graspdb::server

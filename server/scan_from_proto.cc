@@ -1,0 +1,191 @@
+#include "server/scan_from_proto.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "absl/strings/str_cat.h"
+#include "recognition/depth_image.h"
+#include "recognition/region.h"
+#include "server/errors.h"
+
+namespace graspdb::server {
+namespace {
+
+using Field = v1::PackedElementField;
+static_assert(std::endian::native == std::endian::little, "packed data is little-endian");
+
+// Depth cameras see some metres; a median beyond this, m, is another unit.
+constexpr float kFarthestMedian = 50;
+constexpr int kMaxStride = 4096;
+
+std::string Join(std::string_view path, std::string_view field) {
+  return absl::StrCat(std::string(path), ".", std::string(field));
+}
+
+int SizeOf(Field::NumericType type) {
+  switch (type) {
+    case Field::NUMERIC_TYPE_FLOAT32:
+      return 4;
+    case Field::NUMERIC_TYPE_FLOAT64:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+float ReadNumber(const char* at, Field::NumericType type) {
+  if (type == Field::NUMERIC_TYPE_FLOAT64) {
+    double value = 0;
+    std::memcpy(&value, at, sizeof(value));
+    return static_cast<float>(value);
+  }
+  float value = 0;
+  std::memcpy(&value, at, sizeof(value));
+  return value;
+}
+
+// The field of the given name, checked against the stride.
+absl::StatusOr<const Field*> FindField(const v1::PointCloud& cloud, std::string_view name,
+                                       std::string_view path) {
+  for (int i = 0; i < cloud.fields_size(); ++i) {
+    const Field& field = cloud.fields(i);
+    if (field.name() != name) continue;
+    const std::string at = absl::StrCat(std::string(path), ".fields[", i, "]");
+    const int size = SizeOf(field.type());
+    if (size == 0) return InvalidField(Join(at, "type"), "must be FLOAT32 or FLOAT64");
+    if (field.offset() < 0 || field.offset() > cloud.point_stride() - size) {
+      return InvalidField(Join(at, "offset"),
+                          absl::StrCat("is ", field.offset(), "; the component must end within ",
+                                       "the stride of ", cloud.point_stride(), " bytes"));
+    }
+    return &field;
+  }
+  return InvalidField(Join(path, "fields"),
+                      absl::StrCat("have no \"", std::string(name), "\"; x, y and z are required"));
+}
+
+absl::Status TooManyPoints(std::size_t count, std::size_t max_points, std::string_view path) {
+  return InvalidField(path, absl::StrCat("has ", count, " points; this server takes at most ",
+                                         max_points, " (--max-points)"));
+}
+
+// Whether there is anything to see, in metres.
+absl::Status CheckMeasurements(const recognition::Points& points, std::string_view path) {
+  std::vector<float> ranges;
+  for (const auto& p : points) {
+    if (recognition::IsMeasurement(p)) ranges.push_back(p.norm());
+  }
+  if (ranges.empty()) {
+    return InvalidField(path, absl::StrCat("has no measurement: all ", points.size(),
+                                           " points are NaN, infinite or zero"));
+  }
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  if (*middle > kFarthestMedian) {
+    return InvalidField(path,
+                        absl::StrCat("has a median distance of ", *middle,
+                                     " m; coordinates are in metres, are these millimetres?"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<recognition::CameraIntrinsics> CameraFromProto(const v1::CameraIntrinsics& camera,
+                                                              std::size_t max_points,
+                                                              std::string_view path) {
+  if (camera.width() <= 0 || camera.height() <= 0) {
+    return InvalidField(path, "must have a positive width and height");
+  }
+  const std::size_t count =
+      static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
+  if (count > max_points) return TooManyPoints(count, max_points, path);
+  const std::array<double, 4> values = {camera.fx(), camera.fy(), camera.cx(), camera.cy()};
+  const bool finite =
+      std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  if (!finite || camera.fx() <= 0 || camera.fy() <= 0) {
+    return InvalidField(path, "must have finite values and positive focal lengths");
+  }
+  return recognition::CameraIntrinsics{camera.width(), camera.height(), camera.fx(),
+                                       camera.fy(),    camera.cx(),     camera.cy()};
+}
+
+}  // namespace
+
+absl::StatusOr<recognition::Points> PointsFromProto(const v1::PointCloud& cloud,
+                                                    std::size_t max_points, std::string_view path) {
+  const int stride = cloud.point_stride();
+  if (stride <= 0 || stride > kMaxStride) {
+    return InvalidField(Join(path, "point_stride"),
+                        absl::StrCat("is ", stride, "; it must lie in 1 to 4096 bytes"));
+  }
+  const auto step = static_cast<std::size_t>(stride);
+  if (cloud.data().empty() || cloud.data().size() % step != 0) {
+    return InvalidField(
+        Join(path, "data"),
+        absl::StrCat("has ", cloud.data().size(),
+                     " bytes, which is no positive multiple of the stride of ", stride));
+  }
+  const std::size_t count = cloud.data().size() / step;
+  if (count > max_points) return TooManyPoints(count, max_points, path);
+  std::array<const Field*, 3> fields{};
+  constexpr std::array<std::string_view, 3> kNames = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    absl::StatusOr<const Field*> field = FindField(cloud, kNames[axis], path);
+    if (!field.ok()) return field.status();
+    fields[axis] = *field;
+  }
+  recognition::Points points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const char* point = cloud.data().data() + i * step;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      points[i][static_cast<Eigen::Index>(axis)] =
+          ReadNumber(point + fields[axis]->offset(), fields[axis]->type());
+    }
+  }
+  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
+  return points;
+}
+
+absl::StatusOr<recognition::Points> PointsFromProto(const v1::DepthImage& image,
+                                                    std::size_t max_points, std::string_view path) {
+  absl::StatusOr<recognition::CameraIntrinsics> camera =
+      CameraFromProto(image.intrinsics(), max_points, Join(path, "intrinsics"));
+  if (!camera.ok()) return camera.status();
+  const std::size_t count =
+      static_cast<std::size_t>(camera->width) * static_cast<std::size_t>(camera->height);
+  if (image.data().size() != 2 * count) {
+    return InvalidField(Join(path, "data"),
+                        absl::StrCat("has ", image.data().size(), " bytes; ", camera->width, " x ",
+                                     camera->height, " pixels need ", 2 * count));
+  }
+  const double unit = image.depth_unit_m() == 0 ? 0.001 : image.depth_unit_m();
+  if (!(unit > 0 && unit <= 0.1)) {
+    return InvalidField(Join(path, "depth_unit_m"), "must lie in 0 to 0.1 m");
+  }
+  std::vector<std::uint16_t> depth(count);
+  std::memcpy(depth.data(), image.data().data(), image.data().size());
+  recognition::Points points = recognition::Unproject(depth, *camera, unit);
+  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
+  return points;
+}
+
+v1::PointCloud PointsToProto(const recognition::Points& points) {
+  v1::PointCloud out;
+  out.set_point_stride(12);
+  int offset = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    Field* field = out.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(Field::NUMERIC_TYPE_FLOAT32);
+    offset += 4;
+  }
+  static_assert(sizeof(Eigen::Vector3f) == 12);
+  out.mutable_data()->assign(reinterpret_cast<const char*>(points.data()), points.size() * 12);
+  return out;
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,44 @@
+// All parts of the server put together.
+#pragma once
+
+#include <grpcpp/server.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "recognition/recognizer.h"
+#include "server/options.h"
+
+namespace graspdb::server {
+
+// A server that is running. Destroying it drains it.
+class Server {
+ public:
+  // Opens the database, loads the catalogue, begins to listen. Errors say what to
+  // do next.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  ~Server();
+
+  // HOST:PORT, with the port that was picked.
+  const std::string& address() const { return address_; }
+
+  // A channel inside the process, for tests.
+  std::shared_ptr<grpc::Channel> InProcessChannel();
+
+  // Takes no new calls, lets the running ones end until the drain time is over, and
+  // closes the database. Calling it again does nothing.
+  void Drain();
+
+ private:
+  struct Parts;
+  explicit Server(std::unique_ptr<Parts> parts);
+
+  std::unique_ptr<Parts> parts_;
+  std::unique_ptr<grpc::Server> grpc_;
+  std::string address_;
+  std::chrono::duration<double> drain_time_{};
+};
+
+}  // namespace graspdb::server

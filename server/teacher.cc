@@ -1,0 +1,159 @@
+#include "server/teacher.h"
+
+#include <algorithm>
+#include <array>
+
+#include "absl/strings/str_cat.h"
+#include "recognition/segmentation.h"
+#include "server/convert.h"
+#include "server/digest.h"
+#include "server/errors.h"
+#include "server/records.h"
+#include "server/scan_from_proto.h"
+#include "storage/crc32c.h"
+#include "storage/packed_cloud.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+using recognition::Pose;
+using recognition::Segment;
+using recognition::Segmentation;
+
+struct Capture {
+  recognition::Scan scan;
+  std::optional<Pose> object_pose;
+};
+
+absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
+                                         std::size_t max_points) {
+  Capture out;
+  const v1::View& view = request.view();
+  absl::StatusOr<recognition::Points> points =
+      PointsFromProto(view.cloud(), max_points, "view.cloud");
+  if (!points.ok()) return points.status();
+  out.scan.points = *std::move(points);
+  out.scan.segmented = view.segmented();
+  if (view.has_sensor_pose()) {
+    absl::StatusOr<Pose> pose = PoseFromProto(view.sensor_pose(), "view.sensor_pose");
+    if (!pose.ok()) return pose.status();
+    out.scan.world_sensor = *pose;
+  }
+  if (view.has_object_pose()) {
+    absl::StatusOr<Pose> pose = PoseFromProto(view.object_pose(), "view.object_pose");
+    if (!pose.ok()) return pose.status();
+    out.object_pose = *pose;
+  }
+  if (request.has_region_of_interest()) {
+    absl::StatusOr<recognition::Box> box =
+        BoxFromProto(request.region_of_interest(), "region_of_interest");
+    if (!box.ok()) return box.status();
+    out.scan.region = *box;
+  }
+  return out;
+}
+
+// The segment that is the object: the only one, or the one at the object's pose.
+absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
+                                             const std::optional<Pose>& object_pose) {
+  switch (segmentation.outcome) {
+    case recognition::SegmentationOutcome::kEmptyRegion:
+      return WithReason(absl::FailedPreconditionError(
+                            "the region of interest holds no measurement; check the sensor pose "
+                            "and the region"),
+                        "EMPTY_REGION");
+    case recognition::SegmentationOutcome::kNoCluster:
+      return WithReason(
+          absl::FailedPreconditionError("nothing stands on the table in the region of interest; "
+                                        "check the sensor pose and the region"),
+          "NO_CLUSTER");
+    case recognition::SegmentationOutcome::kFound:
+      break;
+  }
+  const std::vector<Segment>& segments = segmentation.segments;
+  if (!object_pose) {
+    if (segments.size() == 1) return &segments.front();
+    return WithReason(
+        absl::FailedPreconditionError(absl::StrCat(
+            "the capture shows ", segments.size(),
+            " things and no object pose says which one is taught; clear the table or give one")),
+        "SEVERAL_CLUSTERS");
+  }
+  const auto distance = [&](const Segment& segment) {
+    return (segment.centroid - object_pose->translation()).head<2>().norm();
+  };
+  return &*std::ranges::min_element(segments, {}, distance);
+}
+
+// The object's frame where nobody gave one: on the table under the centroid.
+Pose DefaultObjectPose(const Segmentation& segmentation, const Segment& segment) {
+  Pose pose = Pose::Identity();
+  pose.translation() = segment.centroid;
+  if (segmentation.world_frame != recognition::WorldFrame::kSensor) pose.translation().z() = 0;
+  return pose;
+}
+
+absl::StatusOr<std::string> PackSegment(const recognition::Points& scan, const Segment& segment) {
+  std::vector<storage::CloudPoint> points;
+  points.reserve(segment.indices.size());
+  for (const std::int32_t i : segment.indices) {
+    const auto& p = scan[static_cast<std::size_t>(i)];
+    points.push_back({p.x(), p.y(), p.z()});
+  }
+  return storage::PackCloud(points);
+}
+
+absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {
+  if (!request.has_cloud_crc32c()) return absl::OkStatus();
+  if (storage::Crc32c(request.view().cloud().data()) == request.cloud_crc32c())
+    return absl::OkStatus();
+  return InvalidField("cloud_crc32c", "is not that of view.cloud.data; send the view again");
+}
+
+}  // namespace
+
+std::string UploadDigest(const v1::UploadViewsRequest& request) {
+  v1::UploadViewsRequest content;
+  *content.mutable_view() = request.view();
+  content.mutable_view()->clear_name();
+  *content.mutable_region_of_interest() = request.region_of_interest();
+  return Sha256(content.SerializeAsString());
+}
+
+absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
+                                          const recognition::RecognitionParameters& parameters,
+                                          const TeachLimits& limits,
+                                          const recognition::IsCancelled& is_cancelled) {
+  if (absl::Status status = CheckChecksum(request); !status.ok()) return status;
+  absl::StatusOr<Capture> capture = CaptureFromProto(request, limits.max_points);
+  if (!capture.ok()) return capture.status();
+  recognition::StageLog log;
+  absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
+      capture->scan, parameters.segmentation, parameters.descriptor, is_cancelled, &log);
+  if (!segmentation.ok()) return segmentation.status();
+  absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture->object_pose);
+  if (!segment.ok()) return segment.status();
+
+  storage::NewView out;
+  absl::StatusOr<std::string> packed = PackSegment(capture->scan.points, **segment);
+  if (!packed.ok()) return packed.status();
+  out.packed_cloud = *std::move(packed);
+  const Pose& sensor = segmentation->world_sensor;
+  absl::StatusOr<recognition::OrientedCloud> cloud =
+      CloudFromPacked(out.packed_cloud, sensor, parameters.descriptor);
+  if (!cloud.ok()) return cloud.status();
+  absl::StatusOr<storage::DescriptorRecord> descriptor =
+      MakeDescriptorRecord(*cloud, sensor, parameters.descriptor);
+  if (!descriptor.ok()) return descriptor.status();
+
+  out.record.set_content_digest(UploadDigest(request));
+  *out.record.mutable_sensor_pose() = PoseToProto(sensor);
+  *out.record.mutable_object_pose() =
+      PoseToProto(capture->object_pose.value_or(DefaultObjectPose(*segmentation, **segment)));
+  out.record.set_point_count(static_cast<int>((*segment)->indices.size()));
+  *out.record.add_descriptors() = *std::move(descriptor);
+  return out;
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,43 @@
+// Updates of some fields (AIP-134, 161).
+#pragma once
+
+#include <google/protobuf/field_mask.pb.h>
+#include <google/protobuf/util/field_mask_util.h>
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+
+namespace graspdb::server {
+
+// Copies the masked fields of `from` into `to`; an empty mask means all of
+// `mutable_fields`. INVALID_ARGUMENT for a path that does not exist or may not be
+// changed.
+template <typename Resource>
+absl::Status ApplyUpdate(const Resource& from, const google::protobuf::FieldMask& mask,
+                         std::span<const std::string_view> mutable_fields, Resource* to) {
+  using google::protobuf::util::FieldMaskUtil;
+  google::protobuf::FieldMask effective = mask;
+  if (effective.paths().empty()) {
+    for (const std::string_view field : mutable_fields) effective.add_paths(std::string(field));
+  }
+  for (const std::string& path : effective.paths()) {
+    const std::string_view top = std::string_view(path).substr(0, path.find('.'));
+    if (std::ranges::find(mutable_fields, top) == mutable_fields.end() ||
+        !FieldMaskUtil::IsValidPath<Resource>(path)) {
+      return InvalidField("update_mask",
+                          absl::StrCat("\"", path, "\" is no field that can be changed"));
+    }
+  }
+  FieldMaskUtil::MergeOptions options;
+  options.set_replace_message_fields(true);
+  options.set_replace_repeated_fields(true);
+  FieldMaskUtil::MergeMessageTo(from, effective, options, to);
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::server
