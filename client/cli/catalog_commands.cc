@@ -1,0 +1,101 @@
+#include "client/cli/catalog_commands.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace graspdb::client {
+namespace {
+
+absl::Status ListObjects(const GlobalOptions& global) {
+  absl::StatusOr<std::vector<v1::Object>> objects = Connect(global).ListObjects();
+  if (!objects.ok()) return objects.status();
+  for (const v1::Object& object : *objects) {
+    if (global.json) {
+      if (absl::Status status = PrintJson(object); !status.ok()) return status;
+    } else {
+      std::printf("%-40s %s\n", object.name().c_str(), object.display_name().c_str());
+    }
+  }
+  if (objects->empty() && !global.json) {
+    std::printf("the catalogue is empty; teach it with: graspdb import SET\n");
+  }
+  return absl::OkStatus();
+}
+
+void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
+  const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+  std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
+              order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
+  for (const v1::Grasp& grasp : pose.grasps()) {
+    const v1::Vector3& p = grasp.tcp_pose().position();
+    std::printf("    grasp %s: at %.3f %.3f %.3f m, approach %.3f m, opening %.3f m, priority %d\n",
+                grasp.grasp_id().c_str(), p.x(), p.y(), p.z(), grasp.approach_distance_m(),
+                grasp.gripper_opening_m(), grasp.priority());
+  }
+}
+
+absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
+  Client client = Connect(global);
+  absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
+  if (!object.ok()) return object.status();
+  if (global.json) return PrintJson(*object);
+  std::printf("%s: %s\n", object->name().c_str(), object->display_name().c_str());
+  absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object->name());
+  if (!poses.ok()) return poses.status();
+  for (const v1::StablePose& pose : *poses) {
+    absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
+    if (!views.ok()) return views.status();
+    PrintStablePose(pose, views->size());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bool force) {
+  const std::string name = ResourceName("objects", id);
+  absl::Status status = Connect(global).DeleteObject(name, force);
+  if (!status.ok()) return status;
+  if (!global.json) std::printf("deleted %s\n", name.c_str());
+  return absl::OkStatus();
+}
+
+absl::Status ShowStatus(const GlobalOptions& global) {
+  absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (global.json) return PrintJson(*status);
+  std::printf("server      %s, version %s, up %.0f s\n", global.server.c_str(),
+              status->server_version().c_str(), status->uptime_s());
+  std::printf("catalogue   %lld objects, %lld stable poses, %lld views\n",
+              static_cast<long long>(status->object_count()),
+              static_cast<long long>(status->stable_pose_count()),
+              static_cast<long long>(status->view_count()));
+  std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
+  std::printf("descriptor  %s\n", status->descriptor_name().c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* objects = AddCommand(app, "objects", "List, show and delete objects");
+  objects->require_subcommand(1);
+  AddCommand(*objects, "list", "All objects")->callback([=, &global] {
+    *action = [&global] { return ListObjects(global); };
+  });
+  auto id = std::make_shared<std::string>();
+  CLI::App* show = AddCommand(*objects, "show", "An object with its stable poses and grasps");
+  show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
+  show->callback([=, &global] { *action = [=, &global] { return ShowObject(global, *id); }; });
+  auto force = std::make_shared<bool>(false);
+  CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");
+  remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();
+  remove->add_flag("--force", *force, "Delete its stable poses and views as well");
+  remove->callback(
+      [=, &global] { *action = [=, &global] { return DeleteObject(global, *id, *force); }; });
+}
+
+void AddStatusCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  AddCommand(app, "status", "Say whether the server is there and what it holds")
+      ->callback([=, &global] { *action = [&global] { return ShowStatus(global); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,20 @@
+// The rules that a capture set keeps.
+#pragma once
+
+#include "absl/status/status.h"
+#include "graspdb/v1/capture_set.pb.h"
+
+namespace graspdb::client {
+
+// INVALID_ARGUMENT with the place, as "captures[3].path …", when
+// - an object, a stable pose or a grasp has no id or one that is there already,
+//   or a symmetry order below 0;
+// - the region of interest is not finite or has a corner min above max;
+// - a path is missing, absolute or leads out of the folder;
+// - a capture names an object or a stable pose that `objects` does not declare,
+//   or is to be taught without naming both;
+// - a pose has a number that is not finite or a quaternion that is not of length
+//   one (1e-3).
+absl::Status CheckCaptureSet(const v1::CaptureSet& set);
+
+}  // namespace graspdb::client

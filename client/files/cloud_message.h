@@ -1,0 +1,23 @@
+// Point files as messages of the contract.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/files/point_file.h"
+#include "graspdb/v1/capture_set.pb.h"
+#include "graspdb/v1/geometry.pb.h"
+
+namespace graspdb::client {
+
+// Points as packed x, y, z floats.
+v1::PointCloud CloudMessage(const recognition::Points& points, int width);
+
+// The points of a cloud that a server answered (x, y, z floats). INVALID_ARGUMENT
+// for anything else.
+absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& cloud);
+
+// An id made from the points: the same capture, the same id.
+std::string ContentId(const v1::PointCloud& cloud);
+
+}  // namespace graspdb::client

@@ -1,0 +1,46 @@
+// The header of a PLY file, read strictly.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace graspdb::client {
+
+// What a PLY header says.
+struct PlyHeader {
+  enum class Encoding { kAscii, kLittleEndian, kBigEndian };
+  enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+  struct Property {
+    std::string name;
+    Type type = Type::kFloat32;  // of the value, or of the entries of the list
+    bool is_list = false;
+    Type length_type = Type::kUint8;  // of the number before the entries of a list
+  };
+
+  struct Element {
+    std::string name;
+    std::int64_t count = 0;
+    std::vector<Property> properties;
+  };
+
+  Encoding encoding = Encoding::kAscii;
+  std::vector<Element> elements;
+  // Where the body begins, in bytes from the start of the file.
+  std::size_t body_offset = 0;
+};
+
+// Bytes of one value.
+int SizeOf(PlyHeader::Type type);
+
+// Reads the header at the start of `bytes`, the content of a file.
+//
+// INVALID_ARGUMENT with the first line that is wrong, without a path.
+absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes);
+
+}  // namespace graspdb::client

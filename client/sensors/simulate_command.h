@@ -1,0 +1,20 @@
+// The `simulate` command.
+#pragma once
+
+#include <functional>
+
+#include "absl/status/status.h"
+
+namespace CLI {
+class App;
+}
+
+namespace graspdb::client {
+
+// Adds `simulate [MESH…] --out SET` to `app`. When the command line chooses it,
+// parsing sets `*action` (which outlives the parsing) to what does the work: it
+// writes the capture set, draws progress on stderr and ends with one line on
+// stdout, or returns the error. Wrong usage is a CLI::ParseError while parsing.
+void AddSimulateCommand(CLI::App& app, std::function<absl::Status()>* action);
+
+}  // namespace graspdb::client

@@ -1,0 +1,46 @@
+// Capture sets from a simulated camera.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/sensors/capture_plan.h"
+#include "client/sensors/depth_camera.h"
+#include "client/sensors/workpiece.h"
+
+namespace graspdb::client {
+
+// How planned captures are taken.
+struct SimulationOptions {
+  DepthCameraModel camera = KinectV2();
+  bool with_table = true;
+  // Only the points of the named workpiece are written, and the captures say so.
+  bool segmented = false;
+  // A capture set that is there is replaced; else it is an error.
+  bool overwrite = false;
+};
+
+// Either may be empty.
+struct SimulationWatch {
+  std::function<void(int done, int total)> report;  // after every capture
+  std::function<bool()> cancelled;                  // asked before every capture
+};
+
+// Takes the captures of `plan` and writes a capture set to `folder`: organised
+// clouds in the sensor frame with the sensor pose in their VIEWPOINT line, the
+// meshes in models/, and captures.json with everything that is known. It is
+// written last and at once, so that an interrupted run leaves none. The same
+// arguments give the same files on one machine.
+//
+// ALREADY_EXISTS when a set is there and must not be replaced; CANCELLED;
+// FAILED_PRECONDITION when nothing of a workpiece is within the camera's sight;
+// INVALID_ARGUMENT for a plan that does not fit `parts`; otherwise the errors of
+// WriteFileAtomically and RayCaster.
+absl::Status WriteSimulation(const std::filesystem::path& folder,
+                             const std::vector<Workpiece>& parts,
+                             const std::vector<PlannedCapture>& plan,
+                             const SimulationOptions& options, const SimulationWatch& watch = {});
+
+}  // namespace graspdb::client
