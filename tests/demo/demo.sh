@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# demo.sh BIN OUT: the main job end to end. Starts a server on an empty database,
+# teaches the sample parts from simulated turntable views, shows it new scenes, prints
+# how far off the answers are, and draws one picture a scene into OUT/pictures.
+set -euo pipefail
+bin=$(realpath "$1")
+out=$2
+parts=${PARTS:-l-bracket,u-bracket,flange,stepped-block,handle,bracket-left,bracket-right,wedge}
+scenes=${SCENES:-16}
+seed=${SEED:-2026}
+
+rm -rf "$out" && mkdir -p "$out" && out=$(realpath "$out")
+work=$(mktemp -d)
+server=
+trap '[ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; }; rm -rf "$work"' EXIT
+
+say() { printf '\n\033[1m== %s\033[0m\n' "$*"; }
+
+say "a server on an empty database"
+"$bin/graspdb-server" --db "$work/db" --listen 127.0.0.1:0 >"$work/server.out" 2>"$out/server.log" &
+server=$!
+for _ in $(seq 100); do
+  grep -q '^listening on ' "$work/server.out" && break
+  kill -0 "$server" 2>/dev/null || { cat "$out/server.log"; exit 1; }
+  sleep 0.1
+done
+export GRASPDB_SERVER
+GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$work/server.out")
+echo "graspdb-server listens on $GRASPDB_SERVER"
+
+say "a simulated Kinect v2 sees sample parts on a turntable, every 15 degrees"
+"$bin/graspdb" simulate --parts "$parts" --step 15 --seed "$seed" --out "$work/teach"
+
+say "teaching"
+"$bin/graspdb" import "$work/teach"
+"$bin/graspdb" objects list
+
+say "the same parts thrown onto the table anew, within 10 cm of the middle"
+"$bin/graspdb" simulate --parts "$parts" --random "$scenes" --seed $((seed + 1)) --out "$work/ask"
+
+say "what is it, where, and how is it grasped"
+"$bin/graspdb" recognize "$work/ask" --split QUERY --pictures "$out/pictures"
+
+say "pictures (the scan white, the matched view green, the grasp's axes): $out/pictures"
+ls "$out/pictures" | head -n 3

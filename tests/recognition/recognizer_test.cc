@@ -1,0 +1,213 @@
+// Which view and which pose a scan leads to.
+#include "recognition/recognizer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/recognition/taught_shapes.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::LargestCornerError;
+using ::graspdb::testing::Solid;
+using ::graspdb::testing::StatusIs;
+using ::graspdb::testing::TaughtShapes;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class RecognizerTest : public ::testing::Test {
+ protected:
+  absl::StatusOr<Recognition> Run(const std::vector<Solid>& parts) {
+    return Recognize(TaughtShapes::See(parts), taught_.snapshot(), taught_, parameters_,
+                     [] { return false; });
+  }
+
+  // The only detection.
+  Detection MustDetect(const std::vector<Solid>& parts) {
+    const auto found = Run(parts);
+    EXPECT_THAT(found, IsOk());
+    if (!found.ok() || found->detections.size() != 1) {
+      ADD_FAILURE() << "not one detection";
+      return {};
+    }
+    return found->detections.front();
+  }
+
+  TaughtShapes taught_;
+  RecognitionParameters parameters_;
+};
+
+TEST_F(RecognizerTest, EveryPartIsFoundWhereItStands) {
+  for (const std::string object : {"bracket", "tower", "slab"}) {
+    for (const double yaw : {7.0, 127.0, 236.0}) {
+      const Solid part = TaughtShapes::Part(object, 0.05, -0.04, yaw);
+      const Detection found = MustDetect({part});
+      ASSERT_TRUE(found.view) << object << " " << yaw;
+      EXPECT_EQ(found.view->object, "objects/" + object) << yaw;
+      EXPECT_LT(LargestCornerError(object, found.refined_pose, part.world_solid), 0.004)
+          << object << " " << yaw;
+      EXPECT_LT(LargestCornerError(object, found.rough_pose, part.world_solid), 0.05)
+          << object << " " << yaw;
+      EXPECT_GT(found.score, 0.8) << object << " " << yaw;
+      EXPECT_LE(found.score, 1) << object << " " << yaw;
+    }
+  }
+}
+
+TEST_F(RecognizerTest, RoughPoseIsTheShiftBetweenTheCentroids) {
+  const Detection found = MustDetect({TaughtShapes::Part("bracket", 0.05, -0.04, 50)});
+  ASSERT_TRUE(found.view);
+  const auto cloud = taught_.Load(*found.view);
+  ASSERT_THAT(cloud, IsOk());
+  const Pose& taught = found.view->world_object;
+  EXPECT_EQ(found.rough_pose.linear(), taught.linear());
+  const Eigen::Vector3d shift = found.centroid - Centroid((*cloud)->points);
+  EXPECT_LT((found.rough_pose.translation() - taught.translation() - shift).norm(), 1e-12);
+  EXPECT_TRUE(found.refined_pose.isApprox(found.registration.target_source * taught, 1e-12));
+}
+
+TEST_F(RecognizerTest, CandidatesAreTheTenNearestViewsNearestFirst) {
+  const Detection found = MustDetect({TaughtShapes::Part("tower", 0, 0, 33)});
+  ASSERT_THAT(found.candidates, SizeIs(10));
+  for (std::size_t i = 0; i < found.candidates.size(); ++i) {
+    EXPECT_TRUE(found.candidates[i].verification_score);
+    if (i == 0) continue;
+    EXPECT_LE(found.candidates[i - 1].descriptor_distance, found.candidates[i].descriptor_distance);
+  }
+  const auto best = std::ranges::max_element(found.candidates, {}, &Candidate::verification_score);
+  EXPECT_EQ(best->view, found.view);
+  EXPECT_EQ(*best->verification_score, found.score);
+}
+
+TEST_F(RecognizerTest, FewerCandidatesAreListedThanVerified) {
+  parameters_.matching.candidate_count = 3;
+  EXPECT_THAT(MustDetect({TaughtShapes::Part("tower", 0, 0, 33)}).candidates, SizeIs(3));
+}
+
+TEST_F(RecognizerTest, OneVerifiedViewTrustsTheDescriptor) {
+  parameters_.matching.verified_view_count = 1;
+  for (const double yaw : {12.0, 130.0, 275.0}) {
+    const Detection found = MustDetect({TaughtShapes::Part("bracket", 0, 0, yaw)});
+    ASSERT_THAT(found.candidates, SizeIs(10));
+    EXPECT_EQ(found.view, found.candidates[0].view);
+    EXPECT_TRUE(found.candidates[0].verification_score);
+    EXPECT_FALSE(found.candidates[1].verification_score);
+  }
+}
+
+TEST_F(RecognizerTest, ThePartNearestToTheSensorComesFirst) {
+  const auto found = Run(
+      {TaughtShapes::Part("tower", -0.06, 0.09, 20), TaughtShapes::Part("slab", 0.06, -0.06, 80)});
+  ASSERT_THAT(found, IsOk());
+  ASSERT_THAT(found->detections, SizeIs(2));
+  ASSERT_TRUE(found->detections[0].view && found->detections[1].view);
+  EXPECT_EQ(found->detections[0].view->object, "objects/slab");
+  EXPECT_EQ(found->detections[1].view->object, "objects/tower");
+  EXPECT_EQ(found->outcome, RecognitionOutcome::kOk);  // the slab alone has no grasp
+  EXPECT_EQ(found->revision, 7);
+}
+
+TEST_F(RecognizerTest, SameInputGivesTheSameBits) {
+  const Solid part = TaughtShapes::Part("bracket", 0.03, 0.02, 31);
+  const Detection first = MustDetect({part});
+  const Detection again = MustDetect({part});
+  EXPECT_EQ(first.view, again.view);
+  EXPECT_EQ(first.score, again.score);
+  EXPECT_EQ(first.refined_pose.matrix(), again.refined_pose.matrix());
+  ASSERT_EQ(first.candidates.size(), again.candidates.size());
+  for (std::size_t i = 0; i < first.candidates.size(); ++i) {
+    EXPECT_EQ(first.candidates[i].view, again.candidates[i].view);
+    EXPECT_EQ(first.candidates[i].descriptor_distance, again.candidates[i].descriptor_distance);
+    EXPECT_EQ(first.candidates[i].verification_score, again.candidates[i].verification_score);
+  }
+}
+
+TEST_F(RecognizerTest, EmptyCatalogueKnowsNothing) {
+  const CatalogueSnapshot empty{3, DescriptorIndex(300), nullptr};
+  const auto found = Recognize(TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)}), empty,
+                               taught_, parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  ASSERT_THAT(found->detections, SizeIs(1));
+  EXPECT_EQ(found->outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(found->detections[0].outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(found->detections[0].view, nullptr);
+  EXPECT_THAT(found->detections[0].candidates, IsEmpty());
+  EXPECT_GT(found->detections[0].point_count, 50U);
+}
+
+TEST_F(RecognizerTest, ScoreBelowTheLeastIsUnknownAndNamesNoView) {
+  parameters_.matching.min_score = 0.9999;
+  const Detection found = MustDetect({TaughtShapes::Part("bracket", 0.03, 0, 9)});
+  EXPECT_EQ(found.outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(found.view, nullptr);
+  EXPECT_THAT(found.grasps, IsEmpty());
+  EXPECT_THAT(found.candidates, SizeIs(10));
+}
+
+TEST_F(RecognizerTest, ThingThatWasNotTaughtIsUnknown) {
+  Solid plate;
+  plate.boxes = {{{-0.11, -0.11, 0}, {0.11, 0.11, 0.015}}};
+  EXPECT_EQ(MustDetect({plate}).outcome, RecognitionOutcome::kUnknownObject);
+}
+
+TEST_F(RecognizerTest, AlignmentWithTooFewInliersIsRejected) {
+  parameters_.matching.min_inlier_fraction = 1.01;
+  const Detection found = MustDetect({TaughtShapes::Part("bracket", 0, 0, 10)});
+  EXPECT_EQ(found.outcome, RecognitionOutcome::kIcpRejected);
+  EXPECT_THAT(found.grasps, IsEmpty());
+}
+
+TEST_F(RecognizerTest, ScansWithoutASegmentSayWhy) {
+  EXPECT_EQ(Run({})->outcome, RecognitionOutcome::kNoCluster);
+  Scan nothing;
+  nothing.points.assign(100, Eigen::Vector3f::Zero());
+  const auto found =
+      Recognize(nothing, taught_.snapshot(), taught_, parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  EXPECT_EQ(found->outcome, RecognitionOutcome::kEmptyRegion);
+  EXPECT_THAT(found->detections, IsEmpty());
+}
+
+class NoClouds : public ViewClouds {
+  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView&) override {
+    return absl::DataLossError("the cloud is damaged");
+  }
+};
+
+TEST_F(RecognizerTest, ErrorOfTheCloudsIsTheAnswer) {
+  NoClouds damaged;
+  const Scan scan = TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)});
+  EXPECT_THAT(Recognize(scan, taught_.snapshot(), damaged, parameters_, [] { return false; }),
+              StatusIs(absl::StatusCode::kDataLoss));
+}
+
+TEST_F(RecognizerTest, CancellationIsHeardBeforeEveryAlignment) {
+  const Scan scan = TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)});
+  for (const int limit : {1, 3, 8, 12}) {
+    int asked = 0;
+    EXPECT_THAT(
+        Recognize(scan, taught_.snapshot(), taught_, parameters_, [&] { return ++asked >= limit; }),
+        StatusIs(absl::StatusCode::kCancelled))
+        << limit;
+    EXPECT_EQ(asked, limit);
+  }
+}
+
+TEST_F(RecognizerTest, StagesCoverTheWholePath) {
+  const auto found = Run({TaughtShapes::Part("slab", 0, 0, 0)});
+  ASSERT_THAT(found, IsOk());
+  std::vector<std::string> stages;
+  for (const StageReport& report : found->stages) stages.push_back(report.stage);
+  EXPECT_THAT(stages, ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters",
+                                             "normals", "descriptor", "match", "register"));
+}
+
+}  // namespace
+}  // namespace graspdb::recognition

@@ -1,0 +1,47 @@
+// A small catalogue of parts made of boxes, taught from all sides.
+#pragma once
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "recognition/recognizer.h"
+#include "tests/recognition/table_scene.h"
+
+namespace graspdb::testing {
+
+// "bracket" (two grasps), "tower" (one grasp) and "slab" (none), without symmetry. Each
+// has one stable pose and 18 views, 20 degrees apart.
+class TaughtShapes : public recognition::ViewClouds {
+ public:
+  TaughtShapes();
+
+  // The part standing at (x, y), turned by `yaw_deg`.
+  static Solid Part(const std::string& object, double x, double y, double yaw_deg);
+
+  // The sensor that everything was taught with.
+  static recognition::Pose WorldSensor();
+
+  // What the sensor sees of these parts on the table.
+  static recognition::Scan See(const std::vector<Solid>& parts);
+
+  const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
+
+  absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
+      const recognition::TaughtView& view) override;
+
+ private:
+  void Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps);
+
+  std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>
+      stable_poses_;
+  std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
+  std::vector<recognition::IndexedView> views_;
+  recognition::CatalogueSnapshot snapshot_;
+};
+
+// The largest distance between the corners of the part in two poses.
+double LargestCornerError(const std::string& object, const recognition::Pose& a,
+                          const recognition::Pose& b);
+
+}  // namespace graspdb::testing

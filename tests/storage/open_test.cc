@@ -1,0 +1,174 @@
+// What can be opened, by whom, and what is said when not.
+#include <filesystem>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "storage/catalogue.h"
+#include "storage/schema.h"
+#include "tests/storage/catalogue_fixture.h"
+#include "tests/storage/child_process.h"
+#include "tests/storage/rocksdb_access.h"
+
+namespace graspdb::storage {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class OpenTest : public testing::Test {
+ protected:
+  absl::Status TryOpen() { return Catalogue::Open(database_).status(); }
+  void MakeDatabase() {
+    MakeHistory(*OpenOrDie(database_), [] {});
+  }
+
+  TemporaryDirectory directory_;
+  const std::string database_ = directory_ / "db";
+};
+
+TEST_F(OpenTest, ANewDatabaseIsEmpty) {
+  const auto catalogue = OpenOrDie(directory_ / "some/where/deep");
+  EXPECT_EQ(catalogue->revision(), 0);
+  EXPECT_EQ(catalogue->schema_version(), kSchemaVersion);
+  const auto picture = TakePicture(*catalogue);
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(*picture, Picture());
+}
+
+TEST_F(OpenTest, AMissingDatabaseIsMadeOnlyIfWanted) {
+  CatalogueOptions options;
+  options.create_if_missing = false;
+  EXPECT_TRUE(absl::IsNotFound(Catalogue::Open(database_, options).status()));
+  EXPECT_FALSE(std::filesystem::exists(database_));
+  OpenOrDie(database_);
+  EXPECT_TRUE(Catalogue::Open(database_, options).ok());
+}
+
+TEST_F(OpenTest, ASecondOwnerInTheSameProcessIsTold) {
+  const auto owner = OpenOrDie(database_);
+  const absl::Status second = TryOpen();
+  EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(second.message(), "the database at " + database_ +
+                                  " is in use by another process; stop it or choose another --db");
+  EXPECT_TRUE(owner->CreateObject(MakeObject("mug")).ok()) << "the first one is unharmed";
+}
+
+TEST_F(OpenTest, ASecondOwnerInAnotherProcessIsToldUntilTheFirstIsGone) {
+  ChildProcess owner("hold", database_);
+  ASSERT_EQ(owner.NextRevision(), 0);
+  const absl::Status second = TryOpen();
+  EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(second.message()), HasSubstr("in use by another process"));
+  owner.CloseInput();
+  EXPECT_EQ(owner.Wait(), 0);
+  EXPECT_TRUE(TryOpen().ok());
+}
+
+TEST_F(OpenTest, ADirectoryWithOtherFilesIsLeftAlone) {
+  std::filesystem::create_directories(database_);
+  WriteBytes(database_ + "/thesis.tex", "do not lose");
+  const absl::Status opened = TryOpen();
+  EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(opened.message()),
+              AllOf(HasSubstr(database_), HasSubstr("no graspdb database")));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(database_), {}), 1);
+}
+
+TEST_F(OpenTest, AFileIsNoDirectory) {
+  WriteBytes(database_, "text");
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(ReadBytes(database_), "text");
+}
+
+TEST_F(OpenTest, TheDatabaseOfAnotherProgramIsRefused) {
+  MakeForeignDatabase(database_);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
+  AddFamily(database_, "theirs");
+  const absl::Status opened = TryOpen();
+  EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(opened.message()), HasSubstr("database of another program"));
+}
+
+TEST_F(OpenTest, ACrashWhileADatabaseIsMadeIsNoObstacle) {
+  // Before the file CURRENT ...
+  std::filesystem::create_directories(database_);
+  WriteBytes(database_ + "/LOCK", "");
+  WriteBytes(database_ + "/LOG", "2026/01/01 started");
+  WriteBytes(database_ + "/IDENTITY", "x");
+  WriteBytes(database_ + "/000001.dbtmp", "half");
+  EXPECT_TRUE(TryOpen().ok());
+  // ... and between CURRENT and the first record, with some of the families made.
+  std::filesystem::remove_all(database_);
+  std::filesystem::create_directories(database_);
+  MakeForeignDatabase(directory_ / "other");
+  OpenOrDie(database_);
+  Tamper(database_, "default", "meta", nullptr);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition)
+      << "records without a meta record are not ours";
+}
+
+TEST_F(OpenTest, ANewerSchemaIsRefusedAndLeftAsItIs) {
+  MakeDatabase();
+  SetSchemaVersion(database_, kSchemaVersion + 1);
+  AddFamily(database_, "of_the_future");
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const absl::Status opened = TryOpen();
+    EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(opened.message()),
+                AllOf(HasSubstr("has schema version 2, this program knows 1"),
+                      HasSubstr("start the newer program")));
+  }
+}
+
+TEST_F(OpenTest, SchemaVersion0IsRefusedAndLeftAsItIs) {
+  MakeDatabase();
+  SetSchemaVersion(database_, 0);
+  const absl::Status opened = TryOpen();
+  EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(opened.message()),
+              AllOf(HasSubstr("has schema version 0"), HasSubstr("import it into an empty")));
+  SetSchemaVersion(database_, kSchemaVersion);
+  EXPECT_EQ(OpenOrDie(database_)->revision(), 12);
+}
+
+TEST_F(OpenTest, AMetaRecordThatIsNoneIsDataLoss) {
+  MakeDatabase();
+  const std::string garbage = "\x0a\xff\xff";
+  Tamper(database_, "default", "meta", &garbage);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(OpenTest, AMissingLastChangeRecordIsDataLoss) {
+  MakeDatabase();
+  Tamper(database_, "changes", std::string("\0\0\0\0\0\0\0\x0c", 8), nullptr);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(OpenTest, AMissingChangeRecordInTheMiddleIsDataLossWhenRead) {
+  MakeDatabase();
+  Tamper(database_, "changes", std::string("\0\0\0\0\0\0\0\x05", 8), nullptr);
+  const auto catalogue = OpenOrDie(database_);
+  EXPECT_EQ(catalogue->ReadChanges(0, 100).status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_TRUE(catalogue->ReadChanges(5, 100).ok());
+}
+
+TEST_F(OpenTest, ARecordUnderAnotherNameIsDataLossWhenRead) {
+  MakeDatabase();
+  const std::string bowl = MakeObject("bowl").SerializeAsString();
+  Tamper(database_, "objects", "objects/mug", &bowl);
+  const auto catalogue = OpenOrDie(database_);
+  EXPECT_EQ(catalogue->GetObject("objects/mug").status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(catalogue->ListObjects(9, "").status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(OpenTest, AViewWithoutItsCloudIsDataLossWhenRead) {
+  MakeDatabase();
+  const std::string view = "objects/mug/stablePoses/upright/views/1";
+  Tamper(database_, "clouds", view, nullptr);
+  const auto catalogue = OpenOrDie(database_);
+  EXPECT_EQ(catalogue->GetPackedCloud(view).status().code(), absl::StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace graspdb::storage

@@ -1,0 +1,64 @@
+// The other process of the tests: opens the catalogue in argv[2] and
+//   hold    keeps it open until its standard input ends,
+//   write   stores views until it is killed.
+// Tells of every revision that is acknowledged through its standard output, eight bytes
+// each; the first one after opening. A program of its own, because the threads that
+// RocksDB keeps in a test program do not survive a fork.
+#include "tests/storage/other_process.h"
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "storage/catalogue.h"
+
+namespace graspdb::storage {
+namespace {
+
+bool Tell(std::int64_t revision) {
+  return write(STDOUT_FILENO, &revision, sizeof(revision)) == sizeof(revision);
+}
+
+absl::Status WriteUntilKilled(Catalogue& catalogue) {
+  if (catalogue.revision() == 0) {
+    v1::Object object;
+    object.set_name("objects/mug");
+    v1::StablePose pose;
+    pose.set_name("objects/mug/stablePoses/upright");
+    if (auto made = catalogue.CreateObject(object); !made.ok()) return made.status();
+    if (auto made = catalogue.CreateStablePose(pose); !made.ok()) return made.status();
+  }
+  for (std::int64_t i = catalogue.counts().views;; ++i) {
+    NewView view;
+    view.record.set_name(WrittenViewName(i));
+    view.record.set_content_digest(std::to_string(i));
+    view.packed_cloud = WrittenCloud(i);
+    if (auto stored = catalogue.PutView(view); !stored.ok()) return stored.status();
+    if (!Tell(catalogue.revision())) return absl::CancelledError("nobody listens");
+  }
+}
+
+absl::Status Run(const std::string& what, const std::string& database) {
+  CatalogueOptions options;
+  options.write_buffer_bytes = 256U << 10;  // so that kills hit flushes as well
+  auto catalogue = Catalogue::Open(database, std::move(options));
+  if (!catalogue.ok()) return catalogue.status();
+  if (!Tell((*catalogue)->revision())) return absl::CancelledError("nobody listens");
+  if (what == "write") return WriteUntilKilled(**catalogue);
+  char byte = 0;
+  return read(STDIN_FILENO, &byte, 1) == 0 ? absl::OkStatus() : absl::InternalError("not ended");
+}
+
+}  // namespace
+}  // namespace graspdb::storage
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const absl::Status status = graspdb::storage::Run(argv[1], argv[2]);
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  return status.ok() ? 0 : 1;
+}

@@ -1,0 +1,83 @@
+// Migrations, with steps made up for the test.
+#include "storage/schema.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/storage/catalogue_fixture.h"
+
+namespace graspdb::storage {
+namespace {
+
+class SchemaTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    Reopen();
+    ASSERT_TRUE(PrepareSchema(*database_, std::nullopt, absl::UnixEpoch()).ok());
+  }
+
+  void Reopen() {
+    database_.reset();
+    auto opened = Database::Open(directory_ / "db", {});
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    database_ = *std::move(opened);
+  }
+
+  // A step that appends its number to the record `trace`.
+  static Migration Trace(int from) {
+    return {from, [from](Database& database, rocksdb::WriteBatch& batch) {
+              const auto before = database.Get(Family::kObjects, "trace");
+              return database.Put(Family::kObjects, "trace",
+                                  (before.ok() ? *before : "") + std::to_string(from), batch);
+            }};
+  }
+
+  TemporaryDirectory directory_;
+  std::unique_ptr<Database> database_;
+};
+
+TEST_F(SchemaTest, StepsRunInOrderOfVersionsAndEachIsKept) {
+  MetaRecord meta = *ReadMeta(*database_);
+  const std::vector<Migration> steps = {Trace(0), Trace(2), Trace(3), Trace(1)};
+  ASSERT_TRUE(Migrate(*database_, meta, steps, 4).ok());
+  EXPECT_EQ(meta.schema_version(), 4);
+  Reopen();
+  EXPECT_EQ(*database_->Get(Family::kObjects, "trace"), "123");
+  EXPECT_EQ(ReadMeta(*database_)->schema_version(), 4);
+}
+
+TEST_F(SchemaTest, AFailedStepLeavesTheVersionBeforeIt) {
+  MetaRecord meta = *ReadMeta(*database_);
+  const Migration failing = {
+      2, [](Database& database, rocksdb::WriteBatch& batch) {
+        EXPECT_TRUE(database.Put(Family::kObjects, "trace", "half", batch).ok());
+        return absl::InternalError("cannot");
+      }};
+  const std::vector<Migration> steps = {Trace(1), failing};
+  EXPECT_EQ(Migrate(*database_, meta, steps, 3), absl::InternalError("cannot"));
+  EXPECT_EQ(meta.schema_version(), 2);
+  EXPECT_EQ(ReadMeta(*database_)->schema_version(), 2);
+  EXPECT_EQ(*database_->Get(Family::kObjects, "trace"), "1");
+}
+
+TEST_F(SchemaTest, NothingRunsWhenAStepIsMissing) {
+  MetaRecord meta = *ReadMeta(*database_);
+  const std::vector<Migration> steps = {Trace(1), Trace(3)};
+  EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*database_, meta, steps, 4)));
+  EXPECT_EQ(ReadMeta(*database_)->schema_version(), 1);
+  EXPECT_TRUE(absl::IsNotFound(database_->Get(Family::kObjects, "trace").status()));
+}
+
+TEST_F(SchemaTest, ThePublishedStepsLeadFrom1ToTheCurrentVersion) {
+  for (int version = 1; version < kSchemaVersion; ++version) {
+    int steps = 0;
+    for (const Migration& step : Migrations()) steps += step.from_version == version ? 1 : 0;
+    EXPECT_EQ(steps, 1) << version;
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::storage
