@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# eval.sh BIN OUT: how often the answer is right. Simulated: eight parts taught from 24
+# views, 200 new scenes, with 1, 3 and 10 views aligned. Real: the frames of
+# ../shared/data, where that folder is there. The tables go to stdout.
+set -euo pipefail
+bin=$(realpath "$1")
+out=$2
+data=${GRASPDB_SHARED_DATA:-$(dirname "$0")/../../../shared/data}
+parts=l-bracket,u-bracket,flange,stepped-block,handle,bracket-left,bracket-right,wedge
+
+rm -rf "$out" && mkdir -p "$out" && out=$(realpath "$out")
+server=
+stop_server() {
+  [ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null || true; }
+  server=
+}
+trap stop_server EXIT
+
+# start_server NAME: on the database OUT/NAME.
+start_server() {
+  stop_server
+  "$bin/graspdb-server" --db "$out/$1" --listen 127.0.0.1:0 >"$out/$1.out" 2>"$out/$1.log" &
+  server=$!
+  for _ in $(seq 100); do
+    grep -q '^listening on ' "$out/$1.out" && break
+    kill -0 "$server" || { cat "$out/$1.log"; exit 1; }
+    sleep 0.1
+  done
+  GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$out/$1.out")
+  export GRASPDB_SERVER
+}
+
+simulated() {
+  echo "== simulated Kinect v2: 8 parts x 24 views taught, 200 scenes, part within 10 cm"
+  "$bin/graspdb" simulate --parts "$parts" --step 15 --seed 1 --out "$out/teach" 2>/dev/null
+  "$bin/graspdb" simulate --parts "$parts" --random 200 --seed 11 --out "$out/ask" 2>/dev/null
+  start_server simulated.db
+  "$bin/graspdb" import "$out/teach" 2>/dev/null
+  for views in 1 3 10; do
+    echo "{\"pipeline\": {\"verifiedViewCount\": $views}}" >"$out/cell.json"
+    "$bin/graspdb" cells set "views-$views" --from "$out/cell.json" >/dev/null
+    echo "-- views aligned: $views"
+    "$bin/graspdb" recognize "$out/ask" --split QUERY --cell "views-$views" |
+      tee "$out/simulated-$views.txt" | grep -E 'object right'
+  done
+}
+
+real() {
+  local frames=$data/realsense_tabletop name
+  if [ ! -d "$frames" ]; then
+    echo "== real frames: skipped, $data is not there"
+    return
+  fi
+  echo "== RealSense frames without calibration: five objects, the front one named"
+  start_server real.db
+  mkdir -p "$out/real"
+  local objects="" captures=""
+  for name in blue_mug cylinder green_bowl pepper red_mug; do
+    cp "$frames/${name}_object.pcd" "$out/real/$name.pcd"
+    local pose
+    pose=$("$bin/graspdb" recognize "$frames/$name.pcd" --json |
+      sed 's/.*"sensorPose":\({"position":{[^}]*},"orientation":{[^}]*}}\).*/\1/')
+    objects+="{\"objectId\":\"$name\",\"stablePoses\":[{\"stablePoseId\":\"upright\"}]},"
+    captures+="{\"path\":\"$name.pcd\",\"split\":\"TEACH\",\"objectId\":\"$name\",
+      \"stablePoseId\":\"upright\",\"segmented\":true,\"sensorPose\":$pose},"
+  done
+  echo "{\"objects\":[${objects%,}],\"captures\":[${captures%,}]}" >"$out/real/captures.json"
+  "$bin/graspdb" import "$out/real" 2>/dev/null
+  "$bin/graspdb" recognize "$frames"/{blue_mug,cylinder,green_bowl,pepper,red_mug}.pcd \
+    --pictures "$out/pictures"
+}
+
+simulated
+real
