@@ -39,7 +39,7 @@ absl::Status WriteAndSync(const std::string& path, int flags, std::string_view b
   const bool written =
       bytes.empty() || write(file, bytes.data(), bytes.size()) == std::ssize(bytes);
   const bool synced = written && fsync(file) == 0;
-  const absl::Status status = synced ? absl::OkStatus() : DiskError(path);
+  absl::Status status = synced ? absl::OkStatus() : DiskError(path);
   close(file);
   return status;
 }

@@ -86,7 +86,7 @@ absl::StatusOr<MetaRecord> ReadMeta(const Database& database) {
 
 absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migration> steps,
                      int target) {
-  const absl::Status migratable = CheckMigratable(database, meta.schema_version(), steps, target);
+  absl::Status migratable = CheckMigratable(database, meta.schema_version(), steps, target);
   if (!migratable.ok()) return migratable;
   while (meta.schema_version() < target) {
     const auto step = std::find_if(steps.begin(), steps.end(), [&meta](const Migration& candidate) {

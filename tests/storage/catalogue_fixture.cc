@@ -1,5 +1,6 @@
 #include "tests/storage/catalogue_fixture.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -57,7 +58,7 @@ absl::Status CheckConsistent(const Catalogue& catalogue, const Picture& picture,
 
 TemporaryDirectory::TemporaryDirectory() {
   std::string pattern = (std::filesystem::temp_directory_path() / "graspdb_test_XXXXXX").string();
-  const char* made = ::mkdtemp(pattern.data());
+  const char* made = mkdtemp(pattern.data());
   EXPECT_NE(made, nullptr);
   path_ = pattern;
 }

@@ -160,6 +160,7 @@ TEST_F(ChangesTest, ConcurrentWritersGetGaplessRevisionsAndTheListenerTheirOrder
     }
   });
   std::vector<std::thread> writers;
+  writers.reserve(kThreads);
   for (int thread = 0; thread < kThreads; ++thread) {
     writers.emplace_back([this, thread] {
       for (int i = 0; i < kWrites; ++i) {
@@ -181,6 +182,7 @@ TEST_F(ChangesTest, ConcurrentWritersGetGaplessRevisionsAndTheListenerTheirOrder
 TEST_F(ChangesTest, ConcurrentUpdatesLoseNothing) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
   std::vector<std::thread> writers;
+  writers.reserve(4);
   for (int thread = 0; thread < 4; ++thread) {
     writers.emplace_back([this] {
       for (int i = 0; i < 10; ++i) {

@@ -70,7 +70,7 @@ TEST_F(CorruptionTest, AfterACleanShutdownEveryFlippedByteInTheLogIsReported) {
   const std::size_t size = ReadBytes(log).size();
   ASSERT_GT(size, 50'000U);
   for (std::size_t offset = 0; offset < size;
-       offset += (offset < 1000 || offset + 1200 > size) ? 17 : 997) {
+       offset += (offset < 1000 || offset + 1200 > size) ? 29 : 1499) {
     const auto picture = ReadFlipped(log, offset);
     ASSERT_EQ(picture.status().code(), absl::StatusCode::kDataLoss) << offset;
     ASSERT_THAT(std::string(picture.status().message()), HasSubstr("backup"));
@@ -85,7 +85,7 @@ TEST_F(CorruptionTest, AfterACrashDamageToTheLastWriteLooksLikeTheCrash) {
   // The last write is what has to go until the log is whole again.
   std::size_t last_begin = bytes.size() - 1;
   while (!InspectLog(bytes.substr(0, last_begin)).complete) --last_begin;
-  for (std::size_t offset = last_begin - 800; offset < bytes.size(); offset += 17) {
+  for (std::size_t offset = last_begin - 400; offset < bytes.size(); offset += 41) {
     const auto picture = ReadFlipped(log, offset);
     if (offset < last_begin) {
       ASSERT_EQ(picture.status().code(), absl::StatusCode::kDataLoss) << offset;
@@ -124,7 +124,7 @@ TEST_F(CorruptionTest, AFlippedByteInATableOrBlobFileIsReported) {
       }
     }
   }
-  EXPECT_GT(reported, 100U);
+  EXPECT_GT(reported, 50U);
 }
 
 // With the records in the log (false) and, after a restart, in tables (true).
@@ -135,7 +135,7 @@ TEST_P(ManifestCorruptionTest, AFlippedByteInTheManifestIsReportedOrHarmless) {
   const std::vector<std::filesystem::path> manifests = Files("MANIFEST-");
   ASSERT_EQ(manifests.size(), 1U);
   const std::size_t size = ReadBytes(manifests[0]).size();
-  for (std::size_t offset = 0; offset < size; offset += 3) {
+  for (std::size_t offset = 0; offset < size; offset += 5) {
     ExpectWholeOrDataLoss(ReadFlipped(manifests[0], offset), offset);
   }
 }
@@ -144,7 +144,7 @@ TEST_P(ManifestCorruptionTest, ACutOffManifestIsReportedOrHarmless) {
   if (GetParam()) OpenOrDie(database_);
   const std::filesystem::path manifest = Files("MANIFEST-").at(0);
   const std::size_t size = ReadBytes(manifest).size();
-  for (std::size_t offset = 0; offset < size; offset += 7) {
+  for (std::size_t offset = 0; offset < size; offset += 11) {
     CopyDatabase(database_, copy_);
     std::filesystem::resize_file(copy_ / manifest.filename(), offset);
     ExpectWholeOrDataLoss(ReadCopy(), offset);

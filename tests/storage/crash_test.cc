@@ -54,16 +54,16 @@ TEST_F(CrashTest, ATornLogIsTheCatalogueOfAnEarlierRevision) {
   CopyDatabase(database_, copy_);
   catalogue.reset();
 
-  const std::string torn = directory_ / "torn";
+  const std::filesystem::path torn = directory_.path() / "torn";
   const std::string log_name = NewestLog(copy_).filename().string();
   const std::uintmax_t full = log_sizes.back();
   ASSERT_GT(full, 50'000U);
   // Small steps through the last write, and large ones through the rest.
   for (std::uintmax_t size = log_sizes.front(); size <= full;
-       size += size + 700 > full ? 11 : 797) {
+       size += size + 700 > full ? 23 : 1499) {
     CopyDatabase(copy_, torn);
-    std::filesystem::resize_file(torn + "/" + log_name, size);
-    const auto opened = OpenOrDie(torn);
+    std::filesystem::resize_file(torn / log_name, size);
+    const auto opened = OpenOrDie(torn.string());
     const auto picture = TakePicture(*opened);
     ASSERT_TRUE(picture.ok()) << size << ": " << picture.status();
     std::size_t expected = 0;

@@ -50,7 +50,7 @@ rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
                                               rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
   std::unique_ptr<rocksdb::FSWritableFile> inner;
-  const rocksdb::IOStatus made = target()->NewWritableFile(name, options, &inner, context);
+  rocksdb::IOStatus made = target()->NewWritableFile(name, options, &inner, context);
   if (!made.ok()) return made;
   *file = std::make_unique<WatchedFile>(std::move(inner), name, this);
   const std::scoped_lock lock(mutex_);
@@ -62,10 +62,11 @@ rocksdb::IOStatus FaultyDisk::RenameFile(const std::string& from, const std::str
                                          const rocksdb::IOOptions& options,
                                          rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
-  const rocksdb::IOStatus renamed = target()->RenameFile(from, to, options, context);
+  rocksdb::IOStatus renamed = target()->RenameFile(from, to, options, context);
   const std::scoped_lock lock(mutex_);
-  if (auto node = synced_.extract(from); renamed.ok() && !node.empty()) {
-    synced_[to] = node.mapped();
+  if (const auto file = synced_.find(from); renamed.ok() && file != synced_.end()) {
+    synced_[to] = file->second;
+    synced_.erase(file);
   }
   return renamed;
 }
@@ -77,7 +78,8 @@ rocksdb::IOStatus FaultyDisk::DeleteFile(const std::string& name, const rocksdb:
 }
 
 rocksdb::IOStatus FaultyDisk::Running() const {
-  return stopped_ ? rocksdb::IOStatus::IOError("the power is gone") : rocksdb::IOStatus::OK();
+  if (stopped_) return rocksdb::IOStatus::IOError("the power is gone");
+  return rocksdb::IOStatus::OK();
 }
 
 rocksdb::IOStatus FaultyDisk::Synced(const std::string& name, std::uint64_t size) {

@@ -23,18 +23,19 @@ std::string Record(Type type, const std::string& payload) {
   return record + typed;
 }
 
-const std::string kWrite = Record(kFull, std::string(100, 'w'));
-const std::string kMark = Record(kFull, std::string(12, '\0'));  // a batch without entries
+std::string Write() { return Record(kFull, std::string(100, 'w')); }
+// A batch without entries.
+std::string Mark() { return Record(kFull, std::string(12, '\0')); }
 
 TEST(LogCheckTest, AnIntactLogIsComplete) {
-  const LogVerdict verdict = InspectLog(kWrite + kWrite + kMark);
+  const LogVerdict verdict = InspectLog(Write() + Write() + Mark());
   EXPECT_TRUE(verdict.complete);
   EXPECT_FALSE(verdict.damaged);
   EXPECT_TRUE(verdict.has_writes);
 }
 
 TEST(LogCheckTest, AnEmptyLogAndAMarkHoldNoWrite) {
-  for (const std::string& log : {std::string(), kMark, std::string(5000, '\0')}) {
+  for (const std::string& log : {std::string(), Mark(), std::string(5000, '\0')}) {
     const LogVerdict verdict = InspectLog(log);
     EXPECT_TRUE(verdict.complete);
     EXPECT_FALSE(verdict.damaged);
@@ -43,8 +44,8 @@ TEST(LogCheckTest, AnEmptyLogAndAMarkHoldNoWrite) {
 }
 
 TEST(LogCheckTest, ACutOffTailIsACrash) {
-  const std::string log = kWrite + kWrite;
-  for (std::size_t size = kWrite.size() + 1; size < log.size(); ++size) {
+  const std::string log = Write() + Write();
+  for (std::size_t size = Write().size() + 1; size < log.size(); ++size) {
     const LogVerdict verdict = InspectLog(log.substr(0, size));
     EXPECT_FALSE(verdict.damaged) << size;
     EXPECT_FALSE(verdict.complete) << size;
@@ -53,8 +54,8 @@ TEST(LogCheckTest, ACutOffTailIsACrash) {
 }
 
 TEST(LogCheckTest, AnyFlippedByteBeforeAnIntactWriteIsDamage) {
-  const std::string log = kWrite + kWrite;
-  for (std::size_t i = 0; i < kWrite.size(); ++i) {
+  const std::string log = Write() + Write();
+  for (std::size_t i = 0; i < Write().size(); ++i) {
     std::string flipped = log;
     flipped[i] = static_cast<char>(flipped[i] ^ 0x55);
     EXPECT_TRUE(InspectLog(flipped).damaged) << i;
@@ -62,8 +63,8 @@ TEST(LogCheckTest, AnyFlippedByteBeforeAnIntactWriteIsDamage) {
 }
 
 TEST(LogCheckTest, ZerosBeforeAnIntactWriteAreDamage) {
-  EXPECT_TRUE(InspectLog(kWrite + std::string(300, '\0') + kWrite).damaged);
-  EXPECT_TRUE(InspectLog(kWrite + std::string(2 * kBlock, '\0') + kWrite).damaged);
+  EXPECT_TRUE(InspectLog(Write() + std::string(300, '\0') + Write()).damaged);
+  EXPECT_TRUE(InspectLog(Write() + std::string(2 * kBlock, '\0') + Write()).damaged);
 }
 
 // One write over three blocks, of which the second lost a page.
@@ -78,16 +79,16 @@ TEST(LogCheckTest, AHoleInTheLastWriteIsACrash) {
   holed.replace(kBlock + 4096, 4096, 4096, '\0');
   EXPECT_FALSE(InspectLog(holed).damaged);
   EXPECT_FALSE(InspectLog(holed).complete);
-  EXPECT_TRUE(InspectLog(holed + kWrite).damaged) << "but not when a write follows";
+  EXPECT_TRUE(InspectLog(holed + Write()).damaged) << "but not when a write follows";
 }
 
 TEST(LogCheckTest, AWriteInsideAWriteIsDamage) {
-  EXPECT_TRUE(InspectLog(Record(kFirst, "a") + kWrite).damaged);
+  EXPECT_TRUE(InspectLog(Record(kFirst, "a") + Write()).damaged);
 }
 
 TEST(LogCheckTest, TheEndOfABlockTooShortForARecordIsSkipped) {
   const std::string almost = Record(kFull, std::string(kBlock - 7 - 3, 'x'));
-  const LogVerdict verdict = InspectLog(almost + std::string(3, '\0') + kWrite);
+  const LogVerdict verdict = InspectLog(almost + std::string(3, '\0') + Write());
   EXPECT_TRUE(verdict.complete);
   EXPECT_FALSE(verdict.damaged);
 }

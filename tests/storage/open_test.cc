@@ -5,6 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "storage/catalogue.h"
+#include "storage/revision_floor.h"
 #include "storage/schema.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
@@ -99,13 +100,34 @@ TEST_F(OpenTest, ACrashWhileADatabaseIsMadeIsNoObstacle) {
   WriteBytes(database_ + "/000001.dbtmp", "half");
   EXPECT_TRUE(TryOpen().ok());
   // ... and between CURRENT and the first record, with some of the families made.
-  std::filesystem::remove_all(database_);
-  std::filesystem::create_directories(database_);
-  MakeForeignDatabase(directory_ / "other");
-  OpenOrDie(database_);
+  const std::string begun = directory_ / "begun";
+  MakeEmptyDatabase(begun);
+  AddFamily(begun, "objects");
+  const auto opened = OpenOrDie(begun);
+  EXPECT_TRUE(opened->CreateObject(MakeObject("mug")).ok());
+}
+
+TEST_F(OpenTest, RecordsWithoutAMetaRecordAreNotOpened) {
+  MakeDatabase();
   Tamper(database_, "default", "meta", nullptr);
-  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition)
-      << "records without a meta record are not ours";
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kDataLoss) << "the floor says that it is ours";
+  std::filesystem::remove(database_ + "/REVISION");
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(OpenTest, ARestoredDatabaseHasNoFloorAndGetsOne) {
+  MakeDatabase();
+  std::filesystem::remove(database_ + "/REVISION");
+  EXPECT_EQ(OpenOrDie(database_)->revision(), 12);
+  EXPECT_EQ(*ReadRevisionFloor(database_), 12);
+}
+
+TEST_F(OpenTest, TheFloorFollowsWithoutAShutdown) {
+  const auto catalogue = OpenOrDie(database_);
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_TRUE(catalogue->CreateObject(MakeObject(std::to_string(i))).ok());
+  }
+  EXPECT_EQ(*ReadRevisionFloor(database_), 256);
 }
 
 TEST_F(OpenTest, ANewerSchemaIsRefusedAndLeftAsItIs) {

@@ -65,8 +65,9 @@ TEST(PackedCloudTest, MovesACoordinateByHalfAStepAtMost) {
 
 TEST(PackedCloudTest, AnUnpackedCloudPacksToTheSameBytes) {
   for (unsigned seed = 0; seed < 30; ++seed) {
+    const std::size_t count = std::size_t{37} * seed;
     const float extent = seed % 3 == 0 ? 100.0F : 1.0F;
-    const std::string packed = PackOrDie(RandomCloud(seed * 37, extent, seed));
+    const std::string packed = PackOrDie(RandomCloud(count, extent, seed));
     const auto unpacked = UnpackCloud(packed);
     ASSERT_TRUE(unpacked.ok()) << unpacked.status();
     EXPECT_EQ(PackOrDie(*unpacked), packed);

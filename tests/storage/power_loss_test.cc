@@ -45,7 +45,7 @@ TEST_F(PowerLossTest, WhatWasAcknowledgedSurvivesTheLossOfAllUnsyncedBytes) {
 TEST_F(PowerLossTest, AlsoWhileMemoryGoesToFiles) {
   std::mt19937 random(5);
   int view = 0;
-  for (int round = 0; round < 15; ++round) {
+  for (int round = 0; round < 8; ++round) {
     const auto disk = std::make_shared<FaultyDisk>();
     const std::unique_ptr<rocksdb::Env> env = rocksdb::NewCompositeEnv(disk);
     CatalogueOptions options;

@@ -20,6 +20,7 @@ void WithDatabase(const std::string& directory,
   std::vector<std::string> names;
   Check(rocksdb::DB::ListColumnFamilies(rocksdb::DBOptions(), directory, &names));
   std::vector<rocksdb::ColumnFamilyDescriptor> families;
+  families.reserve(names.size());
   for (const std::string& name : names) {
     families.emplace_back(name, rocksdb::ColumnFamilyOptions());
   }
@@ -44,13 +45,19 @@ rocksdb::ColumnFamilyHandle* Find(const Handles& handles, std::string_view name)
 
 }  // namespace
 
-void MakeForeignDatabase(const std::string& directory) {
+void MakeEmptyDatabase(const std::string& directory) {
   rocksdb::Options options;
   options.create_if_missing = true;
   rocksdb::DB* db = nullptr;
   Check(rocksdb::DB::Open(options, directory, &db));
   const std::unique_ptr<rocksdb::DB> owner(db);
-  Check(db->Put(rocksdb::WriteOptions(), "somebody", "else"));
+  Check(db->Close());
+}
+
+void MakeForeignDatabase(const std::string& directory) {
+  MakeEmptyDatabase(directory);
+  const std::string value = "else";
+  Tamper(directory, "default", "somebody", &value);
 }
 
 void SetSchemaVersion(const std::string& directory, int version) {

@@ -6,6 +6,8 @@
 
 namespace graspdb::storage {
 
+// Makes a RocksDB database in which nothing was ever written.
+void MakeEmptyDatabase(const std::string& directory);
 // Makes a RocksDB database that no catalogue made, with one key in it.
 void MakeForeignDatabase(const std::string& directory);
 // Sets the schema version of the catalogue in `directory`.
