@@ -1,5 +1,6 @@
 #include "recognition/descriptor.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -14,9 +15,14 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
-// Shorter vectors have no direction, m (or, for cross products of unit vectors, sine).
-constexpr double kNoDirection = 1e-9;
-constexpr double kSameplace = 1e-6;
+// Coordinates of about a metre are rounded to 6e-8 m. What is shorter than the first of
+// these has a direction that rounding decides, and two directions with a smaller sine
+// between them span no frame that survives a rigid motion.
+constexpr double kNoDirection = 1e-5;  // m
+constexpr double kNoFrame = 1e-4;
+// Clouds that are smaller than this are one place, m; mean normals that are shorter have
+// no direction.
+constexpr double kSamePlace = 1e-6;
 
 struct Name {
   DescriptorKind kind;
@@ -33,6 +39,11 @@ struct Center {
   Vector3d normal;
 };
 
+bool IsFinite(const OrientedCloud& cloud) {
+  const auto finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+  return std::ranges::all_of(cloud.points, finite) && std::ranges::all_of(cloud.normals, finite);
+}
+
 absl::StatusOr<Center> FindCenter(const OrientedCloud& cloud, const Vector3d& viewpoint) {
   const auto count = static_cast<double>(cloud.points.size());
   Vector3d sum = Vector3d::Zero();
@@ -46,12 +57,12 @@ absl::StatusOr<Center> FindCenter(const OrientedCloud& cloud, const Vector3d& vi
   for (const auto& p : cloud.points) {
     farthest = std::max(farthest, (p.cast<double>() - center.position).norm());
   }
-  if (farthest < kSameplace) {
+  if (farthest < kSamePlace) {
     return absl::FailedPreconditionError(
         "all points lie in one place, which has no shape to describe; check the scan");
   }
-  if (center.normal.norm() < kSameplace) center.normal = viewpoint - center.position;
-  if (center.normal.norm() < kSameplace) center.normal = Vector3d::UnitZ();
+  if (center.normal.norm() < kSamePlace) center.normal = viewpoint - center.position;
+  if (center.normal.norm() < kSamePlace) center.normal = Vector3d::UnitZ();
   center.normal.normalize();
   return center;
 }
@@ -61,7 +72,7 @@ absl::StatusOr<Center> FindCenter(const OrientedCloud& cloud, const Vector3d& vi
 bool CompleteFrame(const Vector3d& u, const Vector3d& d, Vector3d* v, Vector3d* w) {
   *v = d.cross(u);
   const double length = v->norm();
-  if (length < kNoDirection) return false;
+  if (length < kNoFrame) return false;
   *v /= length;
   *w = u.cross(*v);
   return true;
@@ -155,6 +166,9 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Vector3d& 
   }
   if (cloud.normals.size() != cloud.points.size()) {
     return absl::InvalidArgumentError("every point needs a normal");
+  }
+  if (!IsFinite(cloud) || !viewpoint.allFinite()) {
+    return absl::InvalidArgumentError("points, normals and viewpoint must be finite");
   }
   absl::StatusOr<Center> center = FindCenter(cloud, viewpoint);
   if (!center.ok()) return center.status();

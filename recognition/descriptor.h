@@ -40,8 +40,9 @@ inline constexpr std::size_t kMinDescriptorPoints = 10;
 // (metres, same frame). Does not depend on the order of the points nor on a
 // rigid motion of cloud and viewpoint together.
 //
-// FAILED_PRECONDITION for fewer than 10 points and for points that all lie in
-// one place. Where the mean normal has no length, the direction from the
+// INVALID_ARGUMENT for numbers that are not finite and for a point without a
+// normal; FAILED_PRECONDITION for fewer than 10 points and for points that all lie
+// in one place. Where the mean normal has no length, the direction from the
 // centroid to the viewpoint takes its place, since normals are turned towards
 // the sensor. A point on the centroid, or one whose Darboux frame is not
 // defined, is left out of the parts concerned.

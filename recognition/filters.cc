@@ -95,7 +95,8 @@ Normals EstimateNormals(const Points& points, const PointSearch& search,
   for (std::size_t i = 0; i < points.size(); ++i) {
     search.Within(points[i], static_cast<float>(radius_m), &neighbors);
     const Eigen::Vector3d to_viewpoint = viewpoint - points[i].cast<double>();
-    Eigen::Vector3d normal = to_viewpoint.normalized();
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+    if (!to_viewpoint.isZero()) normal = to_viewpoint.normalized();
     if (neighbors.size() >= 3) {
       normal = LeastSpread(points, neighbors);
       if (normal.dot(to_viewpoint) < 0) normal = -normal;

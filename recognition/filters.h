@@ -27,7 +27,7 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m);
 
 // Normals by principal component analysis of the points within `radius_m`, turned
 // towards `viewpoint`. A point with fewer than three neighbours gets the
-// direction to the viewpoint.
+// direction to the viewpoint, or z where it is the viewpoint itself.
 Normals EstimateNormals(const Points& points, const PointSearch& search,
                         const Eigen::Vector3d& viewpoint, double radius_m);
 

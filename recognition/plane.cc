@@ -10,11 +10,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMaxIterations = 1000;
+// Enough to draw three inliers once, with the confidence below, when one point in ten is
+// on the plane.
+constexpr int kMaxIterations = 7000;
 constexpr double kConfidence = 0.999;
 constexpr std::size_t kScoredPoints = 4000;  // hypotheses are counted on so many points
 constexpr std::uint64_t kSeed = 20160311;
 constexpr int kRefinements = 3;
+constexpr double kThinnest = 1e-3;  // sine of the angle in a triangle of three samples
 
 // Every n-th point, so that about kScoredPoints are left.
 std::vector<Vector3d> Thin(const Points& points) {
@@ -30,7 +33,8 @@ std::optional<Plane> Through(const Vector3d& a, const Vector3d& b, const Vector3
                              const Vector3d& viewpoint) {
   Vector3d normal = (b - a).cross(c - a);
   const double length = normal.norm();
-  if (length < 1e-10) return std::nullopt;
+  // Three points nearly on a line: the plane would turn with the noise of any of them.
+  if (length <= kThinnest * (b - a).norm() * (c - a).norm()) return std::nullopt;
   normal /= length;
   if (normal.dot(viewpoint - a) < 0) normal = -normal;
   return Plane{normal, normal.dot(a)};

@@ -1,5 +1,6 @@
 #include "recognition/point_search.h"
 
+#include <cmath>
 #include <flann/flann.hpp>
 
 namespace graspdb::recognition {
@@ -16,7 +17,10 @@ class RadiusResult : public flann::ResultSet<float> {
   void addPoint(float distance, std::size_t index) override {
     if (distance <= squared_radius_) out_->push_back({static_cast<int>(index), distance});
   }
-  float worstDist() const override { return squared_radius_; }
+  // FLANN leaves out points at the worst distance; the radius itself shall be within.
+  float worstDist() const override {
+    return std::nextafter(squared_radius_, std::numeric_limits<float>::infinity());
+  }
 
  private:
   float squared_radius_;

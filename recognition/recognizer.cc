@@ -115,8 +115,10 @@ absl::StatusOr<Detection> RecognizeSegment(const Segment& segment,
   if (!status.ok()) return status;
   if (out.registration.inlier_fraction < matching.min_inlier_fraction) {
     out.outcome = RecognitionOutcome::kIcpRejected;
+    out.view = nullptr;
   } else if (out.score < matching.min_score) {
     out.outcome = RecognitionOutcome::kUnknownObject;
+    out.view = nullptr;
   } else {
     CarryGrasps(catalogue, parameters.workspace, &out);
   }

@@ -15,8 +15,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr double kNegligibleTurn = 1e-5;   // rad
 constexpr double kNegligibleShift = 1e-6;  // m
 constexpr std::size_t kMinCorrespondences = 6;
-// Correspondences up to so many times the root mean square error are used next.
-constexpr double kTrim = 3.0;
+// Correspondences up to so many times the median distance are used next: parts without
+// a counterpart are far away, and must not widen the reach by which they are judged.
+constexpr double kTrim = 4.0;
 // ... but never less than this, m: neighbouring voxels are 3 mm apart.
 constexpr double kSmallestReach = 0.006;
 
@@ -45,6 +46,16 @@ double RmsDistance(const std::vector<Correspondence>& pairs) {
   double sum = 0;
   for (const Correspondence& c : pairs) sum += (c.source - c.target).squaredNorm();
   return pairs.empty() ? 0 : std::sqrt(sum / static_cast<double>(pairs.size()));
+}
+
+double MedianDistance(const std::vector<Correspondence>& pairs) {
+  std::vector<double> squared(pairs.size());
+  std::ranges::transform(pairs, squared.begin(), [](const Correspondence& c) {
+    return (c.source - c.target).squaredNorm();
+  });
+  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+  std::ranges::nth_element(squared, middle);
+  return std::sqrt(*middle);
 }
 
 // The rotation and shift that make the squared distances least, in closed form.
@@ -112,7 +123,7 @@ Registration Align(const Points& source, const RegistrationTarget& target, const
     out.converged = IsNegligible(step, pairs.front().source);
     out.target_source = step * out.target_source;
     out.iterations = i + 1;
-    reach = std::clamp(kTrim * RmsDistance(pairs), kSmallestReach, reach);
+    reach = std::clamp(kTrim * MedianDistance(pairs), kSmallestReach, reach);
   }
   // Rounding in many products must not bend the rotation.
   out.target_source.linear() =

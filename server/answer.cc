@@ -57,7 +57,6 @@ void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* ou
 }
 
 void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
-  using Outcome = recognition::RecognitionOutcome;
   out->set_status(StatusToProto(detection.outcome));
   out->set_score(detection.score);
   out->set_point_count(static_cast<int>(detection.point_count));
@@ -73,9 +72,7 @@ void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
   out->mutable_registration()->set_iteration_count(r.iterations);
   out->mutable_registration()->set_rms_error_m(r.rms_error_m);
   out->mutable_registration()->set_inlier_fraction(r.inlier_fraction);
-  const bool known =
-      detection.outcome != Outcome::kUnknownObject && detection.outcome != Outcome::kIcpRejected;
-  if (known) AddPoseAndGrasps(detection, out);
+  if (detection.view) AddPoseAndGrasps(detection, out);
 }
 
 void AddTimings(const recognition::Recognition& recognition, const AnswerContext& context,
