@@ -8,13 +8,18 @@
 
 namespace graspdb::client {
 
-// Writes `bytes` beside `path`, flushes them to the disk and renames the result
-// to `path`, replacing what was there; folders on the way are made. A reader
-// sees the old file or the new one, never a part, also after a crash. Two
+// Whether a file must outlive a power failure right after it was written. Waiting
+// for the disk takes milliseconds, on a busy one far longer.
+enum class Durability { kProcessCrash, kPowerFailure };
+
+// Writes `bytes` beside `path` and renames the result to `path`, replacing what
+// was there; folders on the way are made. A reader sees the old file or the new
+// one, never a part; with kPowerFailure also after the machine stopped. Two
 // writers of one path must not run at the same time.
 //
 // PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or UNAVAILABLE (any other
 // failure), with the path; what was at `path` is then untouched.
-absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
+absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
+                                 Durability durability);
 
 }  // namespace graspdb::client

@@ -111,7 +111,7 @@ absl::Status SaveCaptureSet(const fs::path& folder, const v1::CaptureSet& set) {
     return absl::InvalidArgumentError(absl::StrCat("the capture set cannot be written as JSON: ",
                                                    std::string(printed.message())));
   }
-  return WriteFileAtomically(folder / kCaptureSetFile, text);
+  return WriteFileAtomically(folder / kCaptureSetFile, text, Durability::kPowerFailure);
 }
 
 std::vector<const v1::Capture*> CapturesOf(const v1::CaptureSet& set,

@@ -22,7 +22,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 constexpr int kMaxHeaderLines = 1000;
-constexpr std::size_t kMaxLineBytes = 64 * 1024;
+constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024;
 constexpr int kMaxFieldCount = 1024;
 constexpr std::int64_t kMaxBodyBytes = std::int64_t{4} << 30;
 constexpr double kQuaternionTolerance = 1e-3;

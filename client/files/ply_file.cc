@@ -26,6 +26,7 @@ namespace {
 using Type = PlyHeader::Type;
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
+constexpr double kMaxListLength = 4294967295;  // of a uint
 static_assert(std::endian::native == std::endian::little);
 
 absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
@@ -108,13 +109,13 @@ class Body {
 // Passes over one instance of an element; a list is bounded by the body.
 bool Skip(const PlyHeader::Element& element, Body& body) {
   for (const PlyHeader::Property& property : element.properties) {
-    double values = 1;
+    std::int64_t values = 1;
     if (property.is_list) {
       const std::optional<double> length = body.Next(property.length_type);
-      if (!length || !(*length >= 0)) return false;
-      values = *length;
+      if (!length || !(*length >= 0 && *length <= kMaxListLength)) return false;
+      values = static_cast<std::int64_t>(*length);
     }
-    for (double i = 0; i < values; ++i) {
+    for (std::int64_t i = 0; i < values; ++i) {
       if (!body.Next(property.type)) return false;
     }
   }
@@ -219,7 +220,7 @@ absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path) {
   }
   if (file.ok()) return file;
   return Bad(absl::StrCat(path.string(), " cannot be read: ", file.status().message(),
-                          "; write the cloud again as a PLY file"));
+                          "; write it again as a PLY file"));
 }
 
 }  // namespace graspdb::client

@@ -15,7 +15,7 @@ namespace {
 using Type = PlyHeader::Type;
 using Words = std::vector<std::string>;
 
-constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
+constexpr std::size_t kMaxHeaderBytes = std::size_t{64} * 1024;
 
 absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
 

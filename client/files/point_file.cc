@@ -96,7 +96,7 @@ absl::Status WritePcd(const fs::path& path, const PointFile& file) {
   }
   absl::StatusOr<std::string> bytes = EncodePcd(file);
   if (!bytes.ok()) return bytes.status();
-  return WriteFileAtomically(path, *bytes);
+  return WriteFileAtomically(path, *bytes, Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::client

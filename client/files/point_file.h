@@ -40,7 +40,8 @@ struct PointFile {
 // or damaged, each with the path, what is wrong and what to do. Thread-safe.
 absl::StatusOr<PointFile> ReadPointFile(const std::filesystem::path& path);
 
-// Writes a binary_compressed PCD file, whole or not at all. `file.points` must
+// Writes a binary_compressed PCD file, whole or not at all (but it does not wait
+// for the disk). `file.points` must
 // hold width * height points and `file.normals` none or as many; points without
 // measurement are written as NaN and without `sensor_pose` the VIEWPOINT line is
 // the identity. Single precision, the pose too. The same file gives the same bytes.

@@ -7,12 +7,16 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <system_error>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "client/files/atomic_file.h"
+#include "client/files/ply_file.h"
 
 namespace graspdb::client {
 namespace {
@@ -72,6 +76,19 @@ absl::Status AppendNodes(const aiScene& scene, TriangleMesh& mesh) {
   return absl::OkStatus();
 }
 
+// assimp never returns from some damaged PLY files, whatever their extension, so
+// these are read through by our own reader first.
+absl::Status CheckPly(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string magic(3, '\0');
+  in.read(magic.data(), std::ssize(magic));
+  const bool is_ply = absl::AsciiStrToLower(magic) == "ply";
+  if (!is_ply && absl::AsciiStrToLower(path.extension().string()) != ".ply") {
+    return absl::OkStatus();
+  }
+  return ReadPly(path).status();
+}
+
 absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
   try {
     Assimp::Importer importer;
@@ -108,6 +125,7 @@ absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double 
         absl::StrCat(path.string(), " does not exist; check the path of the mesh"));
   }
   if (!std::filesystem::is_regular_file(path, error)) return Bad(path, "it is not a file");
+  if (absl::Status ply = CheckPly(path); !ply.ok()) return ply;
   absl::StatusOr<TriangleMesh> mesh = Import(path);
   if (!mesh.ok()) return Bad(path, std::string(mesh.status().message()));
   for (Eigen::Vector3f& v : mesh->vertices) v *= static_cast<float>(unit_scale_m);
@@ -130,7 +148,7 @@ absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh&
     bytes.push_back(3);
     for (const int i : t) AppendBytes(bytes, i);
   }
-  return WriteFileAtomically(path, bytes);
+  return WriteFileAtomically(path, bytes, Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::client

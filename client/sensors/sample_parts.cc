@@ -1,5 +1,6 @@
 #include "client/sensors/sample_parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>

@@ -32,7 +32,8 @@ class TemporaryFolder {
 
   // Writes a file and gives its path.
   std::filesystem::path Write(const std::string& name, const std::string& bytes) const {
-    const std::filesystem::path path = path_ / name;
+    std::filesystem::path path = path_ / name;
+    std::filesystem::remove(path);  // rewriting a file in place waits for the disk
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }

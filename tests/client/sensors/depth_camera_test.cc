@@ -32,7 +32,8 @@ Scene CubeOnTable() {
 }
 
 std::size_t PixelAt(const DepthFrame& frame, int u, int v) {
-  return static_cast<std::size_t>(v * frame.width + u);
+  return static_cast<std::size_t>(v) * static_cast<std::size_t>(frame.width) +
+         static_cast<std::size_t>(u);
 }
 
 TEST(DepthCamera, SeesTheTopOfABoxAndTheTableBesideItFromAbove) {

@@ -92,6 +92,8 @@ TEST(MeshFile, WhatIsNoMeshIsRefusedWithThePath) {
       folder.Write("text.stl", "Dear diary"),
       folder.Write("unknown.xyzzy", "1 2 3"),
       folder.Write("short.ply", whole.substr(0, whole.size() - 20)),
+      folder.Write("header.ply", whole.substr(0, 90)),
+      folder.Write("disguised.stl", whole.substr(0, 90)),
       folder.Write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
       folder.Write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")};
   for (const std::filesystem::path& path : bad) {

@@ -11,13 +11,13 @@ namespace graspdb::client {
 namespace {
 
 // An L of area 3.
-const Polygon kEll = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+const Polygon ell = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
 
 TEST(Solid, ShellsAreClosedAndHaveTheirVolume) {
   EXPECT_TRUE(IsClosed(BoxSolid({0, 0, 0}, {1, 2, 3})));
   EXPECT_NEAR(VolumeOf(BoxSolid({0, 0, 0}, {1, 2, 3})), 6, 1e-5);
-  EXPECT_TRUE(IsClosed(ExtrudeUp(kEll, 1, 5)));
-  EXPECT_NEAR(VolumeOf(ExtrudeUp(kEll, 1, 5)), 12, 1e-5);
+  EXPECT_TRUE(IsClosed(ExtrudeUp(ell, 1, 5)));
+  EXPECT_NEAR(VolumeOf(ExtrudeUp(ell, 1, 5)), 12, 1e-5);
   const TriangleMesh cylinder = CylinderSolid({3, 3}, 2, 0, 1);
   EXPECT_TRUE(IsClosed(cylinder));
   EXPECT_NEAR(VolumeOf(cylinder), 4 * std::numbers::pi, 0.03);
@@ -28,7 +28,7 @@ TEST(Solid, ShellsAreClosedAndHaveTheirVolume) {
 }
 
 TEST(Solid, ProfilesAlongXAndYKeepTheirAxes) {
-  const TriangleMesh along_y = ExtrudeAlongY(kEll, 4, 7);
+  const TriangleMesh along_y = ExtrudeAlongY(ell, 4, 7);
   EXPECT_TRUE(IsClosed(along_y));
   EXPECT_NEAR(VolumeOf(along_y), 9, 1e-5);
   EXPECT_EQ(BoundsOf(along_y).min, Eigen::Vector3d(0, 4, 0));
@@ -40,7 +40,7 @@ TEST(Solid, ProfilesAlongXAndYKeepTheirAxes) {
 }
 
 TEST(Solid, TheMirrorImageKeepsItsOutsideOutside) {
-  const TriangleMesh solid = ExtrudeUp(kEll, 0, 1);
+  const TriangleMesh solid = ExtrudeUp(ell, 0, 1);
   const TriangleMesh mirrored = MirroredX(solid);
   EXPECT_NEAR(VolumeOf(mirrored), VolumeOf(solid), 1e-6);
   EXPECT_EQ(BoundsOf(mirrored).min, Eigen::Vector3d(-2, 0, 0));
