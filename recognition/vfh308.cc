@@ -10,7 +10,10 @@ namespace {
 using Eigen::Vector3f;
 constexpr int kShapeBins = 45;
 constexpr int kViewpointBins = 128;
-constexpr int kViewpointStart = 4 * kShapeBins;
+// Where the parts begin.
+constexpr std::size_t kAlphaStart = kShapeBins;
+constexpr std::size_t kPhiStart = 2 * kAlphaStart;
+constexpr std::size_t kViewpointStart = 4 * kAlphaStart;
 
 // Angles between the centroid with the mean normal and a point with its normal.
 struct PairFeatures {
@@ -46,10 +49,10 @@ bool ComputePairFeatures(const Vector3f& centroid, const Vector3f& mean_normal, 
   return true;
 }
 
-int ShapeBin(float angle) {
+std::size_t ShapeBin(float angle) {
   const double turn = 1.0 / (2.0 * std::numbers::pi);
   const auto raw = static_cast<int>(std::floor(kShapeBins * ((angle + std::numbers::pi) * turn)));
-  return std::clamp(raw, 0, kShapeBins - 1);
+  return static_cast<std::size_t>(std::clamp(raw, 0, kShapeBins - 1));
 }
 
 }  // namespace
@@ -72,13 +75,13 @@ Descriptor DescribeVfh308(const OrientedCloud& cloud, const Eigen::Vector3d& vie
     PairFeatures f{};
     if (ComputePairFeatures(centroid, mean_normal, cloud.points[i], cloud.normals[i], &f)) {
       const float step = 100.0F / (count - 1);
-      bins[static_cast<std::size_t>(ShapeBin(f.theta))] += step;
-      bins[static_cast<std::size_t>(kShapeBins + ShapeBin(f.alpha))] += step;
-      bins[static_cast<std::size_t>(2 * kShapeBins + ShapeBin(f.phi))] += step;
+      bins[ShapeBin(f.theta)] += step;
+      bins[kAlphaStart + ShapeBin(f.alpha)] += step;
+      bins[kPhiStart + ShapeBin(f.phi)] += step;
     }
     const double cosine = (cloud.normals[i].dot(direction) + 1.0) * 0.5;
     const auto raw = static_cast<int>(std::floor(cosine * kViewpointBins));
-    bins[static_cast<std::size_t>(kViewpointStart + std::clamp(raw, 0, kViewpointBins - 1))] +=
+    bins[kViewpointStart + static_cast<std::size_t>(std::clamp(raw, 0, kViewpointBins - 1))] +=
         100.0F / count;
   }
   return bins;

@@ -22,11 +22,6 @@ constexpr std::array<std::string_view, 1> kObjectFields = {"display_name"};
 constexpr std::array<std::string_view, 3> kStablePoseFields = {"display_name", "symmetry_order",
                                                                "grasps"};
 
-// An error of the storage about an id or a name, with the request's field.
-absl::Status AtField(std::string_view field, const absl::Status& status) {
-  return status.ok() ? status : InvalidField(field, std::string(status.message()));
-}
-
 v1::View ViewToProto(const storage::ViewRecord& record) {
   v1::View out;
   out.set_name(record.name());
@@ -51,14 +46,15 @@ grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
     if (!status.ok()) return status;
     v1::Object object = request->object();
     object.set_name(storage::MakeObjectName(request->object_id()));
-    return Respond(context_.catalogue.CreateObject(std::move(object)), response);
+    return Respond("object_id", context_.catalogue.CreateObject(std::move(object)), response);
   });
 }
 
 grpc::Status CatalogService::GetObject(grpc::ServerContext* context,
                                        const v1::GetObjectRequest* request, v1::Object* response) {
-  return Handle(*context, "GetObject",
-                [&] { return Respond(context_.catalogue.GetObject(request->name()), response); });
+  return Handle(*context, "GetObject", [&] {
+    return Respond("name", context_.catalogue.GetObject(request->name()), response);
+  });
 }
 
 grpc::Status CatalogService::ListObjects(grpc::ServerContext* context,
@@ -66,7 +62,7 @@ grpc::Status CatalogService::ListObjects(grpc::ServerContext* context,
                                          v1::ListObjectsResponse* response) {
   return Handle(*context, "ListObjects", [&] {
     return RespondPage(
-        *request,
+        *request, "objects/",
         [&](std::size_t size, const std::string& after) {
           return context_.catalogue.ListObjects(size, after);
         },
@@ -79,7 +75,8 @@ grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
                                           v1::Object* response) {
   return Handle(*context, "UpdateObject", [&] {
     const v1::Object& update = request->object();
-    return Respond(context_.catalogue.UpdateObject(
+    return Respond("object.name",
+                   context_.catalogue.UpdateObject(
                        update.name(), update.etag(),
                        [&](v1::Object& object) {
                          return ApplyUpdate(update, request->update_mask(), kObjectFields, &object);
@@ -92,7 +89,8 @@ grpc::Status CatalogService::DeleteObject(grpc::ServerContext* context,
                                           const v1::DeleteObjectRequest* request,
                                           google::protobuf::Empty* /*response*/) {
   return Handle(*context, "DeleteObject", [&] {
-    return context_.catalogue.DeleteObject(request->name(), request->force(), request->etag());
+    return AtField("name", context_.catalogue.DeleteObject(request->name(), request->force(),
+                                                           request->etag()));
   });
 }
 
@@ -108,7 +106,7 @@ grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
     v1::StablePose pose = request->stable_pose();
     pose.set_name(storage::MakeStablePoseName(parent->object_id, request->stable_pose_id()));
     if (auto valid = StablePoseFromProto(pose); !valid.ok()) return valid.status();
-    return Respond(context_.catalogue.CreateStablePose(std::move(pose)), response);
+    return Respond("parent", context_.catalogue.CreateStablePose(std::move(pose)), response);
   });
 }
 
@@ -116,7 +114,7 @@ grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
                                            const v1::GetStablePoseRequest* request,
                                            v1::StablePose* response) {
   return Handle(*context, "GetStablePose", [&] {
-    return Respond(context_.catalogue.GetStablePose(request->name()), response);
+    return Respond("name", context_.catalogue.GetStablePose(request->name()), response);
   });
 }
 
@@ -125,7 +123,7 @@ grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
                                              v1::ListStablePosesResponse* response) {
   return Handle(*context, "ListStablePoses", [&] {
     return RespondPage(
-        *request,
+        *request, request->parent() + "/stablePoses/",
         [&](std::size_t size, const std::string& after) {
           return context_.catalogue.ListStablePoses(request->parent(), size, after);
         },
@@ -143,7 +141,8 @@ grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
       if (!status.ok()) return status;
       return StablePoseFromProto(pose).status();
     };
-    return Respond(context_.catalogue.UpdateStablePose(update.name(), update.etag(), change),
+    return Respond("stable_pose.name",
+                   context_.catalogue.UpdateStablePose(update.name(), update.etag(), change),
                    response);
   });
 }
@@ -152,7 +151,8 @@ grpc::Status CatalogService::DeleteStablePose(grpc::ServerContext* context,
                                               const v1::DeleteStablePoseRequest* request,
                                               google::protobuf::Empty* /*response*/) {
   return Handle(*context, "DeleteStablePose", [&] {
-    return context_.catalogue.DeleteStablePose(request->name(), request->force(), request->etag());
+    return AtField("name", context_.catalogue.DeleteStablePose(request->name(), request->force(),
+                                                               request->etag()));
   });
 }
 
@@ -160,7 +160,7 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
                                      const v1::GetViewRequest* request, v1::View* response) {
   return Handle(*context, "GetView", [&]() -> absl::Status {
     absl::StatusOr<storage::ViewRecord> record = context_.catalogue.GetView(request->name());
-    if (!record.ok()) return record.status();
+    if (!record.ok()) return AtField("name", record.status());
     *response = ViewToProto(*record);
     if (request->detail() != v1::VIEW_DETAIL_FULL) return absl::OkStatus();
     absl::StatusOr<std::string> packed = context_.catalogue.GetPackedCloud(request->name());
@@ -177,7 +177,7 @@ grpc::Status CatalogService::ListViews(grpc::ServerContext* context,
                                        v1::ListViewsResponse* response) {
   return Handle(*context, "ListViews", [&] {
     return RespondPage(
-        *request,
+        *request, request->parent() + "/views/",
         [&](std::size_t size, const std::string& after) {
           return context_.catalogue.ListViews(request->parent(), size, after);
         },
@@ -190,7 +190,7 @@ grpc::Status CatalogService::DeleteView(grpc::ServerContext* context,
                                         const v1::DeleteViewRequest* request,
                                         google::protobuf::Empty* /*response*/) {
   return Handle(*context, "DeleteView",
-                [&] { return context_.catalogue.DeleteView(request->name()); });
+                [&] { return AtField("name", context_.catalogue.DeleteView(request->name())); });
 }
 
 absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,

@@ -43,14 +43,14 @@ grpc::Status CellService::CreateCell(grpc::ServerContext* context,
     v1::Cell cell = request->cell();
     cell.set_name(storage::MakeCellName(request->cell_id()));
     if (absl::Status status = ValidateCell(cell); !status.ok()) return status;
-    return Respond(catalogue_.CreateCell(std::move(cell)), response);
+    return Respond("cell_id", catalogue_.CreateCell(std::move(cell)), response);
   });
 }
 
 grpc::Status CellService::GetCell(grpc::ServerContext* context, const v1::GetCellRequest* request,
                                   v1::Cell* response) {
   return Handle(*context, "GetCell",
-                [&] { return Respond(catalogue_.GetCell(request->name()), response); });
+                [&] { return Respond("name", catalogue_.GetCell(request->name()), response); });
 }
 
 grpc::Status CellService::ListCells(grpc::ServerContext* context,
@@ -58,7 +58,7 @@ grpc::Status CellService::ListCells(grpc::ServerContext* context,
                                     v1::ListCellsResponse* response) {
   return Handle(*context, "ListCells", [&] {
     return RespondPage(
-        *request,
+        *request, "cells/",
         [&](std::size_t size, const std::string& after) {
           return catalogue_.ListCells(size, after);
         },
@@ -74,15 +74,17 @@ grpc::Status CellService::UpdateCell(grpc::ServerContext* context,
       absl::Status status = ApplyUpdate(update, request->update_mask(), kFields, &cell);
       return status.ok() ? ValidateCell(cell) : status;
     };
-    return Respond(catalogue_.UpdateCell(update.name(), update.etag(), change), response);
+    return Respond("cell.name", catalogue_.UpdateCell(update.name(), update.etag(), change),
+                   response);
   });
 }
 
 grpc::Status CellService::DeleteCell(grpc::ServerContext* context,
                                      const v1::DeleteCellRequest* request,
                                      google::protobuf::Empty* /*response*/) {
-  return Handle(*context, "DeleteCell",
-                [&] { return catalogue_.DeleteCell(request->name(), request->etag()); });
+  return Handle(*context, "DeleteCell", [&] {
+    return AtField("name", catalogue_.DeleteCell(request->name(), request->etag()));
+  });
 }
 
 }  // namespace graspdb::server

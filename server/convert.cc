@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "storage/resource_name.h"
 
 namespace graspdb::server {
 namespace {
@@ -122,8 +123,11 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
   for (int i = 0; i < pose.grasps_size(); ++i) {
     const v1::Grasp& grasp = pose.grasps(i);
     const std::string path = absl::StrCat("stable_pose.grasps[", i, "]");
-    if (grasp.grasp_id().empty() || !ids.insert(grasp.grasp_id()).second) {
-      return InvalidField(Join(path, "grasp_id"), "must be given and be unique");
+    absl::Status status =
+        AtField(Join(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
+    if (!status.ok()) return status;
+    if (!ids.insert(grasp.grasp_id()).second) {
+      return InvalidField(Join(path, "grasp_id"), "must be unique within the stable pose");
     }
     absl::StatusOr<recognition::Pose> tcp = PoseFromProto(grasp.tcp_pose(), Join(path, "tcp_pose"));
     if (!tcp.ok()) return tcp.status();
@@ -132,6 +136,11 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     }
     if (!(grasp.gripper_opening_m() >= 0 && grasp.gripper_opening_m() <= 10)) {
       return InvalidField(Join(path, "gripper_opening_m"), "must lie in 0 to 10 m");
+    }
+    const v1::Grasp::FreeTurn& turn = grasp.free_turn();
+    if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
+      return InvalidField(Join(path, "free_turn"),
+                          "must have min_deg up to max_deg, both in -360 to 360 degrees");
     }
     out.grasps.push_back({grasp.grasp_id(), *tcp, grasp.approach_distance_m(),
                           grasp.gripper_opening_m(), grasp.priority()});

@@ -34,6 +34,12 @@ absl::Status InvalidField(std::string_view path, std::string_view description) {
   return status;
 }
 
+absl::Status AtField(std::string_view path, const absl::Status& status) {
+  const bool needs_field =
+      absl::IsInvalidArgument(status) && !status.GetPayload(TypeUrl<google::rpc::BadRequest>());
+  return needs_field ? InvalidField(path, std::string(status.message())) : status;
+}
+
 absl::Status WithReason(absl::Status status, std::string_view reason) {
   google::rpc::ErrorInfo info;
   info.set_reason(std::string(reason));

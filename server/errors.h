@@ -13,6 +13,10 @@ namespace graspdb::server {
 // google.rpc.BadRequest attached.
 absl::Status InvalidField(std::string_view path, std::string_view description);
 
+// An INVALID_ARGUMENT that names no field yet, as that of `path`; other statuses as
+// they are.
+absl::Status AtField(std::string_view path, const absl::Status& status);
+
 // `status` with a google.rpc.ErrorInfo attached: `reason` in UPPER_SNAKE_CASE.
 absl::Status WithReason(absl::Status status, std::string_view reason);
 

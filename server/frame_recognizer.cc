@@ -59,7 +59,7 @@ absl::Status ApplySettings(const Source& source, const std::string& path, Job* j
 absl::Status ApplyCell(const storage::Catalogue& catalogue, const std::string& name, Job* job) {
   if (name.empty()) return absl::OkStatus();
   absl::StatusOr<v1::Cell> cell = catalogue.GetCell(name);
-  if (!cell.ok()) return cell.status();
+  if (!cell.ok()) return AtField("cell", cell.status());
   if (absl::Status status = ApplySettings(*cell, "cell.", job); !status.ok()) return status;
   job->sensor_pose_from_cell = cell->has_sensor_pose();
   if (cell->has_workspace()) {

@@ -38,6 +38,14 @@ absl::StatusOr<std::shared_ptr<const recognition::TaughtStablePose>> TaughtFromR
   return std::make_shared<const recognition::TaughtStablePose>(*std::move(pose));
 }
 
+// A view that cannot be described with these parameters.
+absl::Status CannotDescribe(const std::string& name, const absl::Status& status) {
+  return {status.code(),
+          absl::StrCat(name, " cannot be described with these parameters: ", status.message(),
+                       "; start with the --voxel-size and --normal-radius that it was taught with, "
+                       "or delete it with them first")};
+}
+
 // Describes the named views again, and stores the result.
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters) {
@@ -57,7 +65,7 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
     if (!cloud.ok()) return cloud.status();
     absl::StatusOr<storage::DescriptorRecord> descriptor =
         MakeDescriptorRecord(*cloud, *sensor, parameters);
-    if (!descriptor.ok()) return descriptor.status();
+    if (!descriptor.ok()) return CannotDescribe(names[i], descriptor.status());
     updates.push_back({names[i], {*std::move(descriptor)}});
     if (updates.size() < kRedescribeBatch && i + 1 < names.size()) continue;
     if (auto revision = catalogue.ReplaceDescriptors(updates); !revision.ok()) {
@@ -145,8 +153,9 @@ absl::Status LiveCatalogue::Load() {
   storage::RecordVisitor visitor;
   visitor.stable_pose = [&](const v1::StablePose& record) {
     auto pose = TaughtFromRecord(record);
-    if (pose.ok()) poses[record.name()] = *std::move(pose);
-    return pose.status();
+    if (!pose.ok()) return pose.status();
+    poses[record.name()] = *std::move(pose);
+    return absl::OkStatus();
   };
   visitor.view = [&](const storage::ViewRecord& record) {
     absl::StatusOr<recognition::IndexedView> view = IndexedFromRecord(record, parameters_);

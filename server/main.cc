@@ -1,4 +1,5 @@
 // graspdb-server.
+#include <grpc/support/log.h>
 #include <pthread.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -19,6 +20,10 @@ void StartLog(const std::string& level) {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("graspdb"));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
   spdlog::set_level(spdlog::level::from_str(level));
+  // gRPC's own messages are a mouthful on top of ours, which say what to do.
+  gpr_set_log_function([](gpr_log_func_args* args) {
+    spdlog::debug("event=grpc message={}", LogField(args->message));
+  });
 }
 
 int Fail(const absl::Status& status) {

@@ -62,8 +62,11 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
       ->capture_default_str();
 }
 
+// A name such as 127.example.org only looks like an address.
 bool IsLoopback(std::string_view host) {
-  return host == "localhost" || host == "[::1]" || host == "::1" || host.starts_with("127.");
+  if (host == "localhost" || host == "[::1]" || host == "::1") return true;
+  return host.starts_with("127.") &&
+         host.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 }  // namespace
@@ -75,6 +78,7 @@ ParsedOptions ParseOptions(int argc, char** argv) {
   app.set_version_flag("--version", absl::StrCat("graspdb-server ", kVersion));
   app.set_config("--config", "", "File with settings, one KEY=VALUE a line")
       ->envname("GRASPDB_CONFIG");
+  app.allow_config_extras(CLI::config_extras_mode::error);
   app.footer(kFooter);
   AddFlags(app, &out.options);
   try {

@@ -16,9 +16,11 @@ std::string PageTokenAfter(std::string_view last_name) {
   return absl::WebSafeBase64Escape(std::string(last_name));
 }
 
-absl::StatusOr<std::string> NameFromPageToken(std::string_view token) {
+absl::StatusOr<std::string> NameFromPageToken(std::string_view token, std::string_view prefix) {
+  if (token.empty()) return "";
   std::string name;
-  if (!absl::WebSafeBase64Unescape(std::string(token), &name)) {
+  if (!absl::WebSafeBase64Unescape(std::string(token), &name) || !name.starts_with(prefix) ||
+      PageTokenAfter(name) != token) {
     return InvalidField("page_token", "is not one that a list of this server answered");
   }
   return name;

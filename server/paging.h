@@ -13,8 +13,8 @@ namespace graspdb::server {
 absl::StatusOr<std::size_t> PageSize(std::int32_t requested);
 
 // The token for the page after `last_name`, and back. INVALID_ARGUMENT for a token
-// that this server did not make.
+// that no list of names beginning with `prefix` made.
 std::string PageTokenAfter(std::string_view last_name);
-absl::StatusOr<std::string> NameFromPageToken(std::string_view token);
+absl::StatusOr<std::string> NameFromPageToken(std::string_view token, std::string_view prefix);
 
 }  // namespace graspdb::server

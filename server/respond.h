@@ -2,32 +2,36 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "server/errors.h"
 #include "server/paging.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
 
-// Moves the value into the response, or hands on the error.
+// Moves the value into the response, or hands on the error, which is that of the field
+// `path` if it is a wrong name.
 template <typename T>
-absl::Status Respond(absl::StatusOr<T> result, T* response) {
-  if (!result.ok()) return result.status();
+absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* response) {
+  if (!result.ok()) return AtField(path, result.status());
   *response = *std::move(result);
   return absl::OkStatus();
 }
 
-// Lists a page: `list(page_size, after_name)` gives the records, `add(record)` puts
-// one into the response.
+// Lists a page: `list(page_size, after_name)` gives the records, whose names begin with
+// `prefix`, `add(record)` puts one into the response.
 template <typename Request, typename Response, typename List, typename Add>
-absl::Status RespondPage(const Request& request, List&& list, Add&& add, Response* response) {
+absl::Status RespondPage(const Request& request, const std::string& prefix, List&& list, Add&& add,
+                         Response* response) {
   absl::StatusOr<std::size_t> size = PageSize(request.page_size());
   if (!size.ok()) return size.status();
-  absl::StatusOr<std::string> after = NameFromPageToken(request.page_token());
+  absl::StatusOr<std::string> after = NameFromPageToken(request.page_token(), prefix);
   if (!after.ok()) return after.status();
   auto page = list(*size, *after);
-  if (!page.ok()) return page.status();
+  if (!page.ok()) return AtField("parent", page.status());
   if (page->more) response->set_next_page_token(PageTokenAfter(page->records.back().name()));
   for (auto& record : page->records) add(std::move(record));
   return absl::OkStatus();

@@ -53,8 +53,8 @@ struct Client::Stubs {
 using Catalog = v1::CatalogService::Stub;
 using Cells = v1::CellService::Stub;
 
-Client::Client(ConnectionOptions options) : Client(Connect(options.server), options) {}
-Client::Client(std::shared_ptr<grpc::Channel> channel, ConnectionOptions options)
+Client::Client(const ConnectionOptions& options) : Client(Connect(options.server), options) {}
+Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options)
     : options_(std::move(options)), stubs_(std::make_unique<Stubs>(channel)) {}
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;

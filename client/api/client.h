@@ -33,9 +33,9 @@ struct ConnectionOptions {
 // that says what to do, when no server can be reached.
 class Client {
  public:
-  explicit Client(ConnectionOptions options);
+  explicit Client(const ConnectionOptions& options);
   // Over a channel that is there already, e.g. inside a process.
-  Client(std::shared_ptr<grpc::Channel> channel, ConnectionOptions options);
+  Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options);
   ~Client();
   Client(Client&&) noexcept;
 

@@ -86,12 +86,10 @@ void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* acti
   command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
   command->add_option("--descriptor", options->descriptor, "Which descriptor")
       ->check(CLI::IsMember({"mvfh300", "vfh263", "vfh308"}))
-      ->envname("GRASPDB_DESCRIPTOR")
       ->capture_default_str();
   command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")
       ->delimiter(',')
-      ->expected(3)
-      ->envname("GRASPDB_VIEWPOINT");
+      ->expected(3);
   command->footer(kFooter);
   command->callback(
       [=, &global] { *action = [=, &global] { return RunDescribe(global, *options); }; });

@@ -122,8 +122,7 @@ void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action
   CLI::App* command = AddCommand(app, "export", "Write the catalogue's views as a capture set");
   auto options = std::make_shared<Options>();
   command->add_option("SET", options->folder, "Folder to make")->required();
-  command->add_option("--object", options->objects, "Only these objects")
-      ->envname("GRASPDB_OBJECT");
+  command->add_option("--object", options->objects, "Only these objects");
   command->footer(
       "What is written can be imported again, here or elsewhere.\n\n"
       "Example: graspdb export backup/monday --object mug");

@@ -1,4 +1,5 @@
 // graspdb, the command line.
+#include <cctype>
 #include <cstdio>
 #include <exception>
 
@@ -22,24 +23,34 @@ constexpr char kFooter[] =
   graspdb simulate --random 10 --seed 7 --out /tmp/ask
   graspdb recognize /tmp/ask                        # what is it, where, how good
 
-Every global flag is also a variable (--server is GRASPDB_SERVER) and a key of the file
-given to --config. Exit status: 0 done, 1 understood but failed, 2 wrong usage, 3 no
+Every flag is also a variable (--server is GRASPDB_SERVER) and a key of the file given to
+--config. Exit status: 0 done, 1 understood but failed, 2 wrong usage, 3 no
 server there.)";
 
 enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoServer = 3 };
 
 void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
-  app.add_option("--server", global->server, "HOST:PORT of the server")
-      ->envname("GRASPDB_SERVER")
-      ->capture_default_str();
+  app.add_option("--server", global->server, "HOST:PORT of the server")->capture_default_str();
   app.add_option("--timeout", global->timeout_s, "Seconds that a call may take")
-      ->envname("GRASPDB_TIMEOUT")
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
-  app.add_flag("--json", global->json, "Print answers as JSON, one document a line")
-      ->envname("GRASPDB_JSON");
-  app.set_config("--config", "", "File with settings, one KEY=VALUE a line")
-      ->envname("GRASPDB_CONFIG");
+  app.add_flag("--json", global->json, "Print answers as JSON, one document a line");
+  app.set_config("--config", "", "File with settings, one KEY=VALUE a line");
+}
+
+// Every flag of every command is also a variable: --area-m is GRASPDB_AREA_M.
+void NameVariables(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty() || option->get_lnames().front() == "help") continue;
+    std::string name = "GRASPDB_";
+    for (const char c : option->get_lnames().front()) {
+      name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+    option->envname(name);
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    NameVariables(*command);
+  }
 }
 
 int Execute(const Action& action) {
@@ -70,6 +81,7 @@ int Run(int argc, char** argv) {
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
   AddSimulateCommand(app, &action);
+  NameVariables(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

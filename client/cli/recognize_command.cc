@@ -87,10 +87,10 @@ absl::Status RunRecognize(const GlobalOptions& global, const Options& options) {
     if (absl::IsUnavailable(status)) return status;
     first_error.Update(status);
     ++failed;
+    if (global.json) PrintJsonLine(task.path, "error", ErrorJson(status));
     if (scans->tasks.size() == 1) break;
     std::fprintf(stderr, "graspdb: %s: %s\n", task.path.c_str(),
                  std::string(status.message()).c_str());
-    if (global.json) PrintJsonLine(task.path, "error", ErrorJson(status));
   }
   std::fflush(stdout);
   if (!global.json) board.PrintSummary();
@@ -109,20 +109,13 @@ void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* act
   command->add_option("INPUT", options->inputs, "Point files (.pcd, .ply) or capture sets")
       ->required();
   AddSplitFlag(*command, &options->split);
-  command->add_option("--cell", options->cell, "Cell whose calibration and settings apply")
-      ->envname("GRASPDB_CELL");
-  command
-      ->add_flag("--segmented", options->segmented,
-                 "The scan has only one object's points, no table")
-      ->envname("GRASPDB_SEGMENTED");
-  command
-      ->add_option("--pictures", options->pictures,
-                   "Folder for one PNG a scan: found, shifted, refined")
-      ->envname("GRASPDB_PICTURES");
-  command
-      ->add_flag("--omit-timings", options->stable,
-                 "Leave out what a clock measured: the same scan gives the same bytes")
-      ->envname("GRASPDB_OMIT_TIMINGS");
+  command->add_option("--cell", options->cell, "Cell whose calibration and settings apply");
+  command->add_flag("--segmented", options->segmented,
+                    "The scan has only one object's points, no table");
+  command->add_option("--pictures", options->pictures,
+                      "Folder for one PNG a scan: found, shifted, refined");
+  command->add_flag("--omit-timings", options->stable,
+                    "Leave out what a clock measured: the same scan gives the same bytes");
   command->footer(kFooter);
   command->callback(
       [=, &global] { *action = [=, &global] { return RunRecognize(global, *options); }; });

@@ -7,7 +7,6 @@ namespace graspdb::client {
 void AddSplitFlag(CLI::App& command, std::string* split) {
   command.add_option("--split", *split, "Captures to take: TEACH, QUERY or ALL")
       ->check(CLI::IsMember({"TEACH", "QUERY", "ALL"}))
-      ->envname("GRASPDB_SPLIT")
       ->capture_default_str();
 }
 

@@ -52,7 +52,7 @@ constexpr char kFooter[] =
     "  graspdb simulate --out ask --random 96                 # the same parts, anywhere\n"
     "  graspdb simulate --out both --turntable --random 96    # both in one set\n"
     "  graspdb simulate bolt.stl --unit mm --out bolt --look-down 35,50\n"
-    "Then: graspdb import teach, and graspdb eval ask.";
+    "Then: graspdb import teach, and graspdb recognize ask.";
 
 double UnitScale(const std::string& unit) {
   if (unit == "mm") return 0.001;
