@@ -10,4 +10,7 @@ add_compile_options(-ffp-contract=off)
 if(GRASPDB_SANITIZE)
   add_compile_options(-fsanitize=${GRASPDB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GRASPDB_SANITIZE})
+  # Under a sanitizer Eigen would choose another allocator than Debian's libpcl was built
+  # with, and the one would free what the other allocated.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()

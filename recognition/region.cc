@@ -4,7 +4,10 @@
 
 namespace graspdb::recognition {
 
-bool IsMeasurement(const Eigen::Vector3f& p) { return p.allFinite() && !p.isZero(0); }
+bool IsMeasurement(const Eigen::Vector3f& p) {
+  constexpr float kFarthest = 100;  // m
+  return p.allFinite() && !p.isZero(0) && p.squaredNorm() <= kFarthest * kFarthest;
+}
 
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
                           const std::optional<Box>& region) {

@@ -13,8 +13,8 @@ struct RegionPoints {
   Indices indices;  // where each of them stands in the scan
 };
 
-// Whether a scan's point is a measurement: finite and not the origin (paper: the
-// sensor reports no depth as NaN or zero).
+// Whether a scan's point is a measurement: finite, not the origin (sensors report no
+// depth as NaN or zero), and not beyond 100 m, where no depth camera sees.
 bool IsMeasurement(const Eigen::Vector3f& p);
 
 // Moves the measurements of `scan` (sensor frame, metres) by T_a_sensor and keeps

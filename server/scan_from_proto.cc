@@ -5,12 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <span>
 
 #include "absl/strings/str_cat.h"
 #include "recognition/depth_image.h"
-#include "recognition/region.h"
 #include "server/errors.h"
 
 namespace graspdb::server {
@@ -21,8 +19,6 @@ static_assert(std::endian::native == std::endian::little, "packed data is little
 
 // Depth cameras see some metres; a median beyond this, m, is another unit.
 constexpr float kFarthestMedian = 50;
-// What lies beyond this, m, is no measurement; sums and voxels of it would overflow.
-constexpr float kFarthest = 100;
 constexpr int kMaxStride = 4096;
 
 std::string Join(std::string_view path, std::string_view field) {
@@ -76,14 +72,14 @@ absl::Status TooManyPoints(std::size_t count, std::size_t max_points, std::strin
                                          max_points, " (--max-points)"));
 }
 
-// Whether there is anything to see, in metres. Points that lie too far away become NaN.
-absl::Status CheckMeasurements(std::string_view path, recognition::Points* points) {
+// Whether there is anything to see, in metres.
+absl::Status CheckMeasurements(const recognition::Points& points, std::string_view path) {
   std::vector<float> ranges;
-  for (const auto& p : *points) {
-    if (recognition::IsMeasurement(p)) ranges.push_back(p.stableNorm());
+  for (const auto& p : points) {
+    if (p.allFinite() && !p.isZero(0)) ranges.push_back(p.stableNorm());
   }
   if (ranges.empty()) {
-    return InvalidField(path, absl::StrCat("has no measurement: all ", points->size(),
+    return InvalidField(path, absl::StrCat("has no measurement: all ", points.size(),
                                            " points are NaN, infinite or zero"));
   }
   const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
@@ -92,9 +88,6 @@ absl::Status CheckMeasurements(std::string_view path, recognition::Points* point
     return InvalidField(path,
                         absl::StrCat("has a median distance of ", *middle,
                                      " m; coordinates are in metres, are these millimetres?"));
-  }
-  for (auto& p : *points) {
-    if ((p.array().abs() > kFarthest).any()) p.setConstant(std::numeric_limits<float>::quiet_NaN());
   }
   return absl::OkStatus();
 }
@@ -151,7 +144,7 @@ absl::StatusOr<recognition::Points> PointsFromProto(const v1::PointCloud& cloud,
           ReadNumber(point + fields[axis]->offset(), fields[axis]->type());
     }
   }
-  if (absl::Status status = CheckMeasurements(path, &points); !status.ok()) return status;
+  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
   return points;
 }
 
@@ -174,7 +167,7 @@ absl::StatusOr<recognition::Points> PointsFromProto(const v1::DepthImage& image,
   std::vector<std::uint16_t> depth(count);
   std::memcpy(depth.data(), image.data().data(), image.data().size());
   recognition::Points points = recognition::Unproject(depth, *camera, unit);
-  if (absl::Status status = CheckMeasurements(path, &points); !status.ok()) return status;
+  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
   return points;
 }
 

@@ -9,7 +9,7 @@ namespace graspdb::recognition {
 namespace {
 
 // 3 x 2 pixels with different focal lengths, so that a swap of u and v shows.
-const CameraIntrinsics kCamera{3, 2, 100, 50, 1, 0.5};
+constexpr CameraIntrinsics kCamera{3, 2, 100, 50, 1, 0.5};
 
 TEST(DepthImageTest, PixelsBecomePointsRowByRow) {
   const std::array<std::uint16_t, 6> depth = {1000, 1000, 1000, 2000, 2000, 500};

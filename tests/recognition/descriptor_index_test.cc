@@ -42,6 +42,7 @@ Descriptor RandomDescriptor(Random& random) {
 
 std::vector<IndexedView> RandomViews(Random& random, int count) {
   std::vector<IndexedView> out;
+  out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     out.push_back(
         View(absl::StrFormat("objects/o%d/views/%04d", i % 7, i), RandomDescriptor(random)));
@@ -55,6 +56,7 @@ DescriptorIndex IndexOf(const std::vector<IndexedView>& views) {
 
 std::vector<std::string> Names(const std::vector<Match>& matches) {
   std::vector<std::string> out;
+  out.reserve(matches.size());
   for (const Match& m : matches) out.push_back(m.view->name);
   return out;
 }
@@ -62,6 +64,7 @@ std::vector<std::string> Names(const std::vector<Match>& matches) {
 void ExpectNearest(const DescriptorIndex& index, const std::vector<IndexedView>& views,
                    const Descriptor& query, std::size_t count) {
   std::vector<double> truth;
+  truth.reserve(views.size());
   for (const IndexedView& v : views) truth.push_back(ChiSquareDistance(query, v.descriptor));
   std::sort(truth.begin(), truth.end());
   const std::vector<Match> found = index.Nearest(query, static_cast<int>(count));
@@ -89,7 +92,7 @@ TEST(DescriptorIndexTest, StoredDescriptorFindsItselfAtZero) {
   Random random(42);
   const std::vector<IndexedView> views = RandomViews(random, 600);
   const DescriptorIndex index = IndexOf(views);
-  for (const std::size_t i : {0, 300, 511, 512, 599}) {
+  for (const std::size_t i : {0U, 300U, 511U, 512U, 599U}) {
     const std::vector<Match> found = index.Nearest(views[i].descriptor, 2);
     EXPECT_EQ(found[0].view, views[i].view);
     EXPECT_EQ(found[0].distance, 0);

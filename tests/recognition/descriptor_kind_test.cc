@@ -47,7 +47,7 @@ TEST(DescriptorKindTest, NamesLeadBackToTheirKind) {
 }
 
 TEST(DescriptorKindTest, EveryPartHasTheSameMassWhateverTheNumberOfPoints) {
-  for (const std::size_t count : {10, 317, 4000}) {
+  for (const std::size_t count : {10U, 317U, 4000U}) {
     const Descriptor vfh = DescribeWaves(DescriptorKind::kVfh263, count);
     for (const Part& part : {testing::kAlpha, testing::kPhi, testing::kTheta, testing::kBeta}) {
       EXPECT_NEAR(Mass(Bins(vfh, part)), 1.0 / 4, 1e-5) << part.name << " of " << count;
@@ -64,7 +64,7 @@ TEST(DescriptorKindTest, EveryPartHasTheSameMassWhateverTheNumberOfPoints) {
 
 TEST(DescriptorKindTest, Vfh308HasAHundredAPartAndNoDistancePart) {
   const Descriptor vfh = DescribeWaves(DescriptorKind::kVfh308, 2000);
-  for (const std::size_t begin : {0, 45, 90}) {
+  for (const std::size_t begin : {0U, 45U, 90U}) {
     EXPECT_NEAR(Mass(Bins(vfh, {"shape", begin, 45, -1, 1})), 100, 0.1);
   }
   EXPECT_EQ(Mass(Bins(vfh, {"distance", 135, 45, 0, 1})), 0);

@@ -17,7 +17,6 @@ namespace {
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPoints;
 using ::graspdb::testing::ToPcl;
-using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
 using ::testing::ElementsAreArray;
 

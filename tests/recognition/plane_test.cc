@@ -15,7 +15,7 @@ using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPoints;
 using ::graspdb::testing::Uniform;
 
-const Vector3d kAbove(0, 0, 1);
+Vector3d Above() { return {0, 0, 1}; }
 
 // `count` points of a square of 1 m on the plane, off by at most `noise_m`.
 Points OnPlane(Random& random, const Plane& plane, int count, double noise_m) {
@@ -45,7 +45,7 @@ TEST(FindPlaneTest, PlaneIsRecoveredFromNoiseAndOutliers) {
     Points points = OnPlane(random, truth, 3000, 0.002);
     Append(RandomPoints(random, 4000, 1), &points);
     std::shuffle(points.begin(), points.end(), random);
-    const auto found = FindPlane(points, kAbove, {});
+    const auto found = FindPlane(points, Above(), {});
     ASSERT_TRUE(found) << seed;
     EXPECT_LT(AngleBetween(found->normal, truth.normal), 0.003) << seed;
     EXPECT_NEAR(found->offset, truth.offset, 0.0007) << seed;
@@ -55,7 +55,7 @@ TEST(FindPlaneTest, PlaneIsRecoveredFromNoiseAndOutliers) {
 TEST(FindPlaneTest, ExactPlaneIsFoundExactly) {
   Random random(6);
   const Plane truth{Vector3d(-0.3, 0.2, 1).normalized(), -0.1};
-  const auto found = FindPlane(OnPlane(random, truth, 500, 0), kAbove, {});
+  const auto found = FindPlane(OnPlane(random, truth, 500, 0), Above(), {});
   ASSERT_TRUE(found);
   EXPECT_LT(AngleBetween(found->normal, truth.normal), 1e-6);
   EXPECT_NEAR(found->offset, truth.offset, 1e-6);
@@ -72,7 +72,7 @@ TEST(FindPlaneTest, LargerOfTwoPlanesIsTaken) {
   Random random(8);
   Points points = OnPlane(random, {Vector3d::UnitZ(), 0.3}, 400, 0.001);
   Append(OnPlane(random, {Vector3d::UnitZ(), 0}, 900, 0.001), &points);
-  EXPECT_NEAR(FindPlane(points, kAbove, {})->offset, 0, 0.001);
+  EXPECT_NEAR(FindPlane(points, Above(), {})->offset, 0, 0.001);
 }
 
 // The larger plane is a wall; only the table stands upright.
@@ -82,11 +82,11 @@ TEST(FindPlaneTest, PlaneTiltedTooFarIsPassedOver) {
   Append(OnPlane(random, {Vector3d(0, 0.1, 1).normalized(), 0}, 800, 0.001), &points);
   PlaneConstraint constraint;
   constraint.max_tilt_rad = 0.17;
-  const auto found = FindPlane(points, kAbove, constraint);
+  const auto found = FindPlane(points, Above(), constraint);
   ASSERT_TRUE(found);
   EXPECT_LT(AngleBetween(found->normal, Vector3d(0, 0.1, 1)), 0.003);
   constraint.max_tilt_rad = 0.05;
-  const auto narrow = FindPlane(points, kAbove, constraint);
+  const auto narrow = FindPlane(points, Above(), constraint);
   if (narrow) {
     EXPECT_LE(AngleBetween(narrow->normal, Vector3d::UnitZ()), 0.05 + 1e-6);
   }
@@ -99,7 +99,7 @@ TEST(FindPlaneTest, PlaneFarFromTheOriginIsPassedOver) {
   PlaneConstraint constraint;
   constraint.max_tilt_rad = 0.1;
   constraint.max_offset_m = 0.03;
-  const auto found = FindPlane(points, kAbove, constraint);
+  const auto found = FindPlane(points, Above(), constraint);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->offset, 0.01, 0.001);
 }
@@ -110,7 +110,7 @@ TEST(FindPlaneTest, PlaneWithTooSmallAShareIsNone) {
   Append(RandomPoints(random, 2700, 1), &points);
   PlaneConstraint constraint;
   constraint.min_share = 0.3;
-  EXPECT_FALSE(FindPlane(points, kAbove, constraint));
+  EXPECT_FALSE(FindPlane(points, Above(), constraint));
 }
 
 // A plane that has just the share it needs must not be missed by bad luck in the draws.
@@ -122,21 +122,21 @@ TEST(FindPlaneTest, PlaneWithJustEnoughOfAShareIsFound) {
     Random random(seed);
     Points points = OnPlane(random, {}, 360, 0.001);
     Append(RandomPoints(random, 2640, 1), &points);
-    const auto plane = FindPlane(points, kAbove, constraint);
+    const auto plane = FindPlane(points, Above(), constraint);
     found += plane && AngleBetween(plane->normal, Vector3d::UnitZ()) < 0.02 ? 1 : 0;
   }
   EXPECT_EQ(found, 20);
 }
 
 TEST(FindPlaneTest, FewerThanThreePointsHaveNoPlane) {
-  EXPECT_FALSE(FindPlane({}, kAbove, {}));
-  EXPECT_FALSE(FindPlane({{0, 0, 0}}, kAbove, {}));
-  EXPECT_FALSE(FindPlane({{0, 0, 0}, {1, 0, 0}}, kAbove, {}));
-  EXPECT_TRUE(FindPlane({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, kAbove, {}));
+  EXPECT_FALSE(FindPlane({}, Above(), {}));
+  EXPECT_FALSE(FindPlane({{0, 0, 0}}, Above(), {}));
+  EXPECT_FALSE(FindPlane({{0, 0, 0}, {1, 0, 0}}, Above(), {}));
+  EXPECT_TRUE(FindPlane({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, Above(), {}));
 }
 
 TEST(FindPlaneTest, PointsInOnePlaceHaveNoPlane) {
-  EXPECT_FALSE(FindPlane(Points(100, {0.1F, 0.2F, 0.3F}), kAbove, {}));
+  EXPECT_FALSE(FindPlane(Points(100, {0.1F, 0.2F, 0.3F}), Above(), {}));
 }
 
 TEST(FindPlaneTest, CollinearPointsHaveNoPlane) {
@@ -145,7 +145,7 @@ TEST(FindPlaneTest, CollinearPointsHaveNoPlane) {
     for (int i = 0; i < 200; ++i) {
       points.emplace_back((Vector3d(0.1, 0.2, 0.3) + 0.005 * i * direction).cast<float>());
     }
-    EXPECT_FALSE(FindPlane(points, kAbove, {})) << direction.transpose();
+    EXPECT_FALSE(FindPlane(points, Above(), {})) << direction.transpose();
   }
 }
 
@@ -153,10 +153,10 @@ TEST(FindPlaneTest, SameInputGivesTheSameBits) {
   Random random(12);
   Points points = OnPlane(random, {}, 2000, 0.003);
   Append(RandomPoints(random, 9000, 1), &points);
-  const auto first = FindPlane(points, kAbove, {});
+  const auto first = FindPlane(points, Above(), {});
   ASSERT_TRUE(first);
   for (int i = 0; i < 3; ++i) {
-    const auto again = FindPlane(points, kAbove, {});
+    const auto again = FindPlane(points, Above(), {});
     EXPECT_EQ(again->normal, first->normal);
     EXPECT_EQ(again->offset, first->offset);
   }

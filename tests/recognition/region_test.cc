@@ -62,6 +62,11 @@ TEST(RegionTest, ZeroIsDroppedInTheSensorFrameAndNotInTheWorldFrame) {
   EXPECT_THAT(CropToRegion(scan, world_sensor, std::nullopt).indices, ElementsAre(1));
 }
 
+TEST(RegionTest, WhatNoDepthCameraSeesIsNoMeasurement) {
+  const Points scan = {{0, 0, 99}, {0, 0, 101}, {1e30F, 0, 0}, {0, -3e38F, 0}};
+  EXPECT_THAT(CropToRegion(scan, Pose::Identity(), std::nullopt).indices, ElementsAre(0));
+}
+
 TEST(RegionTest, EmptyScanAndEmptyBoxGiveNothing) {
   EXPECT_THAT(CropToRegion({}, Pose::Identity(), std::nullopt).points, IsEmpty());
   const Box inverted{{1, 1, 1}, {-1, -1, -1}};

@@ -15,7 +15,6 @@ using Eigen::Vector3d;
 using ::graspdb::testing::Moved;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomMotion;
-using ::graspdb::testing::RandomPoints;
 using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
 

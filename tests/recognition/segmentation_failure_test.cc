@@ -12,7 +12,6 @@
 namespace graspdb::recognition {
 namespace {
 
-using Eigen::Vector3d;
 using ::graspdb::testing::IsOk;
 using ::graspdb::testing::LookAt;
 using ::graspdb::testing::Random;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/recognition/table_scene.h"
 
@@ -13,7 +14,6 @@ namespace graspdb::recognition {
 namespace {
 
 using Eigen::Vector3d;
-using ::graspdb::testing::kTable;
 using ::graspdb::testing::LookAt;
 using ::graspdb::testing::Picture;
 using ::graspdb::testing::Scene;
