@@ -14,3 +14,10 @@ if(GRASPDB_SANITIZE)
   # with, and the one would free what the other allocated.
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
+
+# See the file; for programs only, so that each has it once.
+if(GRASPDB_SANITIZE MATCHES thread)
+  add_library(graspdb_absl_for_tsan OBJECT ${CMAKE_SOURCE_DIR}/tests/sanitizers/absl_mutex.cc)
+  link_libraries(
+    "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:graspdb_absl_for_tsan>>")
+endif()

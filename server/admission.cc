@@ -14,6 +14,7 @@ Admission::Ticket::~Ticket() {
   if (admission_ == nullptr) return;
   absl::MutexLock lock(&admission_->mutex_);
   ++admission_->free_;
+  admission_->freed_.Signal();
 }
 
 absl::StatusOr<Admission::Ticket> Admission::Enter(const std::function<bool()>& is_cancelled) {
@@ -25,10 +26,10 @@ absl::StatusOr<Admission::Ticket> Admission::Enter(const std::function<bool()>& 
                         "QUEUE_FULL");
     }
     --places_;
-    const auto has_free = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return free_ > 0; };
     bool cancelled = false;
-    while (!cancelled && !mutex_.AwaitWithTimeout(absl::Condition(&has_free), kPatience)) {
-      cancelled = is_cancelled();
+    while (free_ == 0 && !cancelled) {
+      freed_.WaitWithTimeout(&mutex_, kPatience);
+      cancelled = free_ == 0 && is_cancelled();
     }
     ++places_;
     if (cancelled) return absl::CancelledError("the caller left while it was waiting");

@@ -33,6 +33,7 @@ class Admission {
 
  private:
   absl::Mutex mutex_;
+  absl::CondVar freed_;
   int free_ ABSL_GUARDED_BY(mutex_);
   int places_ ABSL_GUARDED_BY(mutex_);
 };

@@ -4,6 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "server/settings_file.h"
 #include "server/version.h"
 
 namespace graspdb::server {
@@ -76,9 +77,7 @@ ParsedOptions ParseOptions(int argc, char** argv) {
   CLI::App app("graspdb-server keeps the catalogue of taught views and recognises frames.",
                "graspdb-server");
   app.set_version_flag("--version", absl::StrCat("graspdb-server ", kVersion));
-  app.set_config("--config", "", "File with settings, one KEY=VALUE a line")
-      ->envname("GRASPDB_CONFIG");
-  app.allow_config_extras(CLI::config_extras_mode::error);
+  AddSettingsFile(app);
   app.footer(kFooter);
   AddFlags(app, &out.options);
   try {

@@ -10,6 +10,7 @@
 #include "client/cli/export_command.h"
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
+#include "client/cli/settings_file.h"
 #include "client/sensors/simulate_command.h"
 
 namespace graspdb::client {
@@ -35,7 +36,7 @@ void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
   app.add_flag("--json", global->json, "Print answers as JSON, one document a line");
-  app.set_config("--config", "", "File with settings, one KEY=VALUE a line");
+  AddSettingsFile(app);
 }
 
 // Every flag of every command is also a variable: --area-m is GRASPDB_AREA_M.

@@ -1,0 +1,44 @@
+#include "server/settings_file.h"
+
+#include <cctype>
+#include <cstdlib>
+#include <istream>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace graspdb::server {
+namespace {
+
+// Empty when the variable is not set.
+std::string Variable(const std::string& flag) {
+  std::string name = "GRASPDB_";
+  for (const char c : flag) {
+    name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  const char* value = std::getenv(name.c_str());
+  return value == nullptr ? "" : value;
+}
+
+// CLI11 lets the file go before the variables; here it has nothing to say where there is
+// one.
+class FileAfterVariables : public CLI::ConfigBase {
+ public:
+  std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(in);
+    std::erase_if(given, [](const CLI::ConfigItem& item) { return !Variable(item.name).empty(); });
+    return given;
+  }
+};
+
+}  // namespace
+
+void AddSettingsFile(CLI::App& app) {
+  const std::string path = Variable("config");
+  app.set_config("--config", path, "File with settings, one KEY=VALUE a line", !path.empty())
+      ->envname("GRASPDB_CONFIG");
+  app.config_formatter(std::make_shared<FileAfterVariables>());
+  app.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,50 @@
+// Programs as a person runs them.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace graspdb::end_to_end {
+
+// How a program ended and what it printed.
+struct Finished {
+  int exit_status = -1;  // 128 + n when signal n ended it
+  std::string out;
+  std::string err;
+};
+
+// A program that runs; killed at the latest when this goes. Its output is kept in files
+// below `folder`.
+class Process {
+ public:
+  Process(const std::filesystem::path& folder, const std::vector<std::string>& command);
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void Signal(int signal) const;
+  // Waits for its end.
+  Finished Wait();
+  // Waits until its standard output has a line that begins with `start`, and gives the rest
+  // of the line; empty when the program ended first.
+  std::string WaitForLine(const std::string& start);
+  // What it printed on standard error so far.
+  std::string Errors() const;
+
+ private:
+  bool HasEnded();
+
+  std::filesystem::path out_;
+  std::filesystem::path err_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+// Runs a program to its end.
+Finished RunProgram(const std::filesystem::path& folder, const std::vector<std::string>& command);
+
+}  // namespace graspdb::end_to_end

@@ -1,0 +1,71 @@
+#include "tests/end_to_end/programs_fixture.h"
+
+#include <sstream>
+
+namespace graspdb::end_to_end {
+
+std::vector<std::string> ProgramsTest::ServerCommand(const std::string& database,
+                                                     const std::string& listen) {
+  return {GRASPDB_SERVER_PROGRAM, "--db", database, "--listen", listen};
+}
+
+void ProgramsTest::StartServer(const std::string& name) {
+  server_ = std::make_unique<Process>(folder_.path(), ServerCommand(Path(name), "127.0.0.1:0"));
+  address_ = server_->WaitForLine("listening on ");
+  ASSERT_NE(address_, "") << server_->Errors();
+}
+
+std::unique_ptr<Process> ProgramsTest::StartGraspdb(std::vector<std::string> words) const {
+  words.insert(words.begin(), {GRASPDB_PROGRAM, "--server", address_});
+  return std::make_unique<Process>(folder_.path(), words);
+}
+
+Finished ProgramsTest::Graspdb(std::vector<std::string> words) const {
+  return StartGraspdb(std::move(words))->Wait();
+}
+
+void ProgramsTest::Simulate(const std::string& set, int step_deg, int scenes) const {
+  const Finished done = Graspdb({"simulate", "--parts", "l-bracket,flange,handle", "--turntable",
+                                 "--step", std::to_string(step_deg), "--random",
+                                 std::to_string(scenes), "--seed", "5", "--out", Path(set)});
+  ASSERT_EQ(done.exit_status, 0) << done.err;
+}
+
+v1::CatalogStatus ProgramsTest::Status() const {
+  const Finished done = Graspdb({"status", "--json"});
+  EXPECT_EQ(done.exit_status, 0) << done.err;
+  v1::CatalogStatus status;
+  EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(done.out, &status).ok()) << done.out;
+  return status;
+}
+
+std::string ProgramsTest::Recognize(const std::string& set) const {
+  const Finished done =
+      Graspdb({"recognize", Path(set), "--split", "QUERY", "--json", "--omit-timings"});
+  EXPECT_EQ(done.exit_status, 0) << done.err;
+  return done.out;
+}
+
+int CountLines(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+int CountRight(const std::string& lines) {
+  int right = 0;
+  std::istringstream in(lines);
+  std::string line;
+  while (std::getline(in, line)) {
+    const std::string key = "\"response\":";
+    const std::size_t at = line.find(key);
+    v1::RecognizeResponse response;
+    if (at == std::string::npos) continue;
+    const std::string json = line.substr(at + key.size(), line.size() - at - key.size() - 1);
+    if (!google::protobuf::util::JsonStringToMessage(json, &response).ok()) continue;
+    if (response.detections().empty() || response.detections(0).object().empty()) continue;
+    const std::string id = response.detections(0).object().substr(std::string("objects/").size());
+    right += line.substr(0, at).find(id) != std::string::npos ? 1 : 0;
+  }
+  return right;
+}
+
+}  // namespace graspdb::end_to_end
