@@ -27,7 +27,7 @@ absl::Status ApplyUpdate(const Resource& from, const google::protobuf::FieldMask
   }
   for (const std::string& path : effective.paths()) {
     const std::string_view top = std::string_view(path).substr(0, path.find('.'));
-    if (std::ranges::find(mutable_fields, top) == mutable_fields.end() ||
+    if (path.ends_with('.') || std::ranges::find(mutable_fields, top) == mutable_fields.end() ||
         !FieldMaskUtil::IsValidPath<Resource>(path)) {
       return InvalidField("update_mask",
                           absl::StrCat("\"", path, "\" is no field that can be changed"));

@@ -1,0 +1,157 @@
+#include "server/options.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <vector>
+
+#include "tests/client/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::server {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOk;
+using testing::StatusIs;
+
+ParsedOptions Parse(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "graspdb-server");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  return ParseOptions(static_cast<int>(argv.size()), argv.data());
+}
+
+// A variable of the environment for the time of a test.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+absl::Status CheckListen(const std::string& listen, bool allow_remote = false) {
+  ServerOptions options;
+  options.listen = listen;
+  options.allow_remote_without_tls = allow_remote;
+  return CheckListenAddress(options);
+}
+
+TEST(Options, FlagsAreRead) {
+  const ParsedOptions parsed =
+      Parse({"--db", "/d", "--listen", "127.0.0.1:0", "--queue", "3", "--descriptor", "vfh263",
+             "--voxel-size", "0.002", "--log-level", "warn", "--allow-remote-without-tls"});
+  ASSERT_FALSE(parsed.done);
+  EXPECT_EQ(parsed.options.database, "/d");
+  EXPECT_EQ(parsed.options.listen, "127.0.0.1:0");
+  EXPECT_EQ(parsed.options.queue, 3);
+  EXPECT_EQ(parsed.options.descriptor, "vfh263");
+  EXPECT_EQ(parsed.options.voxel_size_m, 0.002);
+  EXPECT_EQ(parsed.options.log_level, "warn");
+  EXPECT_TRUE(parsed.options.allow_remote_without_tls);
+}
+
+TEST(Options, ListeningBeyondThisMachineIsOffUnlessSaid) {
+  EXPECT_FALSE(Parse({"--db", "/d"}).options.allow_remote_without_tls);
+  EXPECT_EQ(Parse({"--db", "/d"}).options.listen, "127.0.0.1:50051");
+}
+
+TEST(Options, FlagsGoBeforeVariablesAndTheseBeforeTheFile) {
+  const client::TemporaryFolder folder;
+  const std::string file =
+      folder.Write("server.conf", "db=/from-file\nqueue=1\nmax-points=1000\ndrain=3\n").string();
+  const Variable queue("GRASPDB_QUEUE", "2");
+  const Variable max_points("GRASPDB_MAX_POINTS", "2000");
+  const ParsedOptions parsed = Parse({"--config", file, "--queue", "3"});
+  ASSERT_FALSE(parsed.done);
+  EXPECT_EQ(parsed.options.database, "/from-file");
+  EXPECT_EQ(parsed.options.drain_s, 3);
+  EXPECT_EQ(parsed.options.max_points, 2000);
+  EXPECT_EQ(parsed.options.queue, 3);
+}
+
+TEST(Options, TheFileMayBeNamedByAVariable) {
+  const client::TemporaryFolder folder;
+  const std::string file = folder.Write("server.conf", "db=/from-file\n").string();
+  const Variable config("GRASPDB_CONFIG", file.c_str());
+  EXPECT_EQ(Parse({}).options.database, "/from-file");
+}
+
+TEST(Options, AFlagVariableCanSayNo) {
+  const Variable no("GRASPDB_ALLOW_REMOTE_WITHOUT_TLS", "false");
+  const ParsedOptions parsed = Parse({"--db", "/d"});
+  ASSERT_FALSE(parsed.done);
+  EXPECT_FALSE(parsed.options.allow_remote_without_tls);
+}
+
+struct WrongUsage {
+  std::vector<std::string> arguments;
+  std::string words;
+};
+
+TEST(Options, WrongUsageIsToldAndEndsWithTwo) {
+  const client::TemporaryFolder folder;
+  const std::string typo = folder.Write("typo.conf", "db=/d\nqueeu=3\n").string();
+  const std::vector<WrongUsage> cases = {
+      {{}, "--db"},
+      {{"--db", "/d", "--nonsense"}, "--nonsense"},
+      {{"--db", "/d", "--queue", "-1"}, "--queue"},
+      {{"--db", "/d", "--queue", "many"}, "many"},
+      {{"--db", "/d", "--descriptor", "sift"}, "sift"},
+      {{"--db", "/d", "--voxel-size", "3"}, "--voxel-size"},
+      {{"--db", "/d", "--log-level", "loud"}, "loud"},
+      {{"--db", "/d", "--config", "/nonexistent/file"}, "/nonexistent/file"},
+      {{"--db", "/d", "--config", typo}, "queeu"},
+      {{"--db", "/d", "extra"}, "extra"},
+  };
+  for (const WrongUsage& wrong : cases) {
+    ::testing::internal::CaptureStderr();
+    const ParsedOptions parsed = Parse(wrong.arguments);
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr(wrong.words));
+    EXPECT_TRUE(parsed.done) << wrong.words;
+    EXPECT_EQ(parsed.exit_status, 2) << wrong.words;
+  }
+}
+
+TEST(Options, HelpAndVersionEndWithZero) {
+  for (const char* flag : {"--help", "--version"}) {
+    ::testing::internal::CaptureStdout();
+    const ParsedOptions parsed = Parse({flag});
+    EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("graspdb-server"));
+    EXPECT_TRUE(parsed.done);
+    EXPECT_EQ(parsed.exit_status, 0);
+  }
+}
+
+TEST(ListenAddress, ThisMachineIsAllowed) {
+  for (const char* listen :
+       {"127.0.0.1:0", "127.0.0.1:50051", "127.1.2.3:1", "localhost:50051", "[::1]:65535"}) {
+    EXPECT_THAT(CheckListen(listen), IsOk()) << listen;
+  }
+}
+
+TEST(ListenAddress, OthersNeedTheFlag) {
+  for (const char* listen : {"0.0.0.0:50051", "[::]:50051", "192.168.1.4:50051", "example.org:1",
+                             "127.example.org:1", "127.0.0.1.example.org:1"}) {
+    EXPECT_THAT(CheckListen(listen), StatusIs(absl::StatusCode::kFailedPrecondition,
+                                              HasSubstr("--allow-remote-without-tls")))
+        << listen;
+    EXPECT_THAT(CheckListen(listen, /*allow_remote=*/true), IsOk()) << listen;
+  }
+}
+
+TEST(ListenAddress, WhatIsNoAddressIsRefusedEvenWithTheFlag) {
+  for (const char* listen : {"", "127.0.0.1", ":50051", "127.0.0.1:", "127.0.0.1:x", "127.0.0.1:-1",
+                             "127.0.0.1:65536", "unix:/tmp/socket"}) {
+    EXPECT_THAT(CheckListen(listen, /*allow_remote=*/true),
+                StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("HOST:PORT")))
+        << listen;
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::server

@@ -1,0 +1,48 @@
+#include "tests/server/raw_call.h"
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include <vector>
+
+namespace graspdb::testing {
+
+RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method)
+    : stub_(channel), stream_(stub_.PrepareCall(&context_, method, &queue_)) {
+  stream_->StartCall(this);
+  Wait();
+}
+
+RawCall::~RawCall() {
+  context_.TryCancel();
+  grpc::Status status;
+  stream_->Finish(&status, this);
+  Wait();
+  queue_.Shutdown();
+}
+
+bool RawCall::Write(const std::string& message) {
+  const grpc::Slice slice(message);
+  stream_->Write(grpc::ByteBuffer(&slice, 1), this);
+  return Wait();
+}
+
+std::optional<std::string> RawCall::Read() {
+  grpc::ByteBuffer buffer;
+  stream_->Read(&buffer, this);
+  if (!Wait()) return std::nullopt;
+  std::vector<grpc::Slice> slices;
+  if (!buffer.Dump(&slices).ok()) return std::nullopt;
+  std::string out;
+  for (const grpc::Slice& slice : slices) {
+    out.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  }
+  return out;
+}
+
+bool RawCall::Wait() {
+  void* tag = nullptr;
+  bool ok = false;
+  return queue_.Next(&tag, &ok) && ok;
+}
+
+}  // namespace graspdb::testing

@@ -1,0 +1,37 @@
+// Calls of services whose generated code is not at hand: bytes in, bytes out.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/generic/generic_stub.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace graspdb::testing {
+
+// One call of the method, e.g. "/grpc.health.v1.Health/Check". Used from one thread.
+class RawCall {
+ public:
+  RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method);
+  // Cancels the call and waits for its end.
+  ~RawCall();
+  RawCall(const RawCall&) = delete;
+  RawCall& operator=(const RawCall&) = delete;
+
+  bool Write(const std::string& message);
+  // The next message; nothing at the end.
+  std::optional<std::string> Read();
+
+ private:
+  // Waits for what was begun; whether it went well.
+  bool Wait();
+
+  grpc::ClientContext context_;
+  grpc::CompletionQueue queue_;
+  grpc::GenericStub stub_;
+  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
+};
+
+}  // namespace graspdb::testing

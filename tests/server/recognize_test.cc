@@ -1,0 +1,176 @@
+// Recognize against what was taught.
+#include <gmock/gmock.h>
+
+#include "tests/server/server_fixture.h"
+
+namespace graspdb::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class RecognizeTest : public ServerTest {};
+
+TEST_F(RecognizeTest, WhatWasTaughtIsFoundWhereItStands) {
+  Teach("wedge", 8);
+  Teach("handle", 8);
+  for (const char* part : {"wedge", "handle"}) {
+    const Frame frame = Photograph(part, {.x = 0.05, .y = -0.03, .turn_deg = 70}, 11);
+    const v1::RecognizeResponse answer = Answer(RequestOf(frame));
+    EXPECT_EQ(answer.status(), v1::OK);
+    EXPECT_EQ(answer.catalog_revision(), Status().catalog_revision());
+    ASSERT_EQ(answer.detections_size(), 1);
+    const v1::Detection& detection = answer.detections(0);
+    EXPECT_EQ(detection.object(), "objects/" + std::string(part));
+    EXPECT_EQ(detection.stable_pose(), FlatPoseOf(part));
+    EXPECT_THAT(detection.view(), ::testing::StartsWith(FlatPoseOf(part) + "/views/turn-"));
+    EXPECT_LT(ShiftBetween(frame.world_object, detection.refined_pose()), 0.004);
+    EXPECT_LT(ShiftBetween(frame.world_object, detection.rough_pose()), 0.03);
+    EXPECT_GT(detection.score(), 0.7);
+    EXPECT_LE(detection.score(), 1);
+    EXPECT_EQ(detection.candidates_size(), 10);
+    EXPECT_GT(detection.point_count(), 50);
+  }
+}
+
+TEST_F(RecognizeTest, CandidatesComeNearestFirst) {
+  Teach("wedge", 8);
+  const v1::RecognizeResponse answer = Answer(RequestOf(Photograph("wedge", {.turn_deg = 20}, 3)));
+  ASSERT_EQ(answer.detections_size(), 1);
+  const auto& candidates = answer.detections(0).candidates();
+  ASSERT_EQ(candidates.size(), 8);
+  for (int i = 1; i < candidates.size(); ++i) {
+    EXPECT_LE(candidates[i - 1].descriptor_distance(), candidates[i].descriptor_distance());
+  }
+}
+
+TEST_F(RecognizeTest, GraspsAreCarriedAlongHighestPriorityFirst) {
+  Teach("handle", 6);
+  v1::UpdateStablePoseRequest update;
+  update.mutable_stable_pose()->set_name(FlatPoseOf("handle"));
+  for (int priority : {1, 3, 2}) {
+    v1::Grasp* grasp = update.mutable_stable_pose()->add_grasps();
+    *grasp = Part("handle").grasps[0];
+    grasp->set_grasp_id("p" + std::to_string(priority));
+    grasp->set_priority(priority);
+  }
+  update.mutable_update_mask()->add_paths("grasps");
+  ASSERT_THAT(Call(&Catalog::UpdateStablePose, update), IsGrpcOk());
+  const Frame frame = Photograph("handle", {.x = -0.04, .turn_deg = 130}, 5);
+  const v1::RecognizeResponse answer = Answer(RequestOf(frame));
+  ASSERT_EQ(answer.detections_size(), 1);
+  std::vector<std::string> ids;
+  for (const v1::GraspProposal& grasp : answer.detections(0).grasps()) {
+    ids.push_back(grasp.grasp_id());
+  }
+  EXPECT_THAT(ids, ElementsAre("p3", "p2", "p1"));
+  const v1::Vector3& in_object = Part("handle").grasps[0].tcp_pose().position();
+  recognition::Pose truth = frame.world_object;
+  truth.translate(Eigen::Vector3d(in_object.x(), in_object.y(), in_object.z()));
+  EXPECT_LT(ShiftBetween(truth, answer.detections(0).grasps(0).tcp_pose()), 0.006);
+}
+
+TEST_F(RecognizeTest, AnUploadedViewIsFoundByTheVeryNextCall) {
+  Declare("wedge");
+  const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 5}, 3));
+  EXPECT_EQ(Answer(request).status(), v1::UNKNOWN_OBJECT);
+  ASSERT_THAT(Upload(ViewOf("wedge", 0, "only")), IsGrpcOk());
+  const v1::RecognizeResponse found = Answer(request);
+  EXPECT_EQ(found.status(), v1::OK);
+  ASSERT_EQ(found.detections_size(), 1);
+  EXPECT_EQ(found.detections(0).view(), FlatPoseOf("wedge") + "/views/only");
+}
+
+TEST_F(RecognizeTest, ADeletedObjectIsNotFoundByTheVeryNextCall) {
+  Teach("wedge", 4);
+  const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 5}, 3));
+  ASSERT_EQ(Answer(request).status(), v1::OK);
+  v1::DeleteObjectRequest remove;
+  remove.set_name("objects/wedge");
+  remove.set_force(true);
+  ASSERT_THAT(Call(&Catalog::DeleteObject, remove), IsGrpcOk());
+  const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_EQ(answer.status(), v1::UNKNOWN_OBJECT);
+  ASSERT_EQ(answer.detections_size(), 1);
+  EXPECT_THAT(answer.detections(0).candidates(), IsEmpty());
+}
+
+TEST_F(RecognizeTest, ADeletedViewIsNoCandidateInTheVeryNextCall) {
+  Teach("wedge", 2);
+  v1::DeleteViewRequest remove;
+  remove.set_name(FlatPoseOf("wedge") + "/views/turn-0");
+  ASSERT_THAT(Call(&Catalog::DeleteView, remove), IsGrpcOk());
+  const v1::RecognizeResponse answer = Answer(RequestOf(Photograph("wedge", {.turn_deg = 0}, 3)));
+  ASSERT_EQ(answer.detections_size(), 1);
+  ASSERT_EQ(answer.detections(0).candidates_size(), 1);
+  EXPECT_EQ(answer.detections(0).candidates(0).view(), FlatPoseOf("wedge") + "/views/turn-1");
+}
+
+TEST_F(RecognizeTest, AReplacedViewIsMatchedWithItsNewCloud) {
+  Declare("wedge");
+  ASSERT_THAT(Upload(ViewOf("wedge", 0, "v")), IsGrpcOk());
+  const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 90}, 3));
+  const double before = Answer(request).detections(0).candidates(0).verification_score();
+  v1::DeleteViewRequest remove;
+  remove.set_name(FlatPoseOf("wedge") + "/views/v");
+  ASSERT_THAT(Call(&Catalog::DeleteView, remove), IsGrpcOk());
+  ASSERT_THAT(Upload(ViewOf("wedge", 90, "v")), IsGrpcOk());
+  const v1::RecognizeResponse after = Answer(request);
+  EXPECT_EQ(after.status(), v1::OK);
+  EXPECT_GT(after.detections(0).candidates(0).verification_score(), before);
+}
+
+TEST_F(RecognizeTest, ADepthImageGivesTheAnswerOfItsCloud) {
+  Teach("wedge", 4);
+  const Frame frame = Photograph("wedge", {.x = 0.02, .turn_deg = 33}, 3);
+  const v1::RecognizeRequest cloud = RequestOf(frame);
+  v1::RecognizeRequest image = cloud;
+  *image.mutable_depth_image() = DepthImageOf(frame);
+  ASSERT_FALSE(image.has_cloud());
+  const v1::RecognizeResponse answer = Answer(image);
+  EXPECT_EQ(answer.status(), v1::OK);
+  EXPECT_EQ(answer.SerializeAsString(), Answer(cloud).SerializeAsString());
+}
+
+TEST_F(RecognizeTest, WithoutTimingsTheSameScanGivesTheSameBytes) {
+  Teach("wedge", 4);
+  const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 33}, 3));
+  const v1::RecognizeResponse first = Answer(request);
+  ASSERT_EQ(first.status(), v1::OK);
+  EXPECT_EQ(Answer(request).SerializeAsString(), first.SerializeAsString());
+  Restart();
+  EXPECT_EQ(Answer(request).SerializeAsString(), first.SerializeAsString());
+}
+
+TEST_F(RecognizeTest, TimingsAreThereUnlessLeftOut) {
+  Teach("wedge", 2);
+  v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 33}, 3));
+  EXPECT_FALSE(Answer(request).has_timings());
+  request.set_omit_timings(false);
+  const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_GT(answer.timings().total_ms(), answer.timings().register_ms());
+  EXPECT_GT(answer.timings().register_ms(), 0);
+  std::vector<std::string> stages;
+  for (const v1::StageReport& stage : answer.stages()) stages.push_back(stage.stage());
+  EXPECT_THAT(stages, ElementsAre("region", "plane", "outliers", "voxels", "clusters", "normals",
+                                  "descriptor", "match", "register"));
+}
+
+TEST_F(RecognizeTest, ASegmentedCloudNeedsNoTable) {
+  Declare("wedge");
+  v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
+  *view.mutable_view()->mutable_cloud() = SegmentedCloudOf("wedge", {}, 7);
+  view.mutable_view()->set_segmented(true);
+  ASSERT_THAT(Upload(view), IsGrpcOk());
+  v1::RecognizeRequest request;
+  *request.mutable_cloud() = SegmentedCloudOf("wedge", {.turn_deg = 3}, 8);
+  *request.mutable_sensor_pose() = view.view().sensor_pose();
+  request.set_segmented(true);
+  const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_EQ(answer.status(), v1::OK);
+  ASSERT_EQ(answer.detections_size(), 1);
+  EXPECT_EQ(answer.detections(0).object(), "objects/wedge");
+}
+
+}  // namespace
+}  // namespace graspdb::testing

@@ -1,0 +1,55 @@
+// Frames of sample parts for the server's tests, made by code.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/sensors/workpiece.h"
+#include "graspdb/v1/geometry.pb.h"
+#include "recognition/types.h"
+
+namespace graspdb::testing {
+
+// Where a part stands: on the table, turned about z.
+struct Stand {
+  double x = 0;  // m
+  double y = 0;  // m
+  double turn_deg = 0;
+};
+
+// What the simulated depth camera measured, in counts of 0.1 mm.
+struct Frame {
+  recognition::CameraIntrinsics camera;
+  std::vector<std::uint16_t> counts;                               // row by row; 0: nothing
+  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
+  recognition::Pose world_object = recognition::Pose::Identity();  // T_world_object
+};
+
+// The sample part of the given id.
+const client::Workpiece& Part(const std::string& id);
+
+// The part on the table.
+Frame Photograph(const std::string& part, const Stand& stand, std::uint64_t seed);
+
+// Nothing but the table.
+Frame PhotographEmptyTable();
+
+v1::DepthImage DepthImageOf(const Frame& frame);
+
+// The same measurements as a cloud.
+v1::PointCloud CloudOf(const Frame& frame);
+
+// The part's points alone.
+v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed);
+
+// A cloud of packed x, y, z floats.
+v1::PointCloud PackedCloud(const recognition::Points& points);
+
+v1::Pose PoseMessage(const recognition::Pose& pose);
+v1::AxisAlignedBox BoxMessage(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
+
+// How far the origins of two poses are apart, m.
+double ShiftBetween(const recognition::Pose& a, const v1::Pose& b);
+
+}  // namespace graspdb::testing

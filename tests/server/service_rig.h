@@ -1,0 +1,43 @@
+// The recognition service over parts that a test can reach.
+#pragma once
+
+#include <grpcpp/server.h>
+
+#include <memory>
+
+#include "graspdb/v1/recognition_service.grpc.pb.h"
+#include "server/admission.h"
+#include "server/frame_recognizer.h"
+#include "server/live_catalogue.h"
+#include "server/recognition_service.h"
+#include "server/view_cloud_cache.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::testing {
+
+// An empty catalogue in `directory`; `slots` frames at once, `waiting` more may wait.
+class ServiceRig {
+ public:
+  ServiceRig(const std::string& directory, int slots, int waiting);
+  ~ServiceRig();
+
+  server::Admission& admission() { return admission_; }
+  server::FrameRecognizer& recognizer() { return recognizer_; }
+  storage::Catalogue& catalogue() { return *catalogue_; }
+
+  // A call with a deadline `timeout_ms` from now.
+  grpc::Status Recognize(const v1::RecognizeRequest& request, int timeout_ms);
+
+ private:
+  recognition::RecognitionParameters parameters_;
+  std::unique_ptr<storage::Catalogue> catalogue_;
+  std::unique_ptr<server::LiveCatalogue> live_;
+  server::ViewCloudCache clouds_;
+  server::Admission admission_;
+  server::FrameRecognizer recognizer_;
+  server::RecognitionService service_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<v1::RecognitionService::Stub> stub_;
+};
+
+}  // namespace graspdb::testing

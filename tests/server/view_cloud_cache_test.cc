@@ -1,0 +1,129 @@
+#include "server/view_cloud_cache.h"
+
+#include <gmock/gmock.h>
+
+#include "server/records.h"
+#include "storage/packed_cloud.h"
+#include "tests/client/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::server {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+using View = std::shared_ptr<const recognition::TaughtView>;
+
+constexpr std::size_t kAmple = 1U << 20;
+
+class ViewCloudCacheTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto opened = storage::Catalogue::Open((folder_.path() / "db").string());
+    ASSERT_THAT(opened, IsOk());
+    catalogue_ = *std::move(opened);
+    v1::Object object;
+    object.set_name("objects/o");
+    ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
+    v1::StablePose pose;
+    pose.set_name("objects/o/stablePoses/p");
+    ASSERT_THAT(catalogue_->CreateStablePose(pose), IsOk());
+  }
+
+  static std::string NameOf(const std::string& id) { return "objects/o/stablePoses/p/views/" + id; }
+
+  // Stores a view of `points` points, all in voxels of their own.
+  View Put(const std::string& id, const std::string& digest, int points) {
+    storage::NewView view;
+    view.record.set_name(NameOf(id));
+    view.record.set_content_digest(digest);
+    view.record.mutable_object_pose()->mutable_orientation()->set_w(1);
+    view.record.mutable_sensor_pose()->mutable_orientation()->set_w(1);
+    std::vector<storage::CloudPoint> cloud;
+    for (int i = 0; i < points; ++i) cloud.push_back({0.0101F * static_cast<float>(i), 0, 0.6F});
+    view.packed_cloud = storage::PackCloud(cloud).value();
+    EXPECT_THAT(catalogue_->PutView(view), IsOk());
+    return ViewFromRecord(view.record).value();
+  }
+
+  void Delete(const std::string& id) { EXPECT_THAT(catalogue_->DeleteView(NameOf(id)), IsOk()); }
+
+  // Bytes that the cache takes for one such cloud.
+  std::size_t BytesOf(const View& view) {
+    ViewCloudCache cache(*catalogue_, {}, kAmple);
+    EXPECT_THAT(cache.Load(*view), IsOk());
+    return cache.bytes();
+  }
+
+  const client::TemporaryFolder folder_;
+  std::unique_ptr<storage::Catalogue> catalogue_;
+};
+
+TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
+  const View view = Put("a", "1", 20);
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  const auto first = cache.Load(*view);
+  ASSERT_THAT(first, IsOk());
+  EXPECT_EQ((*first)->points.size(), 20U);
+  EXPECT_EQ((*first)->normals.size(), 20U);
+  EXPECT_GE(cache.bytes(), 20 * 2 * sizeof(Eigen::Vector3f));
+  EXPECT_EQ(*cache.Load(*view), *first);
+}
+
+TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
+  const View a = Put("a", "1", 50);
+  const View b = Put("b", "1", 50);
+  const View c = Put("c", "1", 50);
+  ViewCloudCache cache(*catalogue_, {}, 2 * BytesOf(a) + 10);
+  for (const View& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
+  EXPECT_EQ(cache.bytes(), 2 * BytesOf(a));
+  for (const char* id : {"a", "b", "c"}) Delete(id);
+  EXPECT_THAT(cache.Load(*a), IsOk()) << "was used again and should still be there";
+  EXPECT_THAT(cache.Load(*c), IsOk()) << "came last and should still be there";
+  EXPECT_THAT(cache.Load(*b), StatusIs(absl::StatusCode::kNotFound));
+}
+
+TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
+  std::vector<View> views;
+  for (int i = 0; i < 20; ++i) views.push_back(Put("v" + std::to_string(i), "1", 20 + 10 * i));
+  const std::size_t budget = BytesOf(views.back()) + 100;
+  ViewCloudCache cache(*catalogue_, {}, budget);
+  for (const View& view : views) {
+    ASSERT_THAT(cache.Load(*view), IsOk());
+    EXPECT_LE(cache.bytes(), budget);
+    EXPECT_GT(cache.bytes(), 0U);
+  }
+}
+
+TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
+  const View view = Put("a", "1", 50);
+  ViewCloudCache cache(*catalogue_, {}, 100);
+  const auto cloud = cache.Load(*view);
+  ASSERT_THAT(cloud, IsOk());
+  EXPECT_EQ((*cloud)->points.size(), 50U);
+  EXPECT_EQ(cache.bytes(), 0U);
+}
+
+TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
+  const View view = Put("a", "1", 20);
+  Delete("a");
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  EXPECT_THAT(cache.Load(*view), StatusIs(absl::StatusCode::kNotFound));
+  EXPECT_EQ(cache.bytes(), 0U);
+}
+
+TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {
+  const View old_view = Put("a", "1", 20);
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  ASSERT_THAT(cache.Load(*old_view), IsOk());
+  Delete("a");
+  const View new_view = Put("a", "2", 30);
+  const auto cloud = cache.Load(*new_view);
+  ASSERT_THAT(cloud, IsOk());
+  EXPECT_EQ((*cloud)->points.size(), 30U);
+  ViewCloudCache cold(*catalogue_, {}, kAmple);
+  EXPECT_THAT(cold.Load(*old_view), StatusIs(absl::StatusCode::kNotFound));
+}
+
+}  // namespace
+}  // namespace graspdb::server
