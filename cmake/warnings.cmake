@@ -17,7 +17,7 @@ endif()
 
 # See the file; for programs only, so that each has it once.
 if(GRASPDB_SANITIZE MATCHES thread)
-  add_library(graspdb_absl_for_tsan OBJECT ${CMAKE_SOURCE_DIR}/tests/sanitizers/absl_mutex.cc)
+  add_library(graspdb_thread_sanitizer OBJECT ${CMAKE_SOURCE_DIR}/tests/sanitizers/thread_sanitizer.cc)
   link_libraries(
-    "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:graspdb_absl_for_tsan>>")
+    "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:graspdb_thread_sanitizer>>")
 endif()

@@ -1,6 +1,7 @@
-// Tells the thread sanitizer of absl's locks. Debian's abseil is built without it, and
-// its mutex is a futex, which the sanitizer does not see: without this file every value that
-// an absl::Mutex guards, ours and gRPC's, would be reported as a race. Linked into the
+// What the thread sanitizer must be told of libraries that are built without it.
+//
+// Absl's locks: its mutex is a futex, which the sanitizer does not see: without this file every
+// value that an absl::Mutex guards, ours and gRPC's, would be reported as a race. Linked into the
 // programs of the tsan build, the functions below come before the library's own.
 #include <dlfcn.h>
 #include <sanitizer/tsan_interface.h>
@@ -15,6 +16,16 @@ Function* Real(const char* symbol) {
 }
 
 }  // namespace
+
+// What they report of themselves.
+extern "C" const char* __tsan_default_suppressions() {
+  return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
+         "race:libgrpc\n"      // hands calls over through atomics that are not seen
+         "race:libgpr\n"
+         "race:librocksdb\n"
+         "race:libtbb\n"
+         "race:libembree3\n";
+}
 
 namespace absl {
 ABSL_NAMESPACE_BEGIN
