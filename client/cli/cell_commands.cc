@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -46,8 +47,10 @@ absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
   if (status.ok()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, " is no cell: ", std::string(status.message())));
+  std::string reason(status.message());  // its other lines point into the text
+  reason.resize(std::min(reason.size(), reason.find('\n')));
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, " is no cell: ", reason, "; give what `graspdb cells show NAME --json` prints"));
 }
 
 // The cell as the flags give it, and which of its fields they gave.

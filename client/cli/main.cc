@@ -69,7 +69,6 @@ int Execute(const Action& action) {
 int Run(int argc, char** argv) {
   CLI::App app("graspdb teaches objects to a graspdb server and asks it what a camera sees.",
                "graspdb");
-  app.require_subcommand(1);
   app.footer(kFooter);
   GlobalOptions global;
   Action action;
@@ -87,6 +86,10 @@ int Run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kWrongUsage;
+  }
+  if (!action) {  // asked here, so that CLI11 names a command that it does not know
+    std::fprintf(stderr, "A subcommand is required\nRun with --help for more information.\n");
+    return kWrongUsage;
   }
   return Execute(action);
 }

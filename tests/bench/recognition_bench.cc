@@ -33,7 +33,8 @@ const Frame& OneFrame() {
     out.scan.points = client::ToPoints(*image, camera->model().intrinsics);
     out.scan.world_sensor = world_sensor;
     recognition::StageLog log;
-    out.segment = recognition::SegmentScan(out.scan, {}, {}, [] { return false; }, &log)
+    out.segment = recognition::SegmentScan(
+                      out.scan, {}, {}, [] { return false; }, &log)
                       ->segments.front();
     return out;
   }();
@@ -44,8 +45,8 @@ void FrameToSegments(benchmark::State& state) {
   const Frame& frame = OneFrame();
   for (auto _ : state) {
     recognition::StageLog log;
-    benchmark::DoNotOptimize(
-        recognition::SegmentScan(frame.scan, {}, {}, [] { return false; }, &log));
+    benchmark::DoNotOptimize(recognition::SegmentScan(
+        frame.scan, {}, {}, [] { return false; }, &log));
   }
 }
 BENCHMARK(FrameToSegments)->Unit(benchmark::kMillisecond);

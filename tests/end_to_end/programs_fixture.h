@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,11 @@ namespace graspdb::end_to_end {
 class ProgramsTest : public ::testing::Test {
  protected:
   // Starts a server on the database `name`; its address in address_.
-  void StartServer(const std::string& name = "db");
+  void StartServer(const std::string& name = "db", const std::vector<std::string>& flags = {});
   // `graspdb` with these words, to its end.
   Finished Graspdb(std::vector<std::string> words) const;
+  // The same, which must end with 0.
+  Finished Succeed(const std::vector<std::string>& words) const;
   // The same, running.
   std::unique_ptr<Process> StartGraspdb(std::vector<std::string> words) const;
   // Words as a command line of the server.
@@ -39,6 +42,8 @@ class ProgramsTest : public ::testing::Test {
   std::string address_;
 };
 
+// The response in a line of `recognize --json`; nothing for a line that holds none.
+std::optional<v1::RecognizeResponse> ResponseOf(const std::string& line);
 // How many lines of `recognize --json` name the object that their path names.
 int CountRight(const std::string& lines);
 // How many lines there are.

@@ -60,8 +60,8 @@ TEST(UpdateMask, APathIntoAMessageChangesThatFieldOnly) {
 }
 
 TEST(UpdateMask, OtherPathsAreRefusedAndNothingIsCopied) {
-  for (const char* path : {"name", "etag", "nonsense", "pipeline.nonsense", "Pipeline", "", "*",
-                           "display_name.x", "pipeline."}) {
+  for (const char* path :
+       {"name", "etag", "nonsense", "pipeline.nonsense", "Pipeline", "", "*", "display_name.x"}) {
     v1::Cell cell = CellOf("old", 0.1);
     const absl::Status status = Apply(CellOf("new", 0.2), {"display_name", path}, &cell);
     testing::ExpectBadField(ToGrpcStatus(status), "update_mask",

@@ -1,0 +1,76 @@
+// graspdb-server as a process: start, stop, and what it refuses.
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "tests/end_to_end/outcome_matchers.h"
+#include "tests/end_to_end/programs_fixture.h"
+
+namespace graspdb::end_to_end {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+constexpr char kServer[] = "graspdb-server";
+
+class ServerProcessTest : public ProgramsTest {
+ protected:
+  Finished Serve(const std::vector<std::string>& flags) const {
+    std::vector<std::string> command = {GRASPDB_SERVER_PROGRAM};
+    command.insert(command.end(), flags.begin(), flags.end());
+    return RunProgram(folder_.path(), command);
+  }
+};
+
+TEST_F(ServerProcessTest, ItSaysWhereItListensAndSigtermEndsItWithZero) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    StartServer();
+    EXPECT_EQ(Status().view_count(), 0);
+    server_->Signal(signal);
+    const Finished outcome = server_->Wait();
+    EXPECT_THAT(outcome, EndsWith(0));
+    EXPECT_THAT(outcome.out, MatchesRegex("listening on 127\\.0\\.0\\.1:[0-9]+\n"));
+    EXPECT_THAT(outcome.err, HasSubstr("event=stop"));
+  }
+}
+
+TEST_F(ServerProcessTest, WhatItRefusesIsToldInOneSentence) {
+  StartServer();
+  EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "127.0.0.1:0"}),
+              SaysOnly(kServer, "in use by another process"));
+  EXPECT_THAT(Serve({"--db", Path("other"), "--listen", address_}),
+              SaysOnly(kServer, "cannot listen on " + address_));
+}
+
+TEST_F(ServerProcessTest, ItListensOnlyToThisMachineUnlessToldOtherwise) {
+  const Finished outcome = Serve({"--db", Path("db"), "--listen", "0.0.0.0:0"});
+  EXPECT_THAT(outcome, EndsWith(1));
+  EXPECT_THAT(outcome, SaysOnly(kServer, "--allow-remote-without-tls"));
+  EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "here"}), EndsWith(2));
+}
+
+TEST_F(ServerProcessTest, AFolderWithOtherThingsIsNotMadeADatabase) {
+  folder_.Write("diary.txt", "Dear diary");
+  const Finished outcome = Serve({"--db", folder_.path().string(), "--listen", "127.0.0.1:0"});
+  EXPECT_THAT(outcome, EndsWith(1));
+  EXPECT_THAT(outcome, SaysOnly(kServer, folder_.path().string()));
+}
+
+TEST_F(ServerProcessTest, WrongUsageEndsWithTwo) {
+  EXPECT_THAT(Serve({}), EndsWith(2));
+  EXPECT_THAT(Serve({"--db", Path("db"), "--queue", "-3"}), EndsWith(2));
+  EXPECT_THAT(Serve({"--db", Path("db"), "--colour", "red"}), EndsWith(2));
+}
+
+TEST_F(ServerProcessTest, WhatACallerSendsCannotForgeALineOfTheLog) {
+  StartServer();
+  EXPECT_THAT(Graspdb({"objects", "show", "x\nlevel=error forged=\"1\""}), EndsWith(1));
+  server_->Signal(SIGTERM);
+  const Finished outcome = server_->Wait();
+  EXPECT_THAT(outcome.err, HasSubstr("forged"));
+  EXPECT_THAT(outcome.err, ::testing::Not(HasSubstr("\nlevel=error")));
+}
+
+}  // namespace
+}  // namespace graspdb::end_to_end

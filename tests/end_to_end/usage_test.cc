@@ -1,0 +1,126 @@
+// Exit statuses of graspdb, its help, and where settings come from.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "tests/end_to_end/outcome_matchers.h"
+#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/written_clouds.h"
+
+namespace graspdb::end_to_end {
+namespace {
+
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+// Nobody listens there.
+constexpr char kNobody[] = "127.0.0.1:1";
+
+class UsageTest : public ProgramsTest {};
+
+TEST_F(UsageTest, WrongUsageEndsWithTwo) {
+  const std::string cloud = folder_.Write("a.pcd", AsciiPcd(CurvedPatch(100))).string();
+  const std::vector<std::pair<Words, std::string>> cases = {
+      {{}, "subcommand"},
+      {{"paint"}, "paint"},
+      {{"status", "--colour"}, "--colour"},
+      {{"recognize"}, "INPUT"},
+      {{"describe", cloud, "--descriptor", "sift"}, "sift"},
+      {{"describe", cloud, "--viewpoint", "1,2"}, "--viewpoint"},
+      {{"import", ".", "--split", "HALF"}, "HALF"},
+      {{"--timeout", "0", "status"}, "--timeout"},
+      {{"cells", "set", "c", "--sensor-pose", "1,2,3"}, "--sensor-pose"},
+      {{"objects", "show"}, "OBJECT"},
+      {{"objects"}, "subcommand"},
+      {{"simulate", "--parts", "spoon", "--out", "x"}, "spoon"},
+      {{"--config", "/nonexistent/file", "status"}, "/nonexistent/file"},
+  };
+  for (const auto& [arguments, words] : cases) {
+    const Finished outcome = Graspdb(arguments);
+    EXPECT_THAT(outcome, EndsWith(2)) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST_F(UsageTest, WithoutAServerTheStatusIsThree) {
+  address_ = kNobody;
+  const std::string cloud = folder_.Write("cloud.pcd", AsciiPcd(CurvedPatch(100))).string();
+  folder_.Write("captures.json",
+                CaptureSetJson(R"("split": "TEACH", "objectId": "o", "stablePoseId": "p")"));
+  for (const Words& arguments :
+       {Words{"status"}, Words{"objects", "list"}, Words{"recognize", cloud},
+        Words{"import", folder_.path().string()}, Words{"cells", "list"},
+        Words{"export", (folder_.path() / "out").string()}}) {
+    const Finished outcome = Graspdb(arguments);
+    EXPECT_THAT(outcome, EndsWith(3)) << arguments[0];
+    EXPECT_THAT(outcome, SaysOnly("graspdb", "start graspdb-server or give --server"));
+  }
+}
+
+TEST_F(UsageTest, EveryFlagOfEveryCommandIsExplained) {
+  for (const Words& command :
+       {Words{}, Words{"import"}, Words{"recognize"}, Words{"describe"}, Words{"export"},
+        Words{"objects"}, Words{"objects", "list"}, Words{"objects", "show"},
+        Words{"objects", "delete"}, Words{"cells"}, Words{"cells", "list"}, Words{"cells", "show"},
+        Words{"cells", "set"}, Words{"cells", "delete"}, Words{"status"}, Words{"simulate"}}) {
+    Words arguments = command;
+    arguments.emplace_back("--help");
+    std::istringstream help(Succeed(arguments).out);
+    // CLI11 puts the text into column 30, or on the next line where that is taken.
+    int flags = 0;
+    std::string before;
+    for (std::string line; std::getline(help, line); before = line) {
+      const auto explains = [](const std::string& text) {
+        return text.size() > 30 && text[29] == ' ' && text[30] != ' ';
+      };
+      if (!before.starts_with("  -")) continue;
+      ++flags;
+      EXPECT_TRUE(explains(before) || explains(line)) << before;
+    }
+    EXPECT_GE(flags, 1) << (command.empty() ? "graspdb" : command.back());
+  }
+}
+
+TEST_F(UsageTest, SettingsComeFromFlagsThenVariablesThenTheFile) {
+  StartServer();
+  const std::string file = folder_.Write("good.conf", "server=\"" + address_ + "\"\n").string();
+  const std::string bad = folder_.Write("bad.conf", std::string("server=\"") + kNobody + "\"\n");
+  const auto run = [&](const Words& environment, const Words& arguments) {
+    Words command = {"/usr/bin/env"};
+    command.insert(command.end(), environment.begin(), environment.end());
+    command.emplace_back(GRASPDB_PROGRAM);
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return RunProgram(folder_.path(), command);
+  };
+  const std::string good_variable = "GRASPDB_SERVER=" + address_;
+  const std::string bad_variable = std::string("GRASPDB_SERVER=") + kNobody;
+  EXPECT_THAT(run({}, {"--config", file, "status"}), EndsWith(0));
+  EXPECT_THAT(run({"GRASPDB_CONFIG=" + file}, {"status"}), EndsWith(0));
+  EXPECT_THAT(run({good_variable}, {"--config", bad, "status"}), EndsWith(0));
+  EXPECT_THAT(run({bad_variable}, {"--config", file, "status"}), EndsWith(3));
+  EXPECT_THAT(run({bad_variable}, {"--config", bad, "--server", address_, "status"}), EndsWith(0));
+  EXPECT_THAT(run({"GRASPDB_CONFIG=/nonexistent/file"}, {"status"}), EndsWith(2));
+  EXPECT_THAT(run({good_variable, "GRASPDB_JSON=1"}, {"status"}).out,
+              ::testing::StartsWith("{\"serverVersion\""));
+}
+
+TEST_F(UsageTest, ARefusedScanIsALineOfJsonAmongTheOthers) {
+  StartServer("db", {"--max-points", "1000"});
+  const std::string good = folder_.Write("good.pcd", AsciiPcd(CurvedPatch(900))).string();
+  const std::string bad = folder_.Write("bad.pcd", AsciiPcd(CurvedPatch(1100))).string();
+  const Finished two = Graspdb({"recognize", bad, good, "--segmented", "--json"});
+  EXPECT_THAT(two, EndsWith(1));
+  EXPECT_THAT(two.out, HasSubstr("{\"path\":\"" + bad + "\",\"error\":{"));
+  EXPECT_THAT(two.out, HasSubstr("{\"path\":\"" + good + "\",\"response\":{"));
+  EXPECT_THAT(two.err, HasSubstr("1 of 2 scans were refused"));
+  const Finished one = Graspdb({"recognize", bad, "--segmented", "--json"});
+  EXPECT_THAT(one, EndsWith(1));
+  EXPECT_THAT(one.out, HasSubstr("{\"path\":\"" + bad + "\",\"error\":{"));
+  EXPECT_THAT(one.out, HasSubstr("\"code\":\"INVALID_ARGUMENT\""));
+  EXPECT_THAT(one, SaysOnly("graspdb", "--max-points"));
+}
+
+}  // namespace
+}  // namespace graspdb::end_to_end

@@ -1,0 +1,12 @@
+// Which views a server holds.
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace graspdb::end_to_end {
+
+// Resource names of all views.
+std::set<std::string> ViewNames(const std::string& address);
+
+}  // namespace graspdb::end_to_end
