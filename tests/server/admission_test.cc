@@ -15,8 +15,8 @@ namespace {
 using testing::IsOk;
 using testing::StatusIs;
 
-const auto kNever = [] { return false; };
-const auto kAlways = [] { return true; };
+constexpr auto kNever = [] { return false; };
+constexpr auto kAlways = [] { return true; };
 
 TEST(Admission, LetsAsManyWorkAsThereAreSlots) {
   Admission admission(2, 0);
@@ -83,6 +83,7 @@ TEST(Admission, EveryWaitingCallerHasItsTurn) {
   std::atomic<int> most = 0;
   std::atomic<int> done = 0;
   std::vector<std::thread> callers;
+  callers.reserve(kCallers);
   for (int i = 0; i < kCallers; ++i) {
     callers.emplace_back([&] {
       const auto ticket = admission.Enter(kNever);

@@ -98,8 +98,6 @@ TEST_P(BadRequestTest, IsRefusedWithASentenceAndChangesNothing) {
   EXPECT_EQ(Status().catalog_revision(), revision);
 }
 
-const std::string kLongId(64, 'a');
-
 std::vector<BadRequest> NameCases() {
   return {
       Catalogue<v1::CreateObjectRequest>(
@@ -109,8 +107,8 @@ std::vector<BadRequest> NameCases() {
           "ObjectIdWithSlash", &Catalog::CreateObject, [](auto& r) { r.set_object_id("a/b"); },
           kInvalid, "object_id", "a/b"),
       Catalogue<v1::CreateObjectRequest>(
-          "ObjectIdTooLong", &Catalog::CreateObject, [](auto& r) { r.set_object_id(kLongId); },
-          kInvalid, "object_id", "1 to 63"),
+          "ObjectIdTooLong", &Catalog::CreateObject,
+          [](auto& r) { r.set_object_id(std::string(64, 'a')); }, kInvalid, "object_id", "1 to 63"),
       Catalogue<v1::GetObjectRequest>(
           "EmptyName", &Catalog::GetObject, [](auto&) {}, kInvalid, "name", "objects/{object}"),
       Catalogue<v1::GetObjectRequest>(

@@ -14,7 +14,7 @@ namespace graspdb::testing {
 namespace {
 
 constexpr int kLongMs = 300'000;
-const auto kNever = [] { return false; };
+constexpr auto kNever = [] { return false; };
 
 class OverloadTest : public ::testing::Test {
  protected:
