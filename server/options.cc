@@ -20,45 +20,30 @@ Exit status: 0 stopped as asked, 1 could not start, 2 wrong usage.)";
 
 void AddFlags(CLI::App& app, ServerOptions* o) {
   app.add_option("--db", o->database, "Folder of the database; it is made when it is not there")
-      ->envname("GRASPDB_DB")
       ->required();
   app.add_option("--listen", o->listen, "HOST:PORT to listen on; port 0 picks a free one")
-      ->envname("GRASPDB_LISTEN")
       ->capture_default_str();
   app.add_flag("--allow-remote-without-tls", o->allow_remote_without_tls,
-               "Listen on other addresses than this machine's own, unencrypted and open to all")
-      ->envname("GRASPDB_ALLOW_REMOTE_WITHOUT_TLS");
-  const auto number = [&](const char* flag, auto* value, const char* text, const char* env,
-                          double lo, double hi) {
-    app.add_option(flag, *value, text)
-        ->envname(env)
-        ->check(CLI::Range(lo, hi))
-        ->capture_default_str();
+               "Listen on other addresses than this machine's own, unencrypted and open to all");
+  const auto number = [&](const char* flag, auto* value, const char* text, double lo, double hi) {
+    app.add_option(flag, *value, text)->check(CLI::Range(lo, hi))->capture_default_str();
   };
-  number("--workers", &o->workers, "Frames processed at once; 0: one a core", "GRASPDB_WORKERS", 0,
-         1024);
-  number("--queue", &o->queue, "Frames that may wait; more are turned away", "GRASPDB_QUEUE", 0,
-         100000);
-  number("--max-points", &o->max_points, "Points that a frame may have", "GRASPDB_MAX_POINTS", 10,
-         100e6);
-  number("--max-message-mib", &o->max_message_mib, "Size of a message, MiB",
-         "GRASPDB_MAX_MESSAGE_MIB", 1, 1024);
-  number("--cache-mib", &o->cache_mib, "Memory for clouds of views, MiB", "GRASPDB_CACHE_MIB", 1,
-         1 << 20);
-  number("--drain", &o->drain_s, "Seconds that running calls get on a stop", "GRASPDB_DRAIN", 0,
-         3600);
+  number("--workers", &o->workers, "Frames processed at once; 0: one a core", 0, 1024);
+  number("--queue", &o->queue, "Frames that may wait; more are turned away", 0, 100000);
+  number("--max-points", &o->max_points, "Points that a frame may have", 10, 100e6);
+  number("--max-message-mib", &o->max_message_mib, "Size of a message, MiB", 1, 1024);
+  number("--cache-mib", &o->cache_mib, "Memory for clouds of views, MiB", 1, 1 << 20);
+  number("--drain", &o->drain_s, "Seconds that running calls get on a stop", 0, 3600);
   number("--voxel-size", &o->voxel_size_m,
          "Edge of a voxel, m; other values than those that views "
          "were taught with describe all views again",
-         "GRASPDB_VOXEL_SIZE", 0.0005, 0.1);
-  number("--normal-radius", &o->normal_radius_m, "Radius that a normal is fitted to, m",
-         "GRASPDB_NORMAL_RADIUS", 0.001, 0.5);
+         0.0005, 0.1);
+  number("--normal-radius", &o->normal_radius_m, "Radius that a normal is fitted to, m", 0.001,
+         0.5);
   app.add_option("--descriptor", o->descriptor, "Descriptor that finds the views")
-      ->envname("GRASPDB_DESCRIPTOR")
       ->check(CLI::IsMember({"mvfh300", "vfh263", "vfh308"}))
       ->capture_default_str();
   app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
-      ->envname("GRASPDB_LOG_LEVEL")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
 }
@@ -77,9 +62,9 @@ ParsedOptions ParseOptions(int argc, char** argv) {
   CLI::App app("graspdb-server keeps the catalogue of taught views and recognises frames.",
                "graspdb-server");
   app.set_version_flag("--version", absl::StrCat("graspdb-server ", kVersion));
-  AddSettingsFile(app);
   app.footer(kFooter);
   AddFlags(app, &out.options);
+  AddSettingsFile(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -7,16 +7,20 @@
 #include <string>
 #include <vector>
 
-namespace graspdb::server {
+namespace graspdb {
 namespace {
 
-// Empty when the variable is not set.
-std::string Variable(const std::string& flag) {
+std::string VariableName(const std::string& flag) {
   std::string name = "GRASPDB_";
   for (const char c : flag) {
     name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   }
-  const char* value = std::getenv(name.c_str());
+  return name;
+}
+
+// Empty when the variable is not set.
+std::string Variable(const std::string& flag) {
+  const char* value = std::getenv(VariableName(flag).c_str());
   return value == nullptr ? "" : value;
 }
 
@@ -31,14 +35,25 @@ class FileAfterVariables : public CLI::ConfigBase {
   }
 };
 
+void NameVariables(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const std::string& flag = option->get_lnames().front();
+    if (flag != "help" && flag != "version") option->envname(VariableName(flag));
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    NameVariables(*command);
+  }
+}
+
 }  // namespace
 
 void AddSettingsFile(CLI::App& app) {
   const std::string path = Variable("config");
-  app.set_config("--config", path, "File with settings, one KEY=VALUE a line", !path.empty())
-      ->envname("GRASPDB_CONFIG");
+  app.set_config("--config", path, "File with settings, one KEY=VALUE a line", !path.empty());
   app.config_formatter(std::make_shared<FileAfterVariables>());
   app.allow_config_extras(CLI::config_extras_mode::error);
+  NameVariables(app);
 }
 
-}  // namespace graspdb::server
+}  // namespace graspdb

@@ -1,5 +1,4 @@
 // graspdb, the command line.
-#include <cctype>
 #include <cstdio>
 #include <exception>
 
@@ -10,8 +9,8 @@
 #include "client/cli/export_command.h"
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
-#include "client/cli/settings_file.h"
 #include "client/sensors/simulate_command.h"
+#include "server/settings_file.h"
 
 namespace graspdb::client {
 namespace {
@@ -36,22 +35,6 @@ void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
   app.add_flag("--json", global->json, "Print answers as JSON, one document a line");
-  AddSettingsFile(app);
-}
-
-// Every flag of every command is also a variable: --area-m is GRASPDB_AREA_M.
-void NameVariables(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) {
-    if (option->get_lnames().empty() || option->get_lnames().front() == "help") continue;
-    std::string name = "GRASPDB_";
-    for (const char c : option->get_lnames().front()) {
-      name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    }
-    option->envname(name);
-  }
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    NameVariables(*command);
-  }
 }
 
 int Execute(const Action& action) {
@@ -81,7 +64,7 @@ int Run(int argc, char** argv) {
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
   AddSimulateCommand(app, &action);
-  NameVariables(app);
+  AddSettingsFile(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

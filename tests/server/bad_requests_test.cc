@@ -281,12 +281,6 @@ std::vector<BadRequest> ContentCases() {
           },
           "region_of_interest", "is empty"),
       Cell(
-          "CellWithNanRegion",
-          [](v1::Cell& c) {
-            *c.mutable_region_of_interest() = BoxMessage({0, 0, kNan}, {1, 1, 1});
-          },
-          "region_of_interest", "finite"),
-      Cell(
           "CellWithPipelineOutOfRange",
           [](v1::Cell& c) { c.mutable_pipeline()->set_verified_view_count(0); },
           "pipeline.verified_view_count", "1 to 100"),

@@ -1,6 +1,8 @@
 // Cells through the CellService.
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -103,6 +105,9 @@ TEST_F(CellsTest, WrongSettingsAreRefusedWithTheirField) {
   cell = FullCell();
   *cell.mutable_workspace() = BoxMessage({0, 0, 1}, {1, 1, 1});
   ExpectBadField(Create("press-3", cell, &made), "cell.workspace", "is empty");
+  cell = FullCell();
+  *cell.mutable_region_of_interest() = BoxMessage({0, 0, std::nan("")}, {1, 1, 1});
+  ExpectBadField(Create("press-3", cell, &made), "cell.region_of_interest", "finite");
   cell = FullCell();
   cell.mutable_sensor_pose()->mutable_orientation()->set_x(0.5);
   ExpectBadField(Create("press-3", cell, &made), "cell.sensor_pose.orientation", "unit quaternion");

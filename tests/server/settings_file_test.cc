@@ -1,4 +1,4 @@
-#include "client/cli/settings_file.h"
+#include "server/settings_file.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "tests/client/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb {
 namespace {
 
 // A variable of the environment for the time of a test.
@@ -30,15 +30,15 @@ class SettingsFileTest : public ::testing::Test {
     CLI::App app;
     std::string server = "default";
     std::string split = "default";
-    app.add_option("--server", server)->envname("GRASPDB_SERVER");
+    app.add_option("--server", server);
     CLI::App* import = app.add_subcommand("import");
-    import->add_option("--split", split)->envname("GRASPDB_SPLIT");
+    import->add_option("--split", split);
     AddSettingsFile(app);
     app.parse(arguments);
     return server + " " + split;
   }
 
-  const TemporaryFolder folder_;
+  const client::TemporaryFolder folder_;
   const std::string file_ =
       folder_.Write("settings.conf", "server=file\n[import]\nsplit=file\n").string();
 };
@@ -75,4 +75,4 @@ TEST_F(SettingsFileTest, AKeyThatIsNoFlagIsAnError) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb
