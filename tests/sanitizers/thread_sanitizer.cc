@@ -22,6 +22,11 @@ extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
          "race:libgrpc\n"      // hands calls over through atomics that are not seen
          "race:libgpr\n"
+         "race:libupb\n"
+         "race:libabsl_cord\n"
+         "race:libabsl_status\n"
+         "race:absl::debian3::status_internal\n"  // its inline part, in our programs
+         "race:libabsl_time_zone\n"
          "race:librocksdb\n"
          "race:libtbb\n"
          "race:libembree3\n";
