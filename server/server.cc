@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 #include <utility>
 
@@ -24,6 +25,9 @@ namespace {
 
 // Uploads that may wait for their turn to be taught.
 constexpr int kTeachQueue = 64;
+
+// A shutdown ends the streams of those who watch the health, told or not.
+constexpr std::chrono::milliseconds kTimeToBeHeard{200};
 
 recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   recognition::RecognitionParameters out;
@@ -72,7 +76,7 @@ struct Server::Parts {
 
 Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
-Server::~Server() { Drain(); }
+Server::~Server() { Stop(); }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   if (absl::Status status = CheckListenAddress(options); !status.ok()) return status;
@@ -118,6 +122,12 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
 void Server::Drain() {
   if (grpc_ == nullptr) return;
   grpc_->GetHealthCheckService()->SetServingStatus(false);
+  std::this_thread::sleep_for(kTimeToBeHeard);
+  Stop();
+}
+
+void Server::Stop() {
+  if (grpc_ == nullptr) return;
   grpc_->Shutdown(std::chrono::system_clock::now() +
                   std::chrono::duration_cast<std::chrono::system_clock::duration>(drain_time_));
   grpc_->Wait();

@@ -27,11 +27,13 @@ class Server {
   // A channel inside the process, for tests.
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
-  // Takes no new calls, lets the running ones end until the drain time is over, and
-  // closes the database. Calling it again does nothing.
+  // Tells those who watch the health, takes no new calls, lets the running ones end until the
+  // drain time is over, and closes the database. Calling it again does nothing.
   void Drain();
 
  private:
+  void Stop();
+
   struct Parts;
   explicit Server(std::unique_ptr<Parts> parts);
 

@@ -20,10 +20,10 @@ preprocessed() {
 
 failed=0
 for file in "$@"; do
-  key=$( (clang-tidy --version; cat .clang-tidy tests/.clang-tidy; echo "$file"; preprocessed "$file") |
+  key=$( (clang-tidy --version; echo "${CHECKS-}"; cat .clang-tidy tests/.clang-tidy; echo "$file"; preprocessed "$file") |
     sha256sum | cut -d' ' -f1)
   [ -e "$cache/$key" ] && continue
-  if clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option "$file" 2>/dev/null; then
+  if clang-tidy -p "$build" --quiet --checks="${CHECKS-}" --extra-arg=-Wno-unknown-warning-option "$file" 2>/dev/null; then
     touch "$cache/$key"
   else
     failed=1
