@@ -13,8 +13,32 @@
 namespace graspdb::client {
 namespace {
 
+// Calls that change nothing are made again when the connection breaks or was refused, four
+// times within about a second; of the others nobody would know whether they had been done.
+constexpr char kRetries[] = R"({"methodConfig": [{
+  "name": [
+    {"service": "graspdb.v1.RecognitionService", "method": "Recognize"},
+    {"service": "graspdb.v1.CatalogService", "method": "GetCatalogStatus"},
+    {"service": "graspdb.v1.CatalogService", "method": "GetObject"},
+    {"service": "graspdb.v1.CatalogService", "method": "ListObjects"},
+    {"service": "graspdb.v1.CatalogService", "method": "GetStablePose"},
+    {"service": "graspdb.v1.CatalogService", "method": "ListStablePoses"},
+    {"service": "graspdb.v1.CatalogService", "method": "GetView"},
+    {"service": "graspdb.v1.CatalogService", "method": "ListViews"},
+    {"service": "graspdb.v1.CellService", "method": "GetCell"},
+    {"service": "graspdb.v1.CellService", "method": "ListCells"}],
+  "retryPolicy": {"maxAttempts": 4, "initialBackoff": "0.15s", "maxBackoff": "1s",
+                  "backoffMultiplier": 2, "retryableStatusCodes": ["UNAVAILABLE"]}}]})";
+constexpr int kReconnectMs = 100;
+// What is kept of a call to make it again, bytes; the largest frames fit.
+constexpr int kRetryBuffer = 256 << 20;
+
 std::shared_ptr<grpc::Channel> Connect(const std::string& server) {
   grpc::ChannelArguments arguments;
+  arguments.SetServiceConfigJSON(kRetries);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectMs);
+  arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
   return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
@@ -63,9 +87,9 @@ absl::Status Client::ToStatus(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
   // gRPC's own UNAVAILABLE speaks of sockets; the server's never has no details.
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty()) {
-    return absl::UnavailableError(
-        absl::StrCat("no graspdb server answers at ", options_.server,
-                     "; start graspdb-server or give --server HOST:PORT"));
+    return absl::UnavailableError(absl::StrCat(
+        "no graspdb server answers at ", options_.server,
+        "; start graspdb-server or give --server HOST:PORT (", status.error_message(), ")"));
   }
   return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
 }

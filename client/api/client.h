@@ -26,8 +26,8 @@ struct ConnectionOptions {
   absl::Duration timeout = absl::Seconds(30);  // of every call, but not of uploads
 };
 
-// A connection to a server. Connects with the first call and again after a loss.
-// Thread-safe.
+// A connection to a server. Connects with the first call and again after a loss;
+// a call that changes nothing outlives the loss. Thread-safe.
 //
 // All methods answer the server's error, with its text; UNAVAILABLE, with a text
 // that says what to do, when no server can be reached.
