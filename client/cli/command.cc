@@ -50,7 +50,7 @@ bool Interrupted() {
   static const bool watching = [] {
     struct sigaction action {};
     action.sa_handler = OnInterrupt;
-    action.sa_flags = SA_RESETHAND;  // the second Ctrl-C ends the process
+    action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second Ctrl-C ends the process
     sigaction(SIGINT, &action, nullptr);
     return true;
   }();

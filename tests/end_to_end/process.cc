@@ -13,8 +13,6 @@
 
 #include "tests/client/files/temporary_folder.h"
 
-extern char** environ;
-
 namespace graspdb::end_to_end {
 namespace {
 
@@ -36,6 +34,7 @@ Process::Process(const std::filesystem::path& folder, const std::vector<std::str
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), kFlags, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), kFlags, 0600);
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   if (posix_spawn(&pid_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) {

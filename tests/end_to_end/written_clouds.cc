@@ -28,8 +28,9 @@ recognition::Points CurvedPatch(int count) {
   const int side = static_cast<int>(std::ceil(std::sqrt(count)));
   recognition::Points points;
   for (int i = 0; i < count; ++i) {
+    const int row = i / side;
     const float x = 0.004F * static_cast<float>(i % side);
-    const float y = 0.004F * static_cast<float>(i / side);
+    const float y = 0.004F * static_cast<float>(row);
     points.emplace_back(x, y, 0.6F + 3 * x * x + x * y - 2 * y * y);
   }
   return points;

@@ -14,13 +14,13 @@ preprocessed() {
     /^  "command": / { command = $0 }
     /^  "file": / { if (index($0, "\"" file "\"")) { print command; exit } }' \
     "$build/compile_commands.json" |
-    sed 's/^  "command": "//; s/",$//; s/\\"/"/g; s/ -o [^ ]* -c / -E /')
+    sed 's/^  "command": "//; s/",$//; s/\\"/"/g; s/ -MD -MT [^ ]* -MF [^ ]*//; s/ -o [^ ]* -c / -E -P /')
   (cd "$build" && eval "$command" 2>/dev/null)
 }
 
 failed=0
 for file in "$@"; do
-  key=$( (clang-tidy --version; echo "${CHECKS-}"; cat .clang-tidy tests/.clang-tidy; echo "$file"; preprocessed "$file") |
+  key=$( (clang-tidy --version; echo "${CHECKS-}"; cat .clang-tidy tests/.clang-tidy; cat "$file"; preprocessed "$file") |
     sha256sum | cut -d' ' -f1)
   [ -e "$cache/$key" ] && continue
   if clang-tidy -p "$build" --quiet --checks="${CHECKS-}" --extra-arg=-Wno-unknown-warning-option "$file" 2>/dev/null; then

@@ -9,6 +9,7 @@ using ::testing::ElementsAre;
 
 std::vector<std::string> PathsOf(const std::vector<const v1::Capture*>& captures) {
   std::vector<std::string> paths;
+  paths.reserve(captures.size());
   for (const v1::Capture* capture : captures) paths.push_back(capture->path());
   return paths;
 }
