@@ -52,9 +52,9 @@ enum class IcpMetric {
 struct MatchingParameters {
   // Candidates that an answer lists.
   int candidate_count = 10;
-  // Nearest views that are aligned; the one that explains the scan best wins. 1
-  // trusts the descriptor alone, as the paper does.
-  int verified_view_count = 10;
+  // Nearest views whose stable poses are aligned first; the hypothesis that explains the scan
+  // best wins. 1 trusts the descriptor alone and aligns that view's cloud, as the paper does.
+  int verified_view_count = 20;
   IcpMetric metric = IcpMetric::kPointToPlane;
   int icp_iteration_count = 50;
   // Correspondences farther apart than this are never used, m.

@@ -1,38 +1,15 @@
 #include "recognition/recognizer.h"
 
 #include <algorithm>
+#include <span>
 
 #include "absl/status/status.h"
 #include "recognition/descriptor.h"
+#include "recognition/model_matching.h"
+#include "recognition/view_matching.h"
 
 namespace graspdb::recognition {
 namespace {
-
-// What a view gave when it was aligned with a segment.
-struct Alignment {
-  Pose rough = Pose::Identity();  // T_world_object
-  Registration registration;      // moves the view's world onto the scan's
-  double score = 0;
-};
-
-// Moves the view's cloud to the scan's centroid (the rough pose), refines it and
-// judges how well view and scan explain each other.
-Alignment AlignView(const TaughtView& view, const OrientedCloud& cloud, const Segment& segment,
-                    const PointSearch& search, const MatchingParameters& parameters) {
-  Alignment out;
-  Pose shift = Pose::Identity();
-  shift.translation() = segment.centroid - Centroid(cloud.points);
-  out.rough = shift * view.world_object;
-  out.registration = Align(cloud.points, {segment.cloud, search}, shift, parameters);
-
-  const Points moved = Transform(out.registration.target_source, cloud.points);
-  const double view_by_scan = Support(moved, search, parameters.support_distance_m);
-  const double scan_by_view =
-      Support(segment.cloud.points, PointSearch(moved), parameters.support_distance_m);
-  const double sum = view_by_scan + scan_by_view;
-  out.score = sum > 0 ? 2 * view_by_scan * scan_by_view / sum : 0;
-  return out;
-}
 
 // The grasps of the detection's stable pose in the world frame, the highest
 // priority first, without those outside the workspace.
@@ -56,40 +33,52 @@ void CarryGrasps(const CatalogueSnapshot& catalogue, const std::optional<Box>& w
       detection->grasps.empty() ? RecognitionOutcome::kOutOfWorkspace : RecognitionOutcome::kOk;
 }
 
-// Aligns the nearest views with the segment and keeps the one that explains it best.
-absl::Status MatchViews(const Segment& segment, const std::vector<Match>& matches,
-                        ViewClouds& clouds, const MatchingParameters& parameters,
-                        const IsCancelled& is_cancelled, Detection* detection) {
-  const PointSearch search(segment.cloud.points);
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    Candidate candidate{matches[i].view, matches[i].distance, std::nullopt};
-    if (i < static_cast<std::size_t>(std::max(1, parameters.verified_view_count))) {
-      if (is_cancelled()) return absl::CancelledError("cancelled while views were aligned");
-      auto cloud = clouds.Load(*candidate.view);
-      if (!cloud.ok()) return cloud.status();
-      const Alignment alignment = AlignView(*candidate.view, **cloud, segment, search, parameters);
-      candidate.verification_score = alignment.score;
-      if (!detection->view || alignment.score > detection->score) {
-        detection->view = candidate.view;
-        detection->score = alignment.score;
-        detection->rough_pose = alignment.rough;
-        detection->registration = alignment.registration;
-        detection->refined_pose =
-            alignment.registration.target_source * candidate.view->world_object;
-      }
-    }
-    if (i < static_cast<std::size_t>(std::max(0, parameters.candidate_count))) {
-      detection->candidates.push_back(std::move(candidate));
+// The paper's way: the nearest view is the answer.
+absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, ViewClouds& clouds,
+                             const MatchingParameters& parameters, Detection* detection) {
+  auto alignment = AlignView(*nearest.view, input.segment, clouds, parameters);
+  if (!alignment.ok()) return alignment.status();
+  detection->view = nearest.view;
+  detection->score = alignment->score;
+  detection->rough_pose = alignment->rough;
+  detection->refined_pose = alignment->refined;
+  detection->registration = alignment->registration;
+  detection->candidates.front().verification_score = alignment->score;
+  return absl::OkStatus();
+}
+
+// Models of what the nearest views show are aligned and judged.
+absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& nearest,
+                          const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                          const MatchingParameters& parameters, const IsCancelled& is_cancelled,
+                          Detection* detection) {
+  const auto hypotheses = MatchModels(input, nearest, catalogue, clouds, parameters, is_cancelled);
+  if (!hypotheses.ok()) return hypotheses.status();
+  if (hypotheses->empty()) return absl::OkStatus();
+  const PoseHypothesis& best = hypotheses->front();
+  detection->view = best.view;
+  detection->score = best.evidence.score;
+  detection->rough_pose = best.rough;
+  detection->refined_pose = best.refined;
+  detection->registration = {.target_source = Pose::Identity(),
+                             .converged = true,
+                             .iterations = best.iterations,
+                             .rms_error_m = best.evidence.rms_m,
+                             .inlier_fraction = best.evidence.scan_explained};
+  for (Candidate& candidate : detection->candidates) {
+    for (const PoseHypothesis& h : *hypotheses) {
+      if (h.view == candidate.view) candidate.verification_score = h.evidence.score;
     }
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<Detection> RecognizeSegment(const Segment& segment,
+absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
                                            const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                                            const Eigen::Vector3d& viewpoint,
                                            const RecognitionParameters& parameters,
                                            const IsCancelled& is_cancelled, StageLog* log) {
+  const Segment& segment = input.segment;
   Detection out;
   out.point_count = segment.cloud.points.size();
   out.centroid = segment.centroid;
@@ -107,17 +96,23 @@ absl::StatusOr<Detection> RecognizeSegment(const Segment& segment,
     return out.point_count;
   });
   if (matches.empty()) return out;
+  const auto listed = std::min(matches.size(), static_cast<std::size_t>(matching.candidate_count));
+  for (const Match& match : std::span(matches).first(std::max<std::size_t>(1, listed))) {
+    out.candidates.push_back({match.view, match.distance, std::nullopt});
+  }
   absl::Status status;
   log->Measure("register", out.point_count, [&] {
-    status = MatchViews(segment, matches, clouds, matching, is_cancelled, &out);
+    status = matching.verified_view_count > 1
+                 ? VerifyModels(input, matches, catalogue, clouds, matching, is_cancelled, &out)
+                 : TrustDescriptor(input, matches.front(), clouds, matching, &out);
     return out.point_count;
   });
   if (!status.ok()) return status;
-  if (out.registration.inlier_fraction < matching.min_inlier_fraction) {
-    out.outcome = RecognitionOutcome::kIcpRejected;
-    out.view = nullptr;
-  } else if (out.score < matching.min_score) {
+  if (out.score < matching.min_score) {
     out.outcome = RecognitionOutcome::kUnknownObject;
+    out.view = nullptr;
+  } else if (out.registration.inlier_fraction < matching.min_inlier_fraction) {
+    out.outcome = RecognitionOutcome::kIcpRejected;
     out.view = nullptr;
   } else {
     CarryGrasps(catalogue, parameters.workspace, &out);
@@ -148,8 +143,9 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
   for (const Segment& segment : segmentation->segments) {
-    absl::StatusOr<Detection> detection = RecognizeSegment(
-        segment, catalogue, clouds, out.world_sensor.translation(), parameters, is_cancelled, &log);
+    absl::StatusOr<Detection> detection =
+        RecognizeSegment({scan, *segmentation, segment}, catalogue, clouds,
+                         out.world_sensor.translation(), parameters, is_cancelled, &log);
     if (!detection.ok()) return detection.status();
     out.detections.push_back(*std::move(detection));
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "recognition/surface_model.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
@@ -18,12 +19,6 @@ struct TaughtGrasp {
   int priority = 0;  // the higher, the earlier
 };
 
-struct TaughtStablePose {
-  std::string name;        // resource name
-  int symmetry_order = 1;  // about the object's z axis; 0: any turn
-  std::vector<TaughtGrasp> grasps;
-};
-
 struct TaughtView {
   std::string name;                      // resource name
   std::string content;                   // digest: names may be used again, content not
@@ -31,6 +26,15 @@ struct TaughtView {
   std::string stable_pose;               // resource name
   Pose world_object = Pose::Identity();  // T_world_object of the capture
   Pose world_sensor = Pose::Identity();  // T_world_sensor of the capture
+  // The teacher said where the object was: the frame is that of the stable pose's other views.
+  bool shares_frame = false;
+};
+
+struct TaughtStablePose {
+  std::string name;        // resource name
+  int symmetry_order = 1;  // about the object's z axis; 0: any turn
+  std::vector<TaughtGrasp> grasps;
+  std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
 };
 
 // Gives the prepared clouds of views. Implementations are thread-safe.
@@ -39,6 +43,10 @@ class ViewClouds {
   virtual ~ViewClouds() = default;
   // The view's voxels and normals in the world frame of its capture.
   virtual absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) = 0;
+  // What the thing in `view`, one of `stable_pose`, looks like in its frame: all views fused that
+  // share it. Null when nothing is known of it.
+  virtual absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) = 0;
 };
 
 }  // namespace graspdb::recognition

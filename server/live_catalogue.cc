@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -10,13 +9,12 @@
 #include "server/convert.h"
 #include "server/log_field.h"
 #include "server/records.h"
+#include "server/taught_poses.h"
 #include "storage/family.h"
 
 namespace graspdb::server {
 namespace {
 
-using StablePoses =
-    std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>;
 constexpr std::size_t kRedescribeBatch = 256;
 
 absl::StatusOr<recognition::IndexedView> IndexedFromRecord(
@@ -29,13 +27,6 @@ absl::StatusOr<recognition::IndexedView> IndexedFromRecord(
   }
   return recognition::IndexedView{*std::move(view),
                                   {descriptor->bins().begin(), descriptor->bins().end()}};
-}
-
-absl::StatusOr<std::shared_ptr<const recognition::TaughtStablePose>> TaughtFromRecord(
-    const v1::StablePose& record) {
-  absl::StatusOr<recognition::TaughtStablePose> pose = StablePoseFromProto(record);
-  if (!pose.ok()) return pose.status();
-  return std::make_shared<const recognition::TaughtStablePose>(*std::move(pose));
 }
 
 // A view that cannot be described with these parameters.
@@ -80,7 +71,7 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
 struct Effects {
   std::vector<recognition::IndexedView> added;
   std::unordered_set<std::string> removed;
-  std::vector<std::pair<std::string, std::shared_ptr<const recognition::TaughtStablePose>>> poses;
+  TaughtPoseChange poses;
 };
 
 // Reads the after-images in a change. A view that is written again is removed first.
@@ -100,16 +91,18 @@ absl::StatusOr<Effects> EffectsOf(const storage::ChangeRecord& change,
       out.added.push_back(*std::move(view));
     } else if (m.column_family() == storage::FamilyName(storage::Family::kStablePoses)) {
       if (!put) {
-        out.poses.emplace_back(m.key(), nullptr);
+        out.poses.deleted.push_back(m.key());
         continue;
       }
       v1::StablePose record;
       if (!record.ParseFromString(m.value())) return absl::DataLossError("unreadable stable pose");
-      auto pose = TaughtFromRecord(record);
+      auto pose = StablePoseFromProto(record);
       if (!pose.ok()) return pose.status();
-      out.poses.emplace_back(m.key(), *std::move(pose));
+      out.poses.written.push_back(*std::move(pose));
     }
   }
+  out.poses.removed_views.assign(out.removed.begin(), out.removed.end());
+  for (const auto& added : out.added) out.poses.added_views.push_back(added.view);
   return out;
 }
 
@@ -148,26 +141,27 @@ absl::Status LiveCatalogue::Load() {
   if (absl::Status status = Redescribe(catalogue_, outdated, parameters_); !status.ok()) {
     return status;
   }
-  StablePoses poses;
+  TaughtPoseChange poses;
   std::vector<recognition::IndexedView> views;
   storage::RecordVisitor visitor;
   visitor.stable_pose = [&](const v1::StablePose& record) {
-    auto pose = TaughtFromRecord(record);
+    auto pose = StablePoseFromProto(record);
     if (!pose.ok()) return pose.status();
-    poses[record.name()] = *std::move(pose);
+    poses.written.push_back(*std::move(pose));
     return absl::OkStatus();
   };
   visitor.view = [&](const storage::ViewRecord& record) {
     absl::StatusOr<recognition::IndexedView> view = IndexedFromRecord(record, parameters_);
     if (!view.ok()) return view.status();
     view_names_.insert(record.name());
+    poses.added_views.push_back(view->view);
     views.push_back(*std::move(view));
     return absl::OkStatus();
   };
   revision = catalogue_.ForEach(visitor);
   if (!revision.ok()) return revision.status();
   const recognition::DescriptorIndex empty(recognition::DescriptorSize(parameters_.kind));
-  Publish({*revision, empty.With(views), std::make_shared<const StablePoses>(std::move(poses))});
+  Publish({*revision, empty.With(views), std::make_shared<const TaughtPoses>(Changed({}, poses))});
   return absl::OkStatus();
 }
 
@@ -191,17 +185,8 @@ void LiveCatalogue::Apply(const storage::ChangeRecord& change) {
     next.index = next.index.With(effects->added);
     for (const auto& added : effects->added) view_names_.insert(added.view->name);
   }
-  if (!effects->poses.empty()) {
-    StablePoses poses = *next.stable_poses;
-    for (auto& [name, pose] : effects->poses) {
-      if (pose) {
-        poses[name] = pose;
-      } else {
-        poses.erase(name);
-      }
-    }
-    next.stable_poses = std::make_shared<const StablePoses>(std::move(poses));
-  }
+  next.stable_poses =
+      std::make_shared<const TaughtPoses>(Changed(*next.stable_poses, effects->poses));
   Publish(std::move(next));
 }
 

@@ -26,6 +26,7 @@ absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
   view->stable_pose = storage::MakeStablePoseName(name->object_id, name->stable_pose_id);
   view->world_object = *object;
   view->world_sensor = *sensor;
+  view->shares_frame = record.object_pose_given();
   return view;
 }
 

@@ -151,6 +151,7 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   *out.record.mutable_sensor_pose() = PoseToProto(sensor);
   *out.record.mutable_object_pose() =
       PoseToProto(capture->object_pose.value_or(DefaultObjectPose(*segmentation, **segment)));
+  out.record.set_object_pose_given(capture->object_pose.has_value());
   out.record.set_point_count(static_cast<int>((*segment)->indices.size()));
   *out.record.add_descriptors() = *std::move(descriptor);
   return out;

@@ -1,32 +1,65 @@
 #include "server/view_cloud_cache.h"
 
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "server/digest.h"
 #include "server/records.h"
 
 namespace graspdb::server {
+namespace {
+
+// The content is part of a key: a name may come back with another cloud.
+std::string KeyOf(const recognition::TaughtView& view) {
+  return absl::StrCat(view.name, "@", view.content);
+}
+
+std::size_t BytesOf(const recognition::OrientedCloud& cloud) {
+  return 2 * sizeof(Eigen::Vector3f) * cloud.points.size();
+}
+
+}  // namespace
 
 ViewCloudCache::ViewCloudCache(const storage::Catalogue& catalogue,
                                const recognition::DescriptorParameters& parameters,
                                std::size_t byte_budget)
-    : catalogue_(catalogue), parameters_(parameters), byte_budget_(byte_budget) {}
+    : catalogue_(catalogue),
+      parameters_(parameters),
+      clouds_(byte_budget / kCloudShare),
+      models_(byte_budget - byte_budget / kCloudShare) {}
 
 absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> ViewCloudCache::Load(
     const recognition::TaughtView& view) {
-  // The content is part of the key: a name may come back with another cloud.
-  std::string key = absl::StrCat(view.name, "@", view.content);
-  {
-    absl::MutexLock lock(&mutex_);
-    if (const auto found = by_key_.find(key); found != by_key_.end()) {
-      entries_.splice(entries_.begin(), entries_, found->second);
-      return found->second->cloud;
+  const std::string key = KeyOf(view);
+  if (Cloud known = clouds_.Get(key)) return known;
+  absl::StatusOr<Cloud> cloud = Read(view);
+  if (cloud.ok()) clouds_.Put(key, *cloud, BytesOf(**cloud));
+  return cloud;
+}
+
+absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::LoadModel(
+    const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
+  std::vector<const recognition::TaughtView*> parts;
+  for (const auto& other : stable_pose.views) {
+    if (view.shares_frame ? other->shares_frame : other->name == view.name) {
+      parts.push_back(other.get());
     }
   }
-  absl::StatusOr<Cloud> cloud = Read(view);
-  if (cloud.ok()) Insert(std::move(key), *cloud);
-  return cloud;
+  std::string content;
+  for (const recognition::TaughtView* part : parts) absl::StrAppend(&content, KeyOf(*part), "\n");
+  const std::string key = Sha256(content);
+  if (auto known = models_.Get(key)) return known;
+  std::vector<recognition::PosedCloud> clouds;
+  for (const recognition::TaughtView* part : parts) {
+    absl::StatusOr<Cloud> cloud = Load(*part);
+    if (!cloud.ok()) return cloud.status();
+    clouds.push_back({*std::move(cloud), part->world_object});
+  }
+  auto model = recognition::FuseViews(clouds);
+  if (model) models_.Put(key, model, model->bytes());
+  return model;
 }
 
 absl::StatusOr<ViewCloudCache::Cloud> ViewCloudCache::Read(
@@ -42,25 +75,6 @@ absl::StatusOr<ViewCloudCache::Cloud> ViewCloudCache::Read(
       CloudFromPacked(*packed, view.world_sensor, parameters_);
   if (!cloud.ok()) return cloud.status();
   return std::make_shared<const recognition::OrientedCloud>(*std::move(cloud));
-}
-
-void ViewCloudCache::Insert(std::string key, const Cloud& cloud) {
-  const std::size_t bytes = 2 * sizeof(Eigen::Vector3f) * cloud->points.size() + 2 * key.size();
-  absl::MutexLock lock(&mutex_);
-  if (by_key_.contains(key)) return;  // another thread was faster
-  entries_.push_front({key, cloud, bytes});
-  by_key_.emplace(std::move(key), entries_.begin());
-  bytes_ += bytes;
-  while (bytes_ > byte_budget_ && !entries_.empty()) {
-    bytes_ -= entries_.back().bytes;
-    by_key_.erase(entries_.back().key);
-    entries_.pop_back();
-  }
-}
-
-std::size_t ViewCloudCache::bytes() const {
-  absl::MutexLock lock(&mutex_);
-  return bytes_;
 }
 
 }  // namespace graspdb::server

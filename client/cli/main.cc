@@ -9,6 +9,7 @@
 #include "client/cli/export_command.h"
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
+#include "client/eval/eval_command.h"
 #include "client/sensors/simulate_command.h"
 #include "server/settings_file.h"
 
@@ -64,6 +65,7 @@ int Run(int argc, char** argv) {
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
   AddSimulateCommand(app, &action);
+  AddEvalCommand(app, &action);
   AddSettingsFile(app);
   try {
     app.parse(argc, argv);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # eval.sh BIN OUT: how often the answer is right. Simulated: eight parts taught from 24
-# views, 200 new scenes, with 1, 3 and 10 views aligned. Real: the frames of
+# views, 200 new scenes, the paper's way (1 view) and verified. Real: the frames of
 # ../shared/data, where that folder is there. The tables go to stdout.
 set -euo pipefail
 bin=$(realpath "$1")
@@ -36,7 +36,7 @@ simulated() {
   "$bin/graspdb" simulate --parts "$parts" --random 200 --seed 11 --out "$out/ask" 2>/dev/null
   start_server simulated.db
   "$bin/graspdb" import "$out/teach" 2>/dev/null
-  for views in 1 3 10; do
+  for views in 1 20; do
     echo "{\"pipeline\": {\"verifiedViewCount\": $views}}" >"$out/cell.json"
     "$bin/graspdb" cells set "views-$views" --from "$out/cell.json" >/dev/null
     echo "-- views aligned: $views"

@@ -83,10 +83,12 @@ TEST_F(RecognizerGraspsTest, StablePoseWithoutGraspsIsNoGraspButStillHasItsPose)
 }
 
 TEST_F(RecognizerGraspsTest, StablePoseThatIsNotInTheCatalogueIsNoGrasp) {
+  parameters_.matching.verified_view_count = 1;
   CatalogueSnapshot catalogue = taught_.snapshot();
   catalogue.stable_poses =
       std::make_shared<std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>();
-  EXPECT_EQ(Must(bracket_, catalogue).outcome, RecognitionOutcome::kNoGrasp);
+  EXPECT_EQ(Must(TaughtShapes::Part("bracket", 0, 0, 12), catalogue).outcome,
+            RecognitionOutcome::kNoGrasp);
 }
 
 }  // namespace

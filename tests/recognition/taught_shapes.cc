@@ -73,8 +73,7 @@ recognition::Scan TaughtShapes::See(const std::vector<Solid>& parts) {
 void TaughtShapes::Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps) {
   const std::string object_name = "objects/" + object;
   const std::string pose_name = object_name + "/stablePoses/upright";
-  stable_poses_[pose_name] = std::make_shared<const recognition::TaughtStablePose>(
-      recognition::TaughtStablePose{pose_name, 1, std::move(grasps)});
+  recognition::TaughtStablePose taught{pose_name, 1, std::move(grasps)};
   const Vector3d eye = WorldSensor().translation();
   for (int yaw = 0; yaw < 360; yaw += kViewSpacingDeg) {
     const Solid part = Part(object, 0, 0, yaw);
@@ -89,8 +88,12 @@ void TaughtShapes::Teach(const std::string& object, std::vector<recognition::Tau
     view->world_sensor = WorldSensor();
     auto descriptor = Describe(*cloud, eye, recognition::DescriptorKind::kMvfh300);
     clouds_[view->name] = std::move(cloud);
+    view->shares_frame = true;
+    taught.views.push_back(view);
     views_.push_back({std::move(view), *std::move(descriptor)});
   }
+  stable_poses_[pose_name] =
+      std::make_shared<const recognition::TaughtStablePose>(std::move(taught));
 }
 
 absl::StatusOr<std::shared_ptr<const OrientedCloud>> TaughtShapes::Load(
@@ -98,6 +101,18 @@ absl::StatusOr<std::shared_ptr<const OrientedCloud>> TaughtShapes::Load(
   const auto found = clouds_.find(view.name);
   if (found == clouds_.end()) return absl::NotFoundError(view.name);
   return found->second;
+}
+
+absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> TaughtShapes::LoadModel(
+    const recognition::TaughtView& /*view*/, const recognition::TaughtStablePose& stable_pose) {
+  auto& model = models_[stable_pose.name];
+  if (model) return model;
+  std::vector<recognition::PosedCloud> clouds;
+  for (const auto& view : stable_pose.views) {
+    clouds.push_back({clouds_.at(view->name), view->world_object});
+  }
+  model = recognition::FuseViews(clouds);
+  return model;
 }
 
 double LargestCornerError(const std::string& object, const Pose& a, const Pose& b) {

@@ -29,6 +29,9 @@ class TaughtShapes : public recognition::ViewClouds {
 
   absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
       const recognition::TaughtView& view) override;
+  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
+      const recognition::TaughtView& view,
+      const recognition::TaughtStablePose& stable_pose) override;
 
  private:
   void Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps);
@@ -36,6 +39,7 @@ class TaughtShapes : public recognition::ViewClouds {
   std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>
       stable_poses_;
   std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
+  std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
   std::vector<recognition::IndexedView> views_;
   recognition::CatalogueSnapshot snapshot_;
 };

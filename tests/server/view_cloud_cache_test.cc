@@ -33,8 +33,10 @@ class ViewCloudCacheTest : public ::testing::Test {
   static std::string NameOf(const std::string& id) { return "objects/o/stablePoses/p/views/" + id; }
 
   // Stores a view of `points` points, all in voxels of their own.
-  View Put(const std::string& id, const std::string& digest, int points) {
+  View Put(const std::string& id, const std::string& digest, int points,
+           bool object_pose_given = true) {
     storage::NewView view;
+    view.record.set_object_pose_given(object_pose_given);
     view.record.set_name(NameOf(id));
     view.record.set_content_digest(digest);
     view.record.mutable_object_pose()->mutable_orientation()->set_w(1);
@@ -74,7 +76,7 @@ TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
   const View a = Put("a", "1", 50);
   const View b = Put("b", "1", 50);
   const View c = Put("c", "1", 50);
-  ViewCloudCache cache(*catalogue_, {}, 2 * BytesOf(a) + 10);
+  ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * (2 * BytesOf(a) + 10));
   for (const View& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
   EXPECT_EQ(cache.bytes(), 2 * BytesOf(a));
   for (const char* id : {"a", "b", "c"}) Delete(id);
@@ -87,7 +89,7 @@ TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
   std::vector<View> views;
   for (int i = 0; i < 20; ++i) views.push_back(Put("v" + std::to_string(i), "1", 20 + 10 * i));
   const std::size_t budget = BytesOf(views.back()) + 100;
-  ViewCloudCache cache(*catalogue_, {}, budget);
+  ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * budget);
   for (const View& view : views) {
     ASSERT_THAT(cache.Load(*view), IsOk());
     EXPECT_LE(cache.bytes(), budget);
@@ -123,6 +125,32 @@ TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {
   EXPECT_EQ((*cloud)->points.size(), 30U);
   ViewCloudCache cold(*catalogue_, {}, kAmple);
   EXPECT_THAT(cold.Load(*old_view), StatusIs(absl::StatusCode::kNotFound));
+}
+
+TEST_F(ViewCloudCacheTest, AModelIsMadeOfTheViewsThatShareAFrame) {
+  recognition::TaughtStablePose pose;
+  pose.views = {Put("a", "1", 40), Put("b", "1", 50), Put("c", "1", 30, false)};
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  const auto fused = cache.LoadModel(*pose.views[0], pose);
+  ASSERT_THAT(fused, IsOk());
+  EXPECT_EQ((*fused)->view_count, 2);
+  EXPECT_EQ((*fused)->fine.cloud.points.size(), 50U);
+  EXPECT_EQ(*cache.LoadModel(*pose.views[1], pose), *fused);
+  const auto alone = cache.LoadModel(*pose.views[2], pose);
+  ASSERT_THAT(alone, IsOk());
+  EXPECT_EQ((*alone)->view_count, 1);
+  EXPECT_EQ((*alone)->fine.cloud.points.size(), 30U);
+}
+
+TEST_F(ViewCloudCacheTest, AModelFollowsItsViews) {
+  recognition::TaughtStablePose pose;
+  pose.views = {Put("a", "1", 40)};
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  ASSERT_THAT(cache.LoadModel(*pose.views[0], pose), IsOk());
+  pose.views.push_back(Put("b", "1", 60));
+  const auto model = cache.LoadModel(*pose.views[0], pose);
+  ASSERT_THAT(model, IsOk());
+  EXPECT_EQ((*model)->fine.cloud.points.size(), 60U);
 }
 
 }  // namespace

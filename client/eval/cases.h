@@ -1,0 +1,45 @@
+// The cases of the experiment: what is taught, how it is asked.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/eval/trial.h"
+
+namespace graspdb::client {
+
+// How a camera stands.
+struct Stand {
+  DepthCameraModel camera = KinectV2();
+  double look_down_deg = 40;
+  double distance_m = 0.8;
+};
+
+struct ExperimentCase {
+  std::string name;
+  Stand taught = {};
+  double teach_step_deg = 15;
+  Stand asked = {};
+  // Azimuths between the taught ones, the object at the centre; otherwise anywhere in the area.
+  bool between_taught_azimuths = false;
+  double area_half_width_m = 0.15;
+  double hidden_share = 0;
+  int objects_per_scene = 1;
+  int trials_per_part = 24;
+  std::uint64_t seed = 1;
+};
+
+// The cases by name, in the order of the report.
+std::vector<ExperimentCase> ExperimentCases();
+
+// The captures to teach and those to ask. Errors as PlanTurntable.
+absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
+                                                         const std::vector<Workpiece>& parts);
+absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
+                                                          const std::vector<Workpiece>& parts);
+
+// The obstacle of a question; none unless the case hides something.
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question);
+
+}  // namespace graspdb::client

@@ -1,0 +1,41 @@
+// Answers held against the truth.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "client/sensors/workpiece.h"
+#include "recognition/point_search.h"
+#include "recognition/recognizer.h"
+
+namespace graspdb::client {
+
+// What poses of a workpiece are measured with.
+struct MeasuredShape {
+  recognition::Points points;  // on the surface, object frame, m
+  recognition::PointSearch search;
+  double diameter_m = 0;
+  // Turns about z that bring the shape onto itself, rad; always with 0. Any turn does when
+  // `any_turn`.
+  std::vector<double> turns_rad;
+  bool any_turn = false;
+};
+
+MeasuredShape Measure(const Workpiece& part);
+
+// Errors of a pose. Both poses T_world_object.
+struct PoseError {
+  double add_s_m = 0;       // Hinterstoisser et al. 2012
+  double hausdorff_m = 0;   // the largest distance of a point of one from the other, both ways
+  double rotation_rad = 0;  // modulo the shape's turns
+  double translation_m = 0;
+};
+PoseError ErrorOf(const MeasuredShape& shape, const recognition::Pose& truth,
+                  const recognition::Pose& found);
+
+// ADD-S under 5 % of the diameter.
+bool IsRight(const MeasuredShape& shape, const PoseError& error);
+// No point farther off than 8 mm, or 6 % of the diameter for larger things.
+bool IsStrictlyRight(const MeasuredShape& shape, const PoseError& error);
+
+}  // namespace graspdb::client

@@ -1,0 +1,88 @@
+#include "client/eval/trial.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Where the obstacle is, as a share of the camera's distance from the origin: outside of the
+// region of interest.
+constexpr double kPlateNearness = 0.4;
+
+recognition::Box RegionOfTrials() {
+  return {{-kRegionHalfWidthM, -kRegionHalfWidthM, -0.02},
+          {kRegionHalfWidthM, kRegionHalfWidthM, 0.40}};
+}
+
+// A large plate across the view at `depth_m` (sensor frame), that covers all directions
+// x/z, y/z whose component along `direction` is larger than `edge`. Both sides.
+TriangleMesh PlateMesh(const Vector2d& direction, double edge, double depth_m) {
+  const Vector2d along(-direction.y(), direction.x());
+  TriangleMesh out;
+  for (const auto& [a, b] :
+       {std::pair(edge, -2.0), {edge + 2, -2.0}, {edge + 2, 2.0}, {edge, 2.0}}) {
+    const Vector2d at = (a * direction + b * along) * depth_m;
+    out.vertices.push_back(Vector3d(at.x(), at.y(), depth_m).cast<float>());
+  }
+  out.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 1}, {0, 3, 2}};
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<Workpiece>& parts,
+                                                    const DepthCameraModel& camera) {
+  absl::StatusOr<DepthCamera> made = DepthCamera::Create(camera);
+  if (!made.ok()) return made.status();
+  return TrialRenderer(parts, *std::move(made));
+}
+
+absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const PlannedCapture& capture,
+                                                  const Obstacle& obstacle) const {
+  absl::StatusOr<DepthFrame> clear = camera_.Render(scene, capture.world_sensor, capture.seed);
+  if (!clear.ok()) return clear.status();
+  const recognition::CameraIntrinsics& k = camera_.model().intrinsics;
+  const Vector2d direction(std::cos(obstacle.direction_rad), std::sin(obstacle.direction_rad));
+  std::vector<double> along;  // of the object's pixels
+  for (std::size_t i = 0; i < clear->surface.size(); ++i) {
+    if (clear->surface[i] != 0) continue;
+    const double u = static_cast<double>(i % static_cast<std::size_t>(clear->width));
+    const double v = static_cast<double>(i / static_cast<std::size_t>(clear->width));
+    along.push_back(direction.dot(Vector2d((u - k.cx) / k.fx, (v - k.cy) / k.fy)));
+  }
+  if (along.empty()) return absl::FailedPreconditionError("the object is out of sight");
+  const auto rank = static_cast<std::ptrdiff_t>(static_cast<double>(along.size() - 1) *
+                                                (1 - obstacle.hidden_share));
+  std::nth_element(along.begin(), along.begin() + rank, along.end());
+  const double distance = capture.world_sensor.translation().norm();
+  return PlateMesh(direction, along[static_cast<std::size_t>(rank)], kPlateNearness * distance);
+}
+
+absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
+                                            const Obstacle& obstacle) const {
+  Scene scene;
+  for (const Placement& p : capture.placements) {
+    scene.objects.push_back({.mesh = &(*parts_)[p.part].mesh, .world_object = p.world_object});
+  }
+  TriangleMesh plate;
+  if (obstacle.hidden_share > 0) {
+    absl::StatusOr<TriangleMesh> made = Plate(scene, capture, obstacle);
+    if (!made.ok()) return made.status();
+    plate = *std::move(made);
+    scene.objects.push_back({.mesh = &plate, .world_object = capture.world_sensor});
+  }
+  absl::StatusOr<DepthFrame> frame = camera_.Render(scene, capture.world_sensor, capture.seed);
+  if (!frame.ok()) return frame.status();
+  return Trial{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
+                        .world_sensor = capture.world_sensor,
+                        .region = RegionOfTrials(),
+                        .segmented = false},
+               .truth = capture.placements};
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,43 @@
+// From a rough pose to the pose in which a model and a scan lie on each other.
+#pragma once
+
+#include "recognition/sight.h"
+#include "recognition/surface_model.h"
+#include "recognition/types.h"
+
+namespace graspdb::recognition {
+
+// What a model is refined against: voxels of one segment, world frame, and look-ups over them.
+struct RefinementTarget {
+  const OrientedCloud& cloud;
+  const NearestGrid& grid;  // over cloud.points
+  const Sight& sight;
+  bool on_table = true;  // z = 0 is the table that the object stands on
+};
+
+struct RefinementOptions {
+  int iterations = 10;
+  // Correspondences may be so far apart at the first and at the last iteration, m.
+  double first_reach_m = 0.02;
+  double last_reach_m = 0.005;
+  // Every so many points of the cloud are used, and the model's coarse surface.
+  int stride = 1;
+  bool coarse = false;
+  // How firmly the object stands on the table: the deviations in height and tilt that a
+  // calibration leaves. Small: only place and turn on the table are refined.
+  double height_deviation_m = 0.002;
+  double tilt_deviation_rad = 0.01;
+};
+
+// Gauss and Newton's method on distances to tangent planes (Y. Chen, G. Medioni, 1992) from the
+// scan to the model; past the end of a surface on distances to its edge, from either to the
+// other, which keeps flat things from sliding, but not where something hides the rest. Tukey's weights. Returns T_world_object; the
+// initial one where nothing corresponds. Deterministic.
+struct Refinement {
+  Pose world_object = Pose::Identity();
+  int iterations = 0;
+};
+Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
+                  const RefinementOptions& options);
+
+}  // namespace graspdb::recognition

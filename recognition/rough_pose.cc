@@ -1,0 +1,87 @@
+#include "recognition/rough_pose.h"
+
+#include <cmath>
+
+#include "recognition/verification.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using Eigen::Vector3d;
+
+// A step over the table moves things less in the image of a camera that looks along it.
+constexpr double kMinClimb = 0.2;
+
+double Azimuth(const Vector3d& from, const Vector3d& to) {
+  return std::atan2(to.y() - from.y(), to.x() - from.x());
+}
+
+Pose TurnedAsSeen(const TaughtView& view, const SurfaceModel& model, const Pose& world_sensor,
+                  const Vector3d& centroid) {
+  const Vector3d taught_center = view.world_object * model.center.cast<double>();
+  const double turn = Azimuth(world_sensor.translation(), centroid) -
+                      Azimuth(view.world_sensor.translation(), taught_center);
+  Pose out = Pose::Identity();
+  out.linear() =
+      Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix() * view.world_object.linear();
+  out.translation() = centroid - out.linear() * model.center.cast<double>();
+  out.translation().z() = view.world_object.translation().z();
+  return out;
+}
+
+// How a model that shows itself as `model` must move over the table to lie on the segment.
+Vector3d ShiftOnTable(const Extent& model, const Extent& segment, const Sight::Sides& hidden,
+                      const Pose& world_sensor) {
+  Eigen::Vector3f image = segment.mean - model.mean;
+  const Eigen::Vector3f lows = segment.low - model.low;
+  const Eigen::Vector3f highs = segment.high - model.high;
+  if (hidden.left != hidden.right) image.x() = hidden.left ? highs.x() : lows.x();
+  if (hidden.top != hidden.bottom) image.y() = hidden.top ? highs.y() : lows.y();
+  Vector3d right = world_sensor.linear().col(0);
+  right.z() = 0;
+  right.normalize();
+  const Vector3d ahead = Vector3d::UnitZ().cross(right);  // over the table, away from the sensor
+  const double climb = -ahead.dot(world_sensor.linear().col(1));  // in the image, by a step ahead
+  const double step = std::abs(climb) > kMinClimb ? -static_cast<double>(image.y()) / climb : 0;
+  return static_cast<double>(image.x()) * right + step * ahead;
+}
+
+}  // namespace
+
+Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
+  Extent out;
+  if (points.empty()) return out;
+  out.low.setConstant(1e9F);
+  out.high.setConstant(-1e9F);
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3f p = sensor_points * point;
+    out.mean += p;
+    out.low = out.low.cwiseMin(p);
+    out.high = out.high.cwiseMax(p);
+  }
+  out.mean /= static_cast<float>(points.size());
+  return out;
+}
+
+std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
+                             const Pose& world_sensor, const Vector3d& segment_centroid,
+                             const Extent& seen, const Sight& sight) {
+  const Pose turned = TurnedAsSeen(view, model, world_sensor, segment_centroid);
+  const Eigen::Isometry3f sensor_object = sight.sensor_world() * turned.cast<float>();
+  Points visible;
+  for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
+    visible.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
+  }
+  if (visible.empty()) return {turned};
+  const Extent shown = ExtentOf(visible, sensor_object);
+  std::vector<Pose> out(1, turned);
+  out[0].translation() += ShiftOnTable(shown, seen, {}, world_sensor);
+  const Sight::Sides& hidden = sight.hidden_sides();
+  if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
+    out.push_back(turned);
+    out[1].translation() += ShiftOnTable(shown, seen, hidden, world_sensor);
+  }
+  return out;
+}
+
+}  // namespace graspdb::recognition

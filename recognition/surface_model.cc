@@ -1,0 +1,135 @@
+#include "recognition/surface_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+
+namespace graspdb::recognition {
+namespace {
+
+// Edge of the cells within which views are averaged, m.
+constexpr float kCellM = 0.0025F;
+// Points of the coarse surface, about.
+constexpr float kCoarsePoints = 350;
+// The grid for look-ups: its cells, and how far from the surface it reaches, m.
+constexpr float kGridCellM = 0.003F;
+constexpr float kGridReachM = 0.021F;
+// With so many views a surface is seen by more than one.
+constexpr int kViewsThatOverlap = 6;
+
+struct Surfel {
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();  // sums
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float count = 0;
+  int last_view = -1;
+  int views = 0;
+};
+
+// Normals of one cell that differ less belong together.
+constexpr float kSameSide = 0.3F;
+
+std::uint64_t KeyOf(const Eigen::Vector3f& p, float cell_m) {
+  const Eigen::Vector3i c = (p / cell_m).array().floor().cast<int>();
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    key = (key << 21) | (static_cast<std::uint64_t>(c[axis] + (1 << 20)) & 0x1fffff);
+  }
+  return key;
+}
+
+class Fusion {
+ public:
+  void Add(const PosedCloud& view, int number) {
+    const Eigen::Isometry3f object_world = view.world_object.inverse().cast<float>();
+    const OrientedCloud& cloud = *view.cloud;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      const Eigen::Vector3f p = object_world * cloud.points[i];
+      const Eigen::Vector3f n = object_world.linear() * cloud.normals[i];
+      Surfel& surfel = Find(KeyOf(p, kCellM), n);
+      surfel.point += p;
+      surfel.normal += n;
+      surfel.count += 1;
+      surfel.views += surfel.last_view != number;
+      surfel.last_view = number;
+    }
+  }
+
+  OrientedCloud Result(int views) const {
+    const int needed = views >= kViewsThatOverlap ? 2 : 1;
+    OrientedCloud out;
+    for (const Surfel& s : surfels_) {
+      if (s.views < needed || s.normal.norm() < 1e-6F) continue;
+      out.points.push_back(s.point / s.count);
+      out.normals.push_back(s.normal.normalized());
+    }
+    return out;
+  }
+
+ private:
+  Surfel& Find(std::uint64_t key, const Eigen::Vector3f& normal) {
+    std::vector<int>& here = cells_[key];
+    for (const int i : here) {
+      Surfel& surfel = surfels_[static_cast<std::size_t>(i)];
+      if (surfel.normal.normalized().dot(normal) > kSameSide) return surfel;
+    }
+    here.push_back(static_cast<int>(surfels_.size()));
+    return surfels_.emplace_back();
+  }
+
+  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
+  std::vector<Surfel> surfels_;  // in the order of their first points
+};
+
+// One point of each cell, and of each side that the surface has there.
+Surface Thinned(const Surface& fine) {
+  Surface out;
+  const auto count = static_cast<float>(fine.cloud.points.size());
+  out.spacing_m = fine.spacing_m * std::max(1.0F, std::sqrt(count / kCoarsePoints));
+  std::unordered_map<std::uint64_t, Normals> taken;
+  for (std::size_t i = 0; i < fine.cloud.points.size(); ++i) {
+    const Eigen::Vector3f& n = fine.cloud.normals[i];
+    Normals& here = taken[KeyOf(fine.cloud.points[i], out.spacing_m)];
+    const auto is_same_side = [&](const Eigen::Vector3f& other) { return other.dot(n) > kSameSide; };
+    if (std::any_of(here.begin(), here.end(), is_same_side)) continue;
+    here.push_back(n);
+    out.cloud.points.push_back(fine.cloud.points[i]);
+    out.cloud.normals.push_back(n);
+  }
+  return out;
+}
+
+}  // namespace
+
+SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
+    : fine{std::move(fused), kCellM},
+      coarse(Thinned(fine)),
+      grid(fine.cloud.points, kGridCellM, kGridReachM),
+      view_count(views) {
+  const Points& points = fine.cloud.points;
+  if (points.empty()) return;
+  Eigen::Vector3f low = points.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  center = (low + high) / 2;
+  for (const Eigen::Vector3f& p : points) radius_m = std::max(radius_m, (p - center).norm());
+}
+
+std::size_t SurfaceModel::bytes() const {
+  return sizeof(*this) + grid.bytes() +
+         2 * sizeof(Eigen::Vector3f) * (fine.cloud.points.size() + coarse.cloud.points.size());
+}
+
+std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views) {
+  Fusion fusion;
+  for (std::size_t i = 0; i < views.size(); ++i) fusion.Add(views[i], static_cast<int>(i));
+  OrientedCloud fused = fusion.Result(static_cast<int>(views.size()));
+  if (fused.points.empty()) return nullptr;
+  return std::make_shared<const SurfaceModel>(std::move(fused), static_cast<int>(views.size()));
+}
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,43 @@
+// What a stable pose looks like from all around: its views, fused.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "recognition/nearest_grid.h"
+#include "recognition/types.h"
+
+namespace graspdb::recognition {
+
+// Points with normals that cover a surface, about `spacing_m` metres apart.
+struct Surface {
+  OrientedCloud cloud;
+  float spacing_m = 0;
+};
+
+// A surface in the frame of the stable pose, metres. Immutable.
+struct SurfaceModel {
+  SurfaceModel(OrientedCloud fused, int view_count);
+
+  std::size_t bytes() const;
+
+  Surface fine;
+  Surface coarse;    // some hundred of the same points, for first looks
+  NearestGrid grid;  // over fine.cloud.points
+  int view_count = 0;
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();  // of the bounding box
+  float radius_m = 0;                                // of the sphere around the center
+};
+
+// One view to fuse.
+struct PosedCloud {
+  std::shared_ptr<const OrientedCloud> cloud;  // world frame of its capture, m
+  Pose world_object = Pose::Identity();        // T_world_object of its capture
+};
+
+// Fuses views of one stable pose. The points of all views within a cell become one, their mean;
+// surfaces that look into opposite directions stay apart. What only one of many views has seen
+// is left out as noise. Deterministic. Null without points.
+std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views);
+
+}  // namespace graspdb::recognition

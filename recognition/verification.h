@@ -1,0 +1,33 @@
+// How well a posed model explains what the camera saw.
+#pragma once
+
+#include "recognition/segmentation.h"
+#include "recognition/sight.h"
+#include "recognition/surface_model.h"
+
+namespace graspdb::recognition {
+
+struct Evidence {
+  double scan_explained = 0;  // how well the segment's points lie on the model, 0 to 1
+  double model_seen = 0;      // how much of what must be in sight was measured there, 0 to 1
+  double in_sight = 0;        // share of the facing surface that nothing else hides, 0 to 1
+  double rms_m = 0;           // of the explained points, across the surface
+  double score = 0;           // both directions together, 0 to 1
+};
+
+// Residuals in both directions, coverage and free space: a posed object may not stand where the
+// camera looked through. `tolerance_m` is the distance at which surfaces are no longer the same.
+// A first look takes every `stride`th point and the coarse surface.
+struct VerificationOptions {
+  double tolerance_m = 0.008;
+  int stride = 1;
+  bool coarse = false;
+};
+Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segment& segment,
+                const Sight& sight, const VerificationOptions& options);
+
+// The points of `surface` that a camera at `sensor_object` (T_sensor_object) sees if nothing
+// else is in the way.
+Indices VisiblePoints(const Surface& surface, const Eigen::Isometry3f& sensor_object);
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,49 @@
+#include "recognition/nearest_grid.h"
+
+#include <gtest/gtest.h>
+
+#include "recognition/point_search.h"
+#include "tests/recognition/synthetic_clouds.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::Random;
+using ::graspdb::testing::RandomPoints;
+using ::graspdb::testing::WavySurface;
+
+constexpr float kCell = 0.003F;
+constexpr float kReach = 0.02F;
+
+TEST(NearestGrid, GivesNearlyTheNearestPoint) {
+  Random random(5);
+  const Points points = WavySurface(random, 3000).points;
+  const NearestGrid grid(points, kCell, kReach);
+  const PointSearch exact(points);
+  const float diagonal = kCell * std::sqrt(3.0F);
+  int asked = 0;
+  for (const Eigen::Vector3f& query : RandomPoints(random, 4000, 0.15)) {
+    const float nearest = std::sqrt(exact.Nearest(query).squared_distance);
+    const int found = grid.Nearest(query);
+    if (nearest > kReach) continue;
+    ASSERT_GE(found, 0);
+    ++asked;
+    EXPECT_LE((points[static_cast<std::size_t>(found)] - query).norm(), nearest + diagonal);
+  }
+  EXPECT_GT(asked, 500);
+}
+
+TEST(NearestGrid, FarFromThePointsThereIsNone) {
+  const NearestGrid grid({{0, 0, 0}, {0.05F, 0, 0}}, kCell, kReach);
+  EXPECT_EQ(grid.Nearest({0, 0, 0.06F}), -1);
+  EXPECT_EQ(grid.Nearest({1, 1, 1}), -1);
+  EXPECT_EQ(grid.Nearest({-1e9F, 0, 0}), -1);
+  EXPECT_EQ(grid.Nearest({std::nanf(""), 0, 0}), -1);
+}
+
+TEST(NearestGrid, WithoutPointsThereIsNone) {
+  EXPECT_EQ(NearestGrid({}, kCell, kReach).Nearest({0, 0, 0}), -1);
+}
+
+}  // namespace
+}  // namespace graspdb::recognition

@@ -1,0 +1,108 @@
+#include "recognition/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "tests/recognition/synthetic_clouds.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::Moved;
+using ::graspdb::testing::Random;
+using ::graspdb::testing::RandomMotion;
+using ::graspdb::testing::WavySurface;
+
+double Error(const SurfaceModel& model, const Pose& a, const Pose& b) {
+  double largest = 0;
+  for (const auto& p : model.fine.cloud.points) {
+    largest = std::max(largest, (a * p.cast<double>() - b * p.cast<double>()).norm());
+  }
+  return largest;
+}
+
+// What a camera 1 m above the origin sees when there is `cloud` (world frame) and nothing else.
+struct Seen {
+  explicit Seen(OrientedCloud seen) : cloud(std::move(seen)), grid(cloud.points, 0.003F, 0.02F) {
+    world_sensor.translation().z() = 1;
+    world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    Scan scan{.points = Transform(world_sensor.inverse(), cloud.points),
+              .world_sensor = world_sensor,
+              .region = {},
+              .segmented = true};
+    Segment segment;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      segment.indices.push_back(static_cast<std::int32_t>(i));
+    }
+    sight.emplace(scan, world_sensor, segment);
+  }
+  RefinementTarget Target(bool on_table) const { return {cloud, grid, *sight, on_table}; }
+
+  OrientedCloud cloud;
+  NearestGrid grid;
+  Pose world_sensor = Pose::Identity();
+  std::optional<Sight> sight;
+};
+
+// A wavy patch, 3 mm above where it was taught, seen from above.
+class RefinementTest : public ::testing::Test {
+ protected:
+  RefinementTest() {
+    truth_.translation() = Eigen::Vector3d(0.2, -0.1, 0.003);
+    truth_.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    seen_.emplace(Moved(truth_, WavySurface(random_, 2500)));
+  }
+
+  RefinementTarget Target(bool on_table) const { return seen_->Target(on_table); }
+
+  Random random_{3};
+  const SurfaceModel model_{WavySurface(random_, 6000), 1};
+  Pose truth_ = Pose::Identity();
+  std::optional<Seen> seen_;
+};
+
+TEST_F(RefinementTest, FindsBackFromAnyDirection) {
+  for (int i = 0; i < 20; ++i) {
+    const Pose initial = RandomMotion(random_, truth_.translation(), 0.12, 0.01) * truth_;
+    const Pose found = Refine(model_, Target(false), initial, {.iterations = 20}).world_object;
+    EXPECT_LT(Error(model_, found, truth_), 0.0005) << i;
+  }
+}
+
+TEST_F(RefinementTest, AFirmTableKeepsHeightAndTilt) {
+  Pose initial = truth_;
+  initial.translation() += Eigen::Vector3d(0.006, -0.004, 0.002);
+  initial.linear() = initial.linear() * Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitZ());
+  const Pose found =
+      Refine(model_, Target(true), initial,
+             {.iterations = 20, .height_deviation_m = 1e-6, .tilt_deviation_rad = 1e-6})
+            .world_object;
+  EXPECT_LT(std::abs(found.translation().z()), 1e-4);
+  EXPECT_GT(found.linear()(2, 2), 1 - 1e-6);
+}
+
+TEST_F(RefinementTest, AFlatPlateDoesNotSlide) {
+  OrientedCloud plate;
+  for (int i = 0; i < 60 * 40; ++i) {
+    plate.points.emplace_back(0.002F * static_cast<float>(i % 60), 0.002F * static_cast<float>(i / 60),
+                              0);
+    plate.normals.emplace_back(0, 0, 1);
+  }
+  const SurfaceModel model(plate, 1);
+  const Seen seen(plate);
+  Pose initial = Pose::Identity();
+  initial.translation() = Eigen::Vector3d(0.007, -0.006, 0.002);
+  const Pose found = Refine(model, seen.Target(false), initial, {.iterations = 30}).world_object;
+  EXPECT_LT(found.translation().head<2>().norm(), 0.0035);  // the points' distance and a half
+  EXPECT_LT(std::abs(found.translation().z()), 1e-4);
+}
+
+TEST_F(RefinementTest, WithoutCorrespondencesTheInitialPoseStays) {
+  Pose initial = truth_;
+  initial.translation().x() += 1;
+  EXPECT_TRUE(Refine(model_, Target(true), initial, {}).world_object.isApprox(initial, 0));
+}
+
+}  // namespace
+}  // namespace graspdb::recognition

@@ -1,0 +1,82 @@
+#include "recognition/surface_model.h"
+
+#include <gtest/gtest.h>
+
+#include "recognition/point_search.h"
+#include "tests/recognition/synthetic_clouds.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::Moved;
+using ::graspdb::testing::Random;
+using ::graspdb::testing::RandomPose;
+using ::graspdb::testing::WavySurface;
+
+PosedCloud View(const OrientedCloud& object, const Pose& world_object) {
+  return {std::make_shared<const OrientedCloud>(Moved(world_object, object)), world_object};
+}
+
+TEST(FuseViews, ViewsFromAnywhereLieOnOneSurface) {
+  Random random(1);
+  const OrientedCloud object = WavySurface(random, 20'000);
+  std::vector<PosedCloud> views;
+  for (int i = 0; i < 8; ++i) views.push_back(View(object, RandomPose(random, 0.5)));
+  const auto model = FuseViews(views);
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->view_count, 8);
+  EXPECT_LT(model->fine.cloud.points.size(), object.points.size() / 4);
+  const PointSearch search(object.points);
+  for (std::size_t i = 0; i < model->fine.cloud.points.size(); ++i) {
+    const Neighbor nearest = search.Nearest(model->fine.cloud.points[i]);
+    EXPECT_LT(nearest.squared_distance, 0.002F * 0.002F);
+    EXPECT_GT(model->fine.cloud.normals[i].dot(
+                  object.normals[static_cast<std::size_t>(nearest.index)]),
+              0.8F);
+  }
+}
+
+TEST(FuseViews, WhatOneOfManyViewsSawIsNoise) {
+  Random random(2);
+  const OrientedCloud object = WavySurface(random, 5000);
+  std::vector<PosedCloud> views(7, View(object, Pose::Identity()));
+  OrientedCloud with_ghost = object;
+  with_ghost.points.emplace_back(0, 0, 0.3F);
+  with_ghost.normals.emplace_back(0, 0, 1);
+  views.push_back(View(with_ghost, Pose::Identity()));
+  const auto model = FuseViews(views);
+  ASSERT_TRUE(model);
+  for (const auto& p : model->fine.cloud.points) EXPECT_LT(p.z(), 0.1F);
+  // A single view is all that there is.
+  const auto alone = FuseViews(std::span(views).last(1));
+  ASSERT_TRUE(alone);
+  EXPECT_GT(alone->radius_m, 0.1F);
+}
+
+TEST(FuseViews, TheTwoSidesOfASheetStayApart) {
+  OrientedCloud sheet;
+  for (int i = 0; i < 400; ++i) {
+    const float x = 0.001F * static_cast<float>(i % 20);
+    const float y = 0.001F * static_cast<float>(i / 20);
+    sheet.points.emplace_back(x, y, 0.0005F);
+    sheet.normals.emplace_back(0, 0, 1);
+    sheet.points.emplace_back(x, y, 0.0001F);
+    sheet.normals.emplace_back(0, 0, -1);
+  }
+  const auto model = FuseViews(std::vector<PosedCloud>{View(sheet, Pose::Identity())});
+  ASSERT_TRUE(model);
+  std::size_t up = 0;
+  for (const auto& n : model->fine.cloud.normals) {
+    EXPECT_NEAR(std::abs(n.z()), 1, 1e-5);
+    up += n.z() > 0;
+  }
+  EXPECT_EQ(2 * up, model->fine.cloud.normals.size());
+}
+
+TEST(FuseViews, NothingMakesNoModel) {
+  EXPECT_FALSE(FuseViews({}));
+  EXPECT_FALSE(FuseViews(std::vector<PosedCloud>{View({}, Pose::Identity())}));
+}
+
+}  // namespace
+}  // namespace graspdb::recognition

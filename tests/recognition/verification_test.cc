@@ -1,0 +1,143 @@
+#include "recognition/verification.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/recognition/table_scene.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::LookAt;
+using ::graspdb::testing::SmallCamera;
+using ::graspdb::testing::TakePicture;
+
+constexpr double kTolerance = 0.006;
+
+// A box of 8 x 6 x 5 cm.
+const Box kBox{{-0.04, -0.03, 0}, {0.04, 0.03, 0.05}};
+
+OrientedCloud SurfaceOf(const Box& box) {
+  OrientedCloud out;
+  const Eigen::Vector3d size = box.max - box.min;
+  constexpr double kStep = 0.0025;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3;
+    const int v = (axis + 2) % 3;
+    for (double a = kStep / 2; a < size[u]; a += kStep) {
+      for (double b = kStep / 2; b < size[v]; b += kStep) {
+        for (const double side : {0.0, 1.0}) {
+          Eigen::Vector3d p = box.min;
+          p[axis] += side * size[axis];
+          p[u] += a;
+          p[v] += b;
+          out.points.push_back(p.cast<float>());
+          Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+          normal[axis] = side > 0 ? 1.0F : -1.0F;
+          out.normals.push_back(normal);
+        }
+      }
+    }
+  }
+  return out;
+}
+
+class VerificationTest : public ::testing::Test {
+ protected:
+  // The evidence for `model` at `claimed` when the camera sees `solids`, the first alone in the
+  // region of interest.
+  Evidence MustVerify(const SurfaceModel& model, const Pose& claimed,
+                      const std::vector<testing::Solid>& solids) {
+    const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
+    Scan scan{.points = TakePicture({.solids = solids}, world_sensor, SmallCamera()).points,
+              .world_sensor = world_sensor,
+              .region = Box{{-0.12, -0.12, -0.02}, {0.12, 0.12, 0.08}},
+              .segmented = false};
+    StageLog log;
+    const auto segmentation = SegmentScan(scan, {}, {}, [] { return false; }, &log);
+    EXPECT_THAT(segmentation, IsOk());
+    if (!segmentation.ok() || segmentation->segments.empty()) {
+      ADD_FAILURE() << "no segment";
+      return {};
+    }
+    const Segment& segment = segmentation->segments.front();
+    return Verify(model, claimed, segment, Sight(scan, world_sensor, segment),
+                  {.tolerance_m = kTolerance});
+  }
+
+  static Pose At(double x, double y, double yaw_rad) {
+    Pose pose = Pose::Identity();
+    pose.translation() = Eigen::Vector3d(x, y, 0);
+    pose.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+    return pose;
+  }
+
+  static testing::Solid BoxAt(const Pose& pose, const Box& box = kBox) { return {pose, {box}}; }
+
+  const SurfaceModel model_{SurfaceOf(kBox), 1};
+  const Pose truth_ = At(0.02, 0.01, 0.5);
+};
+
+TEST_F(VerificationTest, TheTruthIsExplainedInBothDirections) {
+  const Evidence evidence = MustVerify(model_, truth_, {BoxAt(truth_)});
+  EXPECT_GT(evidence.scan_explained, 0.9);
+  EXPECT_GT(evidence.model_seen, 0.9);
+  EXPECT_GT(evidence.in_sight, 0.9);
+  EXPECT_GT(evidence.score, 0.9);
+  EXPECT_LT(evidence.rms_m, 0.0015);
+}
+
+TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
+  const Box larger{{-0.04, -0.03, 0}, {0.07, 0.03, 0.05}};
+  const Evidence evidence =
+      MustVerify(SurfaceModel(SurfaceOf(larger), 1), truth_, {BoxAt(truth_)});
+  EXPECT_GT(evidence.scan_explained, 0.8);
+  EXPECT_LT(evidence.model_seen, 0.86);
+}
+
+TEST_F(VerificationTest, AThingTooSmallLeavesTheScanUnexplained) {
+  const Box smaller{{-0.04, -0.03, 0}, {0.015, 0.03, 0.05}};
+  const Evidence evidence =
+      MustVerify(SurfaceModel(SurfaceOf(smaller), 1), truth_, {BoxAt(truth_)});
+  EXPECT_LT(evidence.scan_explained, 0.85);
+}
+
+TEST_F(VerificationTest, WhatAnotherThingHidesIsNotHeldAgainstThePose) {
+  // A post near the camera, out of the region of interest.
+  const Box post{{-0.02, -0.01, 0}, {0.02, 0.01, 0.3}};
+  const Evidence evidence =
+      MustVerify(model_, truth_, {BoxAt(truth_), BoxAt(At(0.02, -0.2, 0), post)});
+  EXPECT_LT(evidence.in_sight, 0.9);
+  EXPECT_GT(evidence.in_sight, 0.2);
+  EXPECT_GT(evidence.model_seen, 0.85);
+  EXPECT_GT(evidence.score, 0.85);
+}
+
+TEST_F(VerificationTest, TheWrongTurnScoresLess) {
+  const double right = MustVerify(model_, truth_, {BoxAt(truth_)}).score;
+  for (const double off : {0.2, 0.6, 1.57}) {
+    const double wrong = MustVerify(model_, At(0.02, 0.01, 0.5 + off), {BoxAt(truth_)}).score;
+    EXPECT_LT(wrong, right - 0.05) << off;
+  }
+}
+
+TEST(VisiblePoints, IsTheSideTowardsTheCamera) {
+  const SurfaceModel model(SurfaceOf(kBox), 1);
+  const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
+  const Indices visible = VisiblePoints(model.fine, world_sensor.inverse().cast<float>());
+  std::size_t expected = 0;
+  for (std::size_t i = 0; i < model.fine.cloud.points.size(); ++i) {
+    const Eigen::Vector3f& n = model.fine.cloud.normals[i];
+    expected += n.z() > 0.5F || n.y() < -0.5F;
+  }
+  EXPECT_NEAR(static_cast<double>(visible.size()), static_cast<double>(expected),
+              0.02 * static_cast<double>(expected));
+  for (const std::int32_t i : visible) {
+    const Eigen::Vector3f& n = model.fine.cloud.normals[static_cast<std::size_t>(i)];
+    EXPECT_TRUE(n.z() > 0.5F || n.y() < -0.5F);
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::recognition
