@@ -4,8 +4,8 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "server/settings_file.h"
 #include "server/version.h"
+#include "settings/settings_file.h"
 
 namespace graspdb::server {
 namespace {
