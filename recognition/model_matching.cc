@@ -120,9 +120,8 @@ class Matcher {
                                         .height_deviation_m = 1e-4,
                                         .tilt_deviation_rad = 1e-3})
                                     .world_object;
-      work.hypothesis.evidence =
-          Verify(*model, work.hypothesis.refined, input_.segment, sight_,
-                 {parameters_.support_distance_m, stride_, /*coarse=*/true});
+      work.hypothesis.evidence = Verify(*model, work.hypothesis.refined, input_.segment, sight_,
+                                        {parameters_.support_distance_m, stride_, /*coarse=*/true});
       works_.push_back(std::move(work));
     }
   }
@@ -165,12 +164,9 @@ Views OtherViews(const CatalogueSnapshot& catalogue, std::span<const Match> near
 
 }  // namespace
 
-absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(const MatchingInput& input,
-                                                        std::span<const Match> nearest,
-                                                        const CatalogueSnapshot& catalogue,
-                                                        ViewClouds& clouds,
-                                                        const MatchingParameters& parameters,
-                                                        const IsCancelled& is_cancelled) {
+absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
+    const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
+    ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled) {
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
   Views views;
   for (const Match& match : nearest) views.push_back(match.view);

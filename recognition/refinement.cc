@@ -165,8 +165,8 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
     if (target.on_table) AddTable(model, pose, center, options, &step);
     const Vector6d move = step.Solve();
     pose = Moved(pose, center, move);
-    const double moved = move.tail<3>().norm() +
-                         move.head<3>().norm() * static_cast<double>(model.radius_m);
+    const double moved =
+        move.tail<3>().norm() + move.head<3>().norm() * static_cast<double>(model.radius_m);
     if (moved < kNegligibleMoveM && reach <= 1.01 * options.last_reach_m) break;
   }
   return out;

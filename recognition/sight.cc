@@ -38,8 +38,13 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   }
   if (depth >= 1e9F) return;
   low_ = low.array() - kMarginM / depth;
-  size_ = ((high - low).array() + 2 * kMarginM / depth).matrix().cwiseQuotient(
-              Eigen::Vector2f::Constant(kPitch)).cast<int>().array().min(kLargestSide) + 1;
+  size_ = ((high - low).array() + 2 * kMarginM / depth)
+              .matrix()
+              .cwiseQuotient(Eigen::Vector2f::Constant(kPitch))
+              .cast<int>()
+              .array()
+              .min(kLargestSide) +
+          1;
   pixels_.resize(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()));
   const auto put = [&](const Eigen::Vector3f& p, bool of_segment) {
     if (!IsMeasured(p)) return;
@@ -97,7 +102,6 @@ Sight::Look Sight::At(const Eigen::Vector3f& point, const Eigen::Vector3f& norma
                       float tolerance_m) const {
   const Eigen::Vector2i at = Project(point);
   const float slant = std::abs(normal.dot(point.normalized()));
-  Look out;
   bool measured = false;
   bool before_by_segment = false;
   bool before_by_other = false;

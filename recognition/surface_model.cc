@@ -91,7 +91,9 @@ Surface Thinned(const Surface& fine) {
   for (std::size_t i = 0; i < fine.cloud.points.size(); ++i) {
     const Eigen::Vector3f& n = fine.cloud.normals[i];
     Normals& here = taken[KeyOf(fine.cloud.points[i], out.spacing_m)];
-    const auto is_same_side = [&](const Eigen::Vector3f& other) { return other.dot(n) > kSameSide; };
+    const auto is_same_side = [&](const Eigen::Vector3f& other) {
+      return other.dot(n) > kSameSide;
+    };
     if (std::any_of(here.begin(), here.end(), is_same_side)) continue;
     here.push_back(n);
     out.cloud.points.push_back(fine.cloud.points[i]);

@@ -57,10 +57,12 @@ Indices VisiblePoints(const Surface& surface, const Eigen::Isometry3f& sensor_ob
   const float cell = std::max(kCellsPerSpacing * surface.spacing_m / depth,
                               (high - low).maxCoeff() / (kLargestSide - 1));
   const Eigen::Vector2i size = ((high - low) / cell).cast<int>().array() + 1;
-  std::vector<float> nearest(static_cast<std::size_t>(size.prod()), 1e9F);
+  std::vector<float> nearest(
+      static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()), 1e9F);
   const auto cell_of = [&](const Eigen::Vector3f& p) -> float& {
     const Eigen::Vector2i c = ((p.head<2>() / p.z() - low) / cell).cast<int>();
-    return nearest[static_cast<std::size_t>(c.y() * size.x() + c.x())];
+    return nearest[static_cast<std::size_t>(c.y()) * static_cast<std::size_t>(size.x()) +
+                   static_cast<std::size_t>(c.x())];
   };
   for (const std::int32_t i : facing) {
     const Eigen::Vector3f& p = seen[static_cast<std::size_t>(i)];

@@ -51,9 +51,10 @@ absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const Plan
   std::vector<double> along;  // of the object's pixels
   for (std::size_t i = 0; i < clear->surface.size(); ++i) {
     if (clear->surface[i] != 0) continue;
-    const double u = static_cast<double>(i % static_cast<std::size_t>(clear->width));
-    const double v = static_cast<double>(i / static_cast<std::size_t>(clear->width));
-    along.push_back(direction.dot(Vector2d((u - k.cx) / k.fx, (v - k.cy) / k.fy)));
+    const std::size_t row = i / static_cast<std::size_t>(clear->width);
+    const std::size_t column = i % static_cast<std::size_t>(clear->width);
+    along.push_back(direction.dot(Vector2d((static_cast<double>(column) - k.cx) / k.fx,
+                                           (static_cast<double>(row) - k.cy) / k.fy)));
   }
   if (along.empty()) return absl::FailedPreconditionError("the object is out of sight");
   const auto rank = static_cast<std::ptrdiff_t>(static_cast<double>(along.size() - 1) *
