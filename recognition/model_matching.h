@@ -32,11 +32,8 @@ struct MatchingInput {
 // Where none of them explains the segment, or something hides a part of it so that its
 // descriptor says little, all taught views. Stable poses without a model are left out. Errors as
 // LoadModel; CANCELLED.
-absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(const MatchingInput& input,
-                                                        std::span<const Match> nearest,
-                                                        const CatalogueSnapshot& catalogue,
-                                                        ViewClouds& clouds,
-                                                        const MatchingParameters& parameters,
-                                                        const IsCancelled& is_cancelled);
+absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
+    const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
+    ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

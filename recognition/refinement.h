@@ -31,8 +31,8 @@ struct RefinementOptions {
 
 // Gauss and Newton's method on distances to tangent planes (Y. Chen, G. Medioni, 1992) from the
 // scan to the model; past the end of a surface on distances to its edge, from either to the
-// other, which keeps flat things from sliding, but not where something hides the rest. Tukey's weights. Returns T_world_object; the
-// initial one where nothing corresponds. Deterministic.
+// other, which keeps flat things from sliding, but not where something hides the rest. Tukey's
+// weights. Returns T_world_object; the initial one where nothing corresponds. Deterministic.
 struct Refinement {
   Pose world_object = Pose::Identity();
   int iterations = 0;

@@ -18,10 +18,10 @@ class Sight {
 
   // What is known of a place where a surface is claimed to be.
   enum class Finding {
-    kThere,      // a surface was measured there
-    kHidden,     // something else stands before it
-    kDenied,     // the camera looked through it, or saw the segment's surface before it
-    kUnknown,    // nothing was measured
+    kThere,    // a surface was measured there
+    kHidden,   // something else stands before it
+    kDenied,   // the camera looked through it, or saw the segment's surface before it
+    kUnknown,  // nothing was measured
   };
   struct Look {
     Finding finding = Finding::kUnknown;

@@ -25,7 +25,7 @@ std::vector<Indices> PclClusters(const Points& points, double tolerance_m, int m
   tree->setInputCloud(cloud);
   extraction.setSearchMethod(tree);
   extraction.setClusterTolerance(tolerance_m);
-  extraction.setMinClusterSize(min_count);
+  extraction.setMinClusterSize(static_cast<pcl::uindex_t>(min_count));
   extraction.setInputCloud(cloud);
   std::vector<pcl::PointIndices> found;
   extraction.extract(found);

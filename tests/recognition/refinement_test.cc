@@ -77,17 +77,19 @@ TEST_F(RefinementTest, AFirmTableKeepsHeightAndTilt) {
   const Pose found =
       Refine(model_, Target(true), initial,
              {.iterations = 20, .height_deviation_m = 1e-6, .tilt_deviation_rad = 1e-6})
-            .world_object;
+          .world_object;
   EXPECT_LT(std::abs(found.translation().z()), 1e-4);
   EXPECT_GT(found.linear()(2, 2), 1 - 1e-6);
 }
 
 TEST_F(RefinementTest, AFlatPlateDoesNotSlide) {
   OrientedCloud plate;
-  for (int i = 0; i < 60 * 40; ++i) {
-    plate.points.emplace_back(0.002F * static_cast<float>(i % 60), 0.002F * static_cast<float>(i / 60),
-                              0);
-    plate.normals.emplace_back(0, 0, 1);
+  for (int row = 0; row < 40; ++row) {
+    for (int column = 0; column < 60; ++column) {
+      plate.points.emplace_back(0.002F * static_cast<float>(column),
+                                0.002F * static_cast<float>(row), 0);
+      plate.normals.emplace_back(0, 0, 1);
+    }
   }
   const SurfaceModel model(plate, 1);
   const Seen seen(plate);

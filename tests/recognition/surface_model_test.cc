@@ -21,6 +21,7 @@ TEST(FuseViews, ViewsFromAnywhereLieOnOneSurface) {
   Random random(1);
   const OrientedCloud object = WavySurface(random, 20'000);
   std::vector<PosedCloud> views;
+  views.reserve(8);
   for (int i = 0; i < 8; ++i) views.push_back(View(object, RandomPose(random, 0.5)));
   const auto model = FuseViews(views);
   ASSERT_TRUE(model);
@@ -30,9 +31,9 @@ TEST(FuseViews, ViewsFromAnywhereLieOnOneSurface) {
   for (std::size_t i = 0; i < model->fine.cloud.points.size(); ++i) {
     const Neighbor nearest = search.Nearest(model->fine.cloud.points[i]);
     EXPECT_LT(nearest.squared_distance, 0.002F * 0.002F);
-    EXPECT_GT(model->fine.cloud.normals[i].dot(
-                  object.normals[static_cast<std::size_t>(nearest.index)]),
-              0.8F);
+    EXPECT_GT(
+        model->fine.cloud.normals[i].dot(object.normals[static_cast<std::size_t>(nearest.index)]),
+        0.8F);
   }
 }
 
@@ -56,8 +57,9 @@ TEST(FuseViews, WhatOneOfManyViewsSawIsNoise) {
 TEST(FuseViews, TheTwoSidesOfASheetStayApart) {
   OrientedCloud sheet;
   for (int i = 0; i < 400; ++i) {
+    const int row = i / 20;
     const float x = 0.001F * static_cast<float>(i % 20);
-    const float y = 0.001F * static_cast<float>(i / 20);
+    const float y = 0.001F * static_cast<float>(row);
     sheet.points.emplace_back(x, y, 0.0005F);
     sheet.normals.emplace_back(0, 0, 1);
     sheet.points.emplace_back(x, y, 0.0001F);

@@ -16,7 +16,7 @@ using ::graspdb::testing::TakePicture;
 constexpr double kTolerance = 0.006;
 
 // A box of 8 x 6 x 5 cm.
-const Box kBox{{-0.04, -0.03, 0}, {0.04, 0.03, 0.05}};
+Box BrickBox() { return {{-0.04, -0.03, 0}, {0.04, 0.03, 0.05}}; }
 
 OrientedCloud SurfaceOf(const Box& box) {
   OrientedCloud out;
@@ -55,7 +55,8 @@ class VerificationTest : public ::testing::Test {
               .region = Box{{-0.12, -0.12, -0.02}, {0.12, 0.12, 0.08}},
               .segmented = false};
     StageLog log;
-    const auto segmentation = SegmentScan(scan, {}, {}, [] { return false; }, &log);
+    const auto segmentation = SegmentScan(
+        scan, {}, {}, [] { return false; }, &log);
     EXPECT_THAT(segmentation, IsOk());
     if (!segmentation.ok() || segmentation->segments.empty()) {
       ADD_FAILURE() << "no segment";
@@ -73,9 +74,11 @@ class VerificationTest : public ::testing::Test {
     return pose;
   }
 
-  static testing::Solid BoxAt(const Pose& pose, const Box& box = kBox) { return {pose, {box}}; }
+  static testing::Solid BoxAt(const Pose& pose, const Box& box = BrickBox()) {
+    return {pose, {box}};
+  }
 
-  const SurfaceModel model_{SurfaceOf(kBox), 1};
+  const SurfaceModel model_{SurfaceOf(BrickBox()), 1};
   const Pose truth_ = At(0.02, 0.01, 0.5);
 };
 
@@ -90,8 +93,7 @@ TEST_F(VerificationTest, TheTruthIsExplainedInBothDirections) {
 
 TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
   const Box larger{{-0.04, -0.03, 0}, {0.07, 0.03, 0.05}};
-  const Evidence evidence =
-      MustVerify(SurfaceModel(SurfaceOf(larger), 1), truth_, {BoxAt(truth_)});
+  const Evidence evidence = MustVerify(SurfaceModel(SurfaceOf(larger), 1), truth_, {BoxAt(truth_)});
   EXPECT_GT(evidence.scan_explained, 0.8);
   EXPECT_LT(evidence.model_seen, 0.86);
 }
@@ -123,7 +125,7 @@ TEST_F(VerificationTest, TheWrongTurnScoresLess) {
 }
 
 TEST(VisiblePoints, IsTheSideTowardsTheCamera) {
-  const SurfaceModel model(SurfaceOf(kBox), 1);
+  const SurfaceModel model(SurfaceOf(BrickBox()), 1);
   const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
   const Indices visible = VisiblePoints(model.fine, world_sensor.inverse().cast<float>());
   std::size_t expected = 0;

@@ -17,7 +17,8 @@ Function* Real(const char* symbol) {
 
 }  // namespace
 
-// What they report of themselves.
+// What they report of themselves. The sanitizer wants this name.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
          "race:libgrpc\n"      // hands calls over through atomics that are not seen

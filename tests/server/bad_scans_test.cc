@@ -28,7 +28,9 @@ std::string NameOf(const ::testing::TestParamInfo<BadScan>& info) { return info.
 recognition::Points Grid(std::size_t count, float spacing, float depth) {
   recognition::Points points;
   for (std::size_t i = 0; i < count; ++i) {
-    points.emplace_back(static_cast<float>(i % 20) * spacing, static_cast<float>(i / 20) * spacing,
+    const std::size_t row = i / 20;
+    const std::size_t column = i % 20;
+    points.emplace_back(static_cast<float>(column) * spacing, static_cast<float>(row) * spacing,
                         depth);
   }
   return points;

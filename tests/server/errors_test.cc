@@ -10,7 +10,6 @@ namespace graspdb::server {
 namespace {
 
 using testing::ExpectBadField;
-using testing::ExpectError;
 using testing::IsGrpcOk;
 using testing::ReasonOf;
 

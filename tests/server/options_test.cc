@@ -18,6 +18,7 @@ using testing::StatusIs;
 ParsedOptions Parse(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "graspdb-server");
   std::vector<char*> argv;
+  argv.reserve(arguments.size());
   for (std::string& argument : arguments) argv.push_back(argument.data());
   return ParseOptions(static_cast<int>(argv.size()), argv.data());
 }

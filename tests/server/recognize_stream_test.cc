@@ -29,6 +29,7 @@ class RecognizeStreamTest : public ServerTest {
 TEST_F(RecognizeStreamTest, FramesAreAnsweredInOrderAsSingleCallsAre) {
   Teach("wedge", 2);
   std::vector<v1::RecognizeRequest> requests;
+  requests.reserve(4);
   for (int i = 0; i < 4; ++i) {
     requests.push_back(RequestOf(Photograph("wedge", {.turn_deg = 20.0 * i}, 3)));
   }

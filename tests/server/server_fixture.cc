@@ -57,6 +57,7 @@ void ServerTest::Declare(const std::string& part) {
 void ServerTest::Teach(const std::string& part, int views) {
   Declare(part);
   std::vector<v1::UploadViewsRequest> requests;
+  requests.reserve(static_cast<std::size_t>(views));
   for (int i = 0; i < views; ++i) {
     requests.push_back(ViewOf(part, 360.0 * i / views, "turn-" + std::to_string(i)));
   }

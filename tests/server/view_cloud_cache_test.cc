@@ -42,6 +42,7 @@ class ViewCloudCacheTest : public ::testing::Test {
     view.record.mutable_object_pose()->mutable_orientation()->set_w(1);
     view.record.mutable_sensor_pose()->mutable_orientation()->set_w(1);
     std::vector<storage::CloudPoint> cloud;
+    cloud.reserve(static_cast<std::size_t>(points));
     for (int i = 0; i < points; ++i) cloud.push_back({0.0101F * static_cast<float>(i), 0, 0.6F});
     view.packed_cloud = storage::PackCloud(cloud).value();
     EXPECT_THAT(catalogue_->PutView(view), IsOk());
@@ -68,7 +69,7 @@ TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
   ASSERT_THAT(first, IsOk());
   EXPECT_EQ((*first)->points.size(), 20U);
   EXPECT_EQ((*first)->normals.size(), 20U);
-  EXPECT_GE(cache.bytes(), 20 * 2 * sizeof(Eigen::Vector3f));
+  EXPECT_GE(cache.bytes(), std::size_t{20} * 2 * sizeof(Eigen::Vector3f));
   EXPECT_EQ(*cache.Load(*view), *first);
 }
 
@@ -87,6 +88,7 @@ TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
 
 TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
   std::vector<View> views;
+  views.reserve(20);
   for (int i = 0; i < 20; ++i) views.push_back(Put("v" + std::to_string(i), "1", 20 + 10 * i));
   const std::size_t budget = BytesOf(views.back()) + 100;
   ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * budget);
