@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "recognition/gsh288.h"
 #include "recognition/histogram.h"
 #include "recognition/vfh308.h"
 
@@ -29,9 +30,10 @@ struct Name {
   std::string_view name;
   int size;
 };
-constexpr std::array<Name, 3> kNames = {{{DescriptorKind::kVfh263, "vfh263", 263},
+constexpr std::array<Name, 4> kNames = {{{DescriptorKind::kVfh263, "vfh263", 263},
                                          {DescriptorKind::kMvfh300, "mvfh300", 300},
-                                         {DescriptorKind::kVfh308, "vfh308", 308}}};
+                                         {DescriptorKind::kVfh308, "vfh308", 308},
+                                         {DescriptorKind::kGsh288, "gsh288", 288}}};
 
 // Centroid p_c and unit mean normal n_c.
 struct Center {
@@ -172,6 +174,7 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Vector3d& 
   }
   absl::StatusOr<Center> center = FindCenter(cloud, viewpoint);
   if (!center.ok()) return center.status();
+  if (kind == DescriptorKind::kGsh288) return DescribeGsh288(cloud, viewpoint);
   if (kind == DescriptorKind::kVfh308) return DescribeVfh308(cloud, viewpoint);
   return ViewpointHistogram(cloud, viewpoint, *center, kind);
 }

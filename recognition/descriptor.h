@@ -1,4 +1,4 @@
-// Global descriptors of one object's points: the published baselines.
+// Global descriptors of one object's points: the published baselines and our own.
 //
 // Sources: R. B. Rusu et al., "Fast 3D recognition and pose using the viewpoint
 // feature histogram", IROS 2010 (VFH); C.-S. Chen, P.-C. Chen, C.-M. Hsu,
@@ -20,16 +20,17 @@ enum class DescriptorKind {
   kVfh263,   // 3 x 45 shape bins (eqs. 4, 6, 7) and 128 viewpoint bins (eq. 5).
   kMvfh300,  // 3 x 45 shape bins and 3 x 55 viewpoint bins (eqs. 11 to 13).
   kVfh308,   // As the Point Cloud Library 1.13 computes it, for comparison.
+  kGsh288,   // Normals and positions against gravity and the line of sight, see gsh288.h.
 };
 
-// "vfh263", "mvfh300", "vfh308".
+// "vfh263", "mvfh300", "vfh308", "gsh288".
 std::string_view DescriptorName(DescriptorKind kind);
 std::optional<DescriptorKind> DescriptorFromName(std::string_view name);
 
 // Number of bins.
 int DescriptorSize(DescriptorKind kind);
 
-// The bins. VFH-263 and MVFH-300: every part has the same mass, the whole has
+// The bins. VFH-263, MVFH-300 and GSH-288: every part has the same mass, the whole has
 // mass 1. VFH-308: as PCL scales it, 100 a part.
 using Descriptor = std::vector<float>;
 
@@ -38,7 +39,7 @@ inline constexpr std::size_t kMinDescriptorPoints = 10;
 
 // Describes `cloud` (metres, any frame, unit normals) as seen from `viewpoint`
 // (metres, same frame). Does not depend on the order of the points nor on a
-// rigid motion of cloud and viewpoint together.
+// rigid motion of cloud and viewpoint together; GSH-288 only on one that leaves z up.
 //
 // INVALID_ARGUMENT for numbers that are not finite and for a point without a
 // normal; FAILED_PRECONDITION for fewer than 10 points and for points that all lie

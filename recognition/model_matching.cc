@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "absl/status/status.h"
+#include "recognition/ranking.h"
 #include "recognition/refinement.h"
 #include "recognition/rough_pose.h"
 
@@ -27,32 +28,28 @@ constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
 constexpr float kCellM = 0.003F;
 constexpr float kReachM = 0.021F;
 
-struct Work {
-  PoseHypothesis hypothesis;
-  std::shared_ptr<const SurfaceModel> model;
-};
-
-bool IsSame(const Work& a, const Work& b) {
+bool IsSame(const PoseHypothesis& a, const PoseHypothesis& b) {
   if (a.model != b.model) return false;
-  const Pose difference = a.hypothesis.refined.inverse() * b.hypothesis.refined;
+  const Pose difference = a.refined.inverse() * b.refined;
   const Eigen::Vector3d center = a.model->center.cast<double>();
   return (difference * center - center).norm() < kSamePlaceM &&
          std::abs(Eigen::AngleAxisd(difference.linear()).angle()) < kSameTurnRad;
 }
 
 // The `count` best, the best first, without those that are the same as a better one.
-void KeepBest(std::size_t count, std::vector<Work>* works) {
-  std::stable_sort(works->begin(), works->end(), [](const Work& a, const Work& b) {
-    return a.hypothesis.evidence.score > b.hypothesis.evidence.score;
-  });
-  std::vector<Work> different;
-  for (Work& work : *works) {
-    const auto same = [&](const Work& other) { return IsSame(work, other); };
+void KeepBest(std::size_t count, std::vector<PoseHypothesis>* hypotheses) {
+  std::stable_sort(hypotheses->begin(), hypotheses->end(),
+                   [](const PoseHypothesis& a, const PoseHypothesis& b) {
+                     return a.evidence.score > b.evidence.score;
+                   });
+  std::vector<PoseHypothesis> different;
+  for (PoseHypothesis& h : *hypotheses) {
+    const auto same = [&](const PoseHypothesis& other) { return IsSame(h, other); };
     if (std::any_of(different.begin(), different.end(), same)) continue;
-    different.push_back(std::move(work));
+    different.push_back(std::move(h));
     if (different.size() == count) break;
   }
-  *works = std::move(different);
+  *hypotheses = std::move(different);
 }
 
 // Aligns models with one segment.
@@ -81,58 +78,60 @@ class Matcher {
       if (pose == catalogue_.stable_poses->end()) continue;
       auto model = clouds_.LoadModel(*view, *pose->second);
       if (!model.ok()) return model.status();
-      if (*model != nullptr) Try(view, *model);
+      if (*model != nullptr) Try(view, *pose->second, *model);
     }
-    KeepBest(kFinalists, &works_);
-    for (Work& work : works_) Finish(&work);
-    KeepBest(kFinalists, &works_);
+    KeepBest(kFinalists, &hypotheses_);
+    for (PoseHypothesis& h : hypotheses_) Finish(&h);
+    KeepBest(kFinalists, &hypotheses_);
     return absl::OkStatus();
   }
 
   bool IsExplained() const {
-    const Sight::Sides& hidden = sight_.hidden_sides();
-    return !works_.empty() && works_.front().hypothesis.evidence.score >= kExplained &&
-           !(hidden.left || hidden.right || hidden.top || hidden.bottom);
+    return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained;
   }
 
-  std::vector<PoseHypothesis> TakeHypotheses() {
-    std::vector<PoseHypothesis> out;
-    out.reserve(works_.size());
-    for (Work& work : works_) out.push_back(std::move(work.hypothesis));
-    return out;
+  // Something hides a part of the segment.
+  bool IsCutOff() const {
+    const Sight::Sides& hidden = sight_.hidden_sides();
+    return hidden.left || hidden.right || hidden.top || hidden.bottom;
+  }
+
+  std::vector<PoseHypothesis> TakeRanked() {
+    RankClosely(input_.segment, sight_, parameters_.support_distance_m, &hypotheses_);
+    return std::move(hypotheses_);
   }
 
  private:
-  void Try(const std::shared_ptr<const TaughtView>& view,
+  void Try(const std::shared_ptr<const TaughtView>& view, const TaughtStablePose& stable_pose,
            const std::shared_ptr<const SurfaceModel>& model) {
     for (const Pose& rough : RoughPoses(*view, *model, input_.segmentation.world_sensor,
                                         input_.segment.centroid, seen_, sight_)) {
-      Work work;
-      work.model = model;
-      work.hypothesis.view = view;
-      work.hypothesis.rough = rough;
-      work.hypothesis.refined = Refine(*model, target_, rough,
-                                       {.iterations = 6,
-                                        .first_reach_m = 0.02,
-                                        .last_reach_m = 0.008,
-                                        .stride = stride_,
-                                        .coarse = true,
-                                        .height_deviation_m = 1e-4,
-                                        .tilt_deviation_rad = 1e-3})
-                                    .world_object;
-      work.hypothesis.evidence = Verify(*model, work.hypothesis.refined, input_.segment, sight_,
-                                        {parameters_.support_distance_m, stride_, /*coarse=*/true});
-      works_.push_back(std::move(work));
+      PoseHypothesis h;
+      h.model = model;
+      h.symmetry_order = stable_pose.symmetry_order;
+      h.view = view;
+      h.rough = rough;
+      h.refined = Refine(*model, target_, rough,
+                         {.iterations = 6,
+                          .first_reach_m = 0.02,
+                          .last_reach_m = 0.008,
+                          .stride = stride_,
+                          .coarse = true,
+                          .height_deviation_m = 1e-4,
+                          .tilt_deviation_rad = 1e-3})
+                      .world_object;
+      h.evidence = Verify(*model, h.refined, input_.segment, sight_,
+                          {parameters_.support_distance_m, stride_, /*coarse=*/true});
+      hypotheses_.push_back(std::move(h));
     }
   }
 
-  void Finish(Work* work) const {
-    PoseHypothesis& h = work->hypothesis;
-    const Refinement refinement = Refine(*work->model, target_, h.refined, {});
-    h.refined = refinement.world_object;
-    h.iterations = refinement.iterations;
-    h.evidence = Verify(*work->model, h.refined, input_.segment, sight_,
-                        {.tolerance_m = parameters_.support_distance_m});
+  void Finish(PoseHypothesis* h) const {
+    const Refinement refinement = Refine(*h->model, target_, h->refined, {});
+    h->refined = refinement.world_object;
+    h->iterations = refinement.iterations;
+    h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
+                         {.tolerance_m = parameters_.support_distance_m});
   }
 
   const MatchingInput& input_;
@@ -145,7 +144,7 @@ class Matcher {
   const RefinementTarget target_;
   const Extent seen_;
   const int stride_;
-  std::vector<Work> works_;
+  std::vector<PoseHypothesis> hypotheses_;
 };
 
 // All views but those of `nearest`, in the order of their names.
@@ -170,12 +169,15 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
   Views views;
   for (const Match& match : nearest) views.push_back(match.view);
+  // Where a part is hidden the descriptor says little: all views are asked at once.
+  const Views others = OtherViews(catalogue, nearest);
+  if (matcher.IsCutOff()) views.insert(views.end(), others.begin(), others.end());
   if (absl::Status status = matcher.Propose(views); !status.ok()) return status;
-  if (!matcher.IsExplained()) {
-    absl::Status status = matcher.Propose(OtherViews(catalogue, nearest));
+  if (!matcher.IsCutOff() && !matcher.IsExplained()) {
+    absl::Status status = matcher.Propose(others);
     if (!status.ok()) return status;
   }
-  return matcher.TakeHypotheses();
+  return matcher.TakeRanked();
 }
 
 }  // namespace graspdb::recognition

@@ -5,19 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "recognition/ranking.h"
 #include "recognition/recognizer.h"
-#include "recognition/verification.h"
 
 namespace graspdb::recognition {
-
-// An explanation of a segment.
-struct PoseHypothesis {
-  std::shared_ptr<const TaughtView> view;  // that gave rise to it
-  Pose rough = Pose::Identity();           // T_world_object
-  Pose refined = Pose::Identity();
-  int iterations = 0;  // of the last refinement
-  Evidence evidence;
-};
 
 // What is asked: one segment of a scan.
 struct MatchingInput {
@@ -26,7 +17,8 @@ struct MatchingInput {
   const Segment& segment;
 };
 
-// The hypotheses that explain the segment best, the best first; different from each other.
+// The hypotheses that explain the segment best, ranked (see RankClosely);
+// different from each other.
 //
 // First the stable poses and azimuths of `nearest`, the views with the most similar descriptors.
 // Where none of them explains the segment, or something hides a part of it so that its

@@ -10,7 +10,7 @@ namespace graspdb::recognition {
 // What shapes a stored cloud and its descriptor. One for the whole catalogue:
 // descriptors that were made with different values do not compare.
 struct DescriptorParameters {
-  DescriptorKind kind = DescriptorKind::kMvfh300;
+  DescriptorKind kind = DescriptorKind::kGsh288;
   // Edge of a voxel, m (paper, section 3.1: 0.3 cm).
   double voxel_size_m = 0.003;
   // Radius of the neighbourhood that a normal is fitted to, m.
@@ -64,7 +64,7 @@ struct MatchingParameters {
   // An alignment with a smaller share of corresponding points is rejected.
   double min_inlier_fraction = 0.3;
   // A detection that scores lower is unknown, 0 to 1.
-  double min_score = 0.55;
+  double min_score = 0.5;
 };
 
 }  // namespace graspdb::recognition

@@ -47,6 +47,23 @@ absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, V
   return absl::OkStatus();
 }
 
+// What explains the scan as well as the best hypothesis, the first one.
+void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise_m,
+               const MatchingParameters& parameters, Detection* detection) {
+  for (const PoseHypothesis& h : hypotheses) {
+    const bool is_rival = h.standing == Standing::kAsGood;
+    detection->ambiguous = detection->ambiguous || is_rival;
+    if (!is_rival && h.standing != Standing::kSameSurface) continue;
+    if (h.view->stable_pose == hypotheses.front().view->stable_pose) {
+      detection->equivalent_poses.push_back(h.refined);
+    } else if (is_rival) {
+      const Doubt doubt =
+          DoubtsOf(h.evidence, *h.model, table_noise_m, parameters.support_distance_m);
+      detection->alternatives.push_back({h.view, h.refined, Confidence(doubt)});
+    }
+  }
+}
+
 // Models of what the nearest views show are aligned and judged.
 absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& nearest,
                           const CatalogueSnapshot& catalogue, ViewClouds& clouds,
@@ -57,7 +74,10 @@ absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& 
   if (hypotheses->empty()) return absl::OkStatus();
   const PoseHypothesis& best = hypotheses->front();
   detection->view = best.view;
-  detection->score = best.evidence.score;
+  detection->evidence = best.evidence;
+  detection->doubt = DoubtsOf(best.evidence, *best.model, input.segmentation.table_noise_m,
+                              parameters.support_distance_m);
+  detection->score = Confidence(detection->doubt);
   detection->rough_pose = best.rough;
   detection->refined_pose = best.refined;
   detection->registration = {.target_source = Pose::Identity(),
@@ -65,9 +85,11 @@ absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& 
                              .iterations = best.iterations,
                              .rms_error_m = best.evidence.rms_m,
                              .inlier_fraction = best.evidence.scan_explained};
+  AddRivals(*hypotheses, input.segmentation.table_noise_m, parameters, detection);
   for (Candidate& candidate : detection->candidates) {
     for (const PoseHypothesis& h : *hypotheses) {
-      if (h.view == candidate.view) candidate.verification_score = h.evidence.score;
+      if (h.view == candidate.view && !candidate.verification_score)
+        candidate.verification_score = h.evidence.score;
     }
   }
   return absl::OkStatus();
@@ -110,12 +132,16 @@ absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
   if (!status.ok()) return status;
   if (out.score < matching.min_score) {
     out.outcome = RecognitionOutcome::kUnknownObject;
+    if (out.view && matching.verified_view_count > 1) out.rejected_by = HeaviestDoubt(out.doubt);
     out.view = nullptr;
   } else if (out.registration.inlier_fraction < matching.min_inlier_fraction) {
     out.outcome = RecognitionOutcome::kIcpRejected;
     out.view = nullptr;
   } else {
     CarryGrasps(catalogue, parameters.workspace, &out);
+    if (out.ambiguous && out.outcome == RecognitionOutcome::kOk) {
+      out.outcome = RecognitionOutcome::kAmbiguous;
+    }
   }
   return out;
 }

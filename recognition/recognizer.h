@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "recognition/confidence.h"
 #include "recognition/descriptor_index.h"
 #include "recognition/parameters.h"
 #include "recognition/registration.h"
@@ -33,6 +34,7 @@ enum class RecognitionOutcome {
   kEmptyRegion,
   kNoCluster,
   kUnknownObject,
+  kAmbiguous,
   kIcpRejected,
   kNoGrasp,
   kOutOfWorkspace,
@@ -58,14 +60,30 @@ struct GraspProposal {
   Pose world_tcp = Pose::Identity();  // T_world_tcp
 };
 
+// Another explanation of the same segment.
+struct Alternative {
+  std::shared_ptr<const TaughtView> view;
+  Pose world_object = Pose::Identity();  // T_world_object
+  double score = 0;                      // 0 to 1
+};
+
 // One thing on the table.
 struct Detection {
   RecognitionOutcome outcome = RecognitionOutcome::kUnknownObject;
   std::shared_ptr<const TaughtView> view;  // null when unknown
-  double score = 0;                        // 0 to 1
-  Pose rough_pose = Pose::Identity();      // T_world_object after the shift
-  Pose refined_pose = Pose::Identity();    // T_world_object after the alignment
+  double score = 0;  // 0 to 1: confidence, or on the paper's way the share of matching points
+  Pose rough_pose = Pose::Identity();    // T_world_object after the shift
+  Pose refined_pose = Pose::Identity();  // T_world_object after the alignment
+  // T_world_object of the same stable pose that explain the scan as well: turns of something
+  // symmetric, and others where the detection is ambiguous.
+  std::vector<Pose> equivalent_poses;
+  // Something else explains the scan as well: another place, attitude or object.
+  bool ambiguous = false;
+  std::vector<Alternative> alternatives;  // that are not of the same stable pose
+  std::optional<Gate> rejected_by;        // of an object that is unknown
   Registration registration;
+  Evidence evidence;  // of the best explanation; all zero where models were not aligned
+  Doubt doubt;
   std::vector<GraspProposal> grasps;  // best first
   std::vector<Candidate> candidates;  // nearest first
   std::size_t point_count = 0;

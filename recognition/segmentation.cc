@@ -85,11 +85,18 @@ void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, 
   out->table = FindPlane(cloud->points, out->world_sensor.translation(), constraint);
   if (!out->table) return;
   Indices above;
+  double squares = 0;
+  double inliers = 0;
   for (std::size_t i = 0; i < cloud->points.size(); ++i) {
-    if (out->table->Height(cloud->points[i].cast<double>()) > parameters.plane_distance_m) {
+    const double height = out->table->Height(cloud->points[i].cast<double>());
+    if (height > parameters.plane_distance_m) {
       above.push_back(static_cast<std::int32_t>(i));
+    } else if (height > -parameters.plane_distance_m) {
+      squares += height * height;
+      inliers += 1;
     }
   }
+  out->table_noise_m = inliers > 0 ? std::sqrt(squares / inliers) : 0;
   Keep(above, cloud);
 }
 

@@ -16,6 +16,12 @@ constexpr float kCoarsePoints = 350;
 // The grid for look-ups: its cells, and how far from the surface it reaches, m.
 constexpr float kGridCellM = 0.003F;
 constexpr float kGridReachM = 0.021F;
+// Points of a fused surface are about so far apart, m.
+constexpr float kSpacingM = 0.003F;
+// What lies farther from the surface is another one's, m.
+constexpr float kDeviationReachM = 0.008F;
+// Every so many points are measured.
+constexpr std::size_t kDeviationStride = 4;
 // With so many views a surface is seen by more than one.
 constexpr int kViewsThatOverlap = 6;
 
@@ -102,6 +108,21 @@ Surface Thinned(const Surface& fine) {
   return out;
 }
 
+float DeviationOf(const SurfaceModel& model, std::span<const PosedCloud> views) {
+  double squares = 0;
+  double count = 0;
+  for (const PosedCloud& view : views) {
+    const Eigen::Isometry3f object_world = view.world_object.inverse().cast<float>();
+    for (std::size_t i = 0; i < view.cloud->points.size(); i += kDeviationStride) {
+      const float d = model.DistanceTo(object_world * view.cloud->points[i]);
+      if (d >= kDeviationReachM) continue;
+      squares += static_cast<double>(d * d);
+      count += 1;
+    }
+  }
+  return count > 0 ? static_cast<float>(std::sqrt(squares / count)) : 0;
+}
+
 }  // namespace
 
 SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
@@ -121,6 +142,17 @@ SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
   for (const Eigen::Vector3f& p : points) radius_m = std::max(radius_m, (p - center).norm());
 }
 
+float SurfaceModel::DistanceTo(const Eigen::Vector3f& p) const {
+  const int nearest = grid.Nearest(p);
+  if (nearest < 0) return 1;
+  const auto i = static_cast<std::size_t>(nearest);
+  const Eigen::Vector3f d = p - fine.cloud.points[i];
+  const float across = d.dot(fine.cloud.normals[i]);
+  const float along = std::sqrt(std::max(0.0F, d.squaredNorm() - across * across));
+  const float beyond = std::max(0.0F, along - kSpacingM);
+  return std::sqrt(across * across + beyond * beyond);
+}
+
 std::size_t SurfaceModel::bytes() const {
   return sizeof(*this) + grid.bytes() +
          2 * sizeof(Eigen::Vector3f) * (fine.cloud.points.size() + coarse.cloud.points.size());
@@ -131,7 +163,9 @@ std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views)
   for (std::size_t i = 0; i < views.size(); ++i) fusion.Add(views[i], static_cast<int>(i));
   OrientedCloud fused = fusion.Result(static_cast<int>(views.size()));
   if (fused.points.empty()) return nullptr;
-  return std::make_shared<const SurfaceModel>(std::move(fused), static_cast<int>(views.size()));
+  auto model = std::make_shared<SurfaceModel>(std::move(fused), static_cast<int>(views.size()));
+  model->deviation_m = DeviationOf(*model, views);
+  return model;
 }
 
 }  // namespace graspdb::recognition

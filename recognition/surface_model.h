@@ -21,12 +21,19 @@ struct SurfaceModel {
 
   std::size_t bytes() const;
 
+  // Distance of `p` (object frame, m) from the surface: across it, and along it where the
+  // surface has ended. 1 m where the grid knows nothing.
+  float DistanceTo(const Eigen::Vector3f& p) const;
+
   Surface fine;
   Surface coarse;    // some hundred of the same points, for first looks
   NearestGrid grid;  // over fine.cloud.points
   int view_count = 0;
   Eigen::Vector3f center = Eigen::Vector3f::Zero();  // of the bounding box
   float radius_m = 0;                                // of the sphere around the center
+  // Root mean square distance of the fused views' points from the surface: the noise of the
+  // camera, and what the views were taught apart from each other. 0 where it is not known.
+  float deviation_m = 0;
 };
 
 // One view to fuse.

@@ -14,25 +14,10 @@ constexpr float kCellsPerSpacing = 2.5F;
 // A surface hides what lies farther behind it than this, m, or than a cell is large.
 constexpr float kHidesBehindM = 0.008F;
 constexpr int kLargestSide = 512;
-// Points of a fused surface are about so far apart, m.
-constexpr float kSpacingM = 0.003F;
 
 float Weight(float distance, float tolerance) {
   const float share = distance / tolerance;
   return share < 1 ? 1 - share * share : 0;
-}
-
-// Distance of `p` (object frame) from the surface: across it, and along it where the surface
-// has ended.
-float DistanceTo(const SurfaceModel& model, const Eigen::Vector3f& p) {
-  const int nearest = model.grid.Nearest(p);
-  if (nearest < 0) return 1;
-  const auto i = static_cast<std::size_t>(nearest);
-  const Eigen::Vector3f d = p - model.fine.cloud.points[i];
-  const float across = d.dot(model.fine.cloud.normals[i]);
-  const float along = std::sqrt(std::max(0.0F, d.squaredNorm() - across * across));
-  const float beyond = std::max(0.0F, along - kSpacingM);
-  return std::sqrt(across * across + beyond * beyond);
 }
 
 }  // namespace
@@ -87,7 +72,7 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segme
   double points = 0;
   for (std::size_t i = 0; i < segment.cloud.points.size();
        i += static_cast<std::size_t>(options.stride), ++points) {
-    const float d = DistanceTo(model, object_world * segment.cloud.points[i]);
+    const float d = model.DistanceTo(object_world * segment.cloud.points[i]);
     explained += static_cast<double>(Weight(d, tolerance));
     if (d >= tolerance) continue;
     squares += static_cast<double>(d * d);

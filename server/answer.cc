@@ -16,6 +16,8 @@ v1::RecognitionStatus StatusToProto(recognition::RecognitionOutcome outcome) {
       return v1::NO_CLUSTER;
     case Outcome::kUnknownObject:
       return v1::UNKNOWN_OBJECT;
+    case Outcome::kAmbiguous:
+      return v1::AMBIGUOUS;
     case Outcome::kIcpRejected:
       return v1::ICP_REJECTED;
     case Outcome::kNoGrasp:
@@ -38,6 +40,18 @@ v1::WorldFrameSource SourceToProto(recognition::WorldFrame frame, bool from_cell
   return v1::WORLD_FRAME_SOURCE_UNSPECIFIED;
 }
 
+v1::RejectionGate GateToProto(recognition::Gate gate) {
+  switch (gate) {
+    case recognition::Gate::kScan:
+      return v1::REJECTION_GATE_SCAN;
+    case recognition::Gate::kModel:
+      return v1::REJECTION_GATE_MODEL;
+    case recognition::Gate::kResidual:
+      return v1::REJECTION_GATE_RESIDUAL;
+  }
+  return v1::REJECTION_GATE_UNSPECIFIED;
+}
+
 // What is known of the object: nothing of it is sent when it is unknown, so that
 // nobody mistakes the nearest view for an answer.
 void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* out) {
@@ -46,6 +60,16 @@ void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* ou
   out->set_view(detection.view->name);
   *out->mutable_rough_pose() = PoseToProto(detection.rough_pose);
   *out->mutable_refined_pose() = PoseToProto(detection.refined_pose);
+  for (const recognition::Pose& pose : detection.equivalent_poses) {
+    *out->add_equivalent_poses() = PoseToProto(pose);
+  }
+  for (const recognition::Alternative& other : detection.alternatives) {
+    v1::Alternative* alternative = out->add_alternatives();
+    alternative->set_object(other.view->object);
+    alternative->set_stable_pose(other.view->stable_pose);
+    *alternative->mutable_pose() = PoseToProto(other.world_object);
+    alternative->set_score(other.score);
+  }
   for (const recognition::GraspProposal& proposal : detection.grasps) {
     v1::GraspProposal* grasp = out->add_grasps();
     grasp->set_grasp_id(proposal.grasp.id);
@@ -58,6 +82,7 @@ void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* ou
 
 void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
   out->set_status(StatusToProto(detection.outcome));
+  if (detection.rejected_by) out->set_rejected_by(GateToProto(*detection.rejected_by));
   out->set_score(detection.score);
   out->set_point_count(static_cast<int>(detection.point_count));
   *out->mutable_centroid() = VectorToProto(detection.centroid);

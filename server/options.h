@@ -19,7 +19,7 @@ struct ServerOptions {
   double drain_s = 10;
   double voxel_size_m = 0.003;
   double normal_radius_m = 0.010;
-  std::string descriptor = "mvfh300";
+  std::string descriptor = "gsh288";
   std::string log_level = "info";
 };
 

@@ -32,7 +32,7 @@ constexpr std::chrono::milliseconds kTimeToBeHeard{200};
 recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   recognition::RecognitionParameters out;
   out.descriptor.kind = recognition::DescriptorFromName(options.descriptor)
-                            .value_or(recognition::DescriptorKind::kMvfh300);
+                            .value_or(recognition::DescriptorKind::kGsh288);
   out.descriptor.voxel_size_m = options.voxel_size_m;
   out.descriptor.normal_radius_m = options.normal_radius_m;
   return out;

@@ -85,7 +85,7 @@ void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* acti
   auto options = std::make_shared<Options>();
   command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
   command->add_option("--descriptor", options->descriptor, "Which descriptor")
-      ->check(CLI::IsMember({"mvfh300", "vfh263", "vfh308"}))
+      ->check(CLI::IsMember({"gsh288", "mvfh300", "vfh263", "vfh308"}))
       ->capture_default_str();
   command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")
       ->delimiter(',')

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/eval/close_scene.h"
 #include "client/sensors/counter_random.h"
 
 namespace graspdb::client {
@@ -12,6 +13,27 @@ enum Stream : std::uint64_t { kObstacleSide = 100 };
 
 // The step of BigBIRD's turntable.
 constexpr double kAskStepDeg = 3;
+
+CameraStand StandOf(const Stand& stand) {
+  return {.look_down_deg = {stand.look_down_deg}, .distances_m = {stand.distance_m}};
+}
+
+// Every part at the centre, turned to azimuths between those that were taught.
+absl::StatusOr<std::vector<PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
+                                                        const PartSet& set) {
+  auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.asked),
+                                        .azimuth_step_deg = kAskStepDeg,
+                                        .seed = experiment.seed + 1});
+  if (!plan.ok()) return plan.status();
+  const auto steps = static_cast<std::size_t>(std::lround(360 / kAskStepDeg));
+  const auto taught_every =
+      static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kAskStepDeg));
+  std::vector<PlannedCapture> between;
+  for (std::size_t i = 0; i < plan->size(); ++i) {
+    if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));
+  }
+  return between;
+}
 
 }  // namespace
 
@@ -32,40 +54,47 @@ std::vector<ExperimentCase> ExperimentCases() {
   v1.teach_step_deg = 30;
   add("hidden-20").hidden_share = 0.2;
   add("hidden-40").hidden_share = 0.4;
+  ExperimentCase& everything = add("everything");
+  everything.parts = PartChoice::kEverything;
+  everything.teach_step_deg = 20;
+  ExperimentCase& three = add("three-objects");
+  three.objects_per_scene = 3;
+  three.area_half_width_m = 0.10;
+  add("symmetric").parts = PartChoice::kRound;
+  add("unknown").parts = PartChoice::kStrangers;
+  ExperimentCase& hidden_stranger = add("unknown-hidden-20");
+  hidden_stranger.parts = PartChoice::kStrangers;
+  hidden_stranger.hidden_share = 0.2;
+  add("twins").parts = PartChoice::kTwins;
   return cases;
 }
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
-                                                         const std::vector<Workpiece>& parts) {
-  return PlanTurntable(parts, {.stand = {.look_down_deg = {experiment.taught.look_down_deg},
-                                         .distances_m = {experiment.taught.distance_m}},
-                               .azimuth_step_deg = experiment.teach_step_deg,
-                               .seed = experiment.seed});
+                                                         const PartSet& set) {
+  const std::vector<Workpiece> taught(
+      set.parts.begin(), set.parts.begin() + static_cast<std::ptrdiff_t>(set.taught_count));
+  return PlanTurntable(taught, {.stand = StandOf(experiment.taught),
+                                .azimuth_step_deg = experiment.teach_step_deg,
+                                .seed = experiment.seed});
 }
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
-                                                          const std::vector<Workpiece>& parts) {
-  const CameraStand stand{.look_down_deg = {experiment.asked.look_down_deg},
-                          .distances_m = {experiment.asked.distance_m}};
-  if (!experiment.between_taught_azimuths) {
-    return PlanRandomScenes(parts,
-                            {.stand = stand,
-                             .count = experiment.trials_per_part * static_cast<int>(parts.size()),
-                             .area_half_width_m = experiment.area_half_width_m,
-                             .objects_per_scene = experiment.objects_per_scene,
-                             .seed = experiment.seed + 1});
+                                                          const PartSet& set) {
+  if (experiment.between_taught_azimuths) return PlanBetween(experiment, set);
+  const int count = experiment.trials_per_part * static_cast<int>(set.parts.size());
+  const std::uint64_t seed = experiment.seed + 1;
+  if (experiment.objects_per_scene > 1) {
+    return PlanCloseScenes(set.parts, {.stand = StandOf(experiment.asked),
+                                       .count = (count + experiment.objects_per_scene - 1) /
+                                                experiment.objects_per_scene,
+                                       .objects_per_scene = experiment.objects_per_scene,
+                                       .area_half_width_m = experiment.area_half_width_m,
+                                       .seed = seed});
   }
-  auto plan = PlanTurntable(
-      parts, {.stand = stand, .azimuth_step_deg = kAskStepDeg, .seed = experiment.seed + 1});
-  if (!plan.ok()) return plan.status();
-  const auto steps = static_cast<std::size_t>(std::lround(360 / kAskStepDeg));
-  const auto taught_every =
-      static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kAskStepDeg));
-  std::vector<PlannedCapture> between;
-  for (std::size_t i = 0; i < plan->size(); ++i) {
-    if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));
-  }
-  return between;
+  return PlanRandomScenes(set.parts, {.stand = StandOf(experiment.asked),
+                                      .count = count,
+                                      .area_half_width_m = experiment.area_half_width_m,
+                                      .seed = seed});
 }
 
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/eval/part_set.h"
 #include "client/eval/trial.h"
 
 namespace graspdb::client {
@@ -25,7 +26,8 @@ struct ExperimentCase {
   bool between_taught_azimuths = false;
   double area_half_width_m = 0.15;
   double hidden_share = 0;
-  int objects_per_scene = 1;
+  int objects_per_scene = 1;  // more than one: 3 cm apart, and asked about each
+  PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;
 };
@@ -33,11 +35,11 @@ struct ExperimentCase {
 // The cases by name, in the order of the report.
 std::vector<ExperimentCase> ExperimentCases();
 
-// The captures to teach and those to ask. Errors as PlanTurntable.
+// The captures to teach and those to ask. Errors as PlanTurntable and PlanCloseScenes.
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
-                                                         const std::vector<Workpiece>& parts);
+                                                         const PartSet& set);
 absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
-                                                          const std::vector<Workpiece>& parts);
+                                                          const PartSet& set);
 
 // The obstacle of a question; none unless the case hides something.
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question);

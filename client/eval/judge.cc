@@ -42,10 +42,16 @@ double AngleOf(const Eigen::Matrix3d& rotation) {
   return std::abs(Eigen::AngleAxisd(rotation).angle());
 }
 
+double StrictlyRightM(const MeasuredShape& shape) {
+  return std::max(0.008, 0.06 * shape.diameter_m);
+}
+
 void FindTurns(MeasuredShape* shape) {
+  shape->is_round = true;
   for (int k = 0; k < kTurns; ++k) {
     const double turn = 2 * std::numbers::pi * k / kTurns;
     const Distances d = DistancesOf(*shape, TurnAboutZ(turn));
+    shape->is_round = shape->is_round && d.largest_m <= StrictlyRightM(*shape);
     if (k == 0 || d.largest_m < kSameShape * shape->diameter_m) shape->turns_rad.push_back(turn);
   }
   shape->any_turn = shape->turns_rad.size() == kTurns;
@@ -58,6 +64,7 @@ MeasuredShape Measure(const Workpiece& part) {
                     recognition::PointSearch(SampleSurface(part.mesh, kSearchedPoints, /*seed=*/2)),
                     DiameterOf(part.mesh),
                     {},
+                    false,
                     false};
   FindTurns(&out);
   return out;
@@ -82,12 +89,16 @@ PoseError ErrorOf(const MeasuredShape& shape, const Pose& truth, const Pose& fou
   return out;
 }
 
+Pose AsIn(const Pose& asked_mesh, const Pose& answered_mesh, const Pose& world_answered) {
+  return world_answered * answered_mesh * asked_mesh.inverse();
+}
+
 bool IsRight(const MeasuredShape& shape, const PoseError& error) {
   return error.add_s_m < 0.05 * shape.diameter_m;
 }
 
 bool IsStrictlyRight(const MeasuredShape& shape, const PoseError& error) {
-  return error.hausdorff_m <= std::max(0.008, 0.06 * shape.diameter_m);
+  return error.hausdorff_m <= StrictlyRightM(shape);
 }
 
 }  // namespace graspdb::client

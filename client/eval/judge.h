@@ -19,6 +19,7 @@ struct MeasuredShape {
   // `any_turn`.
   std::vector<double> turns_rad;
   bool any_turn = false;
+  bool is_round = false;  // after any turn every point would still be strictly right
 };
 
 MeasuredShape Measure(const Workpiece& part);
@@ -35,6 +36,11 @@ PoseError ErrorOf(const MeasuredShape& shape, const recognition::Pose& truth,
 
 // ADD-S under 5 % of the diameter.
 bool IsRight(const MeasuredShape& shape, const PoseError& error);
+// A pose of one stable pose of an object, told as one of another: both are the same mesh at rest.
+// `answered_mesh` and `asked_mesh` are their T_object_mesh.
+recognition::Pose AsIn(const recognition::Pose& asked_mesh, const recognition::Pose& answered_mesh,
+                       const recognition::Pose& world_answered);
+
 // No point farther off than 8 mm, or 6 % of the diameter for larger things.
 bool IsStrictlyRight(const MeasuredShape& shape, const PoseError& error);
 

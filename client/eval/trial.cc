@@ -33,6 +33,19 @@ TriangleMesh PlateMesh(const Vector2d& direction, double edge, double depth_m) {
   return out;
 }
 
+Vector3d MeanSeen(const DepthFrame& frame, int object, const Trial& trial) {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < frame.surface.size(); ++i) {
+    const Vector3f& p = trial.scan.points[i];
+    if (frame.surface[i] != object || !p.allFinite() || p.z() <= 0) continue;
+    sum += *trial.scan.world_sensor * p.cast<double>();
+    ++count;
+  }
+  if (count == 0) return trial.truth[static_cast<std::size_t>(object)].world_object.translation();
+  return sum / count;
+}
+
 }  // namespace
 
 absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<Workpiece>& parts,
@@ -79,11 +92,16 @@ absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
   }
   absl::StatusOr<DepthFrame> frame = camera_.Render(scene, capture.world_sensor, capture.seed);
   if (!frame.ok()) return frame.status();
-  return Trial{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
-                        .world_sensor = capture.world_sensor,
-                        .region = RegionOfTrials(),
-                        .segmented = false},
-               .truth = capture.placements};
+  Trial out{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
+                     .world_sensor = capture.world_sensor,
+                     .region = RegionOfTrials(),
+                     .segmented = false},
+            .truth = capture.placements,
+            .seen = {}};
+  for (std::size_t i = 0; i < out.truth.size(); ++i) {
+    out.seen.push_back(MeanSeen(*frame, static_cast<int>(i), out));
+  }
+  return out;
 }
 
 }  // namespace graspdb::client

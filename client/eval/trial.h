@@ -16,6 +16,8 @@ namespace graspdb::client {
 struct Trial {
   recognition::Scan scan;
   std::vector<Placement> truth;  // what stands in it; the first is asked about
+  // Mean of what the camera sees of each, world frame, m; its place where nothing is seen.
+  std::vector<Eigen::Vector3d> seen;
 };
 
 // An obstacle before the lens that hides a share of the first object's pixels, from one side of

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -27,8 +28,9 @@ absl::Status CheckParts(const std::vector<Workpiece>& parts) {
   if (parts.empty()) return Bad("there is nothing to capture; name a mesh or a sample part");
   std::set<std::string> ids;
   for (const Workpiece& part : parts) {
-    if (!ids.insert(part.object_id).second) {
-      return Bad(absl::StrCat("two objects have the id ", part.object_id, "; rename one"));
+    if (!ids.insert(absl::StrCat(part.object_id, "/", part.stable_pose_id)).second) {
+      return Bad(absl::StrCat("two workpieces are ", part.object_id, " in the stable pose ",
+                              part.stable_pose_id, "; rename one"));
     }
   }
   return absl::OkStatus();
@@ -141,8 +143,9 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Work
   }
   const auto steps = static_cast<int>(std::ceil(360 / options.azimuth_step_deg - 1e-9));
   std::vector<PlannedCapture> plan;
+  std::map<std::string, int> numbers;  // captures of an object so far
   for (std::size_t part = 0; part < parts.size(); ++part) {
-    int number = 0;
+    int& number = numbers[parts[part].object_id];
     for (const double look_down_deg : options.stand.look_down_deg) {
       for (const double distance_m : options.stand.distances_m) {
         const Pose sensor = SensorPose(options.stand, look_down_deg, distance_m);

@@ -63,8 +63,8 @@ struct RandomSceneOptions {
 // Half the side of the region of interest around the origin.
 inline constexpr double kRegionHalfWidthM = 0.30;
 
-// INVALID_ARGUMENT when there is no workpiece, two share an id, or an option is
-// out of range. The same arguments give the same plan.
+// INVALID_ARGUMENT when there is no workpiece, two share their object and stable pose, or an option
+// is out of range. The same arguments give the same plan.
 absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Workpiece>& parts,
                                                           const TurntableOptions& options);
 

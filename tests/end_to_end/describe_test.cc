@@ -33,7 +33,7 @@ class DescribeTest : public ProgramsTest {
 TEST_F(DescribeTest, EveryDescriptorHasItsSizeAndMass) {
   for (const auto& [name, size, mass] :
        {std::tuple("mvfh300", 300U, 1.0), std::tuple("vfh263", 263U, 1.0),
-        std::tuple("vfh308", 308U, 400.0)}) {
+        std::tuple("gsh288", 288U, 1.0), std::tuple("vfh308", 308U, 400.0)}) {
     const std::vector<double> bins =
         Numbers(Succeed({"describe", cloud_, "--descriptor", name}).out);
     EXPECT_EQ(bins.size(), size);

@@ -38,7 +38,7 @@ class DescriptorDegenerateTest : public ::testing::TestWithParam<DescriptorKind>
 
 INSTANTIATE_TEST_SUITE_P(Kinds, DescriptorDegenerateTest,
                          ::testing::Values(DescriptorKind::kVfh263, DescriptorKind::kMvfh300,
-                                           DescriptorKind::kVfh308),
+                                           DescriptorKind::kVfh308, DescriptorKind::kGsh288),
                          [](const auto& kind) { return std::string(DescriptorName(kind.param)); });
 
 // 12 points on a circle of 5 cm about the origin.

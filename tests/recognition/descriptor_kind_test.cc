@@ -17,7 +17,7 @@ using ::graspdb::testing::Random;
 using ::graspdb::testing::WavySurface;
 
 constexpr DescriptorKind kKinds[] = {DescriptorKind::kVfh263, DescriptorKind::kMvfh300,
-                                     DescriptorKind::kVfh308};
+                                     DescriptorKind::kVfh308, DescriptorKind::kGsh288};
 
 Descriptor DescribeWaves(DescriptorKind kind, std::size_t count) {
   Random random(5);
@@ -33,12 +33,15 @@ TEST(DescriptorKindTest, SizesAreThoseOfTheirNames) {
   EXPECT_EQ(DescribeWaves(DescriptorKind::kVfh263, 100).size(), 263U);
   EXPECT_EQ(DescribeWaves(DescriptorKind::kMvfh300, 100).size(), 300U);
   EXPECT_EQ(DescribeWaves(DescriptorKind::kVfh308, 100).size(), 308U);
+  EXPECT_EQ(DescriptorSize(DescriptorKind::kGsh288), 288);
+  EXPECT_EQ(DescribeWaves(DescriptorKind::kGsh288, 100).size(), 288U);
 }
 
 TEST(DescriptorKindTest, NamesLeadBackToTheirKind) {
   EXPECT_EQ(DescriptorName(DescriptorKind::kVfh263), "vfh263");
   EXPECT_EQ(DescriptorName(DescriptorKind::kMvfh300), "mvfh300");
   EXPECT_EQ(DescriptorName(DescriptorKind::kVfh308), "vfh308");
+  EXPECT_EQ(DescriptorName(DescriptorKind::kGsh288), "gsh288");
   for (const DescriptorKind kind : kKinds) {
     EXPECT_EQ(DescriptorFromName(DescriptorName(kind)), kind);
   }

@@ -80,10 +80,10 @@ TEST_F(RecognizerTest, CandidatesAreTheTenNearestViewsNearestFirst) {
   for (std::size_t i = 0; i < found.candidates.size(); ++i) {
     const Candidate& candidate = found.candidates[i];
     if (candidate.verification_score) {
-      EXPECT_LE(*candidate.verification_score, found.score);
+      EXPECT_LE(*candidate.verification_score, 1);
     }
     if (candidate.view == found.view) {
-      EXPECT_EQ(candidate.verification_score, found.score);
+      EXPECT_EQ(candidate.verification_score, found.evidence.score);
     }
     if (i == 0) continue;
     EXPECT_LE(found.candidates[i - 1].descriptor_distance, candidate.descriptor_distance);

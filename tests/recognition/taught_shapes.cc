@@ -42,9 +42,9 @@ recognition::TaughtGrasp Grasp(const std::string& id, int priority, const Vector
 }  // namespace
 
 TaughtShapes::TaughtShapes()
-    : snapshot_{7,
-                recognition::DescriptorIndex(DescriptorSize(recognition::DescriptorKind::kMvfh300)),
-                nullptr} {
+    : snapshot_{
+          7, recognition::DescriptorIndex(DescriptorSize(recognition::DescriptorParameters{}.kind)),
+          nullptr} {
   Teach("bracket", {Grasp("side", 1, {-0.04, 0, 0.05}), Grasp("top", 5, {0, 0, 0.10})});
   Teach("tower", {Grasp("top", 0, {0, 0, 0.13})});
   Teach("slab", {});
@@ -86,7 +86,7 @@ void TaughtShapes::Teach(const std::string& object, std::vector<recognition::Tau
     view->stable_pose = pose_name;
     view->world_object = part.world_solid;
     view->world_sensor = WorldSensor();
-    auto descriptor = Describe(*cloud, eye, recognition::DescriptorKind::kMvfh300);
+    auto descriptor = Describe(*cloud, eye, recognition::DescriptorParameters{}.kind);
     clouds_[view->name] = std::move(cloud);
     view->shares_frame = true;
     taught.views.push_back(view);

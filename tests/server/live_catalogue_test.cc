@@ -51,13 +51,13 @@ TEST_F(LiveCatalogueTest, ARestartWithTheSameParametersChangesNothing) {
 TEST_F(LiveCatalogueTest, ARestartWithAnotherVoxelSizeDescribesViewsAgain) {
   Teach("wedge", 2);
   const std::vector<float> fine = StoredBins();
-  ASSERT_EQ(fine.size(), 300U);
+  ASSERT_EQ(fine.size(), 288U);
   options_.voxel_size_m = 0.005;
   EXPECT_THAT(StoredBins(), ::testing::IsEmpty());
   Start();
   EXPECT_EQ(Answer(request_).status(), v1::OK);
   const std::vector<float> coarse = StoredBins();
-  ASSERT_EQ(coarse.size(), 300U);
+  ASSERT_EQ(coarse.size(), 288U);
   EXPECT_NE(coarse, fine);
   options_.voxel_size_m = 0.003;
   Start();

@@ -62,7 +62,7 @@ TEST_F(ServerLifeTest, TheAddressHasThePortThatWasPicked) {
   EXPECT_THAT(server_->address(), ::testing::MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]*"));
   v1::CatalogStatus status;
   EXPECT_THAT(CallOverTheNetwork(server_->address(), &status), IsGrpcOk());
-  EXPECT_EQ(status.descriptor_name(), "mvfh300");
+  EXPECT_EQ(status.descriptor_name(), "gsh288");
   EXPECT_NE(status.server_version(), "");
   EXPECT_GE(status.schema_version(), 1);
 }

@@ -55,11 +55,13 @@ TEST_F(TrialTest, AnObstacleHidesItsShareFromAnySide) {
 }
 
 TEST(Cases, QuestionsOfThePaperLieBetweenTheTaughtAzimuths) {
-  const std::vector<Workpiece> parts = {SampleParts().front()};
+  PartSet set;
+  set.Add(TwinParts(), 0);
+  set.taught_count = 1;
   for (const ExperimentCase& experiment : ExperimentCases()) {
     if (!experiment.between_taught_azimuths) continue;
-    const auto taught = PlanTeaching(experiment, parts);
-    const auto asked = PlanQuestions(experiment, parts);
+    const auto taught = PlanTeaching(experiment, set);
+    const auto asked = PlanQuestions(experiment, set);
     ASSERT_THAT(taught, IsOk());
     ASSERT_THAT(asked, IsOk());
     EXPECT_EQ(taught->size(), 24U);

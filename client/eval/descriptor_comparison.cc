@@ -1,0 +1,173 @@
+#include "client/eval/descriptor_comparison.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "client/eval/trial.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Descriptor;
+using recognition::DescriptorKind;
+
+constexpr double kFalseRad = 15.5 * std::numbers::pi / 180;
+struct Kind {
+  const char* shown;
+  DescriptorKind kind;
+};
+constexpr std::array<Kind, 4> kKinds = {{{"VFH-263", DescriptorKind::kVfh263},
+                                         {"VFH-308", DescriptorKind::kVfh308},
+                                         {"MVFH-300", DescriptorKind::kMvfh300},
+                                         {"GSH-288", DescriptorKind::kGsh288}}};
+
+// Terms that are summed over the bins; the order of sums is that of distances.
+double Hellinger(float a, float b) {
+  const double d = std::sqrt(static_cast<double>(a)) - std::sqrt(static_cast<double>(b));
+  return d * d;
+}
+double L1(float a, float b) { return std::abs(static_cast<double>(a) - static_cast<double>(b)); }
+double L2(float a, float b) {
+  const double d = static_cast<double>(a) - static_cast<double>(b);
+  return d * d;
+}
+double ChiSquare(float a, float b) {
+  const double sum = static_cast<double>(a) + static_cast<double>(b);
+  return sum > 0 ? L2(a, b) / sum : 0;
+}
+
+struct Distance {
+  const char* name;
+  double (*term)(float, float);
+};
+constexpr std::array<Distance, 4> kDistances = {
+    {{"chi-square", ChiSquare}, {"Hellinger", Hellinger}, {"L1", L1}, {"L2", L2}}};
+
+// What the camera saw of a part.
+struct Sample {
+  std::size_t part = 0;
+  double azimuth_rad = 0;
+  std::vector<Descriptor> descriptors;  // by kKinds
+};
+
+absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
+  recognition::StageLog log;
+  const auto segmentation = recognition::SegmentScan(
+      trial.scan, run.parameters.segmentation, run.parameters.descriptor, [] { return false; },
+      &log);
+  if (!segmentation.ok()) return segmentation.status();
+  if (segmentation->segments.empty()) {
+    return absl::FailedPreconditionError("nothing is seen of a part; leave it out");
+  }
+  const recognition::Segment& segment = *std::ranges::min_element(
+      segmentation->segments, {},
+      [&](const recognition::Segment& s) { return (s.centroid - trial.seen.front()).norm(); });
+  const Placement& truth = trial.truth.front();
+  Sample out{.part = truth.part, .azimuth_rad = 0, .descriptors = {}};
+  const Eigen::Vector3d x = truth.world_object.linear().col(0);
+  out.azimuth_rad = std::atan2(x.y(), x.x());
+  for (const Kind& kind : kKinds) {
+    auto descriptor =
+        recognition::Describe(segment.cloud, segmentation->world_sensor.translation(), kind.kind);
+    if (!descriptor.ok()) return descriptor.status();
+    out.descriptors.push_back(*std::move(descriptor));
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<Sample>> Samples(const std::vector<PlannedCapture>& plan,
+                                            const TrialRenderer& renderer, const std::string& step,
+                                            const ExperimentRun& run) {
+  std::vector<Sample> out(plan.size());
+  absl::Status status = ForEach(plan.size(), step, run, [&](std::size_t i) -> absl::Status {
+    const auto trial = renderer.Render(plan[i]);
+    if (!trial.ok()) return trial.status();
+    auto sample = SampleOf(*trial, run);
+    if (!sample.ok()) return sample.status();
+    out[i] = *std::move(sample);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return out;
+}
+
+double DistanceOf(const Sample& a, const Sample& b, std::size_t kind, const Distance& distance) {
+  double sum = 0;
+  const Descriptor& of_b = b.descriptors[kind];
+  const Descriptor& of_a = a.descriptors[kind];
+  for (std::size_t i = 0; i < of_a.size(); ++i) sum += distance.term(of_a[i], of_b[i]);
+  return sum;
+}
+
+// More than 15 degrees apart, whatever symmetric turn is between them.
+bool IsFalse(const Sample& asked, const Sample& view, const MeasuredShape& shape) {
+  return std::ranges::all_of(shape.turns_rad, [&](double turn) {
+    const double apart =
+        std::remainder(asked.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);
+    return std::abs(apart) > kFalseRad;
+  });
+}
+
+DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& questions,
+                          std::size_t kind, const Distance& distance, const PartSet& set) {
+  DescriptorFigures out{
+      .descriptor = kKinds[kind].shown, .distance = distance.name, .asked = questions.size()};
+  std::map<std::string, double> asked;
+  for (const Sample& question : questions) {
+    const Sample* own = nullptr;
+    double nearest_own = 1e9;
+    double nearest_other = 1e9;
+    for (const Sample& view : views) {
+      const double d = DistanceOf(question, view, kind, distance);
+      if (view.part != question.part) {
+        nearest_other = std::min(nearest_other, d);
+      } else if (d < nearest_own) {
+        nearest_own = d;
+        own = &view;
+      }
+    }
+    const std::string& object = set.parts[question.part].object_id;
+    asked[object] += 1;
+    out.false_recognition[object] +=
+        own == nullptr || IsFalse(question, *own, *set.shapes[question.part]);
+    out.object_wrong += nearest_other < nearest_own;
+  }
+  for (auto& [object, share] : out.false_recognition) share /= asked[object];
+  out.object_wrong /= std::max(1.0, static_cast<double>(questions.size()));
+  return out;
+}
+
+}  // namespace
+
+double MeanFalseRecognition(const DescriptorFigures& figures) {
+  double sum = 0;
+  for (const auto& [object, share] : figures.false_recognition) sum += share;
+  return sum / std::max(1.0, static_cast<double>(figures.false_recognition.size()));
+}
+
+absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const ExperimentCase& experiment,
+                                                                  const PartSet& set,
+                                                                  const ExperimentRun& run) {
+  const auto renderer = TrialRenderer::Create(set.parts, experiment.taught.camera);
+  if (!renderer.ok()) return renderer.status();
+  const auto teaching = PlanTeaching(experiment, set);
+  if (!teaching.ok()) return teaching.status();
+  const auto asking = PlanQuestions(experiment, set);
+  if (!asking.ok()) return asking.status();
+  const auto views = Samples(*teaching, *renderer, "descriptors: teaching", run);
+  if (!views.ok()) return views.status();
+  const auto questions = Samples(*asking, *renderer, "descriptors: asking", run);
+  if (!questions.ok()) return questions.status();
+  std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
+  absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
+    out[i] =
+        Figures(*views, *questions, i / kDistances.size(), kDistances[i % kDistances.size()], set);
+    return absl::OkStatus();
+  });
+  if (!compared.ok()) return compared;
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,20 @@
+// The paper's experiment on descriptors alone: no alignment, no verification.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/eval/cases.h"
+#include "client/eval/descriptor_figures.h"
+#include "client/eval/experiment_run.h"
+
+namespace graspdb::client {
+
+// Every descriptor with every distance over the teaching and the questions of `experiment`,
+// which shows one thing at a time at the centre. Descriptors in the order VFH-263, VFH-308,
+// MVFH-300, GSH-288; distances chi-square, Hellinger, L1, L2. Errors as RunCase.
+absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const ExperimentCase& experiment,
+                                                                  const PartSet& set,
+                                                                  const ExperimentRun& run);
+
+}  // namespace graspdb::client

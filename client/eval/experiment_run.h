@@ -1,0 +1,27 @@
+// How an experiment is run.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "recognition/recognizer.h"
+
+namespace graspdb::client {
+
+// Workers run questions side by side; the result does not depend on how many there are.
+struct ExperimentRun {
+  recognition::RecognitionParameters parameters;
+  int workers = 2;
+  std::size_t kept_scans = 0;  // of the worst answers, for pictures; each is rendered once more
+  std::function<void(const std::string& step, std::size_t done, std::size_t total)> report;
+  std::function<bool()> cancelled;
+};
+
+// Calls `work` for 0 … count - 1 on the run's workers, in any order, and reports after each; the
+// first error ends it. CANCELLED when the run is.
+absl::Status ForEach(std::size_t count, const std::string& step, const ExperimentRun& run,
+                     const std::function<absl::Status(std::size_t)>& work);
+
+}  // namespace graspdb::client

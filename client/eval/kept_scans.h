@@ -1,0 +1,22 @@
+// What the camera saw where an answer went wrong.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/eval/experiment.h"
+
+namespace graspdb::client {
+
+// Positions in `result.answers`, the worst first: what was named wrongly, then by the farthest
+// point. Things that are not known and were rejected are left out, since there is nothing to show.
+std::vector<std::size_t> WorstFirst(const CaseResult& result);
+
+// Fills `result->scans` for the `count` worst answers: the points above the table around the
+// thing, at most 1500. `plan` holds the questions by their scene number. Errors as
+// TrialRenderer::Render.
+absl::Status KeepScans(std::size_t count, const std::vector<PlannedCapture>& plan,
+                       const TrialRenderer& renderer, CaseResult* result);
+
+}  // namespace graspdb::client

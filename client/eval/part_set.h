@@ -1,0 +1,63 @@
+// The workpieces that an experiment is about.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/eval/judge.h"
+#include "client/sensors/workpiece.h"
+
+namespace graspdb::client {
+
+// Workpieces with what answers about them are measured with; position by position.
+struct PartSet {
+  std::vector<Workpiece> parts;
+  std::vector<std::shared_ptr<const MeasuredShape>> shapes;
+  // T_object_mesh: from the mesh as it was given into the frame of the stable pose. All stable
+  // poses of an object are one mesh.
+  std::vector<recognition::Pose> object_mesh;
+  // The first so many are taught; the others are only shown.
+  std::size_t taught_count = 0;
+
+  void Add(const PartSet& other, std::size_t position);
+};
+
+// Which meshes and attitudes an experiment takes.
+struct MeshSelection {
+  int attitudes = 1;              // at most, the most probable first
+  double min_probability = 0.05;  // of an attitude, see RestingPose
+};
+
+// The mesh files `paths` (one unit is `unit_scale_m` metres) as workpieces on the table: the
+// object is named after the file, the stable poses "resting-1", "resting-2", … All count as taught.
+// Errors as LoadMesh and RestingPoses.
+absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
+                                     double unit_scale_m, const MeshSelection& selection);
+
+// Sample parts that are each other's mirror images, among others.
+PartSet TwinParts();
+
+// Which of the parts at hand a case is about.
+enum class PartChoice {
+  kMain,        // those named, in the attitude in which they most often rest
+  kEverything,  // all of them, in every attitude
+  kRound,       // those that look the same from all sides
+  kStrangers,   // as kMain; all others are shown, but not taught
+  kTwins,       // none of them: TwinParts
+};
+
+struct Choices {
+  // Objects of the main cases; empty stands for all that are not round.
+  std::vector<std::string> main = {};
+  // Of things in kEverything: the diameter.
+  double min_length_m = 0.04;
+  double max_length_m = 0.30;
+};
+
+// INVALID_ARGUMENT when a named object is not there, FAILED_PRECONDITION when nothing is left.
+absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices);
+
+}  // namespace graspdb::client
