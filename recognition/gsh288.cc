@@ -52,7 +52,8 @@ class Histogram2d {
   double& At(int column, int row) {
     column = wraps_ ? (column + columns_) % columns_ : std::clamp(column, 0, columns_ - 1);
     row = std::clamp(row, 0, rows_ - 1);
-    return counts_[static_cast<std::size_t>(row * columns_ + column)];
+    return counts_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                   static_cast<std::size_t>(column)];
   }
 
   int columns_;
