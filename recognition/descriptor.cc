@@ -152,6 +152,13 @@ std::optional<DescriptorKind> DescriptorFromName(std::string_view name) {
   return std::nullopt;
 }
 
+std::vector<std::string> DescriptorNames() {
+  std::vector<std::string> out;
+  out.reserve(kNames.size());
+  for (const Name& n : kNames) out.emplace_back(n.name);
+  return out;
+}
+
 int DescriptorSize(DescriptorKind kind) {
   for (const Name& n : kNames) {
     if (n.kind == kind) return n.size;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +27,8 @@ enum class DescriptorKind {
 // "vfh263", "mvfh300", "vfh308", "gsh288".
 std::string_view DescriptorName(DescriptorKind kind);
 std::optional<DescriptorKind> DescriptorFromName(std::string_view name);
+// All of them.
+std::vector<std::string> DescriptorNames();
 
 // Number of bins.
 int DescriptorSize(DescriptorKind kind);

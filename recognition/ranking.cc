@@ -18,7 +18,7 @@ constexpr double kFarM = 0.02;
 constexpr double kSameSurfaceM = 0.006;
 constexpr double kSameSurfaceShare = 0.04;
 // Scores that differ less are equal.
-constexpr double kAsGood = 0.006;
+constexpr double kEqualScores = 0.006;
 
 double LargestGapTo(const SurfaceModel& from, const Pose& to_from, const SurfaceModel& to) {
   const Eigen::Isometry3f moved = to_from.cast<float>();
@@ -57,7 +57,7 @@ Standing StandingOf(const PoseHypothesis& h, const PoseHypothesis& best) {
       LargestGap(*best.model, best.refined, *h.model, h.refined) < same) {
     return Standing::kSameSurface;
   }
-  return h.close_score > best.close_score - kAsGood ? Standing::kAsGood : Standing::kWorse;
+  return h.close_score > best.close_score - kEqualScores ? Standing::kAsGood : Standing::kWorse;
 }
 
 }  // namespace

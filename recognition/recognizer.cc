@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "recognition/descriptor.h"
+#include "recognition/fragments.h"
 #include "recognition/model_matching.h"
 #include "recognition/view_matching.h"
 
@@ -74,6 +75,7 @@ absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& 
   if (hypotheses->empty()) return absl::OkStatus();
   const PoseHypothesis& best = hypotheses->front();
   detection->view = best.view;
+  detection->model = best.model;
   detection->evidence = best.evidence;
   detection->doubt = DoubtsOf(best.evidence, *best.model, input.segmentation.table_noise_m,
                               parameters.support_distance_m);
@@ -175,6 +177,7 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
     if (!detection.ok()) return detection.status();
     out.detections.push_back(*std::move(detection));
   }
+  JoinFragments(segmentation->segments, parameters.matching.support_distance_m, &out.detections);
   out.stages = log.reports();
   switch (segmentation->outcome) {
     case SegmentationOutcome::kEmptyRegion:

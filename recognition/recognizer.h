@@ -82,6 +82,7 @@ struct Detection {
   std::vector<Alternative> alternatives;  // that are not of the same stable pose
   std::optional<Gate> rejected_by;        // of an object that is unknown
   Registration registration;
+  std::shared_ptr<const SurfaceModel> model;  // that was aligned; null on the paper's way
   Evidence evidence;  // of the best explanation; all zero where models were not aligned
   Doubt doubt;
   std::vector<GraspProposal> grasps;  // best first

@@ -4,6 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "recognition/descriptor.h"
 #include "server/version.h"
 #include "settings/settings_file.h"
 
@@ -41,7 +42,7 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   number("--normal-radius", &o->normal_radius_m, "Radius that a normal is fitted to, m", 0.001,
          0.5);
   app.add_option("--descriptor", o->descriptor, "Descriptor that finds the views")
-      ->check(CLI::IsMember({"gsh288", "mvfh300", "vfh263", "vfh308"}))
+      ->check(CLI::IsMember(recognition::DescriptorNames()))
       ->capture_default_str();
   app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))

@@ -31,8 +31,8 @@ constexpr std::chrono::milliseconds kTimeToBeHeard{200};
 
 recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   recognition::RecognitionParameters out;
-  out.descriptor.kind = recognition::DescriptorFromName(options.descriptor)
-                            .value_or(recognition::DescriptorKind::kGsh288);
+  out.descriptor.kind =
+      recognition::DescriptorFromName(options.descriptor).value_or(out.descriptor.kind);
   out.descriptor.voxel_size_m = options.voxel_size_m;
   out.descriptor.normal_radius_m = options.normal_radius_m;
   return out;

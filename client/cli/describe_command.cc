@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/files/point_file.h"
+#include "recognition/descriptor.h"
 #include "recognition/parameters.h"
 #include "recognition/region.h"
 #include "recognition/segmentation.h"
@@ -85,7 +86,7 @@ void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* acti
   auto options = std::make_shared<Options>();
   command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
   command->add_option("--descriptor", options->descriptor, "Which descriptor")
-      ->check(CLI::IsMember({"gsh288", "mvfh300", "vfh263", "vfh308"}))
+      ->check(CLI::IsMember(recognition::DescriptorNames()))
       ->capture_default_str();
   command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")
       ->delimiter(',')

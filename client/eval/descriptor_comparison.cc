@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/eval/shown_segment.h"
 #include "client/eval/trial.h"
 
 namespace graspdb::client {
@@ -53,24 +54,15 @@ struct Sample {
 };
 
 absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
-  recognition::StageLog log;
-  const auto segmentation = recognition::SegmentScan(
-      trial.scan, run.parameters.segmentation, run.parameters.descriptor, [] { return false; },
-      &log);
-  if (!segmentation.ok()) return segmentation.status();
-  if (segmentation->segments.empty()) {
-    return absl::FailedPreconditionError("nothing is seen of a part; leave it out");
-  }
-  const recognition::Segment& segment = *std::ranges::min_element(
-      segmentation->segments, {},
-      [&](const recognition::Segment& s) { return (s.centroid - trial.seen.front()).norm(); });
+  const auto shown = SegmentShown(trial, run.parameters);
+  if (!shown.ok()) return shown.status();
   const Placement& truth = trial.truth.front();
   Sample out{.part = truth.part, .azimuth_rad = 0, .descriptors = {}};
   const Eigen::Vector3d x = truth.world_object.linear().col(0);
   out.azimuth_rad = std::atan2(x.y(), x.x());
   for (const Kind& kind : kKinds) {
     auto descriptor =
-        recognition::Describe(segment.cloud, segmentation->world_sensor.translation(), kind.kind);
+        recognition::Describe(shown->segment.cloud, shown->world_sensor.translation(), kind.kind);
     if (!descriptor.ok()) return descriptor.status();
     out.descriptors.push_back(*std::move(descriptor));
   }
@@ -150,15 +142,17 @@ double MeanFalseRecognition(const DescriptorFigures& figures) {
 absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const ExperimentCase& experiment,
                                                                   const PartSet& set,
                                                                   const ExperimentRun& run) {
-  const auto renderer = TrialRenderer::Create(set.parts, experiment.taught.camera);
-  if (!renderer.ok()) return renderer.status();
+  const auto taught = TrialRenderer::Create(set.parts, experiment.taught.camera);
+  if (!taught.ok()) return taught.status();
+  const auto asked = TrialRenderer::Create(set.parts, experiment.asked.camera);
+  if (!asked.ok()) return asked.status();
   const auto teaching = PlanTeaching(experiment, set);
   if (!teaching.ok()) return teaching.status();
   const auto asking = PlanQuestions(experiment, set);
   if (!asking.ok()) return asking.status();
-  const auto views = Samples(*teaching, *renderer, "descriptors: teaching", run);
+  const auto views = Samples(*teaching, *taught, "descriptors: teaching", run);
   if (!views.ok()) return views.status();
-  const auto questions = Samples(*asking, *renderer, "descriptors: asking", run);
+  const auto questions = Samples(*asking, *asked, "descriptors: asking", run);
   if (!questions.ok()) return questions.status();
   std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {

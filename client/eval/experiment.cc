@@ -10,9 +10,6 @@
 namespace graspdb::client {
 namespace {
 
-using recognition::Detection;
-using recognition::Pose;
-
 absl::Status Teach(const ExperimentCase& experiment, const PartSet& set, const ExperimentRun& run,
                    Gallery* gallery) {
   auto plan = PlanTeaching(experiment, set);
@@ -25,66 +22,6 @@ absl::Status Teach(const ExperimentCase& experiment, const PartSet& set, const E
     auto trial = renderer->Render((*plan)[i]);
     return trial.ok() ? gallery->Teach(*trial) : trial.status();
   });
-}
-
-// The detection nearest to what the camera sees of a thing; null without detections.
-const Detection* DetectionAt(const recognition::Recognition& recognition,
-                             const Eigen::Vector3d& seen) {
-  if (recognition.detections.empty()) return nullptr;
-  return &*std::ranges::min_element(recognition.detections, {}, [&](const Detection& d) {
-    return (d.centroid - seen).head<2>().norm();
-  });
-}
-
-// Judges the pose, and the further ones where the answer says that it is ambiguous.
-void JudgePoses(const Detection& detection, std::size_t answered, const PartSet& set,
-                Answer* answer) {
-  const MeasuredShape& shape = *set.shapes[answer->part];
-  const auto as_asked = [&](const Pose& pose) {
-    return AsIn(set.object_mesh[answer->part], set.object_mesh[answered], pose);
-  };
-  answer->found = as_asked(detection.refined_pose);
-  answer->error = ErrorOf(shape, answer->truth, answer->found);
-  for (const Pose& pose : detection.equivalent_poses) {
-    if (IsStrictlyRight(shape, answer->error)) break;
-    if (detection.outcome != recognition::RecognitionOutcome::kAmbiguous) break;
-    const PoseError error = ErrorOf(shape, answer->truth, as_asked(pose));
-    if (!IsStrictlyRight(shape, error)) continue;
-    answer->error = error;
-    answer->by_equivalent = true;
-  }
-  answer->pose_right = IsRight(shape, answer->error);
-  answer->strictly_right = IsStrictlyRight(shape, answer->error);
-}
-
-Answer Judge(const recognition::Recognition& recognition, const Trial& trial, std::size_t which,
-             const PartSet& set) {
-  const Placement& truth = trial.truth[which];
-  Answer out{.part = truth.part,
-             .known = truth.part < set.taught_count,
-             .outcome = recognition.outcome,
-             .truth = truth.world_object};
-  const Detection* detection = DetectionAt(recognition, trial.seen[which]);
-  if (detection != nullptr) {
-    out.outcome = detection->outcome;
-    out.score = detection->score;
-    out.doubt = detection->doubt;
-    out.candidates = detection->candidates;
-    out.found = detection->refined_pose;
-  }
-  if (detection == nullptr || !detection->view) {
-    out.object_right = !out.known;
-    return out;
-  }
-  out.stable_pose = detection->view->stable_pose;
-  out.view = detection->view->name;
-  if (!out.known || detection->view->object != "objects/" + set.parts[out.part].object_id) {
-    return out;
-  }
-  out.object_right = true;
-  const auto answered = std::ranges::find(set.parts, out.stable_pose, StablePoseName);
-  JudgePoses(*detection, static_cast<std::size_t>(answered - set.parts.begin()), set, &out);
-  return out;
 }
 
 }  // namespace
@@ -109,7 +46,7 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
     if (!recognition.ok()) return recognition.status();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     for (std::size_t which = 0; which < trial->truth.size(); ++which) {
-      answers[i].push_back(Judge(*recognition, *trial, which, set));
+      answers[i].push_back(JudgeAnswer(*recognition, *trial, which, set));
       answers[i].back().scene = i;
       answers[i].back().milliseconds = took.count();
       answers[i].back().world_sensor = (*plan)[i].world_sensor;
@@ -142,13 +79,15 @@ CaseSummary Summarize(const CaseResult& result) {
     out.pose_right += a.pose_right;
     out.strictly_right += a.strictly_right;
     out.ambiguous += a.outcome == recognition::RecognitionOutcome::kAmbiguous;
+    out.listed += a.listed;
     if (!a.pose_right) continue;
     ++poses;
     out.mean_rotation_deg += a.error.rotation_rad * 180 / std::numbers::pi;
     out.mean_translation_mm += a.error.translation_m * 1000;
   }
   const auto at_least_one = [](auto n) { return std::max(1.0, static_cast<double>(n)); };
-  for (double* share : {&out.object_right, &out.pose_right, &out.strictly_right, &out.ambiguous}) {
+  for (double* share :
+       {&out.object_right, &out.pose_right, &out.strictly_right, &out.ambiguous, &out.listed}) {
     *share /= at_least_one(out.known);
   }
   out.unknown_rejected /= at_least_one(out.unknown);

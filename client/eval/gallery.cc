@@ -1,20 +1,20 @@
 #include "client/eval/gallery.h"
 
-#include <algorithm>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/eval/shown_segment.h"
 
 namespace graspdb::client {
 
 using recognition::IndexedView;
 using recognition::OrientedCloud;
-using recognition::Segment;
 using recognition::TaughtStablePose;
 using recognition::TaughtView;
 
+std::string ObjectName(const Workpiece& part) { return absl::StrCat("objects/", part.object_id); }
+
 std::string StablePoseName(const Workpiece& part) {
-  return absl::StrCat("objects/", part.object_id, "/stablePoses/", part.stable_pose_id);
+  return absl::StrCat(ObjectName(part), "/stablePoses/", part.stable_pose_id);
 }
 
 Gallery::Gallery(const std::vector<Workpiece>& parts,
@@ -22,31 +22,22 @@ Gallery::Gallery(const std::vector<Workpiece>& parts,
     : parts_(&parts), parameters_(parameters) {}
 
 absl::Status Gallery::Teach(const Trial& trial) {
-  recognition::StageLog log;
-  auto segmentation = recognition::SegmentScan(
-      trial.scan, parameters_.segmentation, parameters_.descriptor, [] { return false; }, &log);
-  if (!segmentation.ok()) return segmentation.status();
+  auto shown = SegmentShown(trial, parameters_);
+  if (!shown.ok()) return shown.status();
   const Placement& truth = trial.truth.front();
   const Workpiece& part = (*parts_)[truth.part];
-  if (segmentation->segments.empty()) {
-    return absl::FailedPreconditionError(absl::StrCat("nothing is seen of ", StablePoseName(part)));
-  }
-  const Segment& segment =
-      *std::ranges::min_element(segmentation->segments, {}, [&](const Segment& s) {
-        return (s.centroid - truth.world_object.translation()).head<2>().norm();
-      });
   auto view = std::make_shared<TaughtView>();
   view->stable_pose = StablePoseName(part);
-  view->object = absl::StrCat("objects/", part.object_id);
+  view->object = ObjectName(part);
   view->name = absl::StrFormat("%s/views/%05d", view->stable_pose, views_.size());
   view->content = view->name;
   view->world_object = truth.world_object;
   view->shares_frame = true;
-  view->world_sensor = segmentation->world_sensor;
-  auto descriptor = recognition::Describe(segment.cloud, view->world_sensor.translation(),
+  view->world_sensor = shown->world_sensor;
+  auto descriptor = recognition::Describe(shown->segment.cloud, view->world_sensor.translation(),
                                           parameters_.descriptor.kind);
   if (!descriptor.ok()) return descriptor.status();
-  clouds_[view->name] = std::make_shared<const OrientedCloud>(segment.cloud);
+  clouds_[view->name] = std::make_shared<const OrientedCloud>(std::move(shown->segment.cloud));
   posed_[view->stable_pose].push_back({clouds_[view->name], view->world_object});
   views_.push_back({std::move(view), *std::move(descriptor)});
   return absl::OkStatus();

@@ -42,7 +42,8 @@ class Gallery : public recognition::ViewClouds {
   std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
 };
 
-// The resource name of a workpiece's stable pose.
+// Resource names of a workpiece and of its stable pose.
+std::string ObjectName(const Workpiece& part);
 std::string StablePoseName(const Workpiece& part);
 
 }  // namespace graspdb::client

@@ -43,8 +43,10 @@ std::string ObjectOf(const std::string& stable_pose) {
 
 std::optional<std::size_t> PartOfFound(const Answer& answer, const PartSet& set) {
   if (answer.stable_pose.empty()) return std::nullopt;
-  // A right answer is told in the frame of the stable pose that was asked about.
-  if (answer.known && answer.object_right) return answer.part;
+  // While the object is right, the pose is told in the frame of the stable pose asked about.
+  if (answer.known && ObjectOf(answer.stable_pose) == set.parts[answer.part].object_id) {
+    return answer.part;
+  }
   const auto named = std::ranges::find(set.parts, answer.stable_pose, StablePoseName);
   if (named == set.parts.end()) return std::nullopt;
   return static_cast<std::size_t>(named - set.parts.begin());

@@ -83,7 +83,7 @@ std::string Caption(const Answer& a, const PartSet& set) {
     absl::StrAppendFormat(&out, ", farthest point %.1f mm off, ADD-S %.1f mm",
                           a.error.hausdorff_m * 1e3, a.error.add_s_m * 1e3);
   }
-  if (a.by_equivalent) absl::StrAppend(&out, "; one of the further poses is right");
+  if (a.listed) absl::StrAppend(&out, "; not the first reading, one of those listed");
   return out;
 }
 

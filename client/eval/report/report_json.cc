@@ -106,6 +106,7 @@ void FillSummary(const CaseSummary& s, Value* value) {
   out.Number("pose_right", s.pose_right);
   out.Number("strictly_right", s.strictly_right);
   out.Number("ambiguous", s.ambiguous);
+  out.Number("listed", s.listed);
   out.Number("mean_rotation_deg", s.mean_rotation_deg);
   out.Number("mean_translation_mm", s.mean_translation_mm);
   out.Number("unknown_rejected", s.unknown_rejected);
@@ -144,7 +145,7 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
   out.Bool("object_right", a.object_right);
   out.Bool("pose_right", a.pose_right);
   out.Bool("strictly_right", a.strictly_right);
-  out.Bool("by_equivalent", a.by_equivalent);
+  out.Bool("listed", a.listed);
   out.Number("score", a.score);
   JsonObject doubt(&out.At("doubt"));
   doubt.Number("scan", a.doubt.scan);

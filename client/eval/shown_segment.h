@@ -1,0 +1,20 @@
+// What is seen of the thing that a trial is about.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "client/eval/trial.h"
+#include "recognition/recognizer.h"
+
+namespace graspdb::client {
+
+struct ShownSegment {
+  recognition::Segment segment;
+  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
+};
+
+// The segment of the trial's first object. FAILED_PRECONDITION where nothing is seen of it; errors
+// as SegmentScan.
+absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
+                                          const recognition::RecognitionParameters& parameters);
+
+}  // namespace graspdb::client
