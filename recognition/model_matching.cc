@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <unordered_set>
 
@@ -70,15 +71,16 @@ class Matcher {
         stride_(static_cast<int>(
             std::max<std::size_t>(1, input.segment.cloud.points.size() / kRoughPoints))) {}
 
-  // Rough hypotheses from these views, refined, the best ones kept.
-  absl::Status Propose(const Views& views) {
+  // Rough hypotheses from these views, refined, the best ones kept. `hidden`: sides on which the
+  // segment may go on.
+  absl::Status Propose(const Views& views, const Sight::Sides& hidden) {
     for (const auto& view : views) {
       if (is_cancelled_()) return absl::CancelledError("cancelled while models were aligned");
       const auto pose = catalogue_.stable_poses->find(view->stable_pose);
       if (pose == catalogue_.stable_poses->end()) continue;
       auto model = clouds_.LoadModel(*view, *pose->second);
       if (!model.ok()) return model.status();
-      if (*model != nullptr) Try(view, *pose->second, *model);
+      if (*model != nullptr) Try(view, *pose->second, *model, hidden);
     }
     KeepBest(kFinalists, &hypotheses_);
     for (PoseHypothesis& h : hypotheses_) Finish(&h);
@@ -90,11 +92,7 @@ class Matcher {
     return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained;
   }
 
-  // Something hides a part of the segment.
-  bool IsCutOff() const {
-    const Sight::Sides& hidden = sight_.hidden_sides();
-    return hidden.left || hidden.right || hidden.top || hidden.bottom;
-  }
+  const Sight& sight() const { return sight_; }
 
   std::vector<PoseHypothesis> TakeRanked() {
     RankClosely(input_.segment, sight_, parameters_.support_distance_m, &hypotheses_);
@@ -103,9 +101,10 @@ class Matcher {
 
  private:
   void Try(const std::shared_ptr<const TaughtView>& view, const TaughtStablePose& stable_pose,
-           const std::shared_ptr<const SurfaceModel>& model) {
-    for (const Pose& rough : RoughPoses(*view, *model, input_.segmentation.world_sensor,
-                                        input_.segment.centroid, seen_, sight_)) {
+           const std::shared_ptr<const SurfaceModel>& model, const Sight::Sides& hidden) {
+    for (const Pose& rough :
+         RoughPoses(*view, *model, input_.segmentation.world_sensor, input_.segment.centroid, seen_,
+                    sight_.sensor_world(), hidden)) {
       PoseHypothesis h;
       h.model = model;
       h.symmetry_order = stable_pose.symmetry_order;
@@ -167,16 +166,23 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
     const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
     ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled) {
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
+  const Sight::Sides& hidden = matcher.sight().hidden_sides();
+  const Sight::Sides& unseen = matcher.sight().unseen_sides();
+  const bool is_cut_off = hidden != Sight::Sides{};
   Views views;
   for (const Match& match : nearest) views.push_back(match.view);
+  Views others = OtherViews(catalogue, nearest);
   // Where a part is hidden the descriptor says little: all views are asked at once.
-  const Views others = OtherViews(catalogue, nearest);
-  if (matcher.IsCutOff()) views.insert(views.end(), others.begin(), others.end());
-  if (absl::Status status = matcher.Propose(views); !status.ok()) return status;
-  if (!matcher.IsCutOff() && !matcher.IsExplained()) {
-    absl::Status status = matcher.Propose(others);
-    if (!status.ok()) return status;
+  if (is_cut_off) std::ranges::move(others, std::back_inserter(views));
+  if (absl::Status status = matcher.Propose(views, hidden); !status.ok()) return status;
+  if (matcher.IsExplained() || (is_cut_off && unseen == hidden)) return matcher.TakeRanked();
+  // What was asked already is asked again only where it could stand elsewhere.
+  if (is_cut_off) {
+    others = std::move(views);
+  } else if (unseen != hidden) {
+    std::ranges::move(views, std::back_inserter(others));
   }
+  if (absl::Status status = matcher.Propose(others, unseen); !status.ok()) return status;
   return matcher.TakeRanked();
 }
 

@@ -65,9 +65,10 @@ Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
 
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
                              const Pose& world_sensor, const Vector3d& segment_centroid,
-                             const Extent& seen, const Sight& sight) {
+                             const Extent& seen, const Eigen::Isometry3f& sensor_world,
+                             const Sight::Sides& hidden) {
   const Pose turned = TurnedAsSeen(view, model, world_sensor, segment_centroid);
-  const Eigen::Isometry3f sensor_object = sight.sensor_world() * turned.cast<float>();
+  const Eigen::Isometry3f sensor_object = sensor_world * turned.cast<float>();
   Points visible;
   for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
     visible.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
@@ -76,7 +77,6 @@ std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
   const Extent shown = ExtentOf(visible, sensor_object);
   std::vector<Pose> out(1, turned);
   out[0].translation() += ShiftOnTable(shown, seen, {}, world_sensor);
-  const Sight::Sides& hidden = sight.hidden_sides();
   if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
     out.push_back(turned);
     out[1].translation() += ShiftOnTable(shown, seen, hidden, world_sensor);

@@ -20,10 +20,11 @@ Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points);
 
 // T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
 // the line of sight has turned since it was taught, what the camera sees of `model` with its
-// mean on that of the segment (`seen`). Where something hides a side of the segment, a second
-// one, with the edges on each other that are not hidden.
+// mean on that of the segment (`seen`). Where sides of the segment are `hidden`, a second one, with
+// the edges on each other that are not.
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
                              const Pose& world_sensor, const Eigen::Vector3d& segment_centroid,
-                             const Extent& seen, const Sight& sight);
+                             const Extent& seen, const Eigen::Isometry3f& sensor_world,
+                             const Sight::Sides& hidden);
 
 }  // namespace graspdb::recognition

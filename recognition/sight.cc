@@ -55,37 +55,43 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   };
   for (const Eigen::Vector3f& p : scan.points) put(p, false);
   for (const std::int32_t i : segment.indices) put(scan.points[static_cast<std::size_t>(i)], true);
-  FindHiddenSides();
+  hidden_sides_ = SidesWhere(false);
+  unseen_sides_ = SidesWhere(true);
 }
 
-void Sight::FindHiddenSides() {
+bool Sight::IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step,
+                  bool unmeasured_too) const {
+  bool is_measured = false;
+  for (int reach = 1; reach <= kEdgePixels; ++reach) {
+    const Pixel* beyond = PixelAt(at + reach * step);
+    if (beyond == nullptr || beyond->depth_m <= 0) continue;
+    is_measured = true;
+    if (!beyond->of_segment && beyond->depth_m < PixelAt(at)->depth_m - kBeforeM) return true;
+  }
+  return unmeasured_too && !is_measured;
+}
+
+Sight::Sides Sight::SidesWhere(bool unmeasured_too) const {
   std::array<int, 4> cut = {};  // right, left, bottom, top
   int ends = 0;                 // of rows and columns of the segment
   for (int y = 0; y < size_.y(); ++y) {
     for (int x = 0; x < size_.x(); ++x) {
-      const Pixel& here = *PixelAt({x, y});
-      if (!here.of_segment) continue;
+      const Eigen::Vector2i at(x, y);
+      if (!PixelAt(at)->of_segment) continue;
       for (int side = 0; side < 4; ++side) {
         const Eigen::Vector2i step(side == 0 ? 1 : (side == 1 ? -1 : 0),
                                    side == 2 ? 1 : (side == 3 ? -1 : 0));
-        const Pixel* next = PixelAt({x + step.x(), y + step.y()});
+        const Pixel* next = PixelAt(at + step);
         if (next != nullptr && next->of_segment) continue;
         ++ends;
-        for (int reach = 1; reach <= kEdgePixels; ++reach) {
-          const Pixel* beyond = PixelAt(Eigen::Vector2i(x, y) + reach * step);
-          if (beyond == nullptr || beyond->of_segment || beyond->depth_m <= 0) continue;
-          if (beyond->depth_m < here.depth_m - kBeforeM) {
-            ++cut[static_cast<std::size_t>(side)];
-            break;
-          }
-        }
+        cut[static_cast<std::size_t>(side)] += IsCut(at, step, unmeasured_too);
       }
     }
   }
   const auto is_cut = [&](int side) {
     return cut[static_cast<std::size_t>(side)] > kCutShare * ends;
   };
-  hidden_sides_ = {.left = is_cut(1), .right = is_cut(0), .top = is_cut(3), .bottom = is_cut(2)};
+  return {.left = is_cut(1), .right = is_cut(0), .top = is_cut(3), .bottom = is_cut(2)};
 }
 
 Eigen::Vector2i Sight::Project(const Eigen::Vector3f& p) const {

@@ -38,8 +38,12 @@ class Sight {
     bool right = false;
     bool top = false;
     bool bottom = false;
+    bool operator==(const Sides&) const = default;
   };
   const Sides& hidden_sides() const { return hidden_sides_; }
+  // Those, and sides beyond which nothing was measured: it may be something too near for the
+  // sensor.
+  const Sides& unseen_sides() const { return unseen_sides_; }
 
   const Eigen::Isometry3f& sensor_world() const { return sensor_world_; }
 
@@ -50,7 +54,9 @@ class Sight {
   };
   const Pixel* PixelAt(const Eigen::Vector2i& at) const;
   Eigen::Vector2i Project(const Eigen::Vector3f& point) const;
-  void FindHiddenSides();
+  // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
+  bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;
+  Sides SidesWhere(bool unmeasured_too) const;
 
   Eigen::Isometry3f sensor_world_;
   bool segmented_;
@@ -58,6 +64,7 @@ class Sight {
   Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
   std::vector<Pixel> pixels_;
   Sides hidden_sides_;
+  Sides unseen_sides_;
 };
 
 }  // namespace graspdb::recognition

@@ -1,0 +1,61 @@
+#include "recognition/sight.h"
+
+#include <gtest/gtest.h>
+
+namespace graspdb::recognition {
+namespace {
+
+// Around the image's middle, 1 m before the sensor: a plate of 10 cm (the segment) on a wall.
+class SightTest : public ::testing::Test {
+ protected:
+  static constexpr float kPitchM = 0.002F;
+
+  // Measures what lies in the strip `from_m` <= x < `to_m` and is not the plate.
+  void See(float from_m, float to_m, float depth_m) {
+    for (float x = from_m; x < to_m; x += kPitchM) {
+      for (float y = -0.1F; y < 0.1F; y += kPitchM) {
+        if (std::abs(x) < 0.05F && std::abs(y) < 0.05F) continue;
+        scan_.points.emplace_back(x * depth_m, y * depth_m, depth_m);
+      }
+    }
+  }
+
+  Sight Look() {
+    for (float x = -0.05F; x < 0.05F; x += kPitchM) {
+      for (float y = -0.05F; y < 0.05F; y += kPitchM) {
+        segment_.indices.push_back(static_cast<std::int32_t>(scan_.points.size()));
+        scan_.points.emplace_back(x, y, 1.0F);
+        segment_.cloud.points.emplace_back(x, y, 1.0F);
+      }
+    }
+    return {scan_, Pose::Identity(), segment_};
+  }
+
+  Scan scan_;
+  Segment segment_;
+};
+
+TEST_F(SightTest, BeforeAWallNothingIsHidden) {
+  See(-0.1F, 0.1F, 1.1F);
+  const Sight sight = Look();
+  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{});
+  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{});
+}
+
+TEST_F(SightTest, WhatStandsNearerHidesASide) {
+  See(-0.1F, -0.05F, 0.8F);
+  See(-0.05F, 0.1F, 1.1F);
+  const Sight sight = Look();
+  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{.left = true});
+  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{.left = true});
+}
+
+TEST_F(SightTest, WhereNothingWasMeasuredSomethingMayHideASide) {
+  See(-0.05F, 0.1F, 1.1F);
+  const Sight sight = Look();
+  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{});
+  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{.left = true});
+}
+
+}  // namespace
+}  // namespace graspdb::recognition
