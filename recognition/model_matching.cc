@@ -166,23 +166,20 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
     const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
     ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled) {
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
-  const Sight::Sides& hidden = matcher.sight().hidden_sides();
-  const Sight::Sides& unseen = matcher.sight().unseen_sides();
+  const Sight::Sides hidden = matcher.sight().HiddenSides();
   const bool is_cut_off = hidden != Sight::Sides{};
   Views views;
   for (const Match& match : nearest) views.push_back(match.view);
-  Views others = OtherViews(catalogue, nearest);
   // Where a part is hidden the descriptor says little: all views are asked at once.
-  if (is_cut_off) std::ranges::move(others, std::back_inserter(views));
+  if (is_cut_off) std::ranges::move(OtherViews(catalogue, nearest), std::back_inserter(views));
   if (absl::Status status = matcher.Propose(views, hidden); !status.ok()) return status;
-  if (matcher.IsExplained() || (is_cut_off && unseen == hidden)) return matcher.TakeRanked();
+  if (matcher.IsExplained()) return matcher.TakeRanked();
+  const Sight::Sides unseen = matcher.sight().UnseenSides();
+  Views further = is_cut_off ? Views() : OtherViews(catalogue, nearest);
   // What was asked already is asked again only where it could stand elsewhere.
-  if (is_cut_off) {
-    others = std::move(views);
-  } else if (unseen != hidden) {
-    std::ranges::move(views, std::back_inserter(others));
-  }
-  if (absl::Status status = matcher.Propose(others, unseen); !status.ok()) return status;
+  if (unseen != hidden) std::ranges::move(views, std::back_inserter(further));
+  if (further.empty()) return matcher.TakeRanked();
+  if (absl::Status status = matcher.Propose(further, unseen); !status.ok()) return status;
   return matcher.TakeRanked();
 }
 

@@ -55,8 +55,6 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   };
   for (const Eigen::Vector3f& p : scan.points) put(p, false);
   for (const std::int32_t i : segment.indices) put(scan.points[static_cast<std::size_t>(i)], true);
-  hidden_sides_ = SidesWhere(false);
-  unseen_sides_ = SidesWhere(true);
 }
 
 bool Sight::IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step,

@@ -40,10 +40,10 @@ class Sight {
     bool bottom = false;
     bool operator==(const Sides&) const = default;
   };
-  const Sides& hidden_sides() const { return hidden_sides_; }
+  Sides HiddenSides() const { return SidesWhere(/*unmeasured_too=*/false); }
   // Those, and sides beyond which nothing was measured: it may be something too near for the
   // sensor.
-  const Sides& unseen_sides() const { return unseen_sides_; }
+  Sides UnseenSides() const { return SidesWhere(/*unmeasured_too=*/true); }
 
   const Eigen::Isometry3f& sensor_world() const { return sensor_world_; }
 
@@ -63,8 +63,6 @@ class Sight {
   Eigen::Vector2f low_ = Eigen::Vector2f::Zero();  // of the window, x/z and y/z
   Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
   std::vector<Pixel> pixels_;
-  Sides hidden_sides_;
-  Sides unseen_sides_;
 };
 
 }  // namespace graspdb::recognition

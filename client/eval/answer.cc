@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "absl/strings/str_cat.h"
 #include "client/eval/gallery.h"
 
 namespace graspdb::client {

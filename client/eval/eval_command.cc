@@ -62,8 +62,7 @@ void PrintSummary(const CaseResult& result) {
   const CaseSummary s = Summarize(result);
   std::cout << absl::StrFormat(
       "%-14s %5d asked  object %6.2f %%  pose %6.2f %%  strictly %6.2f %%  ambiguous %5.2f %%  "
-      "only listed %5.2f %%  "
-      "turn %.3f deg  shift %.3f mm  %.1f ms",
+      "only listed %5.2f %%  turn %.3f deg  shift %.3f mm  %.1f ms",
       result.experiment.name, s.known, 100 * s.object_right, 100 * s.pose_right,
       100 * s.strictly_right, 100 * s.ambiguous, 100 * s.listed, s.mean_rotation_deg,
       s.mean_translation_mm, s.mean_ms);

@@ -22,10 +22,13 @@ Gallery::Gallery(const std::vector<Workpiece>& parts,
     : parts_(&parts), parameters_(parameters) {}
 
 absl::Status Gallery::Teach(const Trial& trial) {
-  auto shown = SegmentShown(trial, parameters_);
-  if (!shown.ok()) return shown.status();
   const Placement& truth = trial.truth.front();
   const Workpiece& part = (*parts_)[truth.part];
+  auto shown = SegmentShown(trial, parameters_);
+  if (!shown.ok()) {
+    return {shown.status().code(),
+            absl::StrCat(StablePoseName(part), ": ", shown.status().message())};
+  }
   auto view = std::make_shared<TaughtView>();
   view->stable_pose = StablePoseName(part);
   view->object = ObjectName(part);

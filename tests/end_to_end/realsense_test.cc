@@ -42,6 +42,7 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
   // The segmented clouds, with the sensor poses that the tables of the full frames give.
   void Teach() {
     v1::CaptureSet set;
+    std::filesystem::create_directories(Path("set"));
     for (const std::string object : kObjects) {
       if (object == GetParam()) continue;
       v1::CapturedObject* declared = set.add_objects();
@@ -54,7 +55,6 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
       capture->set_stable_pose_id("upright");
       capture->set_segmented(true);
       *capture->mutable_sensor_pose() = Ask(object).sensor_pose();
-      std::filesystem::create_directories(Path("set"));
       std::filesystem::copy_file(frames_ / (object + "_object.pcd"),
                                  Path("set/" + object + ".pcd"));
     }

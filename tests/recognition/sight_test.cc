@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace graspdb::recognition {
 namespace {
 
@@ -38,23 +40,23 @@ class SightTest : public ::testing::Test {
 TEST_F(SightTest, BeforeAWallNothingIsHidden) {
   See(-0.1F, 0.1F, 1.1F);
   const Sight sight = Look();
-  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{});
-  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{});
+  EXPECT_EQ(sight.HiddenSides(), Sight::Sides{});
+  EXPECT_EQ(sight.UnseenSides(), Sight::Sides{});
 }
 
 TEST_F(SightTest, WhatStandsNearerHidesASide) {
   See(-0.1F, -0.05F, 0.8F);
   See(-0.05F, 0.1F, 1.1F);
   const Sight sight = Look();
-  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{.left = true});
-  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{.left = true});
+  EXPECT_EQ(sight.HiddenSides(), Sight::Sides{.left = true});
+  EXPECT_EQ(sight.UnseenSides(), Sight::Sides{.left = true});
 }
 
 TEST_F(SightTest, WhereNothingWasMeasuredSomethingMayHideASide) {
   See(-0.05F, 0.1F, 1.1F);
   const Sight sight = Look();
-  EXPECT_EQ(sight.hidden_sides(), Sight::Sides{});
-  EXPECT_EQ(sight.unseen_sides(), Sight::Sides{.left = true});
+  EXPECT_EQ(sight.HiddenSides(), Sight::Sides{});
+  EXPECT_EQ(sight.UnseenSides(), Sight::Sides{.left = true});
 }
 
 }  // namespace
