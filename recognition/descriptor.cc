@@ -168,6 +168,12 @@ int DescriptorSize(DescriptorKind kind) {
 
 absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Vector3d& viewpoint,
                                     DescriptorKind kind) {
+  return Describe(cloud, Pose(Eigen::Translation3d(viewpoint)), kind);
+}
+
+absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sensor,
+                                    DescriptorKind kind) {
+  const Vector3d viewpoint = sensor.translation();
   if (cloud.points.size() < kMinDescriptorPoints) {
     return absl::FailedPreconditionError(absl::StrCat("the cloud has ", cloud.points.size(),
                                                       " points; a descriptor needs at least ",
@@ -176,12 +182,12 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Vector3d& 
   if (cloud.normals.size() != cloud.points.size()) {
     return absl::InvalidArgumentError("every point needs a normal");
   }
-  if (!IsFinite(cloud) || !viewpoint.allFinite()) {
+  if (!IsFinite(cloud) || !sensor.matrix().allFinite()) {
     return absl::InvalidArgumentError("points, normals and viewpoint must be finite");
   }
   absl::StatusOr<Center> center = FindCenter(cloud, viewpoint);
   if (!center.ok()) return center.status();
-  if (kind == DescriptorKind::kGsh288) return DescribeGsh288(cloud, viewpoint);
+  if (kind == DescriptorKind::kGsh288) return DescribeGsh288(cloud, sensor);
   if (kind == DescriptorKind::kVfh308) return DescribeVfh308(cloud, viewpoint);
   return ViewpointHistogram(cloud, viewpoint, *center, kind);
 }

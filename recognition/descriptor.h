@@ -40,9 +40,9 @@ using Descriptor = std::vector<float>;
 // Fewer points than this have no descriptor.
 inline constexpr std::size_t kMinDescriptorPoints = 10;
 
-// Describes `cloud` (metres, any frame, unit normals) as seen from `viewpoint`
-// (metres, same frame). Does not depend on the order of the points nor on a
-// rigid motion of cloud and viewpoint together; GSH-288 only on one that leaves z up.
+// Describes `cloud` (metres, any frame, unit normals) as seen by a sensor at `sensor`
+// (T_cloud_sensor, metres). Does not depend on the order of the points nor on a
+// rigid motion of cloud and sensor together; GSH-288 only on one that leaves z up.
 //
 // INVALID_ARGUMENT for numbers that are not finite and for a point without a
 // normal; FAILED_PRECONDITION for fewer than 10 points and for points that all lie
@@ -50,6 +50,11 @@ inline constexpr std::size_t kMinDescriptorPoints = 10;
 // centroid to the viewpoint takes its place, since normals are turned towards
 // the sensor. A point on the centroid, or one whose Darboux frame is not
 // defined, is left out of the parts concerned.
+absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sensor,
+                                    DescriptorKind kind);
+
+// The same where only the sensor's position is known. That is all, but for GSH-288 of something
+// straight below the sensor.
 absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Eigen::Vector3d& viewpoint,
                                     DescriptorKind kind);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "recognition/heading.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -16,8 +18,6 @@ constexpr int kRows = 8;
 // Positions farther from the centroid count at the rim, m.
 constexpr double kHalfWidthM = 0.12;
 constexpr double kHalfHeightM = 0.06;
-// Shorter horizontal lines of sight have no direction, m.
-constexpr double kNoDirection = 1e-5;
 
 // A histogram over a rectangle; a count goes to the four bins around it, by distance.
 class Histogram2d {
@@ -70,13 +70,11 @@ double Share(double value, double half) {
 
 }  // namespace
 
-Descriptor DescribeGsh288(const OrientedCloud& cloud, const Vector3d& viewpoint) {
+Descriptor DescribeGsh288(const OrientedCloud& cloud, const Pose& sensor) {
   Vector3d centroid = Vector3d::Zero();
   for (const auto& p : cloud.points) centroid += p.cast<double>();
   centroid /= static_cast<double>(cloud.points.size());
-  Vector3d ahead = viewpoint - centroid;
-  ahead.z() = 0;
-  ahead = ahead.norm() < kNoDirection ? Vector3d::UnitX() : Vector3d(ahead.normalized());
+  const Vector3d ahead = SideSeen(sensor, centroid);
   const Vector3d aside = Vector3d::UnitZ().cross(ahead);
 
   Histogram2d normals(kAzimuths, kElevations, /*wraps=*/true);

@@ -14,11 +14,12 @@
 
 namespace graspdb::recognition {
 
-// Describes a valid `cloud` (metres, unit normals; see Describe), z up, seen from `viewpoint`.
+// Describes a valid `cloud` (metres, unit normals; see Describe), z up, as a sensor at `sensor`
+// (T_cloud_sensor) sees it.
 // Every part has the same mass, the whole has mass 1. A count is shared between the bins around
 // it by distance. Does not depend on the order of the points, on where the object stands, nor on
-// a turn about z of cloud and viewpoint together. Where the viewpoint is straight above, x takes
-// the place of the line of sight. Never fails.
-Descriptor DescribeGsh288(const OrientedCloud& cloud, const Eigen::Vector3d& viewpoint);
+// a turn about z of cloud and sensor together. Where the sensor looks straight down, the
+// lower side of its image takes the place of the line of sight (SideSeen). Never fails.
+Descriptor DescribeGsh288(const OrientedCloud& cloud, const Pose& sensor);
 
 }  // namespace graspdb::recognition

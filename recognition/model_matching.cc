@@ -65,9 +65,10 @@ class Matcher {
         is_cancelled_(is_cancelled),
         sight_(input.scan, input.segmentation.world_sensor, input.segment),
         grid_(input.segment.cloud.points, kCellM, kReachM),
-        target_{input.segment.cloud, grid_, sight_,
-                input.segmentation.world_frame != WorldFrame::kSensor},
-        seen_(ExtentOf(input.segment.cloud.points, sight_.sensor_world())),
+        seen_{input.segmentation.world_sensor, input.segment.centroid,
+              ExtentOf(input.segment.cloud.points, sight_.sensor_world()),
+              input.segmentation.world_frame != WorldFrame::kSensor},
+        target_{input.segment.cloud, grid_, sight_, seen_.on_table},
         stride_(static_cast<int>(
             std::max<std::size_t>(1, input.segment.cloud.points.size() / kRoughPoints))) {}
 
@@ -102,9 +103,7 @@ class Matcher {
  private:
   void Try(const std::shared_ptr<const TaughtView>& view, const TaughtStablePose& stable_pose,
            const std::shared_ptr<const SurfaceModel>& model, const Sight::Sides& hidden) {
-    for (const Pose& rough :
-         RoughPoses(*view, *model, input_.segmentation.world_sensor, input_.segment.centroid, seen_,
-                    sight_.sensor_world(), hidden)) {
+    for (const Pose& rough : RoughPoses(*view, *model, seen_, hidden)) {
       PoseHypothesis h;
       h.model = model;
       h.symmetry_order = stable_pose.symmetry_order;
@@ -140,8 +139,8 @@ class Matcher {
   const IsCancelled& is_cancelled_;
   const Sight sight_;
   const NearestGrid grid_;
+  const SeenSegment seen_;
   const RefinementTarget target_;
-  const Extent seen_;
   const int stride_;
   std::vector<PoseHypothesis> hypotheses_;
 };

@@ -99,7 +99,6 @@ absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& 
 
 absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
                                            const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-                                           const Eigen::Vector3d& viewpoint,
                                            const RecognitionParameters& parameters,
                                            const IsCancelled& is_cancelled, StageLog* log) {
   const Segment& segment = input.segment;
@@ -108,7 +107,8 @@ absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
   out.centroid = segment.centroid;
   absl::StatusOr<Descriptor> descriptor;
   log->Measure("descriptor", out.point_count, [&] {
-    descriptor = Describe(segment.cloud, viewpoint, parameters.descriptor.kind);
+    descriptor =
+        Describe(segment.cloud, input.segmentation.world_sensor, parameters.descriptor.kind);
     return out.point_count;
   });
   if (!descriptor.ok()) return out;  // a shape that cannot be described is not known
@@ -171,9 +171,8 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
   for (const Segment& segment : segmentation->segments) {
-    absl::StatusOr<Detection> detection =
-        RecognizeSegment({scan, *segmentation, segment}, catalogue, clouds,
-                         out.world_sensor.translation(), parameters, is_cancelled, &log);
+    absl::StatusOr<Detection> detection = RecognizeSegment(
+        {scan, *segmentation, segment}, catalogue, clouds, parameters, is_cancelled, &log);
     if (!detection.ok()) return detection.status();
     out.detections.push_back(*std::move(detection));
   }

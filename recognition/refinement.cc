@@ -115,7 +115,9 @@ void AddEdges(const Surface& surface, const RefinementTarget& target, const Pose
     if ((target.cloud.points[at] - q).squaredNorm() < kSpacingM * kSpacingM) continue;
     const Sight::Look look =
         target.sight.At(sensor_world * q, sensor_world.linear() * normal, kSpacingM);
-    if (look.finding != Sight::Finding::kDenied) continue;
+    if (look.finding != Sight::Finding::kDenied && look.finding != Sight::Finding::kMissing) {
+      continue;
+    }
     Pull(target.cloud.points[at], q, normal, false, reach, weight, step);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "recognition/heading.h"
 #include "recognition/verification.h"
 
 namespace graspdb::recognition {
@@ -12,20 +13,20 @@ using Eigen::Vector3d;
 // A step over the table moves things less in the image of a camera that looks along it.
 constexpr double kMinClimb = 0.2;
 
-double Azimuth(const Vector3d& from, const Vector3d& to) {
-  return std::atan2(to.y() - from.y(), to.x() - from.x());
+double Azimuth(const Pose& world_sensor, const Vector3d& point) {
+  const Vector3d side = SideSeen(world_sensor, point);
+  return std::atan2(side.y(), side.x());
 }
 
-Pose TurnedAsSeen(const TaughtView& view, const SurfaceModel& model, const Pose& world_sensor,
-                  const Vector3d& centroid) {
+Pose TurnedAsSeen(const TaughtView& view, const SurfaceModel& model, const SeenSegment& segment) {
   const Vector3d taught_center = view.world_object * model.center.cast<double>();
-  const double turn = Azimuth(world_sensor.translation(), centroid) -
-                      Azimuth(view.world_sensor.translation(), taught_center);
+  const double turn =
+      Azimuth(segment.world_sensor, segment.centroid) - Azimuth(view.world_sensor, taught_center);
   Pose out = Pose::Identity();
   out.linear() =
       Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix() * view.world_object.linear();
-  out.translation() = centroid - out.linear() * model.center.cast<double>();
-  out.translation().z() = view.world_object.translation().z();
+  out.translation() = segment.centroid - out.linear() * model.center.cast<double>();
+  if (segment.on_table) out.translation().z() = view.world_object.translation().z();
   return out;
 }
 
@@ -64,11 +65,9 @@ Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
 }
 
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
-                             const Pose& world_sensor, const Vector3d& segment_centroid,
-                             const Extent& seen, const Eigen::Isometry3f& sensor_world,
-                             const Sight::Sides& hidden) {
-  const Pose turned = TurnedAsSeen(view, model, world_sensor, segment_centroid);
-  const Eigen::Isometry3f sensor_object = sensor_world * turned.cast<float>();
+                             const SeenSegment& segment, const Sight::Sides& hidden) {
+  const Pose turned = TurnedAsSeen(view, model, segment);
+  const Eigen::Isometry3f sensor_object = (segment.world_sensor.inverse() * turned).cast<float>();
   Points visible;
   for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
     visible.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
@@ -76,10 +75,10 @@ std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
   if (visible.empty()) return {turned};
   const Extent shown = ExtentOf(visible, sensor_object);
   std::vector<Pose> out(1, turned);
-  out[0].translation() += ShiftOnTable(shown, seen, {}, world_sensor);
+  out[0].translation() += ShiftOnTable(shown, segment.extent, {}, segment.world_sensor);
   if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
     out.push_back(turned);
-    out[1].translation() += ShiftOnTable(shown, seen, hidden, world_sensor);
+    out[1].translation() += ShiftOnTable(shown, segment.extent, hidden, segment.world_sensor);
   }
   return out;
 }

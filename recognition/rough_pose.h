@@ -18,13 +18,19 @@ struct Extent {
 };
 Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points);
 
+// A segment as the camera sees it.
+struct SeenSegment {
+  Pose world_sensor = Pose::Identity();                // T_world_sensor
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame, m
+  Extent extent = {};
+  bool on_table = true;  // z is up, and things stand as high as they were taught
+};
+
 // T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
-// the line of sight has turned since it was taught, what the camera sees of `model` with its
-// mean on that of the segment (`seen`). Where sides of the segment are `hidden`, a second one, with
+// the side has turned since it was taught (SideSeen), what the camera sees of `model` with its
+// mean on that of the segment. Where sides of the segment are `hidden`, a second one, with
 // the edges on each other that are not.
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
-                             const Pose& world_sensor, const Eigen::Vector3d& segment_centroid,
-                             const Extent& seen, const Eigen::Isometry3f& sensor_world,
-                             const Sight::Sides& hidden);
+                             const SeenSegment& segment, const Sight::Sides& hidden);
 
 }  // namespace graspdb::recognition

@@ -175,6 +175,13 @@ void FindSegments(RegionPoints cloud, bool segmented, const SegmentationParamete
 
 }  // namespace
 
+Pose DefaultObjectPose(WorldFrame frame, const Segment& segment) {
+  Pose out = Pose::Identity();
+  out.translation() = segment.centroid;
+  if (frame != WorldFrame::kSensor) out.translation().z() = 0;
+  return out;
+}
+
 Box DefaultRegion(const Pose& world_sensor) {
   Box region{Vector3d(-0.5, -0.5, -0.05), Vector3d(0.5, 0.5, 0.6)};
   const Eigen::Vector2d foot = world_sensor.translation().head<2>();

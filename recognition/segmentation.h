@@ -43,6 +43,10 @@ struct Segment {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // of `cloud`, world frame
 };
 
+// T_world_object of what is taught where nobody gave one: the centroid, on the table where there
+// may be one.
+Pose DefaultObjectPose(WorldFrame frame, const Segment& segment);
+
 // What there is if there is no segment.
 enum class SegmentationOutcome { kFound, kEmptyRegion, kNoCluster };
 

@@ -126,8 +126,8 @@ Sight::Look Sight::At(const Eigen::Vector3f& point, const Eigen::Vector3f& norma
   }
   if (nearest < tolerance_m) return {Finding::kThere, nearest};
   if (before_by_other) return {Finding::kHidden, 0};
-  if (measured || before_by_segment || segmented_) return {Finding::kDenied, 0};
-  return {Finding::kUnknown, 0};
+  if (measured || before_by_segment) return {Finding::kDenied, 0};
+  return {segmented_ ? Finding::kMissing : Finding::kUnknown, 0};
 }
 
 }  // namespace graspdb::recognition

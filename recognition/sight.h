@@ -13,7 +13,8 @@ namespace graspdb::recognition {
 class Sight {
  public:
   // `scan` is in the sensor frame of `segment`'s capture. Where the scan holds nothing but the
-  // segment, pixels without a point were free: the camera would have seen the object there.
+  // segment, a pixel without a point was free, or the sensor failed there, or whoever cut the thing
+  // out has lost it.
   Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment);
 
   // What is known of a place where a surface is claimed to be.
@@ -21,6 +22,7 @@ class Sight {
     kThere,    // a surface was measured there
     kHidden,   // something else stands before it
     kDenied,   // the camera looked through it, or saw the segment's surface before it
+    kMissing,  // nothing was measured, in a scan that shows the thing alone
     kUnknown,  // nothing was measured
   };
   struct Look {

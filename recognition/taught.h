@@ -37,6 +37,11 @@ struct TaughtStablePose {
   std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
 };
 
+// The views that share the frame of `view`, one of `stable_pose`, itself among them: what its model
+// is fused from.
+std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
+                                            const TaughtStablePose& stable_pose);
+
 // Gives the prepared clouds of views. Implementations are thread-safe.
 class ViewClouds {
  public:

@@ -14,6 +14,8 @@ constexpr float kCellsPerSpacing = 2.5F;
 // A surface hides what lies farther behind it than this, m, or than a cell is large.
 constexpr float kHidesBehindM = 0.008F;
 constexpr int kLargestSide = 512;
+// What a scan of one thing alone does not show speaks less against it than free sight through it.
+constexpr double kMissingWeight = 0.3;
 
 float Weight(float distance, float tolerance) {
   const float share = distance / tolerance;
@@ -97,7 +99,7 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segme
     if (look.finding == Sight::Finding::kHidden || look.finding == Sight::Finding::kUnknown) {
       continue;
     }
-    expected += area;
+    expected += look.finding == Sight::Finding::kMissing ? kMissingWeight * area : area;
     if (look.finding == Sight::Finding::kThere) {
       found += area * static_cast<double>(Weight(look.distance_m, tolerance));
     }

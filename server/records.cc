@@ -64,7 +64,7 @@ absl::StatusOr<storage::DescriptorRecord> MakeDescriptorRecord(
     const recognition::OrientedCloud& cloud, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters) {
   absl::StatusOr<recognition::Descriptor> bins =
-      recognition::Describe(cloud, world_sensor.translation(), parameters.kind);
+      recognition::Describe(cloud, world_sensor, parameters.kind);
   if (!bins.ok()) return bins.status();
   storage::DescriptorRecord record;
   record.set_kind(std::string(recognition::DescriptorName(parameters.kind)));

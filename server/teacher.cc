@@ -86,14 +86,6 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
   return &*std::ranges::min_element(segments, {}, distance);
 }
 
-// The object's frame where nobody gave one: on the table under the centroid.
-Pose DefaultObjectPose(const Segmentation& segmentation, const Segment& segment) {
-  Pose pose = Pose::Identity();
-  pose.translation() = segment.centroid;
-  if (segmentation.world_frame != recognition::WorldFrame::kSensor) pose.translation().z() = 0;
-  return pose;
-}
-
 absl::StatusOr<std::string> PackSegment(const recognition::Points& scan, const Segment& segment) {
   std::vector<storage::CloudPoint> points;
   points.reserve(segment.indices.size());
@@ -149,8 +141,8 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
 
   out.record.set_content_digest(UploadDigest(request));
   *out.record.mutable_sensor_pose() = PoseToProto(sensor);
-  *out.record.mutable_object_pose() =
-      PoseToProto(capture->object_pose.value_or(DefaultObjectPose(*segmentation, **segment)));
+  *out.record.mutable_object_pose() = PoseToProto(capture->object_pose.value_or(
+      recognition::DefaultObjectPose(segmentation->world_frame, **segment)));
   out.record.set_object_pose_given(capture->object_pose.has_value());
   out.record.set_point_count(static_cast<int>((*segment)->indices.size()));
   *out.record.add_descriptors() = *std::move(descriptor);

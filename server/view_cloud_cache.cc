@@ -41,12 +41,8 @@ absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> ViewCloudCache
 
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::LoadModel(
     const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
-  std::vector<const recognition::TaughtView*> parts;
-  for (const auto& other : stable_pose.views) {
-    if (view.shares_frame ? other->shares_frame : other->name == view.name) {
-      parts.push_back(other.get());
-    }
-  }
+  const std::vector<const recognition::TaughtView*> parts =
+      recognition::ViewsOfModel(view, stable_pose);
   std::string content;
   for (const recognition::TaughtView* part : parts) absl::StrAppend(&content, KeyOf(*part), "\n");
   const std::string key = Sha256(content);

@@ -27,9 +27,12 @@ std::vector<Reading> ReadingsOf(const Detection& detection) {
   return out;
 }
 
-const Detection* DetectionAt(const recognition::Recognition& recognition,
-                             const Eigen::Vector3d& seen) {
+// The nearest to the camera where nobody knows where the thing is.
+const Detection* DetectionOf(const recognition::Recognition& recognition, const Trial& trial,
+                             std::size_t which) {
   if (recognition.detections.empty()) return nullptr;
+  if (!trial.posed) return &recognition.detections.front();
+  const Eigen::Vector3d& seen = trial.seen[which];
   return &*std::ranges::min_element(recognition.detections, {}, [&](const Detection& d) {
     return (d.centroid - seen).head<2>().norm();
   });
@@ -41,6 +44,8 @@ Answer JudgeReading(const Reading& reading, const PartSet& set, Answer answer) {
   answer.found = reading.world_object;
   if (!answer.known || reading.view->object != ObjectName(set.parts[answer.part])) return answer;
   answer.object_right = true;
+  answer.posed = answer.posed && reading.view->shares_frame;
+  if (!answer.posed) return answer;
   const MeasuredShape& shape = *set.shapes[answer.part];
   const auto answered = static_cast<std::size_t>(
       std::ranges::find(set.parts, answer.stable_pose, StablePoseName) - set.parts.begin());
@@ -59,9 +64,11 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
   const Placement& truth = trial.truth[which];
   Answer seen{.part = truth.part,
               .known = truth.part < set.taught_count,
+              .posed = trial.posed,
               .outcome = recognition.outcome,
+              .world_sensor = recognition.world_sensor,
               .truth = truth.world_object};
-  const Detection* detection = DetectionAt(recognition, trial.seen[which]);
+  const Detection* detection = DetectionOf(recognition, trial, which);
   if (detection != nullptr) {
     seen.outcome = detection->outcome;
     seen.score = detection->score;
@@ -75,7 +82,7 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
   }
   const std::vector<Reading> readings = ReadingsOf(*detection);
   Answer first = JudgeReading(readings.front(), set, seen);
-  if (first.strictly_right) return first;
+  if (first.strictly_right || (first.object_right && !first.posed)) return first;
   for (std::size_t i = 1; i < readings.size(); ++i) {
     const Answer further = JudgeReading(readings[i], set, seen);
     if (!further.strictly_right) continue;

@@ -16,6 +16,7 @@ struct Answer {
   std::size_t part = 0;   // that was asked about
   std::size_t scene = 0;  // number of the question
   bool known = true;      // the part was taught
+  bool posed = true;      // the answer's pose can be judged
   recognition::RecognitionOutcome outcome = recognition::RecognitionOutcome::kNoCluster;
   std::string stable_pose = {};  // that was answered, of the first reading; empty: none
   std::string view = {};         // taught view that the answer came from; empty: none

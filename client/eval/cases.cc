@@ -48,6 +48,9 @@ std::vector<ExperimentCase> ExperimentCases() {
   add("noise").asked.camera.noise.scale = 2;
   add("camera-higher").asked.look_down_deg = 45;
   add("camera-lower").asked.look_down_deg = 35;
+  ExperimentCase& above = add("camera-above");
+  above.taught.look_down_deg = 85;
+  above.asked = above.taught;
   ExperimentCase& v1 = add("kinect-v1");
   v1.taught = {.camera = KinectV1(), .distance_m = 1.3};
   v1.asked = v1.taught;

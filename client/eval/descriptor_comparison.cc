@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "client/eval/shown_segment.h"
-#include "client/eval/trial.h"
 
 namespace graspdb::client {
 namespace {
@@ -50,6 +49,7 @@ constexpr std::array<Distance, 4> kDistances = {
 struct Sample {
   std::size_t part = 0;
   double azimuth_rad = 0;
+  bool posed = true;                    // the azimuth is known
   std::vector<Descriptor> descriptors;  // by kKinds
 };
 
@@ -57,24 +57,22 @@ absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
   const auto shown = SegmentShown(trial, run.parameters);
   if (!shown.ok()) return shown.status();
   const Placement& truth = trial.truth.front();
-  Sample out{.part = truth.part, .azimuth_rad = 0, .descriptors = {}};
+  Sample out{.part = truth.part, .posed = trial.posed, .descriptors = {}};
   const Eigen::Vector3d x = truth.world_object.linear().col(0);
   out.azimuth_rad = std::atan2(x.y(), x.x());
   for (const Kind& kind : kKinds) {
-    auto descriptor =
-        recognition::Describe(shown->segment.cloud, shown->world_sensor.translation(), kind.kind);
+    auto descriptor = recognition::Describe(shown->segment.cloud, shown->world_sensor, kind.kind);
     if (!descriptor.ok()) return descriptor.status();
     out.descriptors.push_back(*std::move(descriptor));
   }
   return out;
 }
 
-absl::StatusOr<std::vector<Sample>> Samples(const std::vector<PlannedCapture>& plan,
-                                            const TrialRenderer& renderer, const std::string& step,
+absl::StatusOr<std::vector<Sample>> Samples(const TrialSource& trials, const std::string& step,
                                             const ExperimentRun& run) {
-  std::vector<Sample> out(plan.size());
-  absl::Status status = ForEach(plan.size(), step, run, [&](std::size_t i) -> absl::Status {
-    const auto trial = renderer.Render(plan[i]);
+  std::vector<Sample> out(trials.count);
+  absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) -> absl::Status {
+    const auto trial = trials.make(i);
     if (!trial.ok()) return trial.status();
     auto sample = SampleOf(*trial, run);
     if (!sample.ok()) return sample.status();
@@ -94,40 +92,61 @@ double DistanceOf(const Sample& a, const Sample& b, std::size_t kind, const Dist
 }
 
 // More than 15 degrees apart, whatever symmetric turn is between them.
-bool IsFalse(const Sample& asked, const Sample& view, const MeasuredShape& shape) {
-  return std::ranges::all_of(shape.turns_rad, [&](double turn) {
+bool IsFalse(const Sample& asked, const Sample& view, const PartSet& set) {
+  const Workpiece& part = set.parts[asked.part];
+  const MeasuredShape* shape = set.shapes[asked.part].get();
+  if (shape == nullptr ? part.symmetry_order == 0 : shape->any_turn) return false;
+  const std::vector<double> turns =
+      shape == nullptr ? TurnsOf(part.symmetry_order) : shape->turns_rad;
+  return std::ranges::all_of(turns, [&](double turn) {
     const double apart =
         std::remainder(asked.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);
     return std::abs(apart) > kFalseRad;
   });
 }
 
-DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& questions,
-                          std::size_t kind, const Distance& distance, const PartSet& set) {
-  DescriptorFigures out{
-      .descriptor = kKinds[kind].shown, .distance = distance.name, .asked = questions.size()};
-  std::map<std::string, double> asked;
-  for (const Sample& question : questions) {
-    const Sample* own = nullptr;
-    double nearest_own = 1e9;
-    double nearest_other = 1e9;
-    for (const Sample& view : views) {
-      const double d = DistanceOf(question, view, kind, distance);
-      if (view.part != question.part) {
-        nearest_other = std::min(nearest_other, d);
-      } else if (d < nearest_own) {
-        nearest_own = d;
-        own = &view;
-      }
+// The views that are nearest to a question.
+struct NearestSamples {
+  const Sample* own = nullptr;
+  double own_distance = 1e9;
+  double other_distance = 1e9;
+};
+
+NearestSamples NearestTo(const Sample& question, const std::vector<Sample>& views,
+                         const Sample* left_out, std::size_t kind, const Distance& distance) {
+  NearestSamples out;
+  for (const Sample& view : views) {
+    if (&view == left_out) continue;
+    const double d = DistanceOf(question, view, kind, distance);
+    if (view.part != question.part) {
+      out.other_distance = std::min(out.other_distance, d);
+    } else if (d < out.own_distance) {
+      out.own_distance = d;
+      out.own = &view;
     }
+  }
+  return out;
+}
+
+DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& questions,
+                          bool leave_one_out, std::size_t kind, const Distance& distance,
+                          const PartSet& set) {
+  DescriptorFigures out{.descriptor = kKinds[kind].shown, .distance = distance.name};
+  std::map<std::string, double> asked;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const Sample& question = questions[i];
+    if (question.part >= set.taught_count) continue;
+    const NearestSamples nearest =
+        NearestTo(question, views, leave_one_out ? &views[i] : nullptr, kind, distance);
+    ++out.asked;
+    out.object_wrong += nearest.other_distance < nearest.own_distance;
+    if (!question.posed || (nearest.own != nullptr && !nearest.own->posed)) continue;
     const std::string& object = set.parts[question.part].object_id;
     asked[object] += 1;
-    out.false_recognition[object] +=
-        own == nullptr || IsFalse(question, *own, *set.shapes[question.part]);
-    out.object_wrong += nearest_other < nearest_own;
+    out.false_recognition[object] += nearest.own == nullptr || IsFalse(question, *nearest.own, set);
   }
   for (auto& [object, share] : out.false_recognition) share /= asked[object];
-  out.object_wrong /= std::max(1.0, static_cast<double>(questions.size()));
+  out.object_wrong /= std::max(1.0, static_cast<double>(out.asked));
   return out;
 }
 
@@ -139,25 +158,18 @@ double MeanFalseRecognition(const DescriptorFigures& figures) {
   return sum / std::max(1.0, static_cast<double>(figures.false_recognition.size()));
 }
 
-absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const ExperimentCase& experiment,
-                                                                  const PartSet& set,
+absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet& set,
+                                                                  const ExperimentTrials& trials,
                                                                   const ExperimentRun& run) {
-  const auto taught = TrialRenderer::Create(set.parts, experiment.taught.camera);
-  if (!taught.ok()) return taught.status();
-  const auto asked = TrialRenderer::Create(set.parts, experiment.asked.camera);
-  if (!asked.ok()) return asked.status();
-  const auto teaching = PlanTeaching(experiment, set);
-  if (!teaching.ok()) return teaching.status();
-  const auto asking = PlanQuestions(experiment, set);
-  if (!asking.ok()) return asking.status();
-  const auto views = Samples(*teaching, *taught, "descriptors: teaching", run);
+  const auto views = Samples(trials.teaching, "descriptors: teaching", run);
   if (!views.ok()) return views.status();
-  const auto questions = Samples(*asking, *asked, "descriptors: asking", run);
+  const auto questions =
+      trials.leave_one_out ? views : Samples(trials.asking, "descriptors: asking", run);
   if (!questions.ok()) return questions.status();
   std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
-    out[i] =
-        Figures(*views, *questions, i / kDistances.size(), kDistances[i % kDistances.size()], set);
+    out[i] = Figures(*views, *questions, trials.leave_one_out, i / kDistances.size(),
+                     kDistances[i % kDistances.size()], set);
     return absl::OkStatus();
   });
   if (!compared.ok()) return compared;

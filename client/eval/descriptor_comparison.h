@@ -4,17 +4,17 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/eval/cases.h"
 #include "client/eval/descriptor_figures.h"
 #include "client/eval/experiment_run.h"
+#include "client/eval/trial_source.h"
 
 namespace graspdb::client {
 
-// Every descriptor with every distance over the teaching and the questions of `experiment`,
-// which shows one thing at a time at the centre. Descriptors in the order VFH-263, VFH-308,
+// Every descriptor with every distance over `trials`, which show one thing at a time. What was not
+// taught is left out. Descriptors in the order VFH-263, VFH-308,
 // MVFH-300, GSH-288; distances chi-square, Hellinger, L1, L2. Errors as RunCase.
-absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const ExperimentCase& experiment,
-                                                                  const PartSet& set,
+absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet& set,
+                                                                  const ExperimentTrials& trials,
                                                                   const ExperimentRun& run);
 
 }  // namespace graspdb::client

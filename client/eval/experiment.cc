@@ -10,57 +10,70 @@
 namespace graspdb::client {
 namespace {
 
-absl::Status Teach(const ExperimentCase& experiment, const PartSet& set, const ExperimentRun& run,
+absl::Status Teach(const std::string& name, const TrialSource& teaching, const ExperimentRun& run,
                    Gallery* gallery) {
-  auto plan = PlanTeaching(experiment, set);
-  if (!plan.ok()) return plan.status();
-  auto renderer = TrialRenderer::Create(set.parts, experiment.taught.camera);
-  if (!renderer.ok()) return renderer.status();
   ExperimentRun alone = run;
   alone.workers = 1;
-  return ForEach(plan->size(), experiment.name + ": teaching", alone, [&](std::size_t i) {
-    auto trial = renderer->Render((*plan)[i]);
+  return ForEach(teaching.count, name + ": teaching", alone, [&](std::size_t i) {
+    auto trial = teaching.make(i);
     return trial.ok() ? gallery->Teach(*trial) : trial.status();
   });
+}
+
+// Answers are measured with what was taught where there is no mesh.
+void MeasureTaught(Gallery* gallery, PartSet* set) {
+  for (std::size_t i = 0; i < set->parts.size(); ++i) {
+    if (set->shapes[i]) continue;
+    const auto model = gallery->ModelOf(set->parts[i]);
+    set->shapes[i] = std::make_shared<const MeasuredShape>(
+        Measure(model ? *model : recognition::SurfaceModel({}, 0), set->parts[i].symmetry_order));
+  }
+}
+
+absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::size_t question,
+                                        const recognition::CatalogueSnapshot& taught,
+                                        const PartSet& set, const ExperimentRun& run,
+                                        Gallery* gallery) {
+  auto trial = trials.asking.make(question);
+  if (!trial.ok()) return trial.status();
+  const recognition::CatalogueSnapshot snapshot =
+      trials.leave_one_out ? gallery->Snapshot(question) : taught;
+  const auto start = std::chrono::steady_clock::now();
+  auto recognition =
+      recognition::Recognize(trial->scan, snapshot, *gallery, run.parameters, [] { return false; });
+  if (!recognition.ok()) return recognition.status();
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  std::vector<Answer> out;
+  for (std::size_t which = 0; which < trial->truth.size(); ++which) {
+    out.push_back(JudgeAnswer(*recognition, *trial, which, set));
+    out.back().scene = question;
+    out.back().milliseconds = took.count();
+  }
+  return out;
 }
 
 }  // namespace
 
 absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
-                                   const ExperimentRun& run) {
-  Gallery gallery(set.parts, run.parameters);
-  if (absl::Status taught = Teach(experiment, set, run, &gallery); !taught.ok()) return taught;
-  auto plan = PlanQuestions(experiment, set);
-  if (!plan.ok()) return plan.status();
-  auto renderer = TrialRenderer::Create(set.parts, experiment.asked.camera);
-  if (!renderer.ok()) return renderer.status();
-  const recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
-
-  std::vector<std::vector<Answer>> answers(plan->size());
-  const auto ask = [&](std::size_t i) -> absl::Status {
-    auto trial = renderer->Render((*plan)[i], ObstacleOf(experiment, i));
-    if (!trial.ok()) return trial.status();
-    const auto start = std::chrono::steady_clock::now();
-    auto recognition = recognition::Recognize(trial->scan, snapshot, gallery, run.parameters,
-                                              [] { return false; });
-    if (!recognition.ok()) return recognition.status();
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    for (std::size_t which = 0; which < trial->truth.size(); ++which) {
-      answers[i].push_back(JudgeAnswer(*recognition, *trial, which, set));
-      answers[i].back().scene = i;
-      answers[i].back().milliseconds = took.count();
-      answers[i].back().world_sensor = (*plan)[i].world_sensor;
-    }
-    return absl::OkStatus();
-  };
-  if (absl::Status s = ForEach(plan->size(), experiment.name + ": asking", run, ask); !s.ok()) {
-    return s;
-  }
+                                   const ExperimentTrials& trials, const ExperimentRun& run) {
   CaseResult out{.experiment = experiment, .set = set};
+  Gallery gallery(out.set.parts, run.parameters);
+  absl::Status taught = Teach(experiment.name, trials.teaching, run, &gallery);
+  if (!taught.ok()) return taught;
+  MeasureTaught(&gallery, &out.set);
+  const recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
+  std::vector<std::vector<Answer>> answers(trials.asking.count);
+  const auto ask = [&](std::size_t i) {
+    auto of_scene = Ask(trials, i, snapshot, out.set, run, &gallery);
+    if (of_scene.ok()) answers[i] = *std::move(of_scene);
+    return of_scene.status();
+  };
+  absl::Status asked = ForEach(answers.size(), experiment.name + ": asking", run, ask);
+  if (!asked.ok()) return asked;
   for (std::vector<Answer>& of_scene : answers) {
     std::ranges::move(of_scene, std::back_inserter(out.answers));
   }
-  if (absl::Status s = KeepScans(run.kept_scans, *plan, *renderer, &out); !s.ok()) return s;
+  if (absl::Status s = KeepScans(run.kept_scans, trials.asking, &out); !s.ok()) return s;
   return out;
 }
 
@@ -76,6 +89,7 @@ CaseSummary Summarize(const CaseResult& result) {
     }
     ++out.known;
     out.object_right += a.object_right;
+    out.posed += a.posed;
     out.pose_right += a.pose_right;
     out.strictly_right += a.strictly_right;
     out.ambiguous += a.outcome == recognition::RecognitionOutcome::kAmbiguous;
@@ -86,10 +100,10 @@ CaseSummary Summarize(const CaseResult& result) {
     out.mean_translation_mm += a.error.translation_m * 1000;
   }
   const auto at_least_one = [](auto n) { return std::max(1.0, static_cast<double>(n)); };
-  for (double* share :
-       {&out.object_right, &out.pose_right, &out.strictly_right, &out.ambiguous, &out.listed}) {
+  for (double* share : {&out.object_right, &out.ambiguous, &out.listed}) {
     *share /= at_least_one(out.known);
   }
+  for (double* share : {&out.pose_right, &out.strictly_right}) *share /= at_least_one(out.posed);
   out.unknown_rejected /= at_least_one(out.unknown);
   out.mean_rotation_deg /= at_least_one(poses);
   out.mean_translation_mm /= at_least_one(poses);

@@ -11,6 +11,7 @@
 #include "client/eval/experiment_run.h"
 #include "client/eval/gallery.h"
 #include "client/eval/part_set.h"
+#include "client/eval/trial_source.h"
 
 namespace graspdb::client {
 
@@ -22,12 +23,14 @@ struct CaseResult {
   std::map<std::size_t, recognition::Points> scans = {};
 };
 
+// Errors as those of the trials, Gallery::Teach and Recognize.
 absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
-                                   const ExperimentRun& run);
+                                   const ExperimentTrials& trials, const ExperimentRun& run);
 
 // Shares and means over a case's answers.
 struct CaseSummary {
   std::size_t known = 0;  // questions about things that were taught; the shares are of these
+  std::size_t posed = 0;  // those whose answer's pose can be judged; shares of poses are of these
   double object_right = 0;
   double pose_right = 0;
   double strictly_right = 0;

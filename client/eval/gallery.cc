@@ -1,5 +1,8 @@
 #include "client/eval/gallery.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/eval/shown_segment.h"
@@ -35,18 +38,22 @@ absl::Status Gallery::Teach(const Trial& trial) {
   view->name = absl::StrFormat("%s/views/%05d", view->stable_pose, views_.size());
   view->content = view->name;
   view->world_object = truth.world_object;
-  view->shares_frame = true;
+  if (!trial.posed) {
+    view->world_object = recognition::DefaultObjectPose(shown->world_frame, shown->segment);
+  }
+  view->shares_frame = trial.posed;
   view->world_sensor = shown->world_sensor;
-  auto descriptor = recognition::Describe(shown->segment.cloud, view->world_sensor.translation(),
-                                          parameters_.descriptor.kind);
+  auto descriptor =
+      recognition::Describe(shown->segment.cloud, view->world_sensor, parameters_.descriptor.kind);
   if (!descriptor.ok()) return descriptor.status();
   clouds_[view->name] = std::make_shared<const OrientedCloud>(std::move(shown->segment.cloud));
-  posed_[view->stable_pose].push_back({clouds_[view->name], view->world_object});
   views_.push_back({std::move(view), *std::move(descriptor)});
   return absl::OkStatus();
 }
 
-recognition::CatalogueSnapshot Gallery::Snapshot() const {
+recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left_out) const {
+  std::vector<IndexedView> views = views_;
+  if (left_out) views.erase(views.begin() + static_cast<std::ptrdiff_t>(*left_out));
   auto poses =
       std::make_shared<std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>();
   for (const Workpiece& part : *parts_) {
@@ -54,13 +61,13 @@ recognition::CatalogueSnapshot Gallery::Snapshot() const {
     pose->name = StablePoseName(part);
     pose->symmetry_order = part.symmetry_order;
     pose->grasps.push_back({.id = "origin"});
-    for (const IndexedView& v : views_) {
+    for (const IndexedView& v : views) {
       if (v.view->stable_pose == pose->name) pose->views.push_back(v.view);
     }
     (*poses)[pose->name] = std::move(pose);
   }
   recognition::DescriptorIndex index(recognition::DescriptorSize(parameters_.descriptor.kind));
-  return {.revision = 1, .index = index.With(views_), .stable_poses = std::move(poses)};
+  return {.revision = 1, .index = index.With(views), .stable_poses = std::move(poses)};
 }
 
 absl::StatusOr<std::shared_ptr<const OrientedCloud>> Gallery::Load(const TaughtView& view) {
@@ -70,11 +77,27 @@ absl::StatusOr<std::shared_ptr<const OrientedCloud>> Gallery::Load(const TaughtV
 }
 
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> Gallery::LoadModel(
-    const TaughtView& /*view*/, const TaughtStablePose& stable_pose) {
+    const TaughtView& view, const TaughtStablePose& stable_pose) {
+  std::string key;
+  std::vector<recognition::PosedCloud> clouds;
+  for (const TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
+    absl::StrAppend(&key, part->name, "\n");
+    clouds.push_back({clouds_.at(part->name), part->world_object});
+  }
   const std::lock_guard lock(mutex_);
-  auto& model = models_[stable_pose.name];
-  if (!model) model = recognition::FuseViews(posed_[stable_pose.name]);
+  auto& model = models_[key];
+  if (!model) model = recognition::FuseViews(clouds);
   return model;
+}
+
+std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(const Workpiece& part) {
+  const auto snapshot = Snapshot();
+  const auto pose = snapshot.stable_poses->find(StablePoseName(part));
+  if (pose == snapshot.stable_poses->end() || pose->second->views.empty()) return nullptr;
+  const auto& views = pose->second->views;
+  const auto posed = std::ranges::find_if(views, [](const auto& v) { return v->shares_frame; });
+  auto model = LoadModel(posed == views.end() ? *views.front() : **posed, *pose->second);
+  return model.ok() ? *model : nullptr;
 }
 
 }  // namespace graspdb::client

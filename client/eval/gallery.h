@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -22,7 +23,11 @@ class Gallery : public recognition::ViewClouds {
   // Teaches what a trial shows, as a view of its first object.
   absl::Status Teach(const Trial& trial);
 
-  recognition::CatalogueSnapshot Snapshot() const;
+  // What is taught; without view number `left_out` where one is given.
+  recognition::CatalogueSnapshot Snapshot(std::optional<std::size_t> left_out = std::nullopt) const;
+
+  // What the first view of a part shows with all that share its frame; null where there is none.
+  std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
 
   absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
       const recognition::TaughtView& view) override;
@@ -30,15 +35,13 @@ class Gallery : public recognition::ViewClouds {
       const recognition::TaughtView& view,
       const recognition::TaughtStablePose& stable_pose) override;
 
-  const std::vector<recognition::IndexedView>& views() const { return views_; }
-
  private:
   const std::vector<Workpiece>* parts_;
   recognition::RecognitionParameters parameters_;
   std::vector<recognition::IndexedView> views_;
   std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
-  std::unordered_map<std::string, std::vector<recognition::PosedCloud>> posed_;  // by stable pose
-  std::mutex mutex_;                                                             // guards models_
+  std::mutex mutex_;  // guards models_
+  // By the names of the views that they are fused from.
   std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
 };
 

@@ -70,6 +70,29 @@ MeasuredShape Measure(const Workpiece& part) {
   return out;
 }
 
+std::vector<double> TurnsOf(int symmetry_order) {
+  std::vector<double> out;
+  const int turns = std::max(1, symmetry_order);
+  for (int k = 0; k < turns; ++k) out.push_back(2 * std::numbers::pi * k / turns);
+  return out;
+}
+
+MeasuredShape Measure(const recognition::SurfaceModel& model, int symmetry_order) {
+  const recognition::Points& surface = model.fine.cloud.points;
+  MeasuredShape out{{}, recognition::PointSearch(surface), 0, {}, symmetry_order == 0, false};
+  out.is_round = out.any_turn;
+  const std::size_t stride = surface.size() / kMeasuredPoints + 1;
+  out.points.reserve(surface.size() / stride + 1);
+  for (std::size_t i = 0; i < surface.size(); i += stride) {
+    for (const Eigen::Vector3f& other : out.points) {
+      out.diameter_m = std::max(out.diameter_m, static_cast<double>((surface[i] - other).norm()));
+    }
+    out.points.push_back(surface[i]);
+  }
+  out.turns_rad = TurnsOf(symmetry_order);
+  return out;
+}
+
 PoseError ErrorOf(const MeasuredShape& shape, const Pose& truth, const Pose& found) {
   const Pose difference = found.inverse() * truth;
   const Distances there = DistancesOf(shape, difference);

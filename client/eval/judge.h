@@ -24,6 +24,13 @@ struct MeasuredShape {
 
 MeasuredShape Measure(const Workpiece& part);
 
+// Turns about z of a declared symmetry that has some, rad; see TaughtStablePose.
+std::vector<double> TurnsOf(int symmetry_order);
+
+// What was taught of a thing, in place of its mesh; its turns are the declared ones, see
+// TaughtStablePose.
+MeasuredShape Measure(const recognition::SurfaceModel& model, int symmetry_order);
+
 // Errors of a pose. Both poses T_world_object.
 struct PoseError {
   double add_s_m = 0;       // Hinterstoisser et al. 2012

@@ -1,5 +1,6 @@
 #include "client/eval/kept_scans.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace graspdb::client {
@@ -19,13 +20,20 @@ Points Thinned(const Points& points) {
   return out;
 }
 
+Eigen::Vector3f CenterOf(const MeasuredShape& shape) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : shape.points) box.extend(p);
+  return box.isEmpty() ? Eigen::Vector3f::Zero() : Eigen::Vector3f(box.center());
+}
+
 // Points of the scan no farther than `radius_m` from `center` (world frame), without the table.
-Points Around(const Vector3d& center, double radius_m, const recognition::Scan& scan) {
+Points Around(const Vector3d& center, double radius_m, const recognition::Scan& scan,
+              const recognition::Pose& world_sensor) {
   Points out;
   for (const Eigen::Vector3f& p : scan.points) {
     if (!p.allFinite() || p.z() <= 0) continue;
-    const Vector3d world = *scan.world_sensor * p.cast<double>();
-    if (world.z() < kTableM || (world - center).norm() > radius_m) continue;
+    const Vector3d world = world_sensor * p.cast<double>();
+    if (!scan.segmented && (world.z() < kTableM || (world - center).norm() > radius_m)) continue;
     out.push_back(world.cast<float>());
   }
   return Thinned(out);
@@ -47,20 +55,17 @@ std::vector<std::size_t> WorstFirst(const CaseResult& result) {
   return order;
 }
 
-absl::Status KeepScans(std::size_t count, const std::vector<PlannedCapture>& plan,
-                       const TrialRenderer& renderer, CaseResult* result) {
+absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result) {
   if (count == 0) return absl::OkStatus();
   std::vector<std::size_t> worst = WorstFirst(*result);
   worst.resize(std::min(worst.size(), count));
   for (const std::size_t i : worst) {
     const Answer& answer = result->answers[i];
-    const auto trial =
-        renderer.Render(plan[answer.scene], ObstacleOf(result->experiment, answer.scene));
+    const auto trial = questions.make(answer.scene);
     if (!trial.ok()) return trial.status();
-    const TriangleMesh& mesh = result->set.parts[answer.part].mesh;
-    const recognition::Box box = BoundsOf(mesh);
-    const Vector3d center = answer.truth * Vector3d((box.min + box.max) / 2);
-    result->scans[i] = Around(center, 0.6 * (box.max - box.min).norm(), trial->scan);
+    const MeasuredShape& shape = *result->set.shapes[answer.part];
+    const Vector3d center = answer.truth * CenterOf(shape).cast<double>();
+    result->scans[i] = Around(center, 0.6 * shape.diameter_m, trial->scan, answer.world_sensor);
   }
   return absl::OkStatus();
 }

@@ -14,9 +14,8 @@ namespace graspdb::client {
 std::vector<std::size_t> WorstFirst(const CaseResult& result);
 
 // Fills `result->scans` for the `count` worst answers: the points above the table around the
-// thing, at most 1500. `plan` holds the questions by their scene number. Errors as
-// TrialRenderer::Render.
-absl::Status KeepScans(std::size_t count, const std::vector<PlannedCapture>& plan,
-                       const TrialRenderer& renderer, CaseResult* result);
+// thing, at most 1500; all points of a scan that shows nothing else. Errors as those of
+// `questions`.
+absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result);
 
 }  // namespace graspdb::client

@@ -15,7 +15,7 @@ namespace graspdb::client {
 // Workpieces with what answers about them are measured with; position by position.
 struct PartSet {
   std::vector<Workpiece> parts;
-  std::vector<std::shared_ptr<const MeasuredShape>> shapes;
+  std::vector<std::shared_ptr<const MeasuredShape>> shapes;  // null: that of what is taught
   // T_object_mesh: from the mesh as it was given into the frame of the stable pose. All stable
   // poses of an object are one mesh.
   std::vector<recognition::Pose> object_mesh;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
 
 namespace graspdb::client {
 
@@ -17,10 +18,15 @@ absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
   if (segmentation->segments.empty()) {
     return absl::FailedPreconditionError("nothing is seen of it; leave it out");
   }
+  if (!trial.posed && segmentation->segments.size() > 1) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("it shows ", segmentation->segments.size(),
+                     " things and no object pose says which one is meant; give one"));
+  }
   Segment& nearest = *std::ranges::min_element(segmentation->segments, {}, [&](const Segment& s) {
-    return (s.centroid - trial.seen.front()).norm();
+    return (s.centroid - trial.seen.front()).head<2>().norm();
   });
-  return ShownSegment{std::move(nearest), segmentation->world_sensor};
+  return ShownSegment{std::move(nearest), segmentation->world_sensor, segmentation->world_frame};
 }
 
 }  // namespace graspdb::client

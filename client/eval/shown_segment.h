@@ -10,6 +10,7 @@ namespace graspdb::client {
 struct ShownSegment {
   recognition::Segment segment;
   recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
+  recognition::WorldFrame world_frame = recognition::WorldFrame::kGiven;
 };
 
 // The segment of the trial's first object. FAILED_PRECONDITION where nothing is seen of it; errors

@@ -16,8 +16,9 @@ namespace graspdb::client {
 struct Trial {
   recognition::Scan scan;
   std::vector<Placement> truth;  // what stands in it; the first is asked about
-  // Mean of what the camera sees of each, world frame, m; its place where nothing is seen.
+  // Mean of what the camera sees of each, world frame, m; its place where that is not known.
   std::vector<Eigen::Vector3d> seen;
+  bool posed = true;  // where it stands is known; otherwise the poses in `truth` say nothing
 };
 
 // An obstacle before the lens that hides a share of the first object's pixels, from one side of

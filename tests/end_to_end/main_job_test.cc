@@ -49,14 +49,17 @@ TEST_F(MainJobTest, ExportedCatalogueAnswersTheSameElsewhere) {
   EXPECT_EQ(CountRight(Recognize("set")), 6);
 }
 
-TEST_F(MainJobTest, SameSceneGivesTheSameBytesAfterARestart) {
-  StartServer();
+TEST_F(MainJobTest, SameSceneGivesTheSameBytesOnOneAndTwoThreadsAndAfterARestart) {
+  StartServer("db", {"--workers", "2"});
   Simulate("set", 30, 3);
   ASSERT_EQ(Graspdb({"import", Path("set")}).exit_status, 0);
+  // Twice at once, so that both threads have work.
+  const auto other = StartGraspdb(RecognizeWords("set"));
   const std::string before = Recognize("set");
+  EXPECT_EQ(other->Wait().out, before);
   server_->Signal(SIGTERM);
   EXPECT_EQ(server_->Wait().exit_status, 0);
-  StartServer();
+  StartServer("db", {"--workers", "1"});
   EXPECT_EQ(Recognize("set"), before);
 }
 

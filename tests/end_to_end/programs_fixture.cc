@@ -48,10 +48,11 @@ v1::CatalogStatus ProgramsTest::Status() const {
 }
 
 std::string ProgramsTest::Recognize(const std::string& set) const {
-  const Finished done =
-      Graspdb({"recognize", Path(set), "--split", "QUERY", "--json", "--omit-timings"});
-  EXPECT_EQ(done.exit_status, 0) << done.err;
-  return done.out;
+  return Succeed(RecognizeWords(set)).out;
+}
+
+std::vector<std::string> ProgramsTest::RecognizeWords(const std::string& set) const {
+  return {"recognize", Path(set), "--split", "QUERY", "--json", "--omit-timings"};
 }
 
 int CountLines(const std::string& text) {

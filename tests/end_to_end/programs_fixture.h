@@ -35,6 +35,8 @@ class ProgramsTest : public ::testing::Test {
   v1::CatalogStatus Status() const;
   // The answers of `recognize --json --omit-timings` to the QUERY scenes of a set: lines.
   std::string Recognize(const std::string& set) const;
+  // The words that ask for them.
+  std::vector<std::string> RecognizeWords(const std::string& set) const;
   std::string Path(const std::string& name) const { return (folder_.path() / name).string(); }
 
   client::TemporaryFolder folder_;

@@ -104,8 +104,7 @@ TEST(Ambiguity, ThingsOfOneShapeAreToldToBe) {
     const auto cloud = twins.Load(
         *snapshot.stable_poses->at("objects/tower/stablePoses/upright")->views[views.size()]);
     ASSERT_THAT(cloud, IsOk());
-    views.push_back(
-        {view, *Describe(**cloud, view->world_sensor.translation(), DescriptorParameters{}.kind)});
+    views.push_back({view, *Describe(**cloud, view->world_sensor, DescriptorParameters{}.kind)});
   }
   snapshot.index = snapshot.index.With(views);
   const Detection tower = MustDetect(twins, snapshot, "tower");

@@ -48,12 +48,17 @@ class VerificationTest : public ::testing::Test {
   // The evidence for `model` at `claimed` when the camera sees `solids`, the first alone in the
   // region of interest.
   Evidence MustVerify(const SurfaceModel& model, const Pose& claimed,
-                      const std::vector<testing::Solid>& solids) {
+                      const std::vector<testing::Solid>& solids, bool segmented = false) {
     const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
     Scan scan{.points = TakePicture({.solids = solids}, world_sensor, SmallCamera()).points,
               .world_sensor = world_sensor,
               .region = Box{{-0.12, -0.12, -0.02}, {0.12, 0.12, 0.08}},
-              .segmented = false};
+              .segmented = segmented};
+    if (segmented) {
+      std::erase_if(scan.points, [&](const Eigen::Vector3f& p) {
+        return !p.allFinite() || (world_sensor * p.cast<double>()).z() < 0.003;
+      });
+    }
     StageLog log;
     const auto segmentation = SegmentScan(
         scan, {}, {}, [] { return false; }, &log);
@@ -103,6 +108,16 @@ TEST_F(VerificationTest, AThingTooSmallLeavesTheScanUnexplained) {
   const Evidence evidence =
       MustVerify(SurfaceModel(SurfaceOf(smaller), 1), truth_, {BoxAt(truth_)});
   EXPECT_LT(evidence.scan_explained, 0.85);
+}
+
+// Of the brick cut out of the scan a half is lost.
+TEST_F(VerificationTest, WhatAScanOfOneThingDoesNotShowSpeaksLessAgainstItThanFreeSight) {
+  const Box half{{-0.04, -0.03, 0}, {0, 0.03, 0.05}};
+  const Evidence cut_out = MustVerify(model_, truth_, {BoxAt(truth_, half)}, /*segmented=*/true);
+  const Evidence whole = MustVerify(model_, truth_, {BoxAt(truth_, half)});
+  EXPECT_LT(whole.model_seen, 0.75);
+  EXPECT_GT(cut_out.model_seen, whole.model_seen + 0.05);
+  EXPECT_LT(cut_out.model_seen, 0.9);
 }
 
 TEST_F(VerificationTest, WhatAnotherThingHidesIsNotHeldAgainstThePose) {

@@ -172,5 +172,24 @@ TEST_F(RecognizeTest, ASegmentedCloudNeedsNoTable) {
   EXPECT_EQ(answer.detections(0).object(), "objects/wedge");
 }
 
+// Without a pose z is the camera's: what stands on the other side of the image's middle has not
+// turned.
+TEST_F(RecognizeTest, ASegmentedCloudWithoutAPoseMayStandElsewhereInTheImage) {
+  Declare("wedge");
+  v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
+  *view.mutable_view()->mutable_cloud() = SegmentedCloudOf("wedge", {.x = -0.02, .y = 0.02}, 7);
+  view.mutable_view()->set_segmented(true);
+  view.mutable_view()->clear_sensor_pose();
+  view.mutable_view()->clear_object_pose();
+  ASSERT_THAT(Upload(view), IsGrpcOk());
+  v1::RecognizeRequest request;
+  *request.mutable_cloud() = SegmentedCloudOf("wedge", {.x = 0.02, .y = -0.02}, 8);
+  request.set_segmented(true);
+  const v1::RecognizeResponse answer = Answer(request);
+  ASSERT_EQ(answer.detections_size(), 1);
+  EXPECT_EQ(answer.detections(0).object(), "objects/wedge");
+  EXPECT_GT(answer.detections(0).refined_pose().orientation().w(), 0.998);
+}
+
 }  // namespace
 }  // namespace graspdb::testing

@@ -26,7 +26,7 @@ void Count(const Answer& answer, ObjectFigures* of) {
   ++of->asked;
   of->known = answer.known;
   of->falsely_named += !answer.object_right;
-  of->pose_wrong += answer.known && !answer.pose_right;
+  of->pose_wrong += answer.known && answer.posed && !answer.pose_right;
   if (!answer.known || !answer.pose_right) return;
   ++of->right_poses;
   of->mean_rotation_deg += answer.error.rotation_rad * 180 / std::numbers::pi;

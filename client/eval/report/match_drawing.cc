@@ -11,7 +11,6 @@
 #include "client/eval/report/case_figures.h"
 #include "client/eval/report/markup.h"
 #include "client/eval/report/plot.h"
-#include "client/sensors/mesh.h"
 
 namespace graspdb::client {
 namespace {
@@ -20,7 +19,6 @@ using Eigen::Vector3d;
 using recognition::Points;
 using recognition::Pose;
 
-constexpr int kSampledPoints = 1200;
 constexpr std::size_t kScanPoints = 500;
 // A point is hidden when another one in its cell of the image is so much nearer.
 constexpr double kCellPx = 2;
@@ -79,7 +77,7 @@ std::string Caption(const Answer& a, const PartSet& set) {
   std::string out = absl::StrCat("Question ", a.scene, ", ", set.parts[a.part].object_id, ": ",
                                  a.stable_pose.empty() ? "nothing" : ObjectOf(a.stable_pose));
   if (!a.stable_pose.empty()) absl::StrAppendFormat(&out, ", score %.3f", a.score);
-  if (a.known && a.object_right) {
+  if (a.known && a.object_right && a.posed) {
     absl::StrAppendFormat(&out, ", farthest point %.1f mm off, ADD-S %.1f mm",
                           a.error.hausdorff_m * 1e3, a.error.add_s_m * 1e3);
   }
@@ -92,8 +90,7 @@ std::string Drawing(const CaseResult& result, std::size_t position) {
   const recognition::CameraIntrinsics& k = result.experiment.asked.camera.intrinsics;
   const Pose camera_world = a.world_sensor.inverse();
   const auto model = [&](std::size_t part, const Pose& world_object) {
-    const Points points = SampleSurface(result.set.parts[part].mesh, kSampledPoints, /*seed=*/3);
-    return Visible(Project(points, camera_world * world_object, k));
+    return Visible(Project(result.set.shapes[part]->points, camera_world * world_object, k));
   };
   const std::string caption = Caption(a, result.set);
   PointPlot plot{.title = caption, .groups = {}};
@@ -101,7 +98,7 @@ std::string Drawing(const CaseResult& result, std::size_t position) {
     plot.groups.push_back(
         GroupOf("scan", Project(Thinned(scan->second), camera_world, k), kTextColor, 2.6));
   }
-  plot.groups.push_back(GroupOf("truth", model(a.part, a.truth), 0, 2));
+  if (a.posed) plot.groups.push_back(GroupOf("truth", model(a.part, a.truth), 0, 2));
   if (const auto part = PartOfFound(a, result.set)) {
     plot.groups.push_back(GroupOf("match", model(*part, a.found), 1, 2));
   }

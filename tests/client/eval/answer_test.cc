@@ -24,6 +24,7 @@ class AnswerTest : public ::testing::Test {
     auto view = std::make_shared<recognition::TaughtView>();
     view->object = ObjectName(set_.parts[part]);
     view->stable_pose = StablePoseName(set_.parts[part]);
+    view->shares_frame = true;
     return view;
   }
 
@@ -50,6 +51,17 @@ TEST_F(AnswerTest, TheFirstReadingIsJudged) {
   const Answer answer = Judged();
   EXPECT_TRUE(answer.strictly_right);
   EXPECT_FALSE(answer.listed);
+}
+
+// A view that was taught without saying where the thing was has a frame of its own.
+TEST_F(AnswerTest, OfAPoseInAFrameThatNobodyKnowsTheObjectAloneIsJudged) {
+  recognition::TaughtView view = *ViewOf(0);
+  view.shares_frame = false;
+  Detect(0, Aside(), RecognitionOutcome::kOk).view =
+      std::make_shared<const recognition::TaughtView>(view);
+  const Answer answer = Judged();
+  EXPECT_TRUE(answer.object_right);
+  EXPECT_FALSE(answer.posed);
 }
 
 TEST_F(AnswerTest, AListedPoseOfAnAmbiguousAnswerCountsAndIsMarked) {

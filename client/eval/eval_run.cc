@@ -1,0 +1,190 @@
+#include "client/eval/eval_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/eval/capture_trials.h"
+#include "client/eval/descriptor_comparison.h"
+#include "client/eval/experiment.h"
+#include "client/eval/gallery.h"
+#include "client/eval/report/match_drawing.h"
+#include "client/eval/report/report_writer.h"
+#include "client/sensors/progress_line.h"
+
+namespace graspdb::client {
+namespace {
+
+// The case that descriptors are compared on.
+constexpr char kDescriptorCase[] = "paper";
+// What a capture set is called as a case.
+constexpr char kCaptureSetCase[] = "captures";
+
+void PrintParts(const PartSet& set) {
+  for (std::size_t i = 0; i < set.parts.size(); ++i) {
+    const MeasuredShape& shape = *set.shapes[i];
+    std::cout << absl::StrFormat("%-60s diameter %.0f mm, %d turns alike%s\n",
+                                 StablePoseName(set.parts[i]), shape.diameter_m * 1e3,
+                                 shape.turns_rad.size(), shape.is_round ? ", round" : "");
+  }
+}
+
+void PrintSummary(const CaseResult& result) {
+  const CaseSummary s = Summarize(result);
+  std::cout << absl::StrFormat(
+      "%-14s %5d asked  object %6.2f %%  pose %6.2f %%  strictly %6.2f %%  ambiguous %5.2f %%  "
+      "only listed %5.2f %%  turn %.3f deg  shift %.3f mm  %.1f ms",
+      result.experiment.name, s.known, 100 * s.object_right, 100 * s.pose_right,
+      100 * s.strictly_right, 100 * s.ambiguous, 100 * s.listed, s.mean_rotation_deg,
+      s.mean_translation_mm, s.mean_ms);
+  if (s.unknown > 0) {
+    std::cout << absl::StrFormat("  of %d unknown rejected %.2f %%", s.unknown,
+                                 100 * s.unknown_rejected);
+  }
+  std::cout << "\n" << std::flush;
+}
+
+void PrintDescriptors(const std::vector<DescriptorFigures>& figures) {
+  for (const DescriptorFigures& f : figures) {
+    std::cout << absl::StrFormat(
+        "%-9s %-11s turned over %6.2f %%  another object %6.2f %%  of %d\n", f.descriptor,
+        f.distance, 100 * MeanFalseRecognition(f), 100 * f.object_wrong, f.asked);
+  }
+}
+
+// The answers that were not strictly right.
+void PrintWrong(const CaseResult& result) {
+  for (const Answer& a : result.answers) {
+    if (a.known ? a.strictly_right : a.object_right) continue;
+    std::cout << absl::StrFormat("  %5d %s -> %s, score %.3f, ADD-S %.1f mm, farthest %.1f mm\n",
+                                 a.scene, StablePoseName(result.set.parts[a.part]),
+                                 a.stable_pose.empty() ? "nothing" : a.stable_pose, a.score,
+                                 a.error.add_s_m * 1e3, a.error.hausdorff_m * 1e3);
+  }
+}
+
+// The chosen cases, in their order.
+std::vector<ExperimentCase> ChosenCases(const EvalArguments& arguments) {
+  std::vector<ExperimentCase> out;
+  for (ExperimentCase& experiment : ExperimentCases()) {
+    if (!arguments.cases.empty() &&
+        std::ranges::find(arguments.cases, experiment.name) == arguments.cases.end()) {
+      continue;
+    }
+    experiment.trials_per_part = arguments.trials;
+    experiment.seed = arguments.seed;
+    out.push_back(std::move(experiment));
+  }
+  return out;
+}
+
+// None when no report is wanted.
+absl::StatusOr<std::optional<ReportWriter>> WriterOf(const EvalArguments& arguments) {
+  if (arguments.out.empty()) return std::nullopt;
+  auto writer = ReportWriter::Create(arguments.out, arguments.command);
+  if (!writer.ok()) return writer.status();
+  return *std::move(writer);
+}
+
+// Cases one after the other, with a progress line, their figures and the report.
+class Runner {
+ public:
+  static absl::StatusOr<std::unique_ptr<Runner>> Create(const EvalArguments& arguments) {
+    auto writer = WriterOf(arguments);
+    if (!writer.ok()) return writer.status();
+    return std::unique_ptr<Runner>(new Runner(arguments, *std::move(writer)));
+  }
+
+  absl::Status Run(const ExperimentCase& experiment, const PartSet& set,
+                   const ExperimentTrials& trials, bool with_descriptors) {
+    if (with_descriptors) {
+      auto figures = CompareDescriptors(set, trials, run_);
+      progress_.reset();
+      if (!figures.ok()) return figures.status();
+      PrintDescriptors(*figures);
+      absl::Status put = writer_ ? writer_->SetDescriptors(*figures) : absl::OkStatus();
+      if (!put.ok()) return put;
+    }
+    const auto result = RunCase(experiment, set, trials, run_);
+    progress_.reset();
+    if (!result.ok()) return result.status();
+    PrintSummary(*result);
+    if (arguments_.list) PrintWrong(*result);
+    return writer_ ? writer_->Add(*result) : absl::OkStatus();
+  }
+
+  void Finish() const {
+    if (writer_) std::cout << "report: " << writer_->page_path().string() << "\n";
+  }
+
+ private:
+  Runner(const EvalArguments& arguments, std::optional<ReportWriter> writer)
+      : arguments_(arguments), writer_(std::move(writer)) {
+    run_.parameters.matching = arguments.matching;
+    run_.kept_scans = writer_ ? kDrawnAnswers : 0;
+    run_.report = [this](const std::string& step, std::size_t done, std::size_t total) {
+      if (step != running_) progress_ = std::make_unique<ProgressLine>();
+      running_ = step;
+      progress_->Report(static_cast<int>(done), static_cast<int>(total));
+    };
+  }
+
+  const EvalArguments& arguments_;
+  std::optional<ReportWriter> writer_;
+  ExperimentRun run_;
+  std::unique_ptr<ProgressLine> progress_;
+  std::string running_;
+};
+
+absl::Status RunCaptureSet(const EvalArguments& arguments) {
+  const auto loaded = LoadCaptureTrials(arguments.inputs.front(), arguments.leave_one_out);
+  if (!loaded.ok()) return loaded.status();
+  auto runner = Runner::Create(arguments);
+  if (!runner.ok()) return runner.status();
+  absl::Status status =
+      (*runner)->Run({.name = kCaptureSetCase}, loaded->set, loaded->trials, arguments.descriptors);
+  if (status.ok()) (*runner)->Finish();
+  return status;
+}
+
+absl::Status RunMeshes(const EvalArguments& arguments) {
+  auto runner = Runner::Create(arguments);
+  if (!runner.ok()) return runner.status();
+  const std::vector<std::filesystem::path> paths(arguments.inputs.begin(), arguments.inputs.end());
+  const auto all = RestingParts(paths, arguments.unit_m, arguments.selection);
+  if (!all.ok()) return all.status();
+  if (arguments.list) PrintParts(*all);
+  for (const ExperimentCase& experiment : ChosenCases(arguments)) {
+    const auto set = Choose(*all, experiment.parts, arguments.choices);
+    if (!set.ok()) return set.status();
+    const auto trials = RenderedTrials(experiment, *set);
+    if (!trials.ok()) return trials.status();
+    absl::Status status = (*runner)->Run(
+        experiment, *set, *trials, arguments.descriptors && experiment.name == kDescriptorCase);
+    if (!status.ok()) return status;
+  }
+  (*runner)->Finish();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status RunEval(const EvalArguments& arguments) {
+  const auto is_set = [](const std::string& input) {
+    std::error_code ignored;  // what cannot be looked at is read as a file, which says why
+    return std::filesystem::is_directory(input, ignored);
+  };
+  const auto sets = std::ranges::count_if(arguments.inputs, is_set);
+  if (sets == 0 && !arguments.leave_one_out) return RunMeshes(arguments);
+  if (sets == 1 && arguments.inputs.size() == 1) return RunCaptureSet(arguments);
+  return absl::InvalidArgumentError(
+      sets == 0 ? "--leave-one-out is for a capture set; name its folder"
+                : "a capture set is measured alone; name one folder, or mesh files");
+}
+
+}  // namespace graspdb::client

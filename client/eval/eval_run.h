@@ -1,0 +1,34 @@
+// What `graspdb eval` does once its arguments are read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/eval/part_set.h"
+#include "recognition/parameters.h"
+
+namespace graspdb::client {
+
+struct EvalArguments {
+  std::vector<std::string> inputs;  // mesh files, or one folder with a capture set
+  bool leave_one_out = false;       // of a capture set
+  Choices choices;
+  std::vector<std::string> cases;
+  double unit_m = 1;
+  MeshSelection selection{.attitudes = 3};
+  int trials = 24;
+  std::uint64_t seed = 1;
+  recognition::MatchingParameters matching;
+  bool descriptors = false;
+  bool list = false;
+  std::string out;      // folder; empty: no report
+  std::string command;  // as it could be typed again
+};
+
+// Runs the cases, prints their figures, writes the report where one is wanted. INVALID_ARGUMENT for
+// inputs that do not go together; errors as those of the cases.
+absl::Status RunEval(const EvalArguments& arguments);
+
+}  // namespace graspdb::client
