@@ -30,7 +30,8 @@ constexpr float kCellM = 0.003F;
 constexpr float kReachM = 0.021F;
 
 bool IsSame(const PoseHypothesis& a, const PoseHypothesis& b) {
-  if (a.model != b.model) return false;
+  // Not by the pointers: what is dropped from a cache comes back as another one.
+  if (!HaveSameModel(*a.view, *b.view)) return false;
   const Pose difference = a.refined.inverse() * b.refined;
   const Eigen::Vector3d center = a.model->center.cast<double>();
   return (difference * center - center).norm() < kSamePlaceM &&

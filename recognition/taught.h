@@ -37,8 +37,10 @@ struct TaughtStablePose {
   std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
 };
 
-// The views that share the frame of `view`, one of `stable_pose`, itself among them: what its model
-// is fused from.
+// Whether both are fused into the same model: views of one stable pose that share a frame.
+bool HaveSameModel(const TaughtView& a, const TaughtView& b);
+
+// The views of `stable_pose` that have the same model as `view`, one of them.
 std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
                                             const TaughtStablePose& stable_pose);
 

@@ -44,6 +44,25 @@ class RecognizerTest : public ::testing::Test {
   RecognitionParameters parameters_;
 };
 
+// Clouds of a cache that keeps nothing: every time it makes the same model anew.
+class Forgetful : public ViewClouds {
+ public:
+  explicit Forgetful(ViewClouds& clouds) : clouds_(clouds) {}
+
+  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override {
+    return clouds_.Load(view);
+  }
+  absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) override {
+    const auto model = clouds_.LoadModel(view, stable_pose);
+    if (!model.ok()) return model.status();
+    return std::make_shared<const SurfaceModel>(**model);
+  }
+
+ private:
+  ViewClouds& clouds_;
+};
+
 TEST_F(RecognizerTest, EveryPartIsFoundWhereItStands) {
   for (const std::string object : {"bracket", "tower", "slab"}) {
     for (const double yaw : {7.0, 127.0, 236.0}) {
@@ -215,6 +234,25 @@ TEST_F(RecognizerTest, StagesCoverTheWholePath) {
   for (const StageReport& report : found->stages) stages.push_back(report.stage);
   EXPECT_THAT(stages, ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters",
                                              "normals", "descriptor", "match", "register"));
+}
+
+// As when two requests are the first to ask for a model, or memory is short.
+TEST_F(RecognizerTest, AModelThatIsMadeAnewGivesTheSameAnswer) {
+  Forgetful forgetful(taught_);
+  for (const double yaw : {7.0, 10.0, 127.0}) {
+    const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0.05, -0.04, yaw)});
+    const auto known = Recognize(scan, taught_.snapshot(), taught_, {}, [] { return false; });
+    const auto anew = Recognize(scan, taught_.snapshot(), forgetful, {}, [] { return false; });
+    ASSERT_THAT(known, IsOk());
+    ASSERT_THAT(anew, IsOk());
+    const Detection& a = known->detections.at(0);
+    const Detection& b = anew->detections.at(0);
+    EXPECT_EQ(a.equivalent_poses.size(), b.equivalent_poses.size());
+    ASSERT_EQ(a.candidates.size(), b.candidates.size());
+    for (std::size_t i = 0; i < a.candidates.size(); ++i) {
+      EXPECT_EQ(a.candidates[i].verification_score, b.candidates[i].verification_score);
+    }
+  }
 }
 
 }  // namespace
