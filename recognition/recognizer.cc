@@ -12,8 +12,6 @@
 namespace graspdb::recognition {
 namespace {
 
-// The grasps of the detection's stable pose in the world frame, the highest
-// priority first, without those outside the workspace.
 void CarryGrasps(const CatalogueSnapshot& catalogue, const std::optional<Box>& workspace,
                  Detection* detection) {
   const auto found = catalogue.stable_poses->find(detection->view->stable_pose);
@@ -21,15 +19,7 @@ void CarryGrasps(const CatalogueSnapshot& catalogue, const std::optional<Box>& w
     detection->outcome = RecognitionOutcome::kNoGrasp;
     return;
   }
-  for (const TaughtGrasp& grasp : found->second->grasps) {
-    const Pose world_tcp = detection->refined_pose * grasp.object_tcp;
-    if (workspace && !workspace->Contains(world_tcp.translation())) continue;
-    detection->grasps.push_back({grasp, world_tcp});
-  }
-  std::stable_sort(detection->grasps.begin(), detection->grasps.end(),
-                   [](const GraspProposal& a, const GraspProposal& b) {
-                     return a.grasp.priority > b.grasp.priority;
-                   });
+  detection->grasps = ProposeGrasps(*found->second, detection->refined_pose, workspace);
   detection->outcome =
       detection->grasps.empty() ? RecognitionOutcome::kOutOfWorkspace : RecognitionOutcome::kOk;
 }

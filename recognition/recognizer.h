@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "recognition/confidence.h"
 #include "recognition/descriptor_index.h"
+#include "recognition/grasp_proposals.h"
 #include "recognition/parameters.h"
 #include "recognition/registration.h"
 #include "recognition/segmentation.h"
@@ -52,12 +53,6 @@ struct Candidate {
   std::shared_ptr<const TaughtView> view;
   double descriptor_distance = 0;
   std::optional<double> verification_score;  // where the view was aligned
-};
-
-// A grasp carried along to where the object stands.
-struct GraspProposal {
-  TaughtGrasp grasp;
-  Pose world_tcp = Pose::Identity();  // T_world_tcp
 };
 
 // Another explanation of the same segment.

@@ -30,6 +30,8 @@ struct ExperimentCase {
   PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;
+  // What was taught and asked, in words, where it is not what the members above say.
+  std::string settings = {};
 };
 
 // The cases by name, in the order of the report.

@@ -146,8 +146,13 @@ absl::Status RunCaptureSet(const EvalArguments& arguments) {
   if (!loaded.ok()) return loaded.status();
   auto runner = Runner::Create(arguments);
   if (!runner.ok()) return runner.status();
-  absl::Status status =
-      (*runner)->Run({.name = kCaptureSetCase}, loaded->set, loaded->trials, arguments.descriptors);
+  const std::string settings = absl::StrFormat(
+      "Capture set %s: %d captures taught, %s.", arguments.inputs.front(),
+      loaded->trials.teaching.count,
+      arguments.leave_one_out ? "each asked about while it is not taught"
+                              : absl::StrCat(loaded->trials.asking.count, " asked about"));
+  absl::Status status = (*runner)->Run({.name = kCaptureSetCase, .settings = settings}, loaded->set,
+                                       loaded->trials, arguments.descriptors);
   if (status.ok()) (*runner)->Finish();
   return status;
 }

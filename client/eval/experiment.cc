@@ -63,10 +63,11 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
   MeasureTaught(&gallery, &out.set);
   const recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
   std::vector<std::vector<Answer>> answers(trials.asking.count);
-  const auto ask = [&](std::size_t i) {
+  const auto ask = [&](std::size_t i) -> absl::Status {
     auto of_scene = Ask(trials, i, snapshot, out.set, run, &gallery);
-    if (of_scene.ok()) answers[i] = *std::move(of_scene);
-    return of_scene.status();
+    if (!of_scene.ok()) return of_scene.status();
+    answers[i] = *std::move(of_scene);
+    return absl::OkStatus();
   };
   absl::Status asked = ForEach(answers.size(), experiment.name + ": asking", run, ask);
   if (!asked.ok()) return asked;

@@ -71,8 +71,9 @@ MeasuredShape Measure(const Workpiece& part) {
 }
 
 std::vector<double> TurnsOf(int symmetry_order) {
-  std::vector<double> out;
   const int turns = std::max(1, symmetry_order);
+  std::vector<double> out;
+  out.reserve(static_cast<std::size_t>(turns));
   for (int k = 0; k < turns; ++k) out.push_back(2 * std::numbers::pi * k / turns);
   return out;
 }

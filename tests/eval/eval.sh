@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # eval.sh BIN OUT: how often the answer is right. Simulated: eight parts taught from 24
 # views, 200 new scenes, the paper's way (1 view) and verified. Scanned: the meshes of
-# ../shared/data in every case of the experiment, with a report in OUT/report. Real: the frames
-# there. Without that folder the last two are skipped. The tables go to stdout. TRIALS: scenes
-# for each object and case.
+# ../shared/data in every case of the experiment, with a report in OUT/report, of which the tables
+# and some plots go into docs/experiment.md. Real: the frames and clouds there. Without that folder
+# the last two are skipped. The tables go to stdout. TRIALS: scenes for each object and case; with
+# another number than 24 the document stays as it is.
 set -euo pipefail
 bin=$(realpath "$1")
 out=$2
@@ -62,8 +63,39 @@ scanned() {
     return
   fi
   echo "== scanned objects, simulated camera"
-  "$bin/graspdb" eval "$meshes"/*.ply --objects "$scanned_objects" --descriptors \
-    --trials "${TRIALS:-24}" --out "$out/report" 2>/dev/null
+  local trials=${TRIALS:-24}
+  "$bin/graspdb" eval "$meshes"/*.ply --objects "$scanned_objects" --descriptors --seed 2 \
+    --trials "$trials" --out "$out/report" 2>/dev/null
+  [ "$trials" != 24 ] || "$(dirname "$0")/document.sh" "$out/report"
+}
+
+# Every cloud of an object is asked about while it is not taught; nobody says which way is up.
+turntable() {
+  local clouds=$data/vfh_turntable object file role
+  if [ ! -d "$clouds" ]; then
+    echo "== clouds on a turntable: skipped, $data is not there"
+    return
+  fi
+  echo "== real clouds on a turntable, leave one out"
+  mkdir -p "$out/turntable"
+  local objects="" captures="" known=" "
+  while IFS=, read -r object file role _; do
+    [ "$role" = object ] || continue
+    local id=article-${object//./-} copy=${file//\//-}
+    cp "$clouds/$file" "$out/turntable/$copy"
+    [[ $known == *" $id "* ]] ||
+      objects+="{\"objectId\":\"$id\",\"stablePoses\":[{\"stablePoseId\":\"upright\"}]},"
+    known+="$id "
+    captures+="{\"path\":\"$copy\",\"split\":\"TEACH\",\"objectId\":\"$id\",
+      \"stablePoseId\":\"upright\",\"segmented\":true},"
+  done <"$clouds/index.csv"
+  echo "{\"objects\":[${objects%,}],\"captures\":[${captures%,}]}" >"$out/turntable/captures.json"
+  local score
+  for score in 0 0.5; do
+    echo "-- minScore $score"
+    "$bin/graspdb" eval "$out/turntable" --leave-one-out --descriptors --min-score "$score" \
+      --out "$out/turntable-report-$score" 2>/dev/null
+  done
 }
 
 real() {
@@ -93,4 +125,5 @@ real() {
 
 simulated
 scanned
+turntable
 real

@@ -5,45 +5,12 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "client/eval/report/markup.h"
 #include "client/eval/report/plot.h"
+#include "client/eval/report/report_markdown.h"
 
 namespace graspdb::client {
 namespace {
-
-// Each name once, in the order in which they first come.
-template <typename Member>
-std::vector<std::string> NamesIn(const std::vector<DescriptorFigures>& figures, Member member) {
-  std::vector<std::string> names;
-  for (const DescriptorFigures& f : figures) {
-    if (std::ranges::find(names, f.*member) == names.end()) names.push_back(f.*member);
-  }
-  return names;
-}
-
-std::string Table(const std::vector<DescriptorFigures>& figures) {
-  const auto distances = NamesIn(figures, &DescriptorFigures::distance);
-  std::string out = "<div class=\"wide\"><table><tr><th>turned over / another object %</th>";
-  for (const std::string& d : distances) absl::StrAppend(&out, "<th>", EscapeMarkup(d), "</th>");
-  absl::StrAppend(&out, "</tr>\n");
-  for (const std::string& descriptor : NamesIn(figures, &DescriptorFigures::descriptor)) {
-    absl::StrAppend(&out, "<tr><td>", EscapeMarkup(descriptor), "</td>");
-    for (const std::string& distance : distances) {
-      const auto found = std::ranges::find_if(figures, [&](const DescriptorFigures& f) {
-        return f.descriptor == descriptor && f.distance == distance;
-      });
-      const std::string share =
-          found == figures.end()
-              ? "–"
-              : absl::StrFormat("%.2f / %.2f", 100 * MeanFalseRecognition(*found),
-                                100 * found->object_wrong);
-      absl::StrAppend(&out, "<td>", share, "</td>");
-    }
-    absl::StrAppend(&out, "</tr>\n");
-  }
-  return absl::StrCat(out, "</table></div>\n");
-}
 
 std::string Bars(const std::vector<DescriptorFigures>& figures) {
   std::set<std::string> objects;
@@ -77,7 +44,8 @@ std::string DescriptorSection(const std::vector<DescriptorFigures>& figures) {
       "<section id=\"descriptors\">\n<h2>Descriptors</h2>\n<p>How often the nearest "
       "of the object's own views by the descriptor alone was taken from a side more than 15 "
       "degrees off (modulo symmetry), and how often the nearest of all views is another object's; ",
-      figures.front().asked, " questions.</p>\n", Table(figures), Bars(figures), "</section>\n");
+      figures.front().asked, " questions.</p>\n", HtmlTable(DescriptorTable(figures)),
+      Bars(figures), "</section>\n");
 }
 
 }  // namespace graspdb::client

@@ -16,6 +16,25 @@ std::string EscapeMarkup(const std::string& text) {
       text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
 }
 
+std::string HtmlTable(const std::vector<std::vector<std::string>>& table,
+                      std::string (*section_of)(const std::string& cell)) {
+  std::string out = "<div class=\"wide\"><table>\n";
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    const char* tag = row == 0 ? "th" : "td";
+    absl::StrAppend(&out, "<tr>");
+    for (std::size_t column = 0; column < table[row].size(); ++column) {
+      const std::string& cell = table[row][column];
+      std::string content = EscapeMarkup(cell);
+      if (section_of != nullptr && row > 0 && column == 0) {
+        content = absl::StrCat("<a href=\"#", section_of(cell), "\">", content, "</a>");
+      }
+      absl::StrAppend(&out, "<", tag, ">", content, "</", tag, ">");
+    }
+    absl::StrAppend(&out, "</tr>\n");
+  }
+  return absl::StrCat(out, "</table></div>\n");
+}
+
 std::string Px(double length) {
   if (!std::isfinite(length)) return "0";
   const std::string text = absl::StrFormat("%.1f", length);

@@ -2,11 +2,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace graspdb::client {
 
 // `text` as content or as an attribute's value between double quotes.
 std::string EscapeMarkup(const std::string& text);
+
+// A <table> of texts, the first row headings; with `section_of` the first cell of every other row
+// is a link to the section of that id.
+std::string HtmlTable(const std::vector<std::vector<std::string>>& table,
+                      std::string (*section_of)(const std::string& cell) = nullptr);
 
 // A length in an SVG: at most one decimal, none where it is 0. 0 for what is not finite.
 std::string Px(double length);

@@ -11,33 +11,14 @@ namespace graspdb::client {
 namespace {
 
 constexpr char kWords[] =
-    "<p>A simulated depth camera sees things on a table; each answer is held against where the "
-    "thing "
-    "truly is. <b>Object</b>: the right one is named. <b>Pose</b>: ADD-S is under 5 % of the "
+    "<p>A depth camera, real or simulated, sees things on a table; each answer is held against "
+    "where the thing truly is. <b>Object</b>: the right one is named. <b>Pose</b>: ADD-S is under "
+    "5 % of the "
     "diameter. <b>Strictly</b>: no point is farther off than 8 mm, or 6 % of the diameter. "
     "<b>Turn</b> and <b>shift</b> are mean errors of the right poses, modulo symmetry. Shares are "
     "of "
     "the questions about things that were taught; <b>unknown rejected</b> is of the others. The "
     "scenes of a case run side by side, so that times are those of a busy machine.</p>\n";
-
-std::string TableOfCases(const std::vector<CaseRow>& rows) {
-  const auto table = CaseTable(rows);
-  std::string out = "<div class=\"wide\"><table>\n<tr>";
-  for (const std::string& head : table.front()) {
-    absl::StrAppend(&out, "<th>", EscapeMarkup(head), "</th>");
-  }
-  absl::StrAppend(&out, "</tr>\n");
-  for (std::size_t row = 1; row < table.size(); ++row) {
-    const std::string& name = table[row].front();
-    absl::StrAppend(&out, "<tr><td><a href=\"#", SectionId(name), "\">", EscapeMarkup(name),
-                    "</a></td>");
-    for (std::size_t column = 1; column < table[row].size(); ++column) {
-      absl::StrAppend(&out, "<td>", EscapeMarkup(table[row][column]), "</td>");
-    }
-    absl::StrAppend(&out, "</tr>\n");
-  }
-  return absl::StrCat(out, "</table></div>\n");
-}
 
 }  // namespace
 
@@ -48,8 +29,8 @@ std::string ReportHtml(const ReportPage& page) {
       "<title>graspdb eval</title>\n<style>\n",
       PageStyle(), "</style>\n</head>\n<body>\n<h1>How often the answer is right</h1>\n<pre><code>",
       EscapeMarkup(page.command), "</code></pre>\n", kWords);
-  absl::StrAppend(&out,
-                  page.rows.empty() ? "<p>No case has ended yet.</p>\n" : TableOfCases(page.rows));
+  absl::StrAppend(&out, page.rows.empty() ? "<p>No case has ended yet.</p>\n"
+                                          : HtmlTable(CaseTable(page.rows), SectionId));
   absl::StrAppend(&out, DescriptorSection(page.descriptors));
   for (const std::string& section : page.sections) absl::StrAppend(&out, section);
   return absl::StrCat(out, "</body>\n</html>\n");

@@ -1,5 +1,7 @@
 #include "client/eval/report/report_markdown.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -18,7 +20,7 @@ Cells CellsOf(const CaseRow& row) {
     return asked ? absl::StrFormat("%.1f", 100 * share) : kNothing;
   };
   const auto error = [&](double value) -> std::string {
-    return s.known > 0 && s.pose_right > 0 ? absl::StrFormat("%.2f", value) : kNothing;
+    return s.posed > 0 && s.pose_right > 0 ? absl::StrFormat("%.2f", value) : kNothing;
   };
   const auto time = [&](double ms) -> std::string {
     return row.times.scenes > 0 ? absl::StrFormat("%.0f", ms) : kNothing;
@@ -27,8 +29,8 @@ Cells CellsOf(const CaseRow& row) {
   return {row.name,
           absl::StrCat(s.known + s.unknown),
           percent(known, s.object_right),
-          percent(known, s.pose_right),
-          percent(known, s.strictly_right),
+          percent(s.posed > 0, s.pose_right),
+          percent(s.posed > 0, s.strictly_right),
           percent(known, s.ambiguous),
           percent(known, s.listed),
           error(s.mean_rotation_deg),
@@ -44,6 +46,16 @@ std::string Line(Cells cells) {
   return absl::StrCat("| ", absl::StrJoin(cells, " | "), " |\n");
 }
 
+// Each name once, in the order in which they first come.
+template <typename Member>
+std::vector<std::string> NamesIn(const std::vector<DescriptorFigures>& figures, Member member) {
+  std::vector<std::string> names;
+  for (const DescriptorFigures& f : figures) {
+    if (std::ranges::find(names, f.*member) == names.end()) names.push_back(f.*member);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<Cells> CaseTable(const std::vector<CaseRow>& rows) {
@@ -54,8 +66,27 @@ std::vector<Cells> CaseTable(const std::vector<CaseRow>& rows) {
   return table;
 }
 
-std::string CasesMarkdown(const std::vector<CaseRow>& rows) {
-  const std::vector<Cells> table = CaseTable(rows);
+std::vector<Cells> DescriptorTable(const std::vector<DescriptorFigures>& figures) {
+  const auto distances = NamesIn(figures, &DescriptorFigures::distance);
+  std::vector<Cells> table = {{"turned over / another object %"}};
+  table.front().insert(table.front().end(), distances.begin(), distances.end());
+  for (const std::string& descriptor : NamesIn(figures, &DescriptorFigures::descriptor)) {
+    Cells cells = {descriptor};
+    for (const std::string& distance : distances) {
+      const auto found = std::ranges::find_if(figures, [&](const DescriptorFigures& f) {
+        return f.descriptor == descriptor && f.distance == distance;
+      });
+      cells.push_back(found == figures.end()
+                          ? kNothing
+                          : absl::StrFormat("%.2f / %.2f", 100 * MeanFalseRecognition(*found),
+                                            100 * found->object_wrong));
+    }
+    table.push_back(std::move(cells));
+  }
+  return table;
+}
+
+std::string TableMarkdown(const std::vector<Cells>& table) {
   Cells rule(table.front().size(), "---:");
   rule.front() = "---";
   std::string out = Line(table.front());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/eval/descriptor_figures.h"
 #include "client/eval/report/case_figures.h"
 
 namespace graspdb::client {
@@ -12,7 +13,12 @@ namespace graspdb::client {
 // are in the headings. What a case did not ask has "–".
 std::vector<std::vector<std::string>> CaseTable(const std::vector<CaseRow>& rows);
 
-// CaseTable as GitHub Markdown.
-std::string CasesMarkdown(const std::vector<CaseRow>& rows);
+// The same of descriptors and distances: how often the nearest of the object's own views was taken
+// from a side more than 15 degrees off, and how often the nearest of all is another object's.
+std::vector<std::vector<std::string>> DescriptorTable(
+    const std::vector<DescriptorFigures>& figures);
+
+// A table with its headings as GitHub Markdown.
+std::string TableMarkdown(const std::vector<std::vector<std::string>>& table);
 
 }  // namespace graspdb::client

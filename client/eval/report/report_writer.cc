@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "client/eval/report/bop_csv.h"
 #include "client/eval/report/case_section.h"
+#include "client/eval/report/descriptor_section.h"
+#include "client/eval/report/figure_files.h"
 #include "client/eval/report/report_json.h"
 #include "client/eval/report/report_markdown.h"
 #include "client/files/atomic_file.h"
@@ -41,12 +43,25 @@ absl::Status ReportWriter::Add(const CaseResult& result) {
   json_.push_back(CaseAsJson(result));
   absl::StrAppend(&bop_objects_, BopObjects(result));
   absl::Status written = WriteFile(folder_ / BopFileName(result.experiment), BopCsv(result));
+  written.Update(WriteFigures(result.experiment.name, page_.sections.back()));
   return written.ok() ? Write() : written;
 }
 
 absl::Status ReportWriter::SetDescriptors(std::vector<DescriptorFigures> figures) {
   page_.descriptors = std::move(figures);
-  return Write();
+  absl::Status written =
+      WriteFile(folder_ / "descriptors.md", TableMarkdown(DescriptorTable(page_.descriptors)));
+  written.Update(WriteFigures("descriptors", DescriptorSection(page_.descriptors)));
+  return written.ok() ? Write() : written;
+}
+
+absl::Status ReportWriter::WriteFigures(const std::string& section,
+                                        const std::string& markup) const {
+  for (const FigureFile& figure : FigureFiles(section, markup)) {
+    absl::Status written = WriteFile(folder_ / "figures" / figure.name, figure.svg);
+    if (!written.ok()) return written;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ReportWriter::Write() const {
@@ -54,7 +69,7 @@ absl::Status ReportWriter::Write() const {
   if (!json.ok()) return json.status();
   absl::Status status = WriteFile(folder_ / "report.json", *json);
   status.Update(WriteFile(folder_ / "bop_objects.csv", bop_objects_));
-  status.Update(WriteFile(folder_ / "cases.md", CasesMarkdown(page_.rows)));
+  status.Update(WriteFile(folder_ / "cases.md", TableMarkdown(CaseTable(page_.rows))));
   status.Update(WriteFile(page_path(), ReportHtml(page_)));
   return status;
 }

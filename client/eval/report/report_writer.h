@@ -17,7 +17,8 @@ namespace graspdb::client {
 // Writes into one folder, again after every case, so that a run that is interrupted leaves what was
 // done:
 //   report.html              to be read
-//   cases.md                 its table, for documents
+//   cases.md                 its table, for documents; descriptors.md where they are compared
+//   figures/CASE-TITLE.svg   its plots, for documents
 //   report.json              everything, for programs
 //   graspdb_CASE-test.csv    the poses as the BOP challenge takes them
 //   bop_objects.csv          the numbers of the objects in those files
@@ -42,6 +43,7 @@ class ReportWriter {
   ReportWriter(std::filesystem::path folder, const std::string& command);
 
   absl::Status Write() const;
+  absl::Status WriteFigures(const std::string& section, const std::string& markup) const;
 
   std::filesystem::path folder_;
   ReportPage page_;

@@ -54,6 +54,11 @@ TEST_F(ReportFolder, HoldsAllFilesAfterEveryCase) {
   ASSERT_THAT(writer->Add(HandMade("first")), IsOk());
   EXPECT_THAT(TextOf(folder_ / "report.html"), HasSubstr("id=\"case-first\""));
   EXPECT_THAT(TextOf(folder_ / "graspdb_first-test.csv"), HasSubstr("scene_id,"));
+  const std::string figure =
+      TextOf(folder_ / "figures/first-mean-absolute-rotation-error-for-each-object.svg");
+  EXPECT_THAT(figure, ::testing::StartsWith("<svg xmlns="));
+  EXPECT_THAT(figure, HasSubstr("<style>"));
+  EXPECT_THAT(figure, ::testing::EndsWith("</svg>\n"));
   ASSERT_THAT(writer->Add(HandMade("second")), IsOk());
   const std::string page = TextOf(writer->page_path());
   EXPECT_THAT(page, HasSubstr("id=\"case-first\""));
@@ -197,9 +202,9 @@ TEST(MatchingScores, FrameTheViewThatBecameTheAnswer) {
   EXPECT_THAT(MatchingScores(result), Not(HasSubstr("class=\"mark\"")));
 }
 
-TEST(CasesMarkdown, KeepsItsColumns) {
+TEST(TableMarkdown, KeepsItsColumns) {
   CaseRow row = RowOf(HandMade("a|b"));
-  const std::vector<std::string> lines = absl::StrSplit(CasesMarkdown({row}), '\n');
+  const std::vector<std::string> lines = absl::StrSplit(TableMarkdown(CaseTable({row})), '\n');
   ASSERT_THAT(lines, SizeIs(4));
   EXPECT_THAT(lines[2], HasSubstr("| a\\|b | 5 |"));
 }

@@ -1,0 +1,28 @@
+// Where the tool may take what was recognised.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "recognition/taught.h"
+
+namespace graspdb::recognition {
+
+// A grasp carried along to where the object stands.
+struct GraspProposal {
+  TaughtGrasp grasp;
+  Pose world_tcp = Pose::Identity();  // T_world_tcp
+};
+
+// Turns about z that the declared symmetry allows (TaughtStablePose), rad: 0 first, then by their
+// size, at most 12, evenly spread; every 30 degrees where any turn is allowed.
+std::vector<double> DeclaredTurns(int symmetry_order);
+
+// The grasps of a stable pose that stands at `world_object`, and those that follow from its
+// declared symmetry: the highest priority first, of one priority the least turned first. Those
+// whose tool centre point lies outside `workspace` (world frame) are left out.
+std::vector<GraspProposal> ProposeGrasps(const TaughtStablePose& stable_pose,
+                                         const Pose& world_object,
+                                         const std::optional<Box>& workspace);
+
+}  // namespace graspdb::recognition

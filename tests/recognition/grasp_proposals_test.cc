@@ -1,0 +1,67 @@
+#include "recognition/grasp_proposals.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+namespace graspdb::recognition {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr double kPi = std::numbers::pi;
+
+TaughtGrasp Grasp(const std::string& id, int priority) {
+  TaughtGrasp grasp;
+  grasp.id = id;
+  grasp.priority = priority;
+  grasp.object_tcp.translation() = Eigen::Vector3d(0.05, 0, 0.1);
+  return grasp;
+}
+
+std::vector<std::string> IdsOf(const std::vector<GraspProposal>& proposals) {
+  std::vector<std::string> out;
+  for (const GraspProposal& p : proposals) out.push_back(p.grasp.id);
+  return out;
+}
+
+TEST(DeclaredTurns, AreThoseOfTheSymmetryTheSmallestFirst) {
+  EXPECT_THAT(DeclaredTurns(1), ElementsAre(0));
+  EXPECT_THAT(DeclaredTurns(2), ElementsAre(0, DoubleNear(kPi, 1e-12)));
+  EXPECT_THAT(DeclaredTurns(4), ElementsAre(0, DoubleNear(kPi / 2, 1e-12),
+                                            DoubleNear(-kPi / 2, 1e-12), DoubleNear(kPi, 1e-12)));
+  EXPECT_THAT(DeclaredTurns(0), SizeIs(12));
+}
+
+TEST(DeclaredTurns, OfManyTwelveAreGivenThatTheSymmetryAllows) {
+  const std::vector<double> turns = DeclaredTurns(30);
+  EXPECT_THAT(turns, SizeIs(12));
+  for (const double turn : turns) {
+    EXPECT_NEAR(std::remainder(turn, 2 * kPi / 30), 0, 1e-9) << turn;
+  }
+}
+
+TEST(ProposeGrasps, EveryGraspOnceForEachTurnThePriorityFirst) {
+  TaughtStablePose pose{"pose", 2, {Grasp("low", 1), Grasp("high", 3)}};
+  const Pose world_object(Eigen::Translation3d(0.2, 0.1, 0));
+  const auto proposals = ProposeGrasps(pose, world_object, std::nullopt);
+  EXPECT_THAT(IdsOf(proposals), ElementsAre("high", "high", "low", "low"));
+  EXPECT_NEAR(proposals[0].world_tcp.translation().x(), 0.25, 1e-12);
+  EXPECT_NEAR(proposals[1].world_tcp.translation().x(), 0.15, 1e-12);
+}
+
+TEST(ProposeGrasps, ATurnedOneIsGivenWhereTheTaughtOneIsOutOfReach) {
+  TaughtStablePose pose{"pose", 2, {Grasp("side", 1)}};
+  const Box left{{-1, -1, -1}, {0, 1, 1}};
+  const auto proposals = ProposeGrasps(pose, Pose::Identity(), left);
+  ASSERT_THAT(proposals, SizeIs(1));
+  EXPECT_NEAR(proposals[0].world_tcp.translation().x(), -0.05, 1e-12);
+  pose.symmetry_order = 1;
+  EXPECT_THAT(ProposeGrasps(pose, Pose::Identity(), left), IsEmpty());
+}
+
+}  // namespace
+}  // namespace graspdb::recognition
