@@ -69,7 +69,7 @@ class Matcher {
         seen_{input.segmentation.world_sensor, input.segment.centroid,
               ExtentOf(input.segment.cloud.points, sight_.sensor_world()),
               input.segmentation.world_frame != WorldFrame::kSensor},
-        target_{input.segment.cloud, grid_, sight_, seen_.on_table},
+        target_{input.segment.cloud, grid_, sight_, seen_.on_table, input.segmentation.table},
         stride_(static_cast<int>(
             std::max<std::size_t>(1, input.segment.cloud.points.size() / kRoughPoints))) {}
 

@@ -25,6 +25,8 @@ constexpr float kMinFacing = 0.2F;
 // The scan's points are about so far apart, m.
 constexpr double kVoxelM = 0.003;
 constexpr double kNegligibleMoveM = 2e-5;
+// A measured table says more than a calibration: its deviations are so much smaller.
+constexpr double kMeasuredTableShare = 0.25;
 
 // The normal equations of one step: a turn about `center` and then a move, world frame.
 class Step {
@@ -122,13 +124,16 @@ void AddEdges(const Surface& surface, const RefinementTarget& target, const Pose
   }
 }
 
-void AddTable(const SurfaceModel& model, const Pose& world_object, const Vector3f& center,
-              const RefinementOptions& options, Step* step) {
-  const Eigen::Vector3d up = world_object.linear().col(2);
-  step->AddPrior(0, up.y(), options.tilt_deviation_rad);
-  step->AddPrior(1, -up.x(), options.tilt_deviation_rad);
-  const double lifted = static_cast<double>(center.z() - model.center.z());
-  step->AddPrior(5, -lifted, options.height_deviation_m);
+void AddTable(const SurfaceModel& model, const std::optional<Plane>& measured,
+              const Pose& world_object, const Vector3f& center, const RefinementOptions& options,
+              Step* step) {
+  const Plane table = measured.value_or(Plane());
+  const double share = measured ? kMeasuredTableShare : 1;
+  const Eigen::Vector3d off = world_object.linear().col(2) - table.normal;
+  step->AddPrior(0, off.y(), share * options.tilt_deviation_rad);
+  step->AddPrior(1, -off.x(), share * options.tilt_deviation_rad);
+  const double lifted = table.Height(center.cast<double>()) - static_cast<double>(model.center.z());
+  step->AddPrior(5, -lifted, share * options.height_deviation_m);
 }
 
 Pose Moved(const Pose& world_object, const Vector3f& center, const Vector6d& step) {
@@ -164,7 +169,7 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
     AddScan(model, target, pose, static_cast<float>(reach), options.stride, &step);
     AddEdges(surface, target, pose, static_cast<float>(reach), edge_share, &step);
     if (step.is_empty()) return out;
-    if (target.on_table) AddTable(model, pose, center, options, &step);
+    if (target.on_table) AddTable(model, target.table, pose, center, options, &step);
     const Vector6d move = step.Solve();
     pose = Moved(pose, center, move);
     const double moved =

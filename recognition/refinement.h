@@ -1,6 +1,9 @@
 // From a rough pose to the pose in which a model and a scan lie on each other.
 #pragma once
 
+#include <optional>
+
+#include "recognition/plane.h"
 #include "recognition/sight.h"
 #include "recognition/surface_model.h"
 #include "recognition/types.h"
@@ -12,7 +15,8 @@ struct RefinementTarget {
   const OrientedCloud& cloud;
   const NearestGrid& grid;  // over cloud.points
   const Sight& sight;
-  bool on_table = true;  // z = 0 is the table that the object stands on
+  bool on_table = true;  // the object stands on a table: `table` where it was measured, else z = 0
+  std::optional<Plane> table = std::nullopt;  // world frame
 };
 
 struct RefinementOptions {
@@ -24,7 +28,8 @@ struct RefinementOptions {
   int stride = 1;
   bool coarse = false;
   // How firmly the object stands on the table: the deviations in height and tilt that a
-  // calibration leaves. Small: only place and turn on the table are refined.
+  // calibration leaves; half of them where the table was measured. Small: only place and turn on
+  // the table are refined.
   double height_deviation_m = 0.002;
   double tilt_deviation_rad = 0.01;
 };

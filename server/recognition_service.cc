@@ -25,6 +25,20 @@ grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
   return Handle(*context, "Recognize", [&] { return RecognizeOne(*context, *request, response); });
 }
 
+grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
+                                                const v1::FindLookAlikesRequest* request,
+                                                v1::FindLookAlikesResponse* response) {
+  return Handle(*context, "FindLookAlikes", [&]() -> absl::Status {
+    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    absl::StatusOr<Admission::Ticket> ticket = admission_.Enter(is_cancelled);
+    if (!ticket.ok()) return ticket.status();
+    absl::StatusOr<v1::FindLookAlikesResponse> answer = look_alikes_.Answer(*request, is_cancelled);
+    if (!answer.ok()) return answer.status();
+    *response = *std::move(answer);
+    return absl::OkStatus();
+  });
+}
+
 grpc::Status RecognitionService::RecognizeStream(
     grpc::ServerContext* context,
     grpc::ServerReaderWriter<v1::RecognizeStreamResponse, v1::RecognizeStreamRequest>* stream) {

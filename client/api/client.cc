@@ -18,6 +18,7 @@ namespace {
 constexpr char kRetries[] = R"({"methodConfig": [{
   "name": [
     {"service": "graspdb.v1.RecognitionService", "method": "Recognize"},
+    {"service": "graspdb.v1.RecognitionService", "method": "FindLookAlikes"},
     {"service": "graspdb.v1.CatalogService", "method": "GetCatalogStatus"},
     {"service": "graspdb.v1.CatalogService", "method": "GetObject"},
     {"service": "graspdb.v1.CatalogService", "method": "ListObjects"},
@@ -107,6 +108,13 @@ absl::StatusOr<Response> Client::Call(Stub& stub, Method method, const Request& 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request) {
   return Call<v1::RecognizeResponse>(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize,
                                      request);
+}
+
+absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {
+  v1::FindLookAlikesRequest request;
+  request.set_object(object);
+  return Call<v1::FindLookAlikesResponse>(*stubs_->recognition,
+                                          &v1::RecognitionService::Stub::FindLookAlikes, request);
 }
 
 absl::StatusOr<v1::CatalogStatus> Client::GetCatalogStatus() {

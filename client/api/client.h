@@ -41,6 +41,9 @@ class Client {
 
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
 
+  // Of the object of that resource name; of all for "".
+  absl::StatusOr<v1::FindLookAlikesResponse> FindLookAlikes(const std::string& object);
+
   absl::StatusOr<v1::CatalogStatus> GetCatalogStatus();
   absl::StatusOr<v1::Object> CreateObject(const v1::CreateObjectRequest& request);
   absl::StatusOr<v1::Object> GetObject(const std::string& name);

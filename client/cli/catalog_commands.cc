@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/cli/look_alikes_text.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -58,6 +60,16 @@ absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bo
   return absl::OkStatus();
 }
 
+absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
+  const auto found = Connect(global).FindLookAlikes(id.empty() ? "" : ResourceName("objects", id));
+  if (!found.ok()) return found.status();
+  if (global.json) return PrintJson(*found);
+  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/true);
+  for (const std::string& note : notes) std::printf("%s\n", note.c_str());
+  if (notes.empty()) std::printf("nothing that was taught looks alike\n");
+  return absl::OkStatus();
+}
+
 absl::Status ShowStatus(const GlobalOptions& global) {
   absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
   if (!status.ok()) return status.status();
@@ -76,7 +88,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
 }  // namespace
 
 void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* objects = AddCommand(app, "objects", "List, show and delete objects");
+  CLI::App* objects = AddCommand(app, "objects", "List, show, check and delete objects");
   objects->require_subcommand(1);
   AddCommand(*objects, "list", "All objects")->callback([=, &global] {
     *action = [&global] { return ListObjects(global); };
@@ -85,6 +97,10 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
   CLI::App* show = AddCommand(*objects, "show", "An object with its stable poses and grasps");
   show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   show->callback([=, &global] { *action = [=, &global] { return ShowObject(global, *id); }; });
+  CLI::App* check = AddCommand(
+      *objects, "check", "What may be confused: symmetries that are not declared, look-alikes");
+  check->add_option("OBJECT", *id, "Id, e.g. mug; without it all objects");
+  check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
   auto force = std::make_shared<bool>(false);
   CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");
   remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();

@@ -1,11 +1,13 @@
 #include "client/cli/import_command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/look_alikes_text.h"
 #include "client/cli/splits.h"
 #include "client/files/capture_set.h"
 #include "client/files/cloud_message.h"
@@ -17,6 +19,10 @@ namespace {
 
 // Views in one upload call: after each call the server has said that they are safe.
 constexpr int kViewsPerCall = 8;
+
+// So many stable poses are compared with each other after an import without being asked to.
+constexpr int kCheckedStablePoses = 100;
+constexpr std::size_t kShownNotes = 5;
 
 struct Options {
   std::string folder;
@@ -164,6 +170,25 @@ class Import {
   int existing_ = 0;
 };
 
+// Tells the teacher what may be confused.
+absl::Status NoteLookAlikes(Client& client, const v1::CatalogStatus& status) {
+  if (status.stable_pose_count() > kCheckedStablePoses) {
+    std::fprintf(stderr, "note: see what may be confused with: graspdb objects check\n");
+    return absl::OkStatus();
+  }
+  const auto found = client.FindLookAlikes("");
+  if (!found.ok()) return found.status();
+  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/false);
+  for (std::size_t i = 0; i < std::min(notes.size(), kShownNotes); ++i) {
+    std::fprintf(stderr, "note: %s\n", notes[i].c_str());
+  }
+  if (notes.size() > kShownNotes) {
+    std::fprintf(stderr, "note: %zu more; see all with: graspdb objects check\n",
+                 notes.size() - kShownNotes);
+  }
+  return absl::OkStatus();
+}
+
 absl::Status RunImport(const GlobalOptions& global, const Options& options) {
   absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(options.folder);
   if (!set.ok()) return set.status();
@@ -183,6 +208,7 @@ absl::Status RunImport(const GlobalOptions& global, const Options& options) {
       "taught %d views, %d were there already; the catalogue has %lld views of %lld objects\n",
       import.created(), import.existing(), static_cast<long long>(status->view_count()),
       static_cast<long long>(status->object_count()));
+  if (import.created() > 0) return NoteLookAlikes(client, *status);
   return absl::OkStatus();
 }
 

@@ -82,6 +82,18 @@ TEST_F(RefinementTest, AFirmTableKeepsHeightAndTilt) {
   EXPECT_GT(found.linear()(2, 2), 1 - 1e-6);
 }
 
+// The calibration is off by a degree; the table shows how the object stands.
+TEST_F(RefinementTest, AMeasuredTableIsWhatTheObjectStandsOn) {
+  const Eigen::AngleAxisd off(0.0175, Eigen::Vector3d::UnitX());
+  RefinementTarget target = Target(true);
+  target.table = Plane{off * Eigen::Vector3d::UnitZ(), 0};
+  const Pose found =
+      Refine(model_, target, truth_,
+             {.iterations = 20, .height_deviation_m = 1e-6, .tilt_deviation_rad = 1e-6})
+          .world_object;
+  EXPECT_LT((found.linear().col(2) - target.table->normal).norm(), 5e-4);
+}
+
 TEST_F(RefinementTest, AFlatPlateDoesNotSlide) {
   OrientedCloud plate;
   for (int row = 0; row < 40; ++row) {
