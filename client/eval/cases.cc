@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "client/eval/close_scene.h"
 #include "client/sensors/counter_random.h"
@@ -60,9 +61,13 @@ std::vector<ExperimentCase> ExperimentCases() {
   ExperimentCase& everything = add("everything");
   everything.parts = PartChoice::kEverything;
   everything.teach_step_deg = 20;
-  ExperimentCase& three = add("three-objects");
-  three.objects_per_scene = 3;
-  three.area_half_width_m = 0.10;
+  for (const auto& [name, gap_m] :
+       {std::pair("three-objects", 0.03), {"three-objects-2cm", 0.02}}) {
+    ExperimentCase& three = add(name);
+    three.objects_per_scene = 3;
+    three.area_half_width_m = 0.10;
+    three.gap_m = gap_m;
+  }
   add("symmetric").parts = PartChoice::kRound;
   add("unknown").parts = PartChoice::kStrangers;
   ExperimentCase& hidden_stranger = add("unknown-hidden-20");
@@ -91,6 +96,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
                                        .count = (count + experiment.objects_per_scene - 1) /
                                                 experiment.objects_per_scene,
                                        .objects_per_scene = experiment.objects_per_scene,
+                                       .gap_m = experiment.gap_m,
                                        .area_half_width_m = experiment.area_half_width_m,
                                        .seed = seed});
   }

@@ -26,7 +26,8 @@ struct ExperimentCase {
   bool between_taught_azimuths = false;
   double area_half_width_m = 0.15;
   double hidden_share = 0;
-  int objects_per_scene = 1;  // more than one: 3 cm apart, and asked about each
+  int objects_per_scene = 1;  // more than one: close together, and asked about each
+  double gap_m = 0.03;        // between those
   PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;

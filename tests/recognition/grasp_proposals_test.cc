@@ -24,6 +24,7 @@ TaughtGrasp Grasp(const std::string& id, int priority) {
 
 std::vector<std::string> IdsOf(const std::vector<GraspProposal>& proposals) {
   std::vector<std::string> out;
+  out.reserve(proposals.size());
   for (const GraspProposal& p : proposals) out.push_back(p.grasp.id);
   return out;
 }

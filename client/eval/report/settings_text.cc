@@ -40,7 +40,8 @@ std::string SettingsText(const CaseResult& result) {
                           e.area_half_width_m, e.trials_per_part);
   }
   if (e.objects_per_scene > 1) {
-    absl::StrAppendFormat(&out, " %d things stand close together in a scene.", e.objects_per_scene);
+    absl::StrAppendFormat(&out, " %d things stand %.2g cm apart in a scene.", e.objects_per_scene,
+                          100 * e.gap_m);
   }
   if (e.hidden_share > 0) {
     absl::StrAppendFormat(&out, " An obstacle hides %.3g %% of the thing.", 100 * e.hidden_share);
