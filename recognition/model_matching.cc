@@ -22,6 +22,9 @@ constexpr std::size_t kRoughPoints = 200;
 constexpr std::size_t kFinalists = 8;
 // A hypothesis with this score needs no other to be asked for.
 constexpr double kExplained = 0.94;
+// The best hypothesis is refined again at most so often, while its score grows by more than this.
+constexpr int kPolishRounds = 5;
+constexpr double kPolished = 2e-4;
 // Poses nearer than this are one.
 constexpr double kSamePlaceM = 0.004;
 constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
@@ -87,6 +90,7 @@ class Matcher {
     KeepBest(kFinalists, &hypotheses_);
     for (PoseHypothesis& h : hypotheses_) Finish(&h);
     KeepBest(kFinalists, &hypotheses_);
+    Polish();
     return absl::OkStatus();
   }
 
@@ -131,6 +135,17 @@ class Matcher {
     h->iterations = refinement.iterations;
     h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
                          {.tolerance_m = parameters_.support_distance_m});
+  }
+
+  // Long things slide along themselves, and end a little short of their place: the best hypothesis
+  // is refined again from where it is, as long as that makes it better.
+  void Polish() {
+    for (int round = 0; round < kPolishRounds && !hypotheses_.empty(); ++round) {
+      PoseHypothesis again = hypotheses_.front();
+      Finish(&again);
+      if (again.evidence.score <= hypotheses_.front().evidence.score + kPolished) return;
+      hypotheses_.front() = std::move(again);
+    }
   }
 
   const MatchingInput& input_;
