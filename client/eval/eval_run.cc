@@ -36,12 +36,15 @@ void PrintParts(const PartSet& set) {
 
 void PrintSummary(const CaseResult& result) {
   const CaseSummary s = Summarize(result);
-  std::cout << absl::StrFormat(
-      "%-14s %5d asked  object %6.2f %%  pose %6.2f %%  strictly %6.2f %%  ambiguous %5.2f %%  "
-      "only listed %5.2f %%  turn %.3f deg  shift %.3f mm  %.1f ms",
-      result.experiment.name, s.known, 100 * s.object_right, 100 * s.pose_right,
-      100 * s.strictly_right, 100 * s.ambiguous, 100 * s.listed, s.mean_rotation_deg,
-      s.mean_translation_mm, s.mean_ms);
+  std::cout << absl::StrFormat("%-17s %5d asked  object %6.2f %%", result.experiment.name, s.known,
+                               100 * s.object_right);
+  if (s.posed > 0) {
+    std::cout << absl::StrFormat(
+        "  pose %6.2f %%  strictly %6.2f %%  only listed %5.2f %%  turn %.3f deg  shift %.3f mm",
+        100 * s.pose_right, 100 * s.strictly_right, 100 * s.listed, s.mean_rotation_deg,
+        s.mean_translation_mm);
+  }
+  std::cout << absl::StrFormat("  ambiguous %5.2f %%  %.1f ms", 100 * s.ambiguous, s.mean_ms);
   if (s.unknown > 0) {
     std::cout << absl::StrFormat("  of %d unknown rejected %.2f %%", s.unknown,
                                  100 * s.unknown_rejected);
