@@ -1,6 +1,9 @@
 // Recognize against what was taught.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -110,14 +113,16 @@ TEST_F(RecognizeTest, AReplacedViewIsMatchedWithItsNewCloud) {
   Declare("wedge");
   ASSERT_THAT(Upload(ViewOf("wedge", 0, "v")), IsGrpcOk());
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 90}, 3));
-  const double before = Answer(request).detections(0).candidates(0).verification_score();
+  const double before = Answer(request).detections(0).candidates(0).descriptor_distance();
   v1::DeleteViewRequest remove;
   remove.set_name(FlatPoseOf("wedge") + "/views/v");
   ASSERT_THAT(Call(&Catalog::DeleteView, remove), IsGrpcOk());
   ASSERT_THAT(Upload(ViewOf("wedge", 90, "v")), IsGrpcOk());
   const v1::RecognizeResponse after = Answer(request);
   EXPECT_EQ(after.status(), v1::OK);
-  EXPECT_GT(after.detections(0).candidates(0).verification_score(), before);
+  EXPECT_LT(after.detections(0).candidates(0).descriptor_distance(), 0.2 * before);
+  const v1::Quaternion& turn = after.detections(0).refined_pose().orientation();
+  EXPECT_NEAR(2 * std::atan2(turn.z(), turn.w()), std::numbers::pi / 2, 0.05);
 }
 
 TEST_F(RecognizeTest, ADepthImageGivesTheAnswerOfItsCloud) {
