@@ -12,6 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// See AlikeM and NearlyAlikeM, and ADR 10 for where they come from.
 constexpr double kAlikeM = 0.0025;
 constexpr double kAlikeShare = 0.02;  // of the diameter
 constexpr double kNearly = 2;         // times as much

@@ -100,17 +100,12 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
   context.omit_timings = request.omit_timings();
   context.decode_ms = MillisecondsSince(start);
-  // A view may be deleted between the snapshot and the loading of its cloud; the
-  // next snapshot does not have it any more.
-  for (;;) {
-    const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
-    absl::StatusOr<recognition::Recognition> result =
-        recognition::Recognize(job.scan, *snapshot, clouds_, job.parameters, is_cancelled);
-    if (absl::IsNotFound(result.status()) && live_.snapshot() != snapshot) continue;
-    if (!result.ok()) return result.status();
-    context.total_ms = MillisecondsSince(start);
-    return MakeAnswer(*result, context);
-  }
+  const auto result = live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) {
+    return recognition::Recognize(job.scan, snapshot, clouds_, job.parameters, is_cancelled);
+  });
+  if (!result.ok()) return result.status();
+  context.total_ms = MillisecondsSince(start);
+  return MakeAnswer(*result, context);
 }
 
 }  // namespace graspdb::server

@@ -29,6 +29,17 @@ class LiveCatalogue {
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
 
+  // What `work` makes of a snapshot. A view may be deleted between the snapshot and the loading of
+  // its cloud: where `work` answers NOT_FOUND and there is a newer snapshot, it is asked again.
+  template <typename Work>
+  auto WithSnapshot(const Work& work) const {
+    for (;;) {
+      const std::shared_ptr<const recognition::CatalogueSnapshot> current = snapshot();
+      auto result = work(*current);
+      if (!absl::IsNotFound(result.status()) || snapshot() == current) return result;
+    }
+  }
+
  private:
   using Snapshot = recognition::CatalogueSnapshot;
 

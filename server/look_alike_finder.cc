@@ -42,24 +42,19 @@ v1::FindLookAlikesResponse ToProto(const recognition::CatalogueLikeness& found,
 
 absl::StatusOr<v1::FindLookAlikesResponse> LookAlikeFinder::Answer(
     const v1::FindLookAlikesRequest& request, const recognition::IsCancelled& is_cancelled) {
-  // A view may be deleted between the snapshot and the loading of its cloud; the
-  // next snapshot does not have it any more.
-  for (;;) {
-    const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
-    const std::string prefix = absl::StrCat(request.object(), "/");
-    if (!request.object().empty() &&
-        std::ranges::none_of(*snapshot->stable_poses, [&](const auto& named) {
-          return absl::StartsWith(named.first, prefix);
-        })) {
+  using Response = absl::StatusOr<v1::FindLookAlikesResponse>;
+  const std::string prefix = absl::StrCat(request.object(), "/");
+  return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {
+    const auto is_its = [&](const auto& named) { return absl::StartsWith(named.first, prefix); };
+    if (!request.object().empty() && std::ranges::none_of(*snapshot.stable_poses, is_its)) {
       return absl::NotFoundError(
           absl::StrCat(request.object(), " is not there or has no stable poses; list the objects"));
     }
     const auto found =
-        recognition::FindLookAlikes(*snapshot, clouds_, request.object(), is_cancelled);
-    if (absl::IsNotFound(found.status()) && live_.snapshot() != snapshot) continue;
+        recognition::FindLookAlikes(snapshot, clouds_, request.object(), is_cancelled);
     if (!found.ok()) return found.status();
-    return ToProto(*found, snapshot->revision);
-  }
+    return ToProto(*found, snapshot.revision);
+  });
 }
 
 }  // namespace graspdb::server

@@ -7,16 +7,30 @@
 
 namespace graspdb::server {
 
-absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context,
-                                              const v1::RecognizeRequest& request,
-                                              v1::RecognizeResponse* response) {
+namespace {
+
+// Does `work`, which is asked whether the call is abandoned, when there is room for it.
+template <typename Response, typename Work>
+absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, const Work& work,
+                      Response* response) {
   const auto is_cancelled = [&] { return IsAbandoned(context); };
-  absl::StatusOr<Admission::Ticket> ticket = admission_.Enter(is_cancelled);
+  absl::StatusOr<Admission::Ticket> ticket = admission.Enter(is_cancelled);
   if (!ticket.ok()) return ticket.status();
-  absl::StatusOr<v1::RecognizeResponse> answer = recognizer_.Answer(request, is_cancelled);
+  absl::StatusOr<Response> answer = work(is_cancelled);
   if (!answer.ok()) return answer.status();
   *response = *std::move(answer);
   return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context,
+                                              const v1::RecognizeRequest& request,
+                                              v1::RecognizeResponse* response) {
+  const auto answer = [&](const auto& is_cancelled) {
+    return recognizer_.Answer(request, is_cancelled);
+  };
+  return Admitted(context, admission_, answer, response);
 }
 
 grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
@@ -28,14 +42,11 @@ grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
 grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
                                                 const v1::FindLookAlikesRequest* request,
                                                 v1::FindLookAlikesResponse* response) {
-  return Handle(*context, "FindLookAlikes", [&]() -> absl::Status {
-    const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    absl::StatusOr<Admission::Ticket> ticket = admission_.Enter(is_cancelled);
-    if (!ticket.ok()) return ticket.status();
-    absl::StatusOr<v1::FindLookAlikesResponse> answer = look_alikes_.Answer(*request, is_cancelled);
-    if (!answer.ok()) return answer.status();
-    *response = *std::move(answer);
-    return absl::OkStatus();
+  return Handle(*context, "FindLookAlikes", [&] {
+    const auto answer = [&](const auto& is_cancelled) {
+      return look_alikes_.Answer(*request, is_cancelled);
+    };
+    return Admitted(*context, admission_, answer, response);
   });
 }
 

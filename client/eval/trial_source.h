@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <string>
 
 #include "absl/status/statusor.h"
 #include "client/eval/cases.h"
@@ -19,6 +18,7 @@ struct TrialSource {
   std::function<absl::StatusOr<Trial>(std::size_t)> make;
 };
 
+// What an experiment teaches and asks.
 struct ExperimentTrials {
   TrialSource teaching;
   TrialSource asking;
