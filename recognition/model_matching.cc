@@ -25,6 +25,8 @@ constexpr double kExplained = 0.94;
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
 constexpr double kPolished = 2e-4;
+// An explanation that is not surer than this is none.
+constexpr double kExplainsNothing = 0.01;
 // Poses nearer than this are one.
 constexpr double kSamePlaceM = 0.004;
 constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
@@ -97,6 +99,15 @@ class Matcher {
   bool IsExplained() const {
     return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained;
   }
+
+  bool ExplainsNothing() const {
+    return hypotheses_.empty() ||
+           Confidence(DoubtsOf(hypotheses_.front().evidence, *hypotheses_.front().model,
+                               input_.segmentation.table_noise_m, parameters_.support_distance_m)) <
+               kExplainsNothing;
+  }
+
+  void Forget() { hypotheses_.clear(); }
 
   const Sight& sight() const { return sight_; }
 
@@ -193,8 +204,15 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
   Views further = is_cut_off ? Views() : OtherViews(catalogue, nearest);
   // What was asked already is asked again only where it could stand elsewhere.
   if (unseen != hidden) std::ranges::move(views, std::back_inserter(further));
-  if (further.empty()) return matcher.TakeRanked();
   if (absl::Status status = matcher.Propose(further, unseen); !status.ok()) return status;
+  if (parameters.min_score < kExplainsNothing && !is_cut_off && !nearest.empty() &&
+      matcher.ExplainsNothing()) {
+    // An answer is wanted all the same: what the segment looks like says more than which of the
+    // failures is the smallest.
+    matcher.Forget();
+    absl::Status status = matcher.Propose({nearest.front().view}, hidden);
+    if (!status.ok()) return status;
+  }
   return matcher.TakeRanked();
 }
 

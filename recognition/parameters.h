@@ -65,6 +65,8 @@ struct MatchingParameters {
   double min_inlier_fraction = 0.3;
   // A detection that scores lower is unknown, 0 to 1.
   double min_score = 0.5;
+  // A stable pose that has a threshold of its own is held to that in place of min_score.
+  bool use_own_min_scores = true;
 };
 
 }  // namespace graspdb::recognition

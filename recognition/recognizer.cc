@@ -24,6 +24,14 @@ void CarryGrasps(const CatalogueSnapshot& catalogue, const std::optional<Box>& w
       detection->grasps.empty() ? RecognitionOutcome::kOutOfWorkspace : RecognitionOutcome::kOk;
 }
 
+double MinScore(const CatalogueSnapshot& catalogue, const Detection& detection,
+                const MatchingParameters& parameters) {
+  if (!parameters.use_own_min_scores || !detection.view) return parameters.min_score;
+  const auto found = catalogue.stable_poses->find(detection.view->stable_pose);
+  if (found == catalogue.stable_poses->end()) return parameters.min_score;
+  return found->second->min_score.value_or(parameters.min_score);
+}
+
 // The paper's way: the nearest view is the answer.
 absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, ViewClouds& clouds,
                              const MatchingParameters& parameters, Detection* detection) {
@@ -122,7 +130,7 @@ absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
     return out.point_count;
   });
   if (!status.ok()) return status;
-  if (out.score < matching.min_score) {
+  if (out.score < MinScore(catalogue, out, matching)) {
     out.outcome = RecognitionOutcome::kUnknownObject;
     if (out.view && matching.verified_view_count > 1) out.rejected_by = HeaviestDoubt(out.doubt);
     out.view = nullptr;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct TaughtStablePose {
   std::string name;        // resource name
   int symmetry_order = 1;  // about the object's z axis; 0: any turn
   std::vector<TaughtGrasp> grasps;
+  // Detections of it that score lower are unknown, 0 to 1; absent: MatchingParameters::min_score.
+  std::optional<double> min_score = {};
   std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
 };
 

@@ -19,8 +19,8 @@ namespace graspdb::server {
 namespace {
 
 constexpr std::array<std::string_view, 1> kObjectFields = {"display_name"};
-constexpr std::array<std::string_view, 3> kStablePoseFields = {"display_name", "symmetry_order",
-                                                               "grasps"};
+constexpr std::array<std::string_view, 4> kStablePoseFields = {"display_name", "symmetry_order",
+                                                               "grasps", "min_score"};
 
 v1::View ViewToProto(const storage::ViewRecord& record) {
   v1::View out;

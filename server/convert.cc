@@ -116,6 +116,12 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     return InvalidField("stable_pose.symmetry_order",
                         "must lie in 0 (any turn) to 360, 1 for no symmetry");
   }
+  if (pose.has_min_score()) {
+    if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
+      return InvalidField("stable_pose.min_score", "must lie in 0 to 1");
+    }
+    out.min_score = pose.min_score();
+  }
   if (pose.grasps_size() > kMaxGrasps) {
     return InvalidField("stable_pose.grasps", "has more than 64 grasps");
   }

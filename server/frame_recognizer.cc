@@ -91,6 +91,7 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
     return status;
   }
   if (absl::Status status = ApplySettings(request, "", &job); !status.ok()) return status;
+  job.parameters.matching.use_own_min_scores = !request.pipeline().has_min_score();
   job.scan.segmented = request.segmented();
   absl::StatusOr<recognition::Points> points = ReadScan(request, max_points_);
   if (!points.ok()) return points.status();

@@ -1,13 +1,20 @@
 #include "server/recognition_service.h"
 
+#include <functional>
+#include <optional>
 #include <utility>
 
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "server/errors.h"
 #include "server/handle.h"
 
 namespace graspdb::server {
 
 namespace {
+
+// How often long work that finds the queue full asks again.
+constexpr absl::Duration kPatience = absl::Milliseconds(50);
 
 // Does `work`, which is asked whether the call is abandoned, when there is room for it.
 template <typename Response, typename Work>
@@ -20,6 +27,21 @@ absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, 
   if (!answer.ok()) return answer.status();
   *response = *std::move(answer);
   return absl::OkStatus();
+}
+
+// Long work does not end because the queue is full for a moment.
+absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& is_cancelled,
+                            std::optional<Admission::Ticket>* ticket) {
+  for (;;) {
+    absl::StatusOr<Admission::Ticket> next = admission.Enter(is_cancelled);
+    if (next.ok()) {
+      ticket->emplace(*std::move(next));
+      return absl::OkStatus();
+    }
+    if (!absl::IsResourceExhausted(next.status())) return next.status();
+    if (is_cancelled()) return absl::CancelledError("the caller left while it was waiting");
+    absl::SleepFor(kPatience);
+  }
 }
 
 }  // namespace
@@ -44,9 +66,31 @@ grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
                                                 v1::FindLookAlikesResponse* response) {
   return Handle(*context, "FindLookAlikes", [&] {
     const auto answer = [&](const auto& is_cancelled) {
-      return look_alikes_.Answer(*request, is_cancelled);
+      return check_.FindLookAlikes(*request, is_cancelled);
     };
     return Admitted(*context, admission_, answer, response);
+  });
+}
+
+// Each view waits for its own slot, so that the robots' frames go in between.
+grpc::Status RecognitionService::ProposeThresholds(
+    grpc::ServerContext* context, const v1::ProposeThresholdsRequest* request,
+    grpc::ServerWriter<v1::ProposeThresholdsResponse>* stream) {
+  return Handle(*context, "ProposeThresholds", [&]() -> absl::Status {
+    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    std::optional<Admission::Ticket> ticket;
+    const auto progress = [&](std::size_t done, std::size_t count) -> absl::Status {
+      ticket.reset();
+      v1::ProposeThresholdsResponse message;
+      message.set_done_view_count(static_cast<int>(done));
+      message.set_view_count(static_cast<int>(count));
+      if (!stream->Write(message)) return absl::CancelledError("the caller left the stream");
+      return EnterPatiently(admission_, is_cancelled, &ticket);
+    };
+    const auto answer = check_.ProposeThresholds(*request, is_cancelled, progress);
+    if (!answer.ok()) return answer.status();
+    return stream->Write(*answer) ? absl::OkStatus()
+                                  : absl::CancelledError("the caller left the stream");
   });
 }
 

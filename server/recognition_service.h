@@ -3,17 +3,16 @@
 
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "server/admission.h"
+#include "server/catalogue_check.h"
 #include "server/frame_recognizer.h"
-#include "server/look_alike_finder.h"
 
 namespace graspdb::server {
 
 // Thread-safe. The references must outlive it.
 class RecognitionService final : public v1::RecognitionService::Service {
  public:
-  RecognitionService(FrameRecognizer& recognizer, LookAlikeFinder& look_alikes,
-                     Admission& admission)
-      : recognizer_(recognizer), look_alikes_(look_alikes), admission_(admission) {}
+  RecognitionService(FrameRecognizer& recognizer, CatalogueCheck& check, Admission& admission)
+      : recognizer_(recognizer), check_(check), admission_(admission) {}
 
   grpc::Status Recognize(grpc::ServerContext* context, const v1::RecognizeRequest* request,
                          v1::RecognizeResponse* response) override;
@@ -24,13 +23,16 @@ class RecognitionService final : public v1::RecognitionService::Service {
   grpc::Status FindLookAlikes(grpc::ServerContext* context,
                               const v1::FindLookAlikesRequest* request,
                               v1::FindLookAlikesResponse* response) override;
+  grpc::Status ProposeThresholds(
+      grpc::ServerContext* context, const v1::ProposeThresholdsRequest* request,
+      grpc::ServerWriter<v1::ProposeThresholdsResponse>* stream) override;
 
  private:
   absl::Status RecognizeOne(const grpc::ServerContext& context, const v1::RecognizeRequest& request,
                             v1::RecognizeResponse* response);
 
   FrameRecognizer& recognizer_;
-  LookAlikeFinder& look_alikes_;
+  CatalogueCheck& check_;
   Admission& admission_;
 };
 

@@ -57,8 +57,8 @@ struct Server::Parts {
                static_cast<std::size_t>(options.cache_mib) << 20U),
         recognizing(WorkersOf(options), options.queue),
         recognizer(*catalogue, *live, clouds, parameters, max_points),
-        look_alikes(*live, clouds),
-        recognition_service(recognizer, look_alikes, recognizing),
+        check(*live, clouds, parameters),
+        recognition_service(recognizer, check, recognizing),
         catalog_service({*catalogue, teaching, parameters, {max_points}}),
         cell_service(*catalogue) {}
 
@@ -70,7 +70,7 @@ struct Server::Parts {
   Admission recognizing;
   Admission teaching{1, kTeachQueue};
   FrameRecognizer recognizer;
-  LookAlikeFinder look_alikes;
+  CatalogueCheck check;
   RecognitionService recognition_service;
   CatalogService catalog_service;
   CellService cell_service;

@@ -117,6 +117,25 @@ absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::str
                                           &v1::RecognitionService::Stub::FindLookAlikes, request);
 }
 
+absl::StatusOr<v1::ProposeThresholdsResponse> Client::ProposeThresholds(const std::string& object,
+                                                                        const HearProgress& heard) {
+  v1::ProposeThresholdsRequest request;
+  request.set_object(object);
+  grpc::ClientContext context;
+  const auto reader = stubs_->recognition->ProposeThresholds(&context, request);
+  v1::ProposeThresholdsResponse message;
+  while (reader->Read(&message)) {
+    absl::Status status = heard(message);
+    if (status.ok()) continue;
+    context.TryCancel();
+    (void)reader->Finish();  // cancelled by us; the caller's error says why
+    return status;
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return ToStatus(status);
+  return message;
+}
+
 absl::StatusOr<v1::CatalogStatus> Client::GetCatalogStatus() {
   return Call<v1::CatalogStatus>(*stubs_->catalog, &Catalog::GetCatalogStatus,
                                  v1::GetCatalogStatusRequest());
@@ -142,6 +161,11 @@ absl::Status Client::DeleteObject(const std::string& name, bool force) {
 absl::StatusOr<v1::StablePose> Client::CreateStablePose(
     const v1::CreateStablePoseRequest& request) {
   return Call<v1::StablePose>(*stubs_->catalog, &Catalog::CreateStablePose, request);
+}
+
+absl::StatusOr<v1::StablePose> Client::UpdateStablePose(
+    const v1::UpdateStablePoseRequest& request) {
+  return Call<v1::StablePose>(*stubs_->catalog, &Catalog::UpdateStablePose, request);
 }
 
 absl::StatusOr<v1::StablePose> Client::GetStablePose(const std::string& name) {

@@ -44,12 +44,19 @@ class Client {
   // Of the object of that resource name; of all for "".
   absl::StatusOr<v1::FindLookAlikesResponse> FindLookAlikes(const std::string& object);
 
+  // Of the stable poses of the object of that resource name; of all for "". Takes as long as it
+  // takes; `heard` is told how far it is, and stops it with an error, which is returned.
+  using HearProgress = std::function<absl::Status(const v1::ProposeThresholdsResponse&)>;
+  absl::StatusOr<v1::ProposeThresholdsResponse> ProposeThresholds(const std::string& object,
+                                                                  const HearProgress& heard);
+
   absl::StatusOr<v1::CatalogStatus> GetCatalogStatus();
   absl::StatusOr<v1::Object> CreateObject(const v1::CreateObjectRequest& request);
   absl::StatusOr<v1::Object> GetObject(const std::string& name);
   absl::Status DeleteObject(const std::string& name, bool force);
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);
+  absl::StatusOr<v1::StablePose> UpdateStablePose(const v1::UpdateStablePoseRequest& request);
   // The view with its cloud.
   absl::StatusOr<v1::View> GetView(const std::string& name);
   absl::Status DeleteView(const std::string& name);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "client/cli/look_alikes_text.h"
+#include "client/cli/thresholds_command.h"
 
 namespace graspdb::client {
 namespace {
@@ -28,6 +29,7 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
   std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
               order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
+  if (pose.has_min_score()) std::printf("    least score %.2f\n", pose.min_score());
   for (const v1::Grasp& grasp : pose.grasps()) {
     const v1::Vector3& p = grasp.tcp_pose().position();
     std::printf("    grasp %s: at %.3f %.3f %.3f m, approach %.3f m, opening %.3f m, priority %d\n",
@@ -101,6 +103,7 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
       *objects, "check", "What may be confused: symmetries that are not declared, look-alikes");
   check->add_option("OBJECT", *id, "Id, e.g. mug; without it all objects");
   check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
+  AddThresholdsCommand(*objects, global, action);
   auto force = std::make_shared<bool>(false);
   CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");
   remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();

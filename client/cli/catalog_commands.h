@@ -5,7 +5,7 @@
 
 namespace graspdb::client {
 
-// Adds `objects list|show|delete`.
+// Adds `objects list|show|check|thresholds|delete`.
 void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action);
 
 // Adds `status`.

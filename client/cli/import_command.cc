@@ -53,6 +53,7 @@ absl::Status CreateParents(Client& client, const v1::CaptureSet& set) {
       pose_request.set_stable_pose_id(pose.stable_pose_id());
       v1::StablePose* message = pose_request.mutable_stable_pose();
       if (pose.has_symmetry_order()) message->set_symmetry_order(pose.symmetry_order());
+      if (pose.has_min_score()) message->set_min_score(pose.min_score());
       *message->mutable_grasps() = pose.grasps();
       status = IgnoreExisting(client.CreateStablePose(pose_request).status());
       if (!status.ok()) return status;

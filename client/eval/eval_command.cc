@@ -86,6 +86,9 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
                    "Nearest views that are verified; 1: the paper's way")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command->add_flag("--own-thresholds", arguments->own_thresholds,
+                    "Hold each stable pose to the threshold that its taught views propose, as "
+                    "graspdb objects thresholds does; takes longer");
   command->add_flag("--descriptors", arguments->descriptors,
                     "Also compare descriptors and distances, without verification, on the case "
                     "\"paper\" or on the capture set");

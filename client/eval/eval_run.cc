@@ -129,6 +129,7 @@ class Runner {
   Runner(const EvalArguments& arguments, std::optional<ReportWriter> writer)
       : arguments_(arguments), writer_(std::move(writer)) {
     run_.parameters.matching = arguments.matching;
+    run_.own_thresholds = arguments.own_thresholds;
     run_.kept_scans = writer_ ? kDrawnAnswers : 0;
     run_.report = [this](const std::string& step, std::size_t done, std::size_t total) {
       if (step != running_) progress_ = std::make_unique<ProgressLine>();

@@ -21,6 +21,7 @@ struct EvalArguments {
   int trials = 24;
   std::uint64_t seed = 1;
   recognition::MatchingParameters matching;
+  bool own_thresholds = false;
   bool descriptors = false;
   bool list = false;
   std::string out;      // folder; empty: no report

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "client/eval/kept_scans.h"
+#include "client/eval/own_thresholds.h"
 
 namespace graspdb::client {
 namespace {
@@ -36,8 +37,14 @@ absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::siz
                                         Gallery* gallery) {
   auto trial = trials.asking.make(question);
   if (!trial.ok()) return trial.status();
-  const recognition::CatalogueSnapshot snapshot =
+  recognition::CatalogueSnapshot snapshot =
       trials.leave_one_out ? gallery->Snapshot(question) : taught;
+  if (run.own_thresholds && trials.leave_one_out) {
+    auto own = WithOwnThresholds(
+        snapshot, run.parameters, [](auto, auto) { return absl::OkStatus(); }, gallery);
+    if (!own.ok()) return own.status();
+    snapshot = *std::move(own);
+  }
   const auto start = std::chrono::steady_clock::now();
   auto recognition =
       recognition::Recognize(trial->scan, snapshot, *gallery, run.parameters, [] { return false; });
@@ -61,7 +68,16 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
   absl::Status taught = Teach(experiment.name, trials.teaching, run, &gallery);
   if (!taught.ok()) return taught;
   MeasureTaught(&gallery, &out.set);
-  const recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
+  recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
+  if (run.own_thresholds && !trials.leave_one_out) {
+    const auto report = [&](std::size_t done, std::size_t count) {
+      if (run.report) run.report(experiment.name + ": thresholds", done + 1, count);
+      return absl::OkStatus();
+    };
+    auto own = WithOwnThresholds(std::move(snapshot), run.parameters, report, &gallery);
+    if (!own.ok()) return own.status();
+    snapshot = *std::move(own);
+  }
   std::vector<std::vector<Answer>> answers(trials.asking.count);
   const auto ask = [&](std::size_t i) -> absl::Status {
     auto of_scene = Ask(trials, i, snapshot, out.set, run, &gallery);

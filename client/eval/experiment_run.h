@@ -14,6 +14,8 @@ namespace graspdb::client {
 struct ExperimentRun {
   recognition::RecognitionParameters parameters;
   int workers = 2;
+  // Each stable pose is held to the threshold that the taught views propose for it.
+  bool own_thresholds = false;
   std::size_t kept_scans = 0;  // of the worst answers, for pictures; each is rendered once more
   std::function<void(const std::string& step, std::size_t done, std::size_t total)> report;
   std::function<bool()> cancelled;

@@ -51,6 +51,9 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
     return Bad(absl::StrCat(field, ".symmetryOrder is ", pose.symmetry_order(),
                             "; give 1 for none, n for n-fold, 0 for any turn"));
   }
+  if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
+    return Bad(absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
+  }
   std::set<std::string> grasps;
   for (int i = 0; i < pose.grasps_size(); ++i) {
     const bool is_new = grasps.insert(pose.grasps(i).grasp_id()).second;

@@ -58,6 +58,19 @@ TEST_F(ExportTest, AnImportedExportHasTheSameViewsAndGivesTheSameAnswers) {
   }
 }
 
+TEST_F(ExportTest, ThresholdsThatTheViewsProposeAreKeptAndExported) {
+  const std::string proposed = Succeed({"objects", "thresholds"}).out;
+  EXPECT_THAT(proposed, HasSubstr("--apply"));
+  EXPECT_THAT(Succeed({"objects", "show", "flange"}).out, Not(HasSubstr("least score")));
+  Succeed({"objects", "thresholds", "flange", "--apply"});
+  EXPECT_THAT(Succeed({"objects", "show", "flange"}).out, HasSubstr("least score 0."));
+  Succeed({"export", Path("exported")});
+  EXPECT_THAT(client::BytesOf(Path("exported/captures.json")), HasSubstr("minScore"));
+  StartServer("fresh");
+  Succeed({"import", Path("exported")});
+  EXPECT_THAT(Succeed({"objects", "show", "flange"}).out, HasSubstr("least score 0."));
+}
+
 TEST_F(ExportTest, OnlyTheNamedObjectIsWritten) {
   Succeed({"export", Path("exported"), "--object", "flange"});
   const std::string json = client::BytesOf(Path("exported/captures.json"));

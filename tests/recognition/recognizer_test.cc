@@ -255,5 +255,54 @@ TEST_F(RecognizerTest, AModelThatIsMadeAnewGivesTheSameAnswer) {
   }
 }
 
+TEST_F(RecognizerTest, AStablePoseIsHeldToItsOwnThresholdWhereItHasOne) {
+  const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
+  CatalogueSnapshot strict = taught_.snapshot();
+  auto poses = *strict.stable_poses;
+  for (auto& [name, pose] : poses) {
+    auto changed = std::make_shared<TaughtStablePose>(*pose);
+    changed->min_score = 1;
+    pose = std::move(changed);
+  }
+  strict.stable_poses = std::make_shared<const decltype(poses)>(std::move(poses));
+  const auto outcome = [&] {
+    const auto found = Recognize(scan, strict, taught_, parameters_, [] { return false; });
+    EXPECT_THAT(found, IsOk());
+    return found->outcome;
+  };
+  EXPECT_EQ(outcome(), RecognitionOutcome::kUnknownObject);
+  parameters_.matching.use_own_min_scores = false;
+  EXPECT_EQ(outcome(), RecognitionOutcome::kOk);
+}
+
+// The parts as flat as no part is, with nothing else in sight.
+TEST_F(RecognizerTest, WhatNothingExplainsIsNamedAfterTheNearestViewIfItMustBeNamed) {
+  parameters_.matching.min_score = 0;
+  parameters_.matching.min_inlier_fraction = 0;
+  for (const std::string object : {"bracket", "tower", "slab"}) {
+    for (const double yaw : {7.0, 127.0, 236.0}) {
+      const Scan frame = TaughtShapes::See({TaughtShapes::Part(object, 0, 0, yaw)});
+      StageLog log;
+      const auto seen = SegmentScan(
+          frame, {}, {}, [] { return false; }, &log);
+      ASSERT_THAT(seen, IsOk());
+      Scan scan{
+          .points = Transform(seen->world_sensor.inverse(), seen->segments.at(0).cloud.points),
+          .world_sensor = frame.world_sensor,
+          .region = std::nullopt,
+          .segmented = true};
+      for (Eigen::Vector3f& p : scan.points) p.y() *= 0.3F;
+      const auto found =
+          Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
+      ASSERT_THAT(found, IsOk());
+      const Detection& detection = found->detections.at(0);
+      ASSERT_TRUE(detection.view);
+      ASSERT_LT(detection.score, 0.01) << object << " " << yaw;
+      EXPECT_EQ(detection.view->object, detection.candidates.at(0).view->object)
+          << object << " " << yaw;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace graspdb::recognition

@@ -18,8 +18,8 @@ ServiceRig::ServiceRig(const std::string& directory, int slots, int waiting)
       clouds_(*catalogue_, parameters_.descriptor, 1U << 20),
       admission_(slots, waiting),
       recognizer_(*catalogue_, *live_, clouds_, parameters_, kMaxPoints),
-      look_alikes_(*live_, clouds_),
-      service_(recognizer_, look_alikes_, admission_) {
+      check_(*live_, clouds_, parameters_),
+      service_(recognizer_, check_, admission_) {
   spdlog::set_level(spdlog::level::off);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service_);

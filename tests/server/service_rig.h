@@ -35,7 +35,7 @@ class ServiceRig {
   server::ViewCloudCache clouds_;
   server::Admission admission_;
   server::FrameRecognizer recognizer_;
-  server::LookAlikeFinder look_alikes_;
+  server::CatalogueCheck check_;
   server::RecognitionService service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::RecognitionService::Stub> stub_;

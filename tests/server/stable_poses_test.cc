@@ -120,6 +120,15 @@ TEST_F(StablePosesTest, ARefusedUpdateChangesNothing) {
   EXPECT_EQ(after.SerializeAsString(), before.SerializeAsString());
 }
 
+TEST_F(StablePosesTest, ALeastScoreOutOfRangeIsRefused) {
+  Declare("wedge");
+  v1::StablePose change;
+  change.set_name(FlatPoseOf("wedge"));
+  change.set_min_score(1.5);
+  v1::StablePose after;
+  ExpectBadField(Update(change, {"min_score"}, &after), "stable_pose.min_score", "0 to 1");
+}
+
 TEST_F(StablePosesTest, AStaleEtagAbortsTheWrite) {
   Declare("wedge");
   v1::StablePose stale;

@@ -121,6 +121,8 @@ TEST(CaptureSet, BrokenRulesAreNamedWithThePlaceOnLoadAndSave) {
        [](auto& s) { s.mutable_objects(0)->mutable_stable_poses(0)->clear_stable_pose_id(); }},
       {"objects[0].stablePoses[0].symmetryOrder is -1",
        [](auto& s) { s.mutable_objects(0)->mutable_stable_poses(0)->set_symmetry_order(-1); }},
+      {"objects[0].stablePoses[0].minScore is 2",
+       [](auto& s) { s.mutable_objects(0)->mutable_stable_poses(0)->set_min_score(2); }},
       {"objects[0].stablePoses[0].grasps[0].tcpPose",
        [](auto& s) {
          s.mutable_objects(0)->mutable_stable_poses(0)->mutable_grasps(0)->clear_tcp_pose();

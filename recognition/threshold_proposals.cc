@@ -1,0 +1,198 @@
+#include "recognition/threshold_proposals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_set>
+#include <utility>
+
+#include "absl/status/status.h"
+
+namespace graspdb::recognition {
+namespace {
+
+// Views of a stable pose that are asked about.
+constexpr std::size_t kAskedViews = 8;
+// Share of the rightly named views that may score lower than `right_score`.
+constexpr double kLowShare = 0.1;
+constexpr double kLowest = 0.1;
+
+using ViewPtr = std::shared_ptr<const TaughtView>;
+
+// Clouds and models, with those of one stable pose made anew: what is asked once with a view left
+// out is not worth another's place in a cache.
+class WithoutOne : public ViewClouds {
+ public:
+  WithoutOne(ViewClouds& all, std::string stable_pose)
+      : all_(all), stable_pose_(std::move(stable_pose)) {}
+
+  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override {
+    return all_.Load(view);
+  }
+
+  absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) override {
+    if (stable_pose.name != stable_pose_) return all_.LoadModel(view, stable_pose);
+    std::vector<PosedCloud> posed;
+    std::string key;
+    for (const TaughtView* part : ViewsOfModel(view, stable_pose)) {
+      auto cloud = all_.Load(*part);
+      if (!cloud.ok()) return cloud.status();
+      posed.push_back({*std::move(cloud), part->world_object});
+      key += part->name + '\n';
+    }
+    auto& model = models_[key];
+    if (model == nullptr) model = FuseViews(posed);
+    return model;
+  }
+
+ private:
+  ViewClouds& all_;
+  const std::string stable_pose_;
+  std::map<std::string, std::shared_ptr<const SurfaceModel>> models_;
+};
+
+// The catalogue without these views.
+CatalogueSnapshot Without(const CatalogueSnapshot& catalogue, std::span<const ViewPtr> views) {
+  std::unordered_set<std::string> names;
+  auto poses = *catalogue.stable_poses;
+  for (const ViewPtr& view : views) {
+    names.insert(view->name);
+    auto& pose = poses.at(view->stable_pose);
+    auto rest = std::make_shared<TaughtStablePose>(*pose);
+    std::erase(rest->views, view);
+    pose = std::move(rest);
+  }
+  return {catalogue.revision, catalogue.index.Without(names),
+          std::make_shared<
+              const std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>(
+              std::move(poses))};
+}
+
+// What the view's camera saw of the thing.
+absl::StatusOr<Scan> ScanOf(const TaughtView& view, ViewClouds& clouds) {
+  auto cloud = clouds.Load(view);
+  if (!cloud.ok()) return cloud.status();
+  Scan out{.points = Transform(view.world_sensor.inverse(), (*cloud)->points),
+           .world_sensor = view.world_sensor,
+           .region = std::nullopt,
+           .segmented = true};
+  // Nobody knows which way is up.
+  if (view.world_sensor.isApprox(Pose::Identity())) out.world_sensor.reset();
+  return out;
+}
+
+struct Scores {
+  ThresholdProposal proposal;
+  std::vector<double> right;
+};
+
+class Asker {
+ public:
+  Asker(const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+        const RecognitionParameters& parameters, const IsCancelled& is_cancelled)
+      : catalogue_(catalogue),
+        clouds_(clouds),
+        parameters_(parameters),
+        is_cancelled_(is_cancelled) {
+    parameters_.matching.min_score = 0;
+    parameters_.matching.use_own_min_scores = false;
+    for (const auto& [name, pose] : *catalogue.stable_poses) {
+      scores_[name].proposal.stable_pose = name;
+      for (const ViewPtr& view : pose->views) of_object_[view->object].push_back(view);
+    }
+  }
+
+  absl::Status Ask(const ViewPtr& view) {
+    const auto known = Best(*view, Without(catalogue_, std::span(&view, 1)));
+    if (!known.ok()) return known.status();
+    Scores& its = scores_.at(view->stable_pose);
+    ++its.proposal.asked_views;
+    if (known->view && known->view->object == view->object) {
+      ++its.proposal.right_views;
+      its.right.push_back(known->score);
+    }
+    const auto stranger = Best(*view, Without(catalogue_, of_object_.at(view->object)));
+    if (!stranger.ok()) return stranger.status();
+    if (!stranger->view) return absl::OkStatus();
+    ThresholdProposal& other = scores_.at(stranger->view->stable_pose).proposal;
+    if (stranger->score <= other.wrong_score.value_or(-1)) return absl::OkStatus();
+    other.wrong_score = stranger->score;
+    other.wrong_view = view->name;
+    return absl::OkStatus();
+  }
+
+  ThresholdProposal Conclude(const std::string& stable_pose, double usual) {
+    Scores& its = scores_.at(stable_pose);
+    if (!its.right.empty()) {
+      std::ranges::sort(its.right);
+      const auto passed =
+          static_cast<std::size_t>(kLowShare * static_cast<double>(its.right.size()));
+      its.proposal.right_score = its.right[passed];
+    }
+    its.proposal.min_score =
+        ThresholdBetween(its.proposal.right_score, its.proposal.wrong_score, usual);
+    return std::move(its.proposal);
+  }
+
+ private:
+  absl::StatusOr<Detection> Best(const TaughtView& view, const CatalogueSnapshot& known) {
+    const auto scan = ScanOf(view, clouds_);
+    if (!scan.ok()) return scan.status();
+    WithoutOne clouds(clouds_, view.stable_pose);
+    auto answer = Recognize(*scan, known, clouds, parameters_, is_cancelled_);
+    if (!answer.ok()) return answer.status();
+    return answer->detections.empty() ? Detection() : std::move(answer->detections.front());
+  }
+
+  const CatalogueSnapshot& catalogue_;
+  ViewClouds& clouds_;
+  RecognitionParameters parameters_;
+  const IsCancelled& is_cancelled_;
+  std::map<std::string, std::vector<ViewPtr>> of_object_;
+  std::map<std::string, Scores> scores_;
+};
+
+// Some of the views, from all around, of every stable pose; by name.
+std::vector<ViewPtr> Sample(const CatalogueSnapshot& catalogue) {
+  std::map<std::string, std::shared_ptr<const TaughtStablePose>> by_name(
+      catalogue.stable_poses->begin(), catalogue.stable_poses->end());
+  std::vector<ViewPtr> out;
+  for (const auto& [name, pose] : by_name) {
+    const std::size_t count = std::min(kAskedViews, pose->views.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      out.push_back(pose->views[i * pose->views.size() / count]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+double ThresholdBetween(std::optional<double> right, std::optional<double> wrong, double usual) {
+  const double low = wrong.value_or(0);
+  if (!right || *right <= low) return usual;
+  return std::min(usual, std::max(kLowest, (low + *right) / 2));
+}
+
+absl::StatusOr<std::vector<ThresholdProposal>> ProposeThresholds(
+    const CatalogueSnapshot& catalogue, ViewClouds& clouds, const std::string& object,
+    const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
+    const ThresholdProgress& report) {
+  Asker asker(catalogue, clouds, parameters, is_cancelled);
+  const std::vector<ViewPtr> views = Sample(catalogue);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (absl::Status status = report(i, views.size()); !status.ok()) return status;
+    if (absl::Status status = asker.Ask(views[i]); !status.ok()) return status;
+  }
+  std::vector<ThresholdProposal> out;
+  std::string last;
+  for (const ViewPtr& view : views) {
+    if (view->stable_pose == std::exchange(last, view->stable_pose)) continue;
+    if (!object.empty() && view->object != object) continue;
+    out.push_back(asker.Conclude(view->stable_pose, parameters.matching.min_score));
+  }
+  return out;
+}
+
+}  // namespace graspdb::recognition

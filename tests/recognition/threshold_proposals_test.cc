@@ -1,0 +1,88 @@
+// What the taught views say of the scores of right and wrong answers.
+#include "recognition/threshold_proposals.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "tests/recognition/taught_shapes.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+using ::graspdb::testing::TaughtShapes;
+using ::testing::ElementsAre;
+using ::testing::Pair;
+using ::testing::SizeIs;
+
+constexpr double kUsual = 0.5;
+
+TEST(ThresholdBetween, IsTheUsualOneWhereRightAnswersAreSure) {
+  EXPECT_EQ(ThresholdBetween(1.0, 0.0, kUsual), kUsual);
+  EXPECT_EQ(ThresholdBetween(1.0, {}, kUsual), kUsual);
+}
+
+TEST(ThresholdBetween, LiesHalfWayWhereRightAnswersAreNot) {
+  EXPECT_DOUBLE_EQ(ThresholdBetween(0.6, 0.1, kUsual), 0.35);
+  EXPECT_DOUBLE_EQ(ThresholdBetween(0.6, {}, kUsual), 0.3);
+}
+
+TEST(ThresholdBetween, IsTheUsualOneWhereNothingTellsRightFromWrong) {
+  EXPECT_EQ(ThresholdBetween(0.3, 0.4, kUsual), kUsual);
+  EXPECT_EQ(ThresholdBetween({}, 0.1, kUsual), kUsual);
+}
+
+TEST(ThresholdBetween, NeverAcceptsWhatIsMostlyWrongNorAsksMoreThanUsual) {
+  EXPECT_EQ(ThresholdBetween(0.02, 0.0, kUsual), 0.1);
+  EXPECT_EQ(ThresholdBetween(0.98, 0.9, kUsual), kUsual);
+  EXPECT_EQ(ThresholdBetween(0.02, 0.0, 0.05), 0.05);
+}
+
+class ProposeThresholdsTest : public ::testing::Test {
+ protected:
+  absl::StatusOr<std::vector<ThresholdProposal>> Propose(const std::string& object) {
+    return ProposeThresholds(
+        taught_.snapshot(), taught_, object, {}, [] { return false; },
+        [this](std::size_t done, std::size_t count) {
+          heard_.emplace_back(done, count);
+          return heard_.size() == stop_at_ ? absl::AbortedError("enough") : absl::OkStatus();
+        });
+  }
+
+  TaughtShapes taught_;
+  std::vector<std::pair<std::size_t, std::size_t>> heard_;
+  std::size_t stop_at_ = 1000;
+};
+
+TEST_F(ProposeThresholdsTest, ViewsOfThingsThatLookDifferentNameTheirObjectWhileTheyAreNotTaught) {
+  const auto proposals = Propose("");
+  ASSERT_THAT(proposals, IsOk());
+  ASSERT_THAT(*proposals, SizeIs(3));
+  for (const ThresholdProposal& p : *proposals) {
+    EXPECT_EQ(p.right_views, p.asked_views) << p.stable_pose;
+    EXPECT_EQ(p.asked_views, 8) << p.stable_pose;
+    EXPECT_GT(p.right_score.value_or(0), 0.8) << p.stable_pose;
+    EXPECT_LT(p.wrong_score.value_or(0), 0.1) << p.stable_pose;
+    EXPECT_NEAR(p.min_score, 0.5, 0.1) << p.stable_pose;
+  }
+}
+
+TEST_F(ProposeThresholdsTest, OfOneObjectOnlyItsStablePosesAreAnswered) {
+  const auto proposals = Propose("objects/tower");
+  ASSERT_THAT(proposals, IsOk());
+  ASSERT_THAT(*proposals, SizeIs(1));
+  EXPECT_TRUE(proposals->front().stable_pose.starts_with("objects/tower/"));
+}
+
+TEST_F(ProposeThresholdsTest, ProgressIsHeardBeforeEachViewAndMayEndTheWork) {
+  stop_at_ = 2;
+  EXPECT_THAT(Propose(""), StatusIs(absl::StatusCode::kAborted));
+  EXPECT_THAT(heard_, ElementsAre(Pair(0, 24), Pair(1, 24)));
+}
+
+}  // namespace
+}  // namespace graspdb::recognition
