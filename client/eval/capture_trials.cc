@@ -47,10 +47,7 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
     if (!mesh.ok()) return mesh.status();
     part.mesh = *std::move(mesh);
   }
-  set->shapes.push_back(
-      part.mesh.triangles.empty() ? nullptr : std::make_shared<const MeasuredShape>(Measure(part)));
-  set->object_mesh.push_back(Pose::Identity());
-  set->parts.push_back(std::move(part));
+  set->Add(std::move(part), Pose::Identity());
   return absl::OkStatus();
 }
 
@@ -75,7 +72,8 @@ absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
                      .segmented = capture.segmented()},
             .truth = {{.part = part}},
             .seen = {},
-            .posed = capture.has_object_pose()};
+            .posed = capture.has_object_pose(),
+            .file = capture.path()};
   if (capture.has_sensor_pose()) out.scan.world_sensor = FromMessage(capture.sensor_pose());
   if (out.posed) out.truth.front().world_object = FromMessage(capture.object_pose());
   out.seen.push_back(out.truth.front().world_object.translation());

@@ -12,12 +12,14 @@ namespace graspdb::client {
 namespace {
 
 constexpr char kDescription[] =
-    "Measure how often the answer is right, on meshes that a simulated Kinect sees or on a capture "
-    "set.\n"
+    "Measure how often the answer is right, on meshes that a simulated Kinect sees, on a capture "
+    "set or on BigBIRD.\n"
     "Each mesh is taught on a turntable in the attitude in which it most often comes to rest, and "
     "asked about in new scenes. Of a capture set, the TEACH captures are taught and the QUERY "
-    "captures asked about; options about cases, seeds and meshes do not touch it. No server is "
-    "needed.";
+    "captures asked about; options about cases, seeds and meshes do not touch it. Of a folder in "
+    "BigBIRD's layout (OBJECT/calibration.h5 with clouds or depth maps), the paper's experiment is "
+    "done again: every --teach-step-deg degrees a view is taught, the others are asked about. No "
+    "server is needed.";
 
 constexpr char kFooter[] =
     "Right: ADD-S under 5 % of the diameter. Strictly right: no point farther off than 8 mm, or\n"
@@ -26,12 +28,30 @@ constexpr char kFooter[] =
     "  graspdb eval meshes/*.ply\n"
     "  graspdb eval meshes/*.ply --out report             # then open report/report.html\n"
     "  graspdb eval meshes/*.ply --case hidden-20,hidden-40 --trials 8 --list\n"
-    "  graspdb eval my-captures --leave-one-out --descriptors --out report";
+    "  graspdb eval my-captures --leave-one-out --descriptors --out report\n"
+    "  graspdb eval bigbird --descriptors --verified-views 1 --min-score 0   # as the paper";
 
 std::vector<std::string> CaseNames() {
   std::vector<std::string> names;
   for (const ExperimentCase& experiment : ExperimentCases()) names.push_back(experiment.name);
   return names;
+}
+
+void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
+  command->add_flag("--leave-one-out", arguments->leave_one_out,
+                    "Of a capture set: ask each TEACH capture while it is not taught, in place of "
+                    "the QUERY captures");
+  command
+      ->add_option("--cameras", arguments->bigbird.cameras,
+                   "Of BigBIRD: the cameras, NP1 to NP5, whose views are taught and asked about")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"NP1", "NP2", "NP3", "NP4", "NP5"}))
+      ->capture_default_str();
+  command
+      ->add_option("--teach-step-deg", arguments->bigbird.teach_step_deg,
+                   "Of BigBIRD: turns between taught views")
+      ->check(CLI::Range(1, 360))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -42,19 +62,18 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
   command->footer(kFooter);
   command
       ->add_option("inputs", arguments->inputs,
-                   "Mesh files (PLY, OBJ, STL), or the folder of a capture set")
+                   "Mesh files (PLY, OBJ, STL), or the folder of a capture set, of BigBIRD or of "
+                   "one of its objects")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_flag("--leave-one-out", arguments->leave_one_out,
-                    "Of a capture set: ask each TEACH capture while it is not taught, in place of "
-                    "the QUERY captures");
+  AddFolderOptions(command, arguments.get());
   command->add_option("--case", arguments->cases, "Cases to run; all without it")
       ->delimiter(',')
       ->check(CLI::IsMember(CaseNames()));
   command
       ->add_option("--objects", arguments->choices.main,
                    "Meshes of the main cases, by file name without ending; all that are not round "
-                   "without it")
+                   "without it. Objects of BigBIRD, by folder; all without it")
       ->delimiter(',');
   command->add_option("--unit-m", arguments->unit_m, "Length of the meshes' unit in metres")
       ->check(CLI::PositiveNumber)
@@ -91,7 +110,7 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
                     "graspdb objects thresholds does; takes longer");
   command->add_flag("--descriptors", arguments->descriptors,
                     "Also compare descriptors and distances, without verification, on the case "
-                    "\"paper\" or on the capture set");
+                    "\"paper\" or on the folder");
   command->add_flag("--list", arguments->list, "Also list the objects, and what was not right");
   command->add_option("--out", arguments->out,
                       "Folder for a report: report.html to read, cases.md for documents, "

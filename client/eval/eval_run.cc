@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/eval/capture_trials.h"
 #include "client/eval/descriptor_comparison.h"
 #include "client/eval/experiment.h"
@@ -22,8 +23,9 @@ namespace {
 
 // The case that descriptors are compared on.
 constexpr char kDescriptorCase[] = "paper";
-// What a capture set is called as a case.
+// What a capture set is called as a case, and a folder in BigBIRD's layout.
 constexpr char kCaptureSetCase[] = "captures";
+constexpr char kBigBirdCase[] = "bigbird";
 
 void PrintParts(const PartSet& set) {
   for (std::size_t i = 0; i < set.parts.size(); ++i) {
@@ -145,20 +147,42 @@ class Runner {
   std::string running_;
 };
 
+absl::Status RunCaptures(const EvalArguments& arguments, const ExperimentCase& experiment,
+                         const CaptureTrials& captures) {
+  auto runner = Runner::Create(arguments);
+  if (!runner.ok()) return runner.status();
+  absl::Status status =
+      (*runner)->Run(experiment, captures.set, captures.trials, arguments.descriptors);
+  if (status.ok()) (*runner)->Finish();
+  return status;
+}
+
 absl::Status RunCaptureSet(const EvalArguments& arguments) {
   const auto loaded = LoadCaptureTrials(arguments.inputs.front(), arguments.leave_one_out);
   if (!loaded.ok()) return loaded.status();
-  auto runner = Runner::Create(arguments);
-  if (!runner.ok()) return runner.status();
   const std::string settings = absl::StrFormat(
       "Capture set %s: %d captures taught, %s.", arguments.inputs.front(),
       loaded->trials.teaching.count,
       arguments.leave_one_out ? "each asked about while it is not taught"
                               : absl::StrCat(loaded->trials.asking.count, " asked about"));
-  absl::Status status = (*runner)->Run({.name = kCaptureSetCase, .settings = settings}, loaded->set,
-                                       loaded->trials, arguments.descriptors);
-  if (status.ok()) (*runner)->Finish();
-  return status;
+  return RunCaptures(arguments, {.name = kCaptureSetCase, .settings = settings}, *loaded);
+}
+
+absl::Status RunBigBird(const EvalArguments& arguments) {
+  if (arguments.leave_one_out) {
+    return absl::InvalidArgumentError(
+        "--leave-one-out is for a capture set; of BigBIRD the turns between the taught ones are "
+        "asked about");
+  }
+  BigBirdOptions options = arguments.bigbird;
+  options.objects = arguments.choices.main;
+  const auto loaded = LoadBigBirdTrials(arguments.inputs.front(), options);
+  if (!loaded.ok()) return loaded.status();
+  const std::string settings = absl::StrFormat(
+      "%d objects of %s as %s saw them: %d views taught, %d° apart, the other %d asked about.",
+      loaded->set.parts.size(), arguments.inputs.front(), absl::StrJoin(options.cameras, ", "),
+      loaded->trials.teaching.count, options.teach_step_deg, loaded->trials.asking.count);
+  return RunCaptures(arguments, {.name = kBigBirdCase, .settings = settings}, *loaded);
 }
 
 absl::Status RunMeshes(const EvalArguments& arguments) {
@@ -190,10 +214,12 @@ absl::Status RunEval(const EvalArguments& arguments) {
   };
   const auto sets = std::ranges::count_if(arguments.inputs, is_set);
   if (sets == 0 && !arguments.leave_one_out) return RunMeshes(arguments);
-  if (sets == 1 && arguments.inputs.size() == 1) return RunCaptureSet(arguments);
-  return absl::InvalidArgumentError(
-      sets == 0 ? "--leave-one-out is for a capture set; name its folder"
-                : "a capture set is measured alone; name one folder, or mesh files");
+  if (sets == 1 && arguments.inputs.size() == 1) {
+    return IsBigBird(arguments.inputs.front()) ? RunBigBird(arguments) : RunCaptureSet(arguments);
+  }
+  return absl::InvalidArgumentError(sets == 0
+                                        ? "--leave-one-out is for a capture set; name its folder"
+                                        : "a folder is measured alone; name one, or mesh files");
 }
 
 }  // namespace graspdb::client

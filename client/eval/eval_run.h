@@ -6,14 +6,17 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/eval/bigbird_trials.h"
 #include "client/eval/part_set.h"
 #include "recognition/parameters.h"
 
 namespace graspdb::client {
 
 struct EvalArguments {
-  std::vector<std::string> inputs;  // mesh files, or one folder with a capture set
-  bool leave_one_out = false;       // of a capture set
+  // Mesh files, or one folder: a capture set or in BigBIRD's layout.
+  std::vector<std::string> inputs;
+  bool leave_one_out = false;  // of a capture set
+  BigBirdOptions bigbird;      // but the objects, which are those of `choices`
   Choices choices;
   std::vector<std::string> cases;
   double unit_m = 1;

@@ -12,13 +12,6 @@
 namespace graspdb::client {
 namespace {
 
-void AddPart(Workpiece part, const recognition::Pose& object_mesh, PartSet* set) {
-  set->shapes.push_back(std::make_shared<const MeasuredShape>(Measure(part)));
-  set->parts.push_back(std::move(part));
-  set->object_mesh.push_back(object_mesh);
-  set->taught_count = set->parts.size();
-}
-
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
@@ -41,6 +34,13 @@ void PartSet::Add(const PartSet& other, std::size_t position) {
   object_mesh.push_back(other.object_mesh[position]);
 }
 
+void PartSet::Add(Workpiece part, const recognition::Pose& mesh_pose) {
+  shapes.push_back(
+      part.mesh.triangles.empty() ? nullptr : std::make_shared<const MeasuredShape>(Measure(part)));
+  parts.push_back(std::move(part));
+  object_mesh.push_back(mesh_pose);
+}
+
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection) {
   PartSet out;
@@ -55,17 +55,19 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
       part.stable_pose_id = absl::StrCat("resting-", i + 1);
       part.mesh = Transformed(as_it_lies->mesh, (*attitudes)[i].table_mesh);
       part.grasps.clear();
-      AddPart(std::move(part), (*attitudes)[i].table_mesh, &out);
+      out.Add(std::move(part), (*attitudes)[i].table_mesh);
     }
   }
+  out.taught_count = out.parts.size();
   return out;
 }
 
 PartSet TwinParts() {
   PartSet out;
   for (Workpiece& part : SampleParts()) {
-    AddPart(std::move(part), recognition::Pose::Identity(), &out);
+    out.Add(std::move(part), recognition::Pose::Identity());
   }
+  out.taught_count = out.parts.size();
   return out;
 }
 

@@ -23,6 +23,8 @@ struct PartSet {
   std::size_t taught_count = 0;
 
   void Add(const PartSet& other, std::size_t position);
+  // Measures the part with its mesh, where it has one.
+  void Add(Workpiece part, const recognition::Pose& mesh_pose);
 };
 
 // Which meshes and attitudes an experiment takes.

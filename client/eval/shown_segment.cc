@@ -16,7 +16,8 @@ absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
       trial.scan, parameters.segmentation, parameters.descriptor, [] { return false; }, &log);
   if (!segmentation.ok()) return segmentation.status();
   if (segmentation->segments.empty()) {
-    return absl::FailedPreconditionError("nothing is seen of it; leave it out");
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nothing is seen of it", trial.file.empty() ? "" : " in ", trial.file, "; leave it out"));
   }
   if (!trial.posed && segmentation->segments.size() > 1) {
     return absl::FailedPreconditionError(

@@ -18,7 +18,8 @@ struct Trial {
   std::vector<Placement> truth;  // what stands in it; the first is asked about
   // Mean of what the camera sees of each, world frame, m; its place where that is not known.
   std::vector<Eigen::Vector3d> seen;
-  bool posed = true;  // where it stands is known; otherwise the poses in `truth` say nothing
+  bool posed = true;      // where it stands is known; otherwise the poses in `truth` say nothing
+  std::string file = {};  // that it was read from; empty: none
 };
 
 // An obstacle before the lens that hides a share of the first object's pixels, from one side of
