@@ -1,6 +1,6 @@
 #include "recognition/fragments.h"
 
-#include <utility>
+#include <cstddef>
 
 namespace graspdb::recognition {
 namespace {
@@ -27,23 +27,23 @@ void Take(const Detection& piece, Detection* whole) {
 
 }  // namespace
 
-void JoinFragments(const std::vector<Segment>& segments, double support_distance_m,
-                   std::vector<Detection>* detections) {
-  std::vector<bool> is_piece(detections->size(), false);
-  for (std::size_t i = 0; i < detections->size(); ++i) {
-    if ((*detections)[i].view) continue;
-    for (Detection& whole : *detections) {
-      if (!whole.view || !whole.model || !LiesOn(segments[i], whole, support_distance_m)) continue;
-      Take((*detections)[i], &whole);
+void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers) {
+  std::vector<bool> is_piece(answers->size(), false);
+  for (std::size_t i = 0; i < answers->size(); ++i) {
+    const AnsweredSegment& piece = (*answers)[i];
+    if (piece.detection.view) continue;
+    for (AnsweredSegment& other : *answers) {
+      Detection& whole = other.detection;
+      if (!whole.view || !whole.model || !LiesOn(piece.segment, whole, support_distance_m)) {
+        continue;
+      }
+      Take(piece.detection, &whole);
       is_piece[i] = true;
       break;
     }
   }
-  std::vector<Detection> kept;
-  for (std::size_t i = 0; i < detections->size(); ++i) {
-    if (!is_piece[i]) kept.push_back(std::move((*detections)[i]));
-  }
-  *detections = std::move(kept);
+  std::size_t i = 0;
+  std::erase_if(*answers, [&](const AnsweredSegment&) { return is_piece[i++]; });
 }
 
 }  // namespace graspdb::recognition

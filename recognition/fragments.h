@@ -3,15 +3,14 @@
 
 #include <vector>
 
-#include "recognition/recognizer.h"
+#include "recognition/answered_segment.h"
 
 namespace graspdb::recognition {
 
-// A thing that hides its own middle, or behind something thin, is seen as several segments. A
-// detection without an answer whose segment lies on the posed model of one that has an answer is a
-// piece of that: it is removed, and its points and centroid are counted there. `detections[i]` came
-// of `segments[i]`; surfaces nearer than `support_distance_m` are the same. Deterministic.
-void JoinFragments(const std::vector<Segment>& segments, double support_distance_m,
-                   std::vector<Detection>* detections);
+// A thing that hides its own middle, or behind something thin, is seen as several segments. One
+// without an answer that lies on the posed model of one that has an answer is a piece of
+// that: it is removed, and its points and centroid are counted there. Surfaces nearer than
+// `support_distance_m` are the same. Deterministic.
+void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers);
 
 }  // namespace graspdb::recognition

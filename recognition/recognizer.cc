@@ -1,12 +1,14 @@
 #include "recognition/recognizer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 
 #include "absl/status/status.h"
 #include "recognition/descriptor.h"
 #include "recognition/fragments.h"
 #include "recognition/model_matching.h"
+#include "recognition/touching.h"
 #include "recognition/view_matching.h"
 
 namespace graspdb::recognition {
@@ -49,11 +51,19 @@ absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, V
 // What explains the scan as well as the best hypothesis, the first one.
 void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise_m,
                const MatchingParameters& parameters, Detection* detection) {
+  const PoseHypothesis& best = hypotheses.front();
+  // A declared symmetry says more exactly what follows than what happened to be tried.
+  for (const double turn : DeclaredTurns(best.symmetry_order)) {
+    if (turn == 0) continue;
+    detection->equivalent_poses.push_back(best.refined);
+    detection->equivalent_poses.back().rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+  }
   for (const PoseHypothesis& h : hypotheses) {
     const bool is_rival = h.standing == Standing::kAsGood;
     detection->ambiguous = detection->ambiguous || is_rival;
-    if (!is_rival && h.standing != Standing::kSameSurface) continue;
-    if (h.view->stable_pose == hypotheses.front().view->stable_pose) {
+    const bool is_turn = h.standing == Standing::kSameSurface && best.symmetry_order == 1;
+    if (!is_rival && !is_turn) continue;
+    if (h.view->stable_pose == best.view->stable_pose) {
       detection->equivalent_poses.push_back(h.refined);
     } else if (is_rival) {
       const Doubt doubt =
@@ -146,6 +156,24 @@ absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
   return out;
 }
 
+// What the camera saw as one may be several things.
+absl::StatusOr<std::vector<AnsweredSegment>> Part(std::vector<AnsweredSegment> answers,
+                                                  const Scan& scan,
+                                                  const Segmentation& segmentation,
+                                                  const RecognitionParameters& parameters,
+                                                  const RecognizeAlone& recognize) {
+  const auto smallest = static_cast<std::size_t>(parameters.segmentation.min_cluster_point_count);
+  std::vector<AnsweredSegment> out;
+  out.reserve(answers.size());
+  for (AnsweredSegment& answer : answers) {
+    auto things = PartTouching({scan, segmentation, answer.segment}, std::move(answer.detection),
+                               smallest, parameters.matching.support_distance_m, recognize);
+    if (!things.ok()) return things.status();
+    std::ranges::move(*things, std::back_inserter(out));
+  }
+  return out;
+}
+
 // The best that can be said of the frame as a whole.
 RecognitionOutcome Summarize(const std::vector<Detection>& detections) {
   for (const Detection& d : detections) {
@@ -168,13 +196,24 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.revision = catalogue.revision;
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
+  const RecognizeAlone recognize = [&](const Segment& segment) {
+    return RecognizeSegment({scan, *segmentation, segment}, catalogue, clouds, parameters,
+                            is_cancelled, &log);
+  };
+  std::vector<AnsweredSegment> answers;
+  answers.reserve(segmentation->segments.size());
   for (const Segment& segment : segmentation->segments) {
-    absl::StatusOr<Detection> detection = RecognizeSegment(
-        {scan, *segmentation, segment}, catalogue, clouds, parameters, is_cancelled, &log);
+    absl::StatusOr<Detection> detection = recognize(segment);
     if (!detection.ok()) return detection.status();
-    out.detections.push_back(*std::move(detection));
+    answers.push_back({segment, *std::move(detection)});
   }
-  JoinFragments(segmentation->segments, parameters.matching.support_distance_m, &out.detections);
+  JoinFragments(parameters.matching.support_distance_m, &answers);
+  if (parameters.matching.verified_view_count > 1) {
+    auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize);
+    if (!things.ok()) return things.status();
+    answers = *std::move(things);
+  }
+  for (AnsweredSegment& answer : answers) out.detections.push_back(std::move(answer.detection));
   out.stages = log.reports();
   switch (segmentation->outcome) {
     case SegmentationOutcome::kEmptyRegion:

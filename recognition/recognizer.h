@@ -69,12 +69,14 @@ struct Detection {
   double score = 0;  // 0 to 1: confidence, or on the paper's way the share of matching points
   Pose rough_pose = Pose::Identity();    // T_world_object after the shift
   Pose refined_pose = Pose::Identity();  // T_world_object after the alignment
-  // T_world_object of the same stable pose that explain the scan as well: turns of something
-  // symmetric, and others where the detection is ambiguous.
+  // T_world_object of the same stable pose that explain the scan as well: the turns of a declared
+  // symmetry (DeclaredTurns) or else those that were found, and others where the detection is
+  // ambiguous.
   std::vector<Pose> equivalent_poses;
   // Something else explains the scan as well: another place, attitude or object.
   bool ambiguous = false;
   std::vector<Alternative> alternatives;  // that are not of the same stable pose
+  bool touching = false;                  // the camera saw it and other things as one
   std::optional<Gate> rejected_by;        // of an object that is unknown
   Registration registration;
   std::shared_ptr<const SurfaceModel> model;  // that was aligned; null on the paper's way

@@ -84,6 +84,7 @@ void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
   out->set_status(StatusToProto(detection.outcome));
   if (detection.rejected_by) out->set_rejected_by(GateToProto(*detection.rejected_by));
   out->set_score(detection.score);
+  out->set_touching(detection.touching);
   out->set_point_count(static_cast<int>(detection.point_count));
   *out->mutable_centroid() = VectorToProto(detection.centroid);
   for (const recognition::Candidate& c : detection.candidates) {

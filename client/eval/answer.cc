@@ -71,6 +71,7 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
   const Detection* detection = DetectionOf(recognition, trial, which);
   if (detection != nullptr) {
     seen.outcome = detection->outcome;
+    seen.touching = detection->touching;
     seen.score = detection->score;
     seen.doubt = detection->doubt;
     seen.candidates = detection->candidates;

@@ -27,6 +27,7 @@ struct Answer {
   // The answer said that it is ambiguous, and not its first reading but one of the further ones
   // that it lists is strictly right: it counts, with its error.
   bool listed = false;
+  bool touching = false;  // the answer said that it touches something
   PoseError error = {};  // where the object is right
   double score = 0;
   recognition::Doubt doubt = {};  // of the answer, also of one that was rejected

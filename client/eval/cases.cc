@@ -12,6 +12,10 @@ namespace {
 
 enum Stream : std::uint64_t { kObstacleSide = 100 };
 
+// Footprints are points, of which neighbours are some millimetres apart: things with this gap
+// between them touch, or nearly.
+constexpr double kTouchingGapM = 0.002;
+
 // The step of BigBIRD's turntable.
 constexpr double kAskStepDeg = 3;
 
@@ -68,6 +72,10 @@ std::vector<ExperimentCase> ExperimentCases() {
     three.area_half_width_m = 0.10;
     three.gap_m = gap_m;
   }
+  ExperimentCase& touching = add("touching");
+  touching.objects_per_scene = 2;
+  touching.area_half_width_m = 0.10;
+  touching.gap_m = kTouchingGapM;
   add("symmetric").parts = PartChoice::kRound;
   add("unknown").parts = PartChoice::kStrangers;
   ExperimentCase& hidden_stranger = add("unknown-hidden-20");

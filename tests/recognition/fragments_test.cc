@@ -38,53 +38,55 @@ Detection Unknown(const Segment& segment) {
 class FragmentsTest : public ::testing::Test {
  protected:
   FragmentsTest() {
-    Detection bar = Unknown(segments_[0]);
+    See(Strip(-0.1, -0.02, 0.03));
+    Detection& bar = answers_.front().detection;
     bar.view = std::make_shared<const TaughtView>();
     bar.model = std::make_shared<const SurfaceModel>(Strip(-0.1, 0.1, 0), 1);
     bar.outcome = RecognitionOutcome::kOk;
     bar.refined_pose.translation() = Eigen::Vector3d(0, 0, 0.03);
-    detections_.push_back(std::move(bar));
   }
 
   // Another segment of the scene, without an answer.
   void See(OrientedCloud cloud) {
-    segments_.push_back(SegmentOf(std::move(cloud)));
-    detections_.push_back(Unknown(segments_.back()));
+    const Segment segment = SegmentOf(std::move(cloud));
+    answers_.push_back({segment, Unknown(segment)});
   }
 
-  std::vector<Segment> segments_ = {SegmentOf(Strip(-0.1, -0.02, 0.03))};
-  std::vector<Detection> detections_;
+  void Join() { JoinFragments(0.008, &answers_); }
+
+  std::vector<AnsweredSegment> answers_;
 };
 
 TEST_F(FragmentsTest, WhatLiesOnTheModelIsAPieceOfIt) {
   See(Strip(0.03, 0.1, 0.03));
-  const std::size_t all = segments_[0].cloud.points.size() + segments_[1].cloud.points.size();
-  JoinFragments(segments_, 0.008, &detections_);
-  ASSERT_THAT(detections_, SizeIs(1));
-  EXPECT_EQ(detections_[0].outcome, RecognitionOutcome::kOk);
-  EXPECT_EQ(detections_[0].point_count, all);
-  EXPECT_NEAR(detections_[0].centroid.x(), 0, 0.01);
+  const std::size_t all =
+      answers_[0].segment.cloud.points.size() + answers_[1].segment.cloud.points.size();
+  Join();
+  ASSERT_THAT(answers_, SizeIs(1));
+  EXPECT_EQ(answers_[0].detection.outcome, RecognitionOutcome::kOk);
+  EXPECT_EQ(answers_[0].detection.point_count, all);
+  EXPECT_NEAR(answers_[0].detection.centroid.x(), 0, 0.01);
 }
 
 TEST_F(FragmentsTest, WhatStandsElsewhereStaysUnknown) {
   See(Strip(0.03, 0.1, 0.05));   // above the bar
   See(Strip(0.08, 0.16, 0.03));  // mostly beyond its end
-  JoinFragments(segments_, 0.008, &detections_);
-  EXPECT_THAT(detections_, SizeIs(3));
+  Join();
+  EXPECT_THAT(answers_, SizeIs(3));
 }
 
 TEST_F(FragmentsTest, WithoutAnAnswerThereIsNothingToBeAPieceOf) {
   See(Strip(0.03, 0.1, 0.03));
-  detections_[0].view = nullptr;
-  JoinFragments(segments_, 0.008, &detections_);
-  EXPECT_THAT(detections_, SizeIs(2));
+  answers_[0].detection.view = nullptr;
+  Join();
+  EXPECT_THAT(answers_, SizeIs(2));
 }
 
 TEST_F(FragmentsTest, AThingWithAnAnswerOfItsOwnIsNoPiece) {
   See(Strip(0.03, 0.1, 0.03));
-  detections_[1].view = std::make_shared<const TaughtView>();
-  JoinFragments(segments_, 0.008, &detections_);
-  EXPECT_THAT(detections_, SizeIs(2));
+  answers_[1].detection.view = std::make_shared<const TaughtView>();
+  Join();
+  EXPECT_THAT(answers_, SizeIs(2));
 }
 
 }  // namespace

@@ -40,6 +40,20 @@ class RecognizerTest : public ::testing::Test {
     return found->detections.front();
   }
 
+  // What was taught, with changed stable poses.
+  template <typename Change>
+  CatalogueSnapshot Taught(const Change& change) const {
+    CatalogueSnapshot out = taught_.snapshot();
+    auto poses = *out.stable_poses;
+    for (auto& [name, pose] : poses) {
+      auto changed = std::make_shared<TaughtStablePose>(*pose);
+      change(*changed);
+      pose = std::move(changed);
+    }
+    out.stable_poses = std::make_shared<const decltype(poses)>(std::move(poses));
+    return out;
+  }
+
   TaughtShapes taught_;
   RecognitionParameters parameters_;
 };
@@ -257,14 +271,7 @@ TEST_F(RecognizerTest, AModelThatIsMadeAnewGivesTheSameAnswer) {
 
 TEST_F(RecognizerTest, AStablePoseIsHeldToItsOwnThresholdWhereItHasOne) {
   const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
-  CatalogueSnapshot strict = taught_.snapshot();
-  auto poses = *strict.stable_poses;
-  for (auto& [name, pose] : poses) {
-    auto changed = std::make_shared<TaughtStablePose>(*pose);
-    changed->min_score = 1;
-    pose = std::move(changed);
-  }
-  strict.stable_poses = std::make_shared<const decltype(poses)>(std::move(poses));
+  const CatalogueSnapshot strict = Taught([](TaughtStablePose& pose) { pose.min_score = 1; });
   const auto outcome = [&] {
     const auto found = Recognize(scan, strict, taught_, parameters_, [] { return false; });
     EXPECT_THAT(found, IsOk());
@@ -273,6 +280,24 @@ TEST_F(RecognizerTest, AStablePoseIsHeldToItsOwnThresholdWhereItHasOne) {
   EXPECT_EQ(outcome(), RecognitionOutcome::kUnknownObject);
   parameters_.matching.use_own_min_scores = false;
   EXPECT_EQ(outcome(), RecognitionOutcome::kOk);
+}
+
+TEST_F(RecognizerTest, TheTurnsOfADeclaredSymmetryAreEquivalentPoses) {
+  const Scan scan = TaughtShapes::See({TaughtShapes::Part("tower", 0.02, 0, 33)});
+  for (const auto& [order, turns] : {std::pair(1, 0U), {4, 3U}, {0, 11U}}) {
+    const CatalogueSnapshot declared =
+        Taught([order = order](TaughtStablePose& pose) { pose.symmetry_order = order; });
+    const auto found = Recognize(scan, declared, taught_, {}, [] { return false; });
+    ASSERT_THAT(found, IsOk());
+    const Detection& detection = found->detections.at(0);
+    ASSERT_THAT(detection.equivalent_poses, SizeIs(turns)) << order;
+    for (const Pose& pose : detection.equivalent_poses) {
+      const Pose turn = detection.refined_pose.inverse() * pose;
+      EXPECT_LT(turn.translation().norm(), 1e-9);
+      EXPECT_NEAR(turn.linear()(2, 2), 1, 1e-9) << "about z";
+      EXPECT_LT(turn.linear()(0, 0), 0.99) << "not the pose itself";
+    }
+  }
 }
 
 // The parts as flat as no part is, with nothing else in sight.

@@ -146,6 +146,7 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
   out.Bool("pose_right", a.pose_right);
   out.Bool("strictly_right", a.strictly_right);
   out.Bool("listed", a.listed);
+  out.Bool("touching", a.touching);
   out.Number("score", a.score);
   JsonObject doubt(&out.At("doubt"));
   doubt.Number("scan", a.doubt.scan);

@@ -1,0 +1,30 @@
+// Things that touch, which the camera sees as one cluster.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/answered_segment.h"
+#include "recognition/model_matching.h"
+
+namespace graspdb::recognition {
+
+// Recognises a segment as if it stood alone.
+using RecognizeAlone = std::function<absl::StatusOr<Detection>(const Segment&)>;
+
+// Parts `whole` into the things that it consists of, where these are known; touching ones are
+// marked.
+//
+// What the answer explains, or where there is none the answer for half of the segment, is taken
+// away, and the rest is asked about. A thing with an answer of which at least `min_count` voxels
+// are left over touches something, known or not. A segment without an answer is parted only
+// where all of it gets one: what was never taught must not be named for a part that resembles
+// something. Surfaces nearer than `support_distance_m` are the same. Deterministic. Errors as
+// `recognize`.
+absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(const MatchingInput& whole,
+                                                          Detection answer, std::size_t min_count,
+                                                          double support_distance_m,
+                                                          const RecognizeAlone& recognize);
+
+}  // namespace graspdb::recognition
