@@ -112,6 +112,7 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     if (end == std::string_view::npos) break;
     const std::string line(bytes.substr(begin, end - begin));
     const Words words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
+    const std::size_t line_offset = begin;
     begin = end + 1;
     if (number == 1) {
       if (words != Words{"ply"})
@@ -123,6 +124,9 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
       if (!has_format) return Bad("its header has no format line");
       header.body_offset = begin;
       return header;
+    }
+    if (has_format && words[0] == "element" && header.elements_offset == 0) {
+      header.elements_offset = line_offset;
     }
     has_format |= words[0] == "format";
     if (absl::Status status = ParseLine(words, header); !status.ok()) return status;

@@ -31,6 +31,9 @@ struct PlyHeader {
 
   Encoding encoding = Encoding::kAscii;
   std::vector<Element> elements;
+  // Where the line of the first element that follows the format line begins, in bytes from the
+  // start of the file; zero without such an element.
+  std::size_t elements_offset = 0;
   // Where the body begins, in bytes from the start of the file.
   std::size_t body_offset = 0;
 };

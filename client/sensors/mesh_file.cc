@@ -10,13 +10,17 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "client/files/atomic_file.h"
 #include "client/files/ply_file.h"
+#include "client/files/ply_header.h"
 
 namespace graspdb::client {
 namespace {
@@ -76,17 +80,37 @@ absl::Status AppendNodes(const aiScene& scene, TriangleMesh& mesh) {
   return absl::OkStatus();
 }
 
-// assimp never returns from some damaged PLY files, whatever their extension, so
-// these are read through by our own reader first.
-absl::Status CheckPly(const std::filesystem::path& path) {
+// Whether assimp may take it for a PLY file, by its content or its extension.
+bool IsPly(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::string magic(3, '\0');
   in.read(magic.data(), std::ssize(magic));
-  const bool is_ply = absl::AsciiStrToLower(magic) == "ply";
-  if (!is_ply && absl::AsciiStrToLower(path.extension().string()) != ".ply") {
-    return absl::OkStatus();
-  }
-  return ReadPly(path).status();
+  return absl::AsciiStrToLower(magic) == "ply" ||
+         absl::AsciiStrToLower(path.extension().string()) == ".ply";
+}
+
+// assimp never returns from some damaged PLY files, so these are read through by our own
+// reader first.
+absl::Status CheckPly(const std::filesystem::path& path) {
+  return IsPly(path) ? ReadPly(path).status() : absl::OkStatus();
+}
+
+// The content of a binary PLY file with an element of one letter before all others; empty for
+// other files. assimp drops a body's first byte where it looks like one more line end of the
+// header (github.com/assimp/assimp/issues/5341), and misreads all that follows. The element is
+// named 1, as assimp reads the count of an unknown element from where its name stands.
+std::string PaddedPly(const std::filesystem::path& path) {
+  if (!IsPly(path)) return "";
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  std::string bytes = std::move(content).str();
+  const absl::StatusOr<PlyHeader> header = ParsePlyHeader(bytes);
+  if (!header.ok() || header->encoding == PlyHeader::Encoding::kAscii) return "";
+  if (header->elements_offset == 0) return "";
+  bytes.insert(header->body_offset, 1, 'x');
+  bytes.insert(header->elements_offset, "element 1 1\nproperty uchar pad\n");
+  return bytes;
 }
 
 absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
@@ -95,7 +119,11 @@ absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, kDropped);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene = importer.ReadFile(path.string(), kSteps);
+    const std::string ply = PaddedPly(path);
+    const std::string extension(absl::StripPrefix(path.extension().string(), "."));
+    const aiScene* scene = ply.empty() ? importer.ReadFile(path.string(), kSteps)
+                                       : importer.ReadFileFromMemory(ply.data(), ply.size(), kSteps,
+                                                                     extension.c_str());
     if (scene == nullptr || scene->mRootNode == nullptr) {
       return absl::InvalidArgumentError(importer.GetErrorString());
     }

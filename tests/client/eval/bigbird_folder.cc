@@ -114,7 +114,7 @@ absl::Status WriteViews(const fs::path& folder, const Workpiece& part, int turn_
 
 Pose TablePart() {
   Pose out = Turn(30, Eigen::Vector3d::UnitZ());
-  out.translation() << 0.021, -0.015, 0;
+  out.translation() << 0.02, -0.015, 0;
   return out;
 }
 

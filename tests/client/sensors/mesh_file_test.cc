@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
 #include "client/sensors/solid.h"
 #include "tests/client/files/temporary_folder.h"
 #include "tests/client/sensors/mesh_measure.h"
@@ -14,6 +19,31 @@ namespace graspdb::client {
 namespace {
 
 using testing::HasSubstr;
+
+// A triangle of (0, 0, 0), (1, 0, 0), (0, 1, 0), whose body begins with `first_byte`.
+std::string TrianglePly(bool big_endian, const std::string& line_end, char first_byte) {
+  std::string bytes;
+  for (const std::string line :
+       {"ply", big_endian ? "format binary_big_endian 1.0" : "format binary_little_endian 1.0",
+        "element vertex 3", "property uchar red", "property float x", "property float y",
+        "property float z", "element face 1", "property list uchar int vertex_indices",
+        "end_header"}) {
+    absl::StrAppend(&bytes, line, line_end);
+  }
+  const auto append = [&](std::uint32_t word) {
+    for (int k = 0; k < 4; ++k) {
+      bytes.push_back(static_cast<char>(word >> 8 * (big_endian ? 3 - k : k)));
+    }
+  };
+  for (const Eigen::Vector3f& v : {Eigen::Vector3f::Zero().eval(), Eigen::Vector3f::UnitX().eval(),
+                                   Eigen::Vector3f::UnitY().eval()}) {
+    bytes.push_back(first_byte);
+    for (const float c : {v.x(), v.y(), v.z()}) append(std::bit_cast<std::uint32_t>(c));
+  }
+  bytes.push_back(3);
+  for (const std::uint32_t i : {0U, 1U, 2U}) append(i);
+  return bytes;
+}
 
 TEST(MeshFile, PlyRoundTrip) {
   const TemporaryFolder folder;
@@ -26,6 +56,39 @@ TEST(MeshFile, PlyRoundTrip) {
   EXPECT_EQ(loaded->triangles.size(), 12U);
   EXPECT_TRUE(IsClosed(*loaded));
   EXPECT_NEAR(VolumeOf(*loaded), 0.006, 1e-8);
+}
+
+// A first byte that looks like a line end is no part of the header.
+TEST(MeshFile, PlyBodyMayBeginWithAnyByte) {
+  const TemporaryFolder folder;
+  TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
+  for (std::uint32_t first_byte = 0; first_byte < 256; ++first_byte) {
+    box.vertices[0].x() = std::bit_cast<float>(0x3C000000U | first_byte);  // 7.8 mm
+    const auto path = folder.path() / absl::StrCat("box", first_byte, ".ply");
+    ASSERT_TRUE(WriteMeshPly(path, box).ok());
+    const auto loaded = LoadMesh(path);
+    ASSERT_TRUE(loaded.ok()) << first_byte << ": " << loaded.status();
+    EXPECT_TRUE(loaded->vertices == box.vertices) << first_byte;
+    EXPECT_TRUE(loaded->triangles == box.triangles) << first_byte;
+  }
+}
+
+TEST(MeshFile, PlyBodyMayBeginWithALineEndInEveryEncoding) {
+  const TemporaryFolder folder;
+  for (const bool big_endian : {false, true}) {
+    for (const std::string line_end : {"\n", "\r\n"}) {
+      for (const char first_byte : {'\n', '\r', '\t', ' ', '\0', 'x'}) {
+        const auto path = folder.Write("a.ply", TrianglePly(big_endian, line_end, first_byte));
+        SCOPED_TRACE(absl::CHexEscape(BytesOf(path)));
+        const auto loaded = LoadMesh(path);
+        ASSERT_TRUE(loaded.ok()) << loaded.status();
+        EXPECT_EQ(loaded->triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}}));
+        ASSERT_EQ(loaded->vertices.size(), 3U);
+        EXPECT_EQ(loaded->vertices[1], Eigen::Vector3f::UnitX());
+        EXPECT_EQ(loaded->vertices[2], Eigen::Vector3f::UnitY());
+      }
+    }
+  }
 }
 
 // Facets of an STL file share nothing; joined they are a closed surface again.
