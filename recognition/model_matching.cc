@@ -204,9 +204,9 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
   Views further = is_cut_off ? Views() : OtherViews(catalogue, nearest);
   // What was asked already is asked again only where it could stand elsewhere.
   if (unseen != hidden) std::ranges::move(views, std::back_inserter(further));
+  if (further.empty()) return matcher.TakeRanked();
   if (absl::Status status = matcher.Propose(further, unseen); !status.ok()) return status;
-  if (parameters.min_score < kExplainsNothing && !is_cut_off && !nearest.empty() &&
-      matcher.ExplainsNothing()) {
+  if (parameters.min_score < kExplainsNothing && !is_cut_off && matcher.ExplainsNothing()) {
     // An answer is wanted all the same: what the segment looks like says more than which of the
     // failures is the smallest.
     matcher.Forget();

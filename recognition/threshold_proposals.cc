@@ -13,14 +13,14 @@ namespace {
 
 // Views of a stable pose that are asked about.
 constexpr std::size_t kAskedViews = 8;
-// Share of the rightly named views that may score lower than `right_score`.
-constexpr double kLowShare = 0.1;
+// One of so many rightly named views may score lower than `right_score`.
+constexpr std::size_t kLowOneOf = 8;
 constexpr double kLowest = 0.1;
 
 using ViewPtr = std::shared_ptr<const TaughtView>;
 
 // Clouds and models, with those of one stable pose made anew: what is asked once with a view left
-// out is not worth another's place in a cache.
+// out is not worth another's place in a cache. For one thread.
 class WithoutOne : public ViewClouds {
  public:
   WithoutOne(ViewClouds& all, std::string stable_pose)
@@ -103,22 +103,26 @@ class Asker {
     }
   }
 
-  absl::Status Ask(const ViewPtr& view) {
-    const auto known = Best(*view, Without(catalogue_, std::span(&view, 1)));
-    if (!known.ok()) return known.status();
+  // Asks about the view while it is not taught.
+  absl::Status AskKnown(const ViewPtr& view) {
+    const auto answer = Best(*view, Without(catalogue_, std::span(&view, 1)));
+    if (!answer.ok()) return answer.status();
     Scores& its = scores_.at(view->stable_pose);
     ++its.proposal.asked_views;
-    if (known->view && known->view->object == view->object) {
+    if (answer->view && answer->view->stable_pose == view->stable_pose) {
       ++its.proposal.right_views;
-      its.right.push_back(known->score);
+      its.right.push_back(answer->score);
+    } else {
+      Blame(*answer, *view);
     }
-    const auto stranger = Best(*view, Without(catalogue_, of_object_.at(view->object)));
-    if (!stranger.ok()) return stranger.status();
-    if (!stranger->view) return absl::OkStatus();
-    ThresholdProposal& other = scores_.at(stranger->view->stable_pose).proposal;
-    if (stranger->score <= other.wrong_score.value_or(-1)) return absl::OkStatus();
-    other.wrong_score = stranger->score;
-    other.wrong_view = view->name;
+    return absl::OkStatus();
+  }
+
+  // Asks about the view while its object is not taught.
+  absl::Status AskStranger(const ViewPtr& view) {
+    const auto answer = Best(*view, Without(catalogue_, of_object_.at(view->object)));
+    if (!answer.ok()) return answer.status();
+    Blame(*answer, *view);
     return absl::OkStatus();
   }
 
@@ -126,16 +130,24 @@ class Asker {
     Scores& its = scores_.at(stable_pose);
     if (!its.right.empty()) {
       std::ranges::sort(its.right);
-      const auto passed =
-          static_cast<std::size_t>(kLowShare * static_cast<double>(its.right.size()));
-      its.proposal.right_score = its.right[passed];
+      its.proposal.right_score = its.right[its.right.size() / kLowOneOf];
     }
-    its.proposal.min_score =
+    const double between =
         ThresholdBetween(its.proposal.right_score, its.proposal.wrong_score, usual);
+    if (between < usual) its.proposal.min_score = between;
     return std::move(its.proposal);
   }
 
  private:
+  // What `answer` names was wrongly named for `view`.
+  void Blame(const Detection& answer, const TaughtView& view) {
+    if (!answer.view) return;
+    ThresholdProposal& named = scores_.at(answer.view->stable_pose).proposal;
+    if (answer.score <= named.wrong_score.value_or(-1)) return;
+    named.wrong_score = answer.score;
+    named.wrong_view = view.name;
+  }
+
   absl::StatusOr<Detection> Best(const TaughtView& view, const CatalogueSnapshot& known) {
     const auto scan = ScanOf(view, clouds_);
     if (!scan.ok()) return scan.status();
@@ -183,7 +195,11 @@ absl::StatusOr<std::vector<ThresholdProposal>> ProposeThresholds(
   const std::vector<ViewPtr> views = Sample(catalogue);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (absl::Status status = report(i, views.size()); !status.ok()) return status;
-    if (absl::Status status = asker.Ask(views[i]); !status.ok()) return status;
+    const bool is_its = views[i]->object == object;
+    absl::Status status = absl::OkStatus();
+    if (object.empty() || is_its) status.Update(asker.AskKnown(views[i]));
+    if (object.empty() || !is_its) status.Update(asker.AskStranger(views[i]));
+    if (!status.ok()) return status;
   }
   std::vector<ThresholdProposal> out;
   std::string last;

@@ -15,14 +15,14 @@ namespace graspdb::recognition {
 struct ThresholdProposal {
   std::string stable_pose;  // resource name
   int asked_views = 0;      // that were asked about, each while it was not taught
-  int right_views = 0;      // of which the object was named
-  // Nine of ten of those score at least this; absent without any.
+  int right_views = 0;      // of which the stable pose was named
+  // Seven of eight of those score at least this; absent without any.
   std::optional<double> right_score;
-  // The highest score of this stable pose for a view of another object, while that object was not
-  // taught, and that view; absent where it was named for none.
+  // The highest score of this stable pose for a view of another one, while that view was not
+  // taught or its object was not, and that view; absent where it was named for none.
   std::optional<double> wrong_score;
   std::string wrong_view;
-  double min_score = 0;  // proposed
+  std::optional<double> min_score;  // proposed; absent: what holds for all is right
 };
 
 // Half way between what wrongly and what rightly named things score, where that is below `usual`;
@@ -32,9 +32,9 @@ struct ThresholdProposal {
 double ThresholdBetween(std::optional<double> right, std::optional<double> wrong, double usual);
 
 // Of `object`'s stable poses (resource name; empty: all), by name. Some views of every stable pose
-// in the catalogue are asked about with `parameters`, twice: without that view, and without their
-// object. `report` hears before each how many are done; its error ends the work. Errors of
-// `clouds`; CANCELLED.
+// in the catalogue are asked about with `parameters`, without that view, without their object, or
+// both, as `object` needs it. `report` hears before each how many are done; its error ends the
+// work. Errors of `clouds`; CANCELLED.
 using ThresholdProgress = std::function<absl::Status(std::size_t done, std::size_t count)>;
 absl::StatusOr<std::vector<ThresholdProposal>> ProposeThresholds(
     const CatalogueSnapshot& catalogue, ViewClouds& clouds, const std::string& object,

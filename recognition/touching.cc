@@ -12,8 +12,14 @@
 namespace graspdb::recognition {
 namespace {
 
-// Things in one cluster, at most.
-constexpr int kMostThings = 4;
+// Things within things that are looked for, and how often one cluster is asked about in all.
+constexpr int kDepth = 3;
+constexpr int kMostQuestions = 24;
+// Where no score is too low for an answer (minScore 0), one that is mostly wrong parts nothing.
+constexpr double kKnown = 0.1;
+// A thing that is one of several must be surer than one alone: parts of what was never taught
+// resemble something with scores up to 0.7, things that touch have 0.95 and more (ADR 12).
+constexpr double kSure = 0.9;
 // A half that is explained worse than this is no beginning.
 constexpr double kPromising = 0.02;
 // How often the thing that was taken first is asked about anew.
@@ -23,8 +29,10 @@ constexpr int kSettling = 8;
 // A thing's own points are so many deviations from its model, and at least this far, m.
 constexpr float kDeviations = 3;
 constexpr float kFinestM = 0.0035F;
-// What the peeled thing leaves behind is one piece unless gaps are wider than this, m.
+// What a thing that is taken away leaves behind is one piece unless gaps are wider than this, m,
+// and than so many voxels.
 constexpr double kPieceGapM = 0.01;
+constexpr double kPieceGapVoxels = 3.3;
 
 using Answers = std::vector<AnsweredSegment>;
 using IsMine = std::function<bool(const Eigen::Vector3f& world)>;
@@ -76,16 +84,49 @@ std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
 
 class Parter {
  public:
-  Parter(const MatchingInput& input, std::size_t min_count, double support_distance_m,
-         const RecognizeAlone& recognize)
+  Parter(const MatchingInput& input, const PartingOptions& options, const RecognizeAlone& recognize)
       : input_(input),
-        min_count_(min_count),
-        support_(static_cast<float>(support_distance_m)),
+        min_count_(options.min_count),
+        support_(static_cast<float>(options.support_distance_m)),
+        piece_gap_(std::max(kPieceGapM, kPieceGapVoxels * options.voxel_size_m)),
         recognize_(recognize) {}
 
-  // Puts what `whole` consists of behind `out` where all of it is known; says whether it is.
-  // `beginning` is an answer for a part of it.
-  absl::StatusOr<bool> Take(const Segment& whole, Detection beginning, int most, Answers* out) {
+  // Puts what `whole` consists of behind `out`, where that is known; says whether it is. An answer
+  // that is not as sure as `least` is none.
+  absl::StatusOr<bool> Take(AnsweredSegment whole, double least, int depth, Answers* out) {
+    if (!Scores(whole.detection, least)) return TakeUnknown(std::move(whole), depth, out);
+    if (!LeftOver(whole.segment, whole.detection).empty()) {
+      const auto parted = depth > 0 ? TakeWith(whole.segment, whole.detection, depth, out) : false;
+      if (!parted.ok() || *parted) return parted;
+      whole.detection.touching = true;
+    }
+    out->push_back(std::move(whole));
+    return true;
+  }
+
+ private:
+  static bool Scores(const Detection& detection, double least) {
+    return detection.view && detection.score >= least;
+  }
+
+  // Where `whole` as one thing has no answer. What it is like may still be the greater part of it.
+  absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, int depth, Answers* out) {
+    if (depth == 0 || whole.segment.cloud.points.size() < 2 * min_count_) return false;
+    auto beginnings = Halves(whole.segment);
+    if (!beginnings.ok()) return beginnings.status();
+    beginnings->push_back(std::move(whole.detection));
+    std::ranges::stable_sort(*beginnings, std::greater(), &Detection::score);
+    for (Detection& beginning : *beginnings) {
+      if (beginning.model == nullptr || beginning.score < kPromising) continue;
+      auto known = TakeWith(whole.segment, std::move(beginning), depth, out);
+      if (!known.ok() || *known) return known;
+    }
+    return false;
+  }
+
+  // `beginning` is an answer for a part of `whole`.
+  absl::StatusOr<bool> TakeWith(const Segment& whole, Detection beginning, int depth,
+                                Answers* out) {
     AnsweredSegment thing{{}, std::move(beginning)};
     std::vector<Segment> rest;
     // What a half explains is not all of the thing: it is asked about once more.
@@ -93,50 +134,32 @@ class Parter {
       thing.segment = Part(input_, whole, Within(thing.detection, OwnM(thing.detection)));
       rest = LeftOver(whole, thing.detection);
       if (thing.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
-      auto again = recognize_(thing.segment);
+      auto again = Ask(thing.segment);
       if (!again.ok()) return again.status();
-      if (!again->view) return false;
+      if (!Scores(*again, kSure)) return false;
       thing.detection = *std::move(again);
     }
     const std::size_t before = out->size();
     out->push_back(std::move(thing));
     for (Segment& piece : rest) {
-      auto answer = recognize_(piece);
+      auto answer = Ask(piece);
       if (!answer.ok()) return answer.status();
-      auto known = TakeAll({std::move(piece), *std::move(answer)}, most - 1, out);
+      const auto known = Take({std::move(piece), *std::move(answer)}, kSure, depth - 1, out);
       if (known.ok() && *known) continue;
-      out->resize(before);
+      out->erase(out->begin() + static_cast<std::ptrdiff_t>(before), out->end());
       return known;
     }
+    for (std::size_t i = before; i < out->size(); ++i) (*out)[i].detection.touching = true;
     return true;
   }
 
-  // The same of what has an answer of its own, or must be begun with one of its halves.
-  absl::StatusOr<bool> TakeAll(AnsweredSegment whole, int most, Answers* out) {
-    if (whole.detection.view) {
-      out->push_back(std::move(whole));
-      return true;
-    }
-    if (most < 2 || whole.segment.cloud.points.size() < 2 * min_count_) return false;
-    auto beginnings = Halves(whole.segment);
-    if (!beginnings.ok()) return beginnings.status();
-    // The whole may fail to be a thing by what touches it.
-    beginnings->push_back(std::move(whole.detection));
-    std::ranges::stable_sort(*beginnings, std::greater(), &Detection::score);
-    for (Detection& beginning : *beginnings) {
-      if (beginning.model == nullptr || beginning.score < kPromising) continue;
-      auto known = Take(whole.segment, std::move(beginning), most, out);
-      if (!known.ok() || *known) return known;
-    }
-    return false;
+  // Nothing more is known of a cluster that was asked about too often.
+  absl::StatusOr<Detection> Ask(const Segment& segment) {
+    if (questions_ == kMostQuestions) return Detection();
+    ++questions_;
+    return recognize_(segment);
   }
 
-  // Whether `answer` leaves over what may be a thing.
-  bool LeavesSomething(const Segment& whole, const Detection& answer) const {
-    return !LeftOver(whole, answer).empty();
-  }
-
- private:
   // The answers for both halves of `whole`.
   absl::StatusOr<std::vector<Detection>> Halves(const Segment& whole) {
     const auto middles = MiddlesOfHalves(whole.cloud.points);
@@ -147,7 +170,7 @@ class Parter {
                           (p.head<2>() - middles[0]).squaredNorm());
       });
       if (half.cloud.points.size() < min_count_) continue;
-      auto answer = recognize_(half);
+      auto answer = Ask(half);
       if (!answer.ok()) return answer.status();
       out.push_back(*std::move(answer));
     }
@@ -178,7 +201,7 @@ class Parter {
     std::vector<Segment> out;
     if (rest.cloud.points.size() < min_count_) return out;
     const PointSearch search(rest.cloud.points);
-    for (const Indices& piece : FindClusters(rest.cloud.points, search, kPieceGapM, min_count_)) {
+    for (const Indices& piece : FindClusters(rest.cloud.points, search, piece_gap_, min_count_)) {
       Points points;
       points.reserve(piece.size());
       for (const std::int32_t i : piece) {
@@ -186,7 +209,7 @@ class Parter {
       }
       const PointSearch near(points);
       out.push_back(Part(input_, rest, [&](const Eigen::Vector3f& p) {
-        return near.Nearest(p).squared_distance < static_cast<float>(kPieceGapM * kPieceGapM) / 4;
+        return near.Nearest(p).squared_distance < static_cast<float>(piece_gap_ * piece_gap_) / 4;
       }));
     }
     return out;
@@ -195,23 +218,21 @@ class Parter {
   const MatchingInput& input_;
   const std::size_t min_count_;
   const float support_;
+  const double piece_gap_;
   const RecognizeAlone& recognize_;
+  int questions_ = 0;
 };
 
 }  // namespace
 
 absl::StatusOr<Answers> PartTouching(const MatchingInput& whole, Detection answer,
-                                     std::size_t min_count, double support_distance_m,
+                                     const PartingOptions& options,
                                      const RecognizeAlone& recognize) {
-  Parter parter(whole, min_count, support_distance_m, recognize);
-  const bool touches = answer.view && parter.LeavesSomething(whole.segment, answer);
-  if (answer.view && !touches) return Answers{{whole.segment, std::move(answer)}};
   Answers out;
-  const auto parted = answer.view ? parter.Take(whole.segment, answer, kMostThings, &out)
-                                  : parter.TakeAll({whole.segment, answer}, kMostThings, &out);
-  if (!parted.ok()) return parted.status();
-  if (!*parted) out = {{whole.segment, std::move(answer)}};
-  for (AnsweredSegment& thing : out) thing.detection.touching = *parted || touches;
+  const auto known =
+      Parter(whole, options, recognize).Take({whole.segment, answer}, kKnown, kDepth, &out);
+  if (!known.ok()) return known.status();
+  if (!*known) out.push_back({whole.segment, std::move(answer)});
   return out;
 }
 

@@ -13,18 +13,23 @@ namespace graspdb::recognition {
 // Recognises a segment as if it stood alone.
 using RecognizeAlone = std::function<absl::StatusOr<Detection>(const Segment&)>;
 
-// Parts `whole` into the things that it consists of, where these are known; touching ones are
-// marked.
+struct PartingOptions {
+  std::size_t min_count = 50;         // voxels of the smallest thing
+  double support_distance_m = 0.008;  // surfaces nearer than this are the same
+  double voxel_size_m = 0.003;
+};
+
+// Parts `whole` into the things that it consists of, where these are known; what touches something
+// is marked.
 //
 // What the answer explains, or where there is none the answer for half of the segment, is taken
-// away, and the rest is asked about. A thing with an answer of which at least `min_count` voxels
-// are left over touches something, known or not. A segment without an answer is parted only
+// away, and the rest is asked about. A thing with an answer that leaves over as much as the
+// smallest thing touches something, known or not. A segment without an answer is parted only
 // where all of it gets one: what was never taught must not be named for a part that resembles
-// something. Surfaces nearer than `support_distance_m` are the same. Deterministic. Errors as
-// `recognize`.
+// something. Deterministic. Errors as `recognize`.
 absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(const MatchingInput& whole,
-                                                          Detection answer, std::size_t min_count,
-                                                          double support_distance_m,
+                                                          Detection answer,
+                                                          const PartingOptions& options,
                                                           const RecognizeAlone& recognize);
 
 }  // namespace graspdb::recognition

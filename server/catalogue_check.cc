@@ -46,7 +46,7 @@ v1::ThresholdProposal ToProto(const recognition::ThresholdProposal& proposal) {
   if (proposal.right_score) out.set_right_score(*proposal.right_score);
   if (proposal.wrong_score) out.set_wrong_score(*proposal.wrong_score);
   out.set_wrong_view(proposal.wrong_view);
-  out.set_min_score(proposal.min_score);
+  if (proposal.min_score) out.set_min_score(*proposal.min_score);
   return out;
 }
 
@@ -80,23 +80,25 @@ absl::StatusOr<v1::FindLookAlikesResponse> CatalogueCheck::FindLookAlikes(
 absl::StatusOr<v1::ProposeThresholdsResponse> CatalogueCheck::ProposeThresholds(
     const v1::ProposeThresholdsRequest& request, const recognition::IsCancelled& is_cancelled,
     const recognition::ThresholdProgress& progress) {
-  using Response = absl::StatusOr<v1::ProposeThresholdsResponse>;
-  return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {
-    absl::Status there = HasStablePoses(snapshot, request.object());
-    if (!there.ok()) return there;
-    v1::ProposeThresholdsResponse out;
-    out.set_catalog_revision(snapshot.revision);
-    const auto proposals =
-        recognition::ProposeThresholds(snapshot, clouds_, request.object(), parameters_,
-                                       is_cancelled, [&](std::size_t done, std::size_t count) {
-                                         out.set_view_count(static_cast<int>(count));
-                                         return progress(done, count);
-                                       });
-    if (!proposals.ok()) return proposals.status();
-    out.set_done_view_count(out.view_count());
-    for (const auto& proposal : *proposals) *out.add_proposals() = ToProto(proposal);
-    return out;
-  });
+  // Not asked again by itself where the catalogue changes, as what takes milliseconds is.
+  const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
+  absl::Status there = HasStablePoses(*snapshot, request.object());
+  if (!there.ok()) return there;
+  v1::ProposeThresholdsResponse out;
+  out.set_catalog_revision(snapshot->revision);
+  const auto proposals =
+      recognition::ProposeThresholds(*snapshot, clouds_, request.object(), parameters_,
+                                     is_cancelled, [&](std::size_t done, std::size_t count) {
+                                       out.set_view_count(static_cast<int>(count));
+                                       return progress(done, count);
+                                     });
+  if (absl::IsNotFound(proposals.status())) {
+    return absl::AbortedError("views were deleted meanwhile; ask again");
+  }
+  if (!proposals.ok()) return proposals.status();
+  out.set_done_view_count(out.view_count());
+  for (const auto& proposal : *proposals) *out.add_proposals() = ToProto(proposal);
+  return out;
 }
 
 }  // namespace graspdb::server

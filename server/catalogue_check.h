@@ -23,7 +23,8 @@ class CatalogueCheck {
       const v1::FindLookAlikesRequest& request, const recognition::IsCancelled& is_cancelled);
 
   // The last message of the stream. `progress` as for recognition::ProposeThresholds. NOT_FOUND for
-  // an object that has no stable poses, and the errors of recognition::ProposeThresholds.
+  // an object that has no stable poses, ABORTED when views were deleted meanwhile, and the errors
+  // of recognition::ProposeThresholds.
   absl::StatusOr<v1::ProposeThresholdsResponse> ProposeThresholds(
       const v1::ProposeThresholdsRequest& request, const recognition::IsCancelled& is_cancelled,
       const recognition::ThresholdProgress& progress);

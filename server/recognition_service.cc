@@ -89,6 +89,7 @@ grpc::Status RecognitionService::ProposeThresholds(
     };
     const auto answer = check_.ProposeThresholds(*request, is_cancelled, progress);
     if (!answer.ok()) return answer.status();
+    ticket.reset();
     return stream->Write(*answer) ? absl::OkStatus()
                                   : absl::CancelledError("the caller left the stream");
   });

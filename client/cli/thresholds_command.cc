@@ -27,7 +27,9 @@ absl::StatusOr<v1::ProposeThresholdsResponse> Ask(Client& client, const std::str
 absl::Status Apply(Client& client, const v1::ThresholdProposal& proposal) {
   v1::UpdateStablePoseRequest request;
   request.mutable_stable_pose()->set_name(proposal.stable_pose());
-  request.mutable_stable_pose()->set_min_score(proposal.min_score());
+  if (proposal.has_min_score()) {
+    request.mutable_stable_pose()->set_min_score(proposal.min_score());
+  }
   request.mutable_update_mask()->add_paths("min_score");
   return client.UpdateStablePose(request).status();
 }
@@ -39,11 +41,16 @@ absl::Status ProposeThresholds(const GlobalOptions& global, const Options& optio
   for (const v1::ThresholdProposal& proposal : found->proposals()) {
     if (!global.json) std::printf("%s\n", ThresholdText(proposal).c_str());
     if (!options.apply) continue;
-    if (absl::Status status = Apply(client, proposal); !status.ok()) return status;
+    absl::Status applied = Apply(client, proposal);
+    if (!applied.ok()) {
+      return {applied.code(),
+              absl::StrCat(proposal.stable_pose(), " and those after it keep their ",
+                           "thresholds: ", applied.message())};
+    }
   }
   if (global.json) return PrintJson(*found);
   if (found->proposals().empty()) {
-    std::printf("the catalogue is empty; teach it with: graspdb import SET\n");
+    std::printf("there are no views to ask about; teach some with: graspdb import SET\n");
   } else if (!options.apply) {
     std::printf("nothing was changed; --apply puts these thresholds in force\n");
   }
@@ -53,9 +60,10 @@ absl::Status ProposeThresholds(const GlobalOptions& global, const Options& optio
 }  // namespace
 
 std::string ThresholdText(const v1::ThresholdProposal& proposal) {
-  std::string out = absl::StrFormat("%s: %.2f; %d of %d views named", proposal.stable_pose(),
-                                    proposal.min_score(), proposal.right_view_count(),
-                                    proposal.asked_view_count());
+  std::string out = absl::StrFormat(
+      "%s: %s; %d of %d views named", proposal.stable_pose(),
+      proposal.has_min_score() ? absl::StrFormat("%.2f", proposal.min_score()) : "as all",
+      proposal.right_view_count(), proposal.asked_view_count());
   if (proposal.has_right_score()) {
     absl::StrAppendFormat(&out, ", most with %.2f or more", proposal.right_score());
   }
@@ -71,10 +79,12 @@ void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action
   CLI::App* command = AddCommand(
       objects, "thresholds",
       "From which score on answers are to be believed: asks about taught views while they, and "
-      "while their objects, are not taught, and proposes a least score for each stable pose. Never "
-      "above the server's default. Run it again after teaching more.");
+      "while their objects, are not taught, and proposes a lower least score for stable poses "
+      "whose "
+      "right answers score low. Run it again after teaching more.");
   command->add_option("OBJECT", options->id, "Id, e.g. mug; without it all objects");
-  command->add_flag("--apply", options->apply, "Put the proposals in force");
+  command->add_flag("--apply", options->apply,
+                    "Put the proposals in force; stable poses without one get what holds for all");
   command->callback(
       [=, &global] { *action = [=, &global] { return ProposeThresholds(global, *options); }; });
 }

@@ -13,6 +13,7 @@ absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
   if (!proposals.ok()) return proposals.status();
   auto poses = *taught.stable_poses;
   for (const recognition::ThresholdProposal& proposal : *proposals) {
+    if (!proposal.min_score) continue;
     auto& pose = poses.at(proposal.stable_pose);
     auto changed = std::make_shared<recognition::TaughtStablePose>(*pose);
     changed->min_score = proposal.min_score;

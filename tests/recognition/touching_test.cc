@@ -53,27 +53,67 @@ class TouchingTest : public ::testing::Test {
   TaughtShapes taught_;
 };
 
+// 7 mm apart, less than the cluster tolerance.
 TEST_F(TouchingTest, TwoKnownThingsAreBothNamedWhereTheyStand) {
-  const Solid bracket = TaughtShapes::Part("bracket", -0.046, 0, 0);
-  const Solid tower = TaughtShapes::Part("tower", 0.026, 0.01, 0);
+  const Solid bracket = TaughtShapes::Part("bracket", -0.05, 0, 0);
+  const Solid tower = TaughtShapes::Part("tower", 0.027, 0.01, 0);
   const auto found = See({bracket, tower});
   ASSERT_THAT(found, SizeIs(2));
   ExpectTouchingAt(bracket, "bracket", found);
   ExpectTouchingAt(tower, "tower", found);
+  const Eigen::Vector3d sensor = TaughtShapes::WorldSensor().translation();
+  EXPECT_LE((found[0].centroid - sensor).norm(), (found[1].centroid - sensor).norm());
 }
 
-TEST_F(TouchingTest, AKnownThingThatTouchesAStrangerSaysSoAndTheStrangerIsNotNamed) {
+TEST_F(TouchingTest, AScanOfOneThingAloneIsNotParted) {
+  const Scan frame = TaughtShapes::See(
+      {TaughtShapes::Part("bracket", -0.05, 0, 0), TaughtShapes::Part("tower", 0.027, 0.01, 0)});
+  StageLog log;
+  const auto seen = SegmentScan(
+      frame, {}, {}, [] { return false; }, &log);
+  ASSERT_THAT(seen, IsOk());
+  ASSERT_THAT(seen->segments, SizeIs(1));
+  Scan alone = frame;
+  alone.points = Transform(seen->world_sensor.inverse(), seen->segments[0].cloud.points);
+  alone.segmented = true;
+  const auto found = Recognize(alone, taught_.snapshot(), taught_, {}, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  ASSERT_THAT(found->detections, SizeIs(1));
+  EXPECT_FALSE(found->detections[0].touching);
+}
+
+TEST_F(TouchingTest, AKnownThingThatTouchesAStrangerSaysSo) {
   const Solid slab = TaughtShapes::Part("slab", -0.061, 0, 0);
-  const auto found = See({slab, Stranger(0.05, 0.02)});
-  for (const Detection& d : found) {
-    if (!d.view) continue;
-    EXPECT_EQ(d.view->object, "objects/slab");
-    EXPECT_TRUE(d.touching);
-  }
+  const Scan scan = TaughtShapes::See({slab, Stranger(0.05, 0.02)});
+  StageLog log;
+  const auto seen = SegmentScan(
+      scan, {}, {}, [] { return false; }, &log);
+  ASSERT_THAT(seen, IsOk());
+  ASSERT_THAT(seen->segments, SizeIs(1));
+  const auto& pose = *taught_.snapshot().stable_poses->at("objects/slab/stablePoses/upright");
+  Detection answer;
+  answer.view = pose.views.front();
+  answer.model = taught_.LoadModel(*answer.view, pose).value();
+  answer.refined_pose = slab.world_solid;
+  answer.score = 0.8;
+  int asked = 0;
+  const RecognizeAlone knows_nothing = [&](const Segment&) {
+    ++asked;
+    return Detection();
+  };
+  const auto things =
+      PartTouching({scan, *seen, seen->segments[0]}, answer, PartingOptions(), knows_nothing);
+  ASSERT_THAT(things, IsOk());
+  ASSERT_THAT(*things, SizeIs(1));
+  EXPECT_EQ(things->front().detection.view, answer.view);
+  EXPECT_TRUE(things->front().detection.touching);
+  EXPECT_GT(asked, 0);
 }
 
 TEST_F(TouchingTest, AStrangerIsNotTakenForThingsThatTouch) {
-  for (const Detection& d : See({Stranger(0, 0), Stranger(0.1, 0.02)})) EXPECT_FALSE(d.view);
+  const auto found = See({Stranger(0, 0), Stranger(0.1, 0.02)});
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_FALSE(found[0].view);
 }
 
 TEST_F(TouchingTest, ThingsThatStandAloneDoNotTouch) {

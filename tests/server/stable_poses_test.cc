@@ -129,6 +129,19 @@ TEST_F(StablePosesTest, ALeastScoreOutOfRangeIsRefused) {
   ExpectBadField(Update(change, {"min_score"}, &after), "stable_pose.min_score", "0 to 1");
 }
 
+TEST_F(StablePosesTest, AMaskedFieldWithoutAValueIsCleared) {
+  Declare("wedge");
+  v1::StablePose change;
+  change.set_name(FlatPoseOf("wedge"));
+  change.set_min_score(0.3);
+  v1::StablePose after;
+  ASSERT_THAT(Update(change, {"min_score"}, &after), IsGrpcOk());
+  EXPECT_EQ(after.min_score(), 0.3);
+  change.clear_min_score();
+  ASSERT_THAT(Update(change, {"min_score"}, &after), IsGrpcOk());
+  EXPECT_FALSE(after.has_min_score());
+}
+
 TEST_F(StablePosesTest, AStaleEtagAbortsTheWrite) {
   Declare("wedge");
   v1::StablePose stale;

@@ -9,9 +9,10 @@ namespace graspdb::client {
 namespace {
 
 constexpr double kBarPx = 13;
-constexpr double kGapPx = 7;      // between groups
-constexpr double kScalePx = 360;  // width of the longest bar
-constexpr double kTopPx = 26;     // legend
+constexpr double kGapPx = 7;          // between groups
+constexpr double kScalePx = 360;      // width of the longest bar
+constexpr double kTopPx = 26;         // legend
+constexpr double kLegendItemPx = 30;  // beside its name
 
 double ScaleEnd(const BarChart& chart) {
   double end = chart.scale_end;
@@ -62,10 +63,10 @@ double LabelWidth(const BarChart& chart) {
 std::string DrawBars(const BarChart& chart) {
   const double left = LeftMargin(chart);
   const double group = kBarPx * static_cast<double>(chart.series.size()) + kGapPx;
-  const double width = left + kScalePx + LabelWidth(chart);
   const double height = kTopPx + group * static_cast<double>(chart.categories.size()) + 4;
   std::vector<std::string> names;
   for (const BarSeries& s : chart.series) names.push_back(s.name);
+  const double width = left + std::max(kScalePx + LabelWidth(chart), LegendWidth(names));
   std::string content = DrawLegend(names, left, 14);
   for (std::size_t i = 0; i < chart.categories.size(); ++i) {
     const double y = kTopPx + group * static_cast<double>(i);
@@ -90,8 +91,14 @@ std::string DrawLegend(const std::vector<std::string>& names, double x, double y
     absl::StrAppend(&out, "<rect class=\"f", i % kSeriesColors, "\" x=\"", Px(x), "\" y=\"",
                     Px(y - 9), "\" width=\"10\" height=\"10\"/>\n",
                     SvgText(x + 15, y, "start", names[i]));
-    x += 30 + TextWidth(names[i]);
+    x += kLegendItemPx + TextWidth(names[i]);
   }
+  return out;
+}
+
+double LegendWidth(const std::vector<std::string>& names) {
+  double out = 0;
+  for (const std::string& name : names) out += kLegendItemPx + TextWidth(name);
   return out;
 }
 

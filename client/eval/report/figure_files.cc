@@ -38,9 +38,8 @@ std::string Slug(const std::string& text) {
 
 std::string WithStyle(const std::string& svg) {
   const std::size_t end_of_tag = svg.find('>') + 1;
-  return absl::StrCat(svg.substr(0, end_of_tag), "\n<style>\n", PageStyle(),
-                      ".plot { background: var(--ground); }\n</style>", svg.substr(end_of_tag),
-                      "\n");
+  return absl::StrCat(svg.substr(0, end_of_tag), "\n<style>\n", PlotFileStyle(), "</style>",
+                      svg.substr(end_of_tag), "\n");
 }
 
 }  // namespace

@@ -72,5 +72,6 @@ std::string DrawPoints(const PointPlot& plot);
 
 // The names of series in their colours, from (x, y) to the right, 18 px high.
 std::string DrawLegend(const std::vector<std::string>& names, double x, double y);
+double LegendWidth(const std::vector<std::string>& names);  // px
 
 }  // namespace graspdb::client

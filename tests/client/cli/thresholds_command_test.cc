@@ -19,6 +19,8 @@ TEST(ThresholdText, SaysWhatTheThresholdFollowsFrom) {
   EXPECT_THAT(ThresholdText(proposal),
               AllOf(HasSubstr("objects/cup/stablePoses/up: 0.36"), HasSubstr("7 of 8 views named"),
                     HasSubstr("most with 0.61"), Not(HasSubstr("taken for it"))));
+  proposal.clear_min_score();
+  EXPECT_THAT(ThresholdText(proposal), HasSubstr("objects/cup/stablePoses/up: as all; "));
   proposal.set_wrong_score(0.11);
   proposal.set_wrong_view("objects/mug/stablePoses/up/views/v1");
   EXPECT_THAT(ThresholdText(proposal),

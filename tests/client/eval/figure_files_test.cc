@@ -7,7 +7,9 @@
 namespace graspdb::client {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 TEST(FigureFiles, EveryPlotIsAFileWithItsStyle) {
@@ -16,7 +18,8 @@ TEST(FigureFiles, EveryPlotIsAFileWithItsStyle) {
   const std::vector<FigureFile> files = FigureFiles("hidden-20", markup);
   ASSERT_THAT(files, SizeIs(2));
   EXPECT_EQ(files[0].name, "hidden-20-turn-amp-shift.svg");
-  EXPECT_THAT(files[0].svg, HasSubstr("<style>"));
+  EXPECT_THAT(files[0].svg, AllOf(HasSubstr("<style>"), HasSubstr(".f0 { fill: #0072b2; }")));
+  EXPECT_THAT(files[0].svg, Not(HasSubstr("var("))) << "only browsers know it";
   EXPECT_THAT(files[0].svg, HasSubstr("<g></g></svg>"));
   EXPECT_EQ(files[1].name, "hidden-20-time.svg");
 }

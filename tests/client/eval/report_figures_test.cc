@@ -8,6 +8,7 @@
 #include "client/eval/report/case_curves.h"
 #include "client/eval/report/case_figures.h"
 #include "client/eval/report/markup.h"
+#include "client/eval/report/plot.h"
 #include "tests/client/eval/hand_made_case.h"
 
 namespace graspdb::client {
@@ -97,6 +98,19 @@ TEST(WorstFirst, PutsWrongObjectsBeforeFarPoses) {
   CaseResult result = HandMade();
   result.answers[1].error.hausdorff_m = 0.01;
   EXPECT_THAT(WorstFirst(result), ElementsAre(2, 3, 1, 0));
+}
+
+TEST(BarChart, IsAsWideAsItsLegend) {
+  BarChart chart;
+  chart.categories = {"a"};
+  std::vector<std::string> names;
+  for (int i = 0; i < 5; ++i) {
+    names.push_back(std::string(40, 'x'));
+    chart.series.push_back({.name = names.back(), .values = {1}});
+  }
+  const std::string svg = DrawBars(chart);
+  const std::size_t width = svg.find("width=\"") + 7;
+  EXPECT_GT(std::stod(svg.substr(width)), LegendWidth(names));
 }
 
 TEST(Markup, WritesNumbersAsTheyAreRead) {
