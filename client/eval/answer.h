@@ -28,7 +28,7 @@ struct Answer {
   // that it lists is strictly right: it counts, with its error.
   bool listed = false;
   bool touching = false;  // the answer said that it touches something
-  PoseError error = {};  // where the object is right
+  PoseError error = {};   // where the object is right
   double score = 0;
   recognition::Doubt doubt = {};  // of the answer, also of one that was rejected
   double milliseconds = 0;        // for the whole scene

@@ -20,7 +20,7 @@ constexpr double kTouchingGapM = 0.002;
 constexpr double kAskStepDeg = 3;
 
 CameraStand StandOf(const Stand& stand) {
-  return {.look_down_deg = {stand.look_down_deg}, .distances_m = {stand.distance_m}};
+  return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
 }
 
 // Every part at the centre, turned to azimuths between those that were taught.
@@ -49,12 +49,16 @@ std::vector<ExperimentCase> ExperimentCases() {
     return cases.back();
   };
   add("paper").between_taught_azimuths = true;
+  ExperimentCase& bigbird = add("paper-five-cameras");
+  bigbird.between_taught_azimuths = true;
+  bigbird.taught.look_down_deg = {15, 30, 45, 60, 75};
+  bigbird.asked = bigbird.taught;
   add("anywhere");
   add("noise").asked.camera.noise.scale = 2;
-  add("camera-higher").asked.look_down_deg = 45;
-  add("camera-lower").asked.look_down_deg = 35;
+  add("camera-higher").asked.look_down_deg = {45};
+  add("camera-lower").asked.look_down_deg = {35};
   ExperimentCase& above = add("camera-above");
-  above.taught.look_down_deg = 85;
+  above.taught.look_down_deg = {85};
   above.asked = above.taught;
   ExperimentCase& v1 = add("kinect-v1");
   v1.taught = {.camera = KinectV1(), .distance_m = 1.3};

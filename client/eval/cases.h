@@ -13,7 +13,7 @@ namespace graspdb::client {
 // How a camera stands.
 struct Stand {
   DepthCameraModel camera = KinectV2();
-  double look_down_deg = 40;
+  std::vector<double> look_down_deg = {40};  // more than one: as many cameras, one after the other
   double distance_m = 0.8;
 };
 

@@ -70,7 +70,9 @@ void FillStand(const Stand& stand, Value* value) {
   JsonObject out(value);
   out.Text("camera", CameraName(stand.camera));
   out.Number("noise_scale", stand.camera.noise.scale);
-  out.Number("look_down_deg", stand.look_down_deg);
+  for (const double angle : stand.look_down_deg) {
+    out.At("look_down_deg").mutable_list_value()->add_values()->set_number_value(angle);
+  }
   out.Number("distance_m", stand.distance_m);
   const recognition::CameraIntrinsics& k = stand.camera.intrinsics;
   JsonObject intrinsics(&out.At("intrinsics_px"));

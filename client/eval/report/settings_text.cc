@@ -2,13 +2,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 
 namespace graspdb::client {
 namespace {
 
 std::string StandText(const Stand& stand) {
-  std::string out = absl::StrFormat("%s %.2g m away, looking down %.3g°", CameraName(stand.camera),
-                                    stand.distance_m, stand.look_down_deg);
+  std::string out = absl::StrFormat("%s %.2g m away, looking down %s°", CameraName(stand.camera),
+                                    stand.distance_m, absl::StrJoin(stand.look_down_deg, "°, "));
   if (stand.camera.noise.scale != 1) {
     absl::StrAppendFormat(&out, ", its noise times %.2g", stand.camera.noise.scale);
   }
