@@ -96,7 +96,7 @@ class Parter {
   absl::StatusOr<bool> Take(AnsweredSegment whole, double least, int depth, Answers* out) {
     if (!Scores(whole.detection, least)) return TakeUnknown(std::move(whole), depth, out);
     if (!LeftOver(whole.segment, whole.detection).empty()) {
-      const auto parted = depth > 0 ? TakeWith(whole.segment, whole.detection, depth, out) : false;
+      auto parted = depth > 0 ? TakeWith(whole.segment, whole.detection, depth, out) : false;
       if (!parted.ok() || *parted) return parted;
       whole.detection.touching = true;
     }
@@ -144,7 +144,7 @@ class Parter {
     for (Segment& piece : rest) {
       auto answer = Ask(piece);
       if (!answer.ok()) return answer.status();
-      const auto known = Take({std::move(piece), *std::move(answer)}, kSure, depth - 1, out);
+      auto known = Take({std::move(piece), *std::move(answer)}, kSure, depth - 1, out);
       if (known.ok() && *known) continue;
       out->erase(out->begin() + static_cast<std::ptrdiff_t>(before), out->end());
       return known;
