@@ -16,6 +16,8 @@ constexpr std::size_t kAskedViews = 8;
 // One of so many rightly named views may score lower than `right_score`.
 constexpr std::size_t kLowOneOf = 8;
 constexpr double kLowest = 0.1;
+// A threshold that is not lower than this share of the usual one is not worth having.
+constexpr double kWorthwhile = 0.9;
 
 using ViewPtr = std::shared_ptr<const TaughtView>;
 
@@ -134,7 +136,7 @@ class Asker {
     }
     const double between =
         ThresholdBetween(its.proposal.right_score, its.proposal.wrong_score, usual);
-    if (between < usual) its.proposal.min_score = between;
+    if (between < kWorthwhile * usual) its.proposal.min_score = between;
     return std::move(its.proposal);
   }
 
