@@ -1,6 +1,7 @@
 #include "recognition/fragments.h"
 
 #include <cstddef>
+#include <utility>
 
 namespace graspdb::recognition {
 namespace {
@@ -42,8 +43,12 @@ void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answ
       break;
     }
   }
-  std::size_t i = 0;
-  std::erase_if(*answers, [&](const AnsweredSegment&) { return is_piece[i++]; });
+  std::vector<AnsweredSegment> kept;
+  kept.reserve(answers->size());
+  for (std::size_t i = 0; i < answers->size(); ++i) {
+    if (!is_piece[i]) kept.push_back(std::move((*answers)[i]));
+  }
+  *answers = std::move(kept);
 }
 
 }  // namespace graspdb::recognition

@@ -15,4 +15,16 @@ std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
   return out;
 }
 
+absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& view,
+                                                              const TaughtStablePose& stable_pose,
+                                                              ViewClouds& clouds) {
+  std::vector<PosedCloud> posed;
+  for (const TaughtView* part : ViewsOfModel(view, stable_pose)) {
+    auto cloud = clouds.Load(*part);
+    if (!cloud.ok()) return cloud.status();
+    posed.push_back({*std::move(cloud), part->world_object});
+  }
+  return FuseViews(posed);
+}
+
 }  // namespace graspdb::recognition

@@ -59,4 +59,10 @@ class ViewClouds {
       const TaughtView& view, const TaughtStablePose& stable_pose) = 0;
 };
 
+// The model that `view` is fused into, made from the clouds of its views. Null without points;
+// errors of `clouds`.
+absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& view,
+                                                              const TaughtStablePose& stable_pose,
+                                                              ViewClouds& clouds);
+
 }  // namespace graspdb::recognition

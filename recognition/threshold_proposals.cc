@@ -35,16 +35,11 @@ class WithoutOne : public ViewClouds {
   absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) override {
     if (stable_pose.name != stable_pose_) return all_.LoadModel(view, stable_pose);
-    std::vector<PosedCloud> posed;
-    std::string key;
-    for (const TaughtView* part : ViewsOfModel(view, stable_pose)) {
-      auto cloud = all_.Load(*part);
-      if (!cloud.ok()) return cloud.status();
-      posed.push_back({*std::move(cloud), part->world_object});
-      key += part->name + '\n';
-    }
-    auto& model = models_[key];
-    if (model == nullptr) model = FuseViews(posed);
+    // Views that share a frame have one model.
+    auto& known = models_[view.shares_frame ? "" : view.name];
+    if (known) return known;
+    auto model = FuseModel(view, stable_pose, all_);
+    if (model.ok()) known = *model;
     return model;
   }
 
@@ -128,16 +123,21 @@ class Asker {
     return absl::OkStatus();
   }
 
-  ThresholdProposal Conclude(const std::string& stable_pose, double usual) {
-    Scores& its = scores_.at(stable_pose);
-    if (!its.right.empty()) {
-      std::ranges::sort(its.right);
-      its.proposal.right_score = its.right[its.right.size() / kLowOneOf];
+  // Of the stable poses that were asked about while they were taught, by name.
+  std::vector<ThresholdProposal> Conclude(double usual) {
+    std::vector<ThresholdProposal> out;
+    for (auto& [name, its] : scores_) {
+      ThresholdProposal& proposal = its.proposal;
+      if (proposal.asked_views == 0) continue;
+      if (!its.right.empty()) {
+        std::ranges::sort(its.right);
+        proposal.right_score = its.right[its.right.size() / kLowOneOf];
+      }
+      const double between = ThresholdBetween(proposal.right_score, proposal.wrong_score, usual);
+      if (between < kWorthwhile * usual) proposal.min_score = between;
+      out.push_back(std::move(proposal));
     }
-    const double between =
-        ThresholdBetween(its.proposal.right_score, its.proposal.wrong_score, usual);
-    if (between < kWorthwhile * usual) its.proposal.min_score = between;
-    return std::move(its.proposal);
+    return out;
   }
 
  private:
@@ -203,14 +203,7 @@ absl::StatusOr<std::vector<ThresholdProposal>> ProposeThresholds(
     if (object.empty() || !is_its) status.Update(asker.AskStranger(views[i]));
     if (!status.ok()) return status;
   }
-  std::vector<ThresholdProposal> out;
-  std::string last;
-  for (const ViewPtr& view : views) {
-    if (view->stable_pose == std::exchange(last, view->stable_pose)) continue;
-    if (!object.empty() && view->object != object) continue;
-    out.push_back(asker.Conclude(view->stable_pose, parameters.matching.min_score));
-  }
-  return out;
+  return asker.Conclude(parameters.matching.min_score);
 }
 
 }  // namespace graspdb::recognition

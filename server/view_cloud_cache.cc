@@ -1,7 +1,6 @@
 #include "server/view_cloud_cache.h"
 
 #include <utility>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -41,20 +40,14 @@ absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> ViewCloudCache
 
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::LoadModel(
     const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
-  const std::vector<const recognition::TaughtView*> parts =
-      recognition::ViewsOfModel(view, stable_pose);
   std::string content;
-  for (const recognition::TaughtView* part : parts) absl::StrAppend(&content, KeyOf(*part), "\n");
+  for (const recognition::TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
+    absl::StrAppend(&content, KeyOf(*part), "\n");
+  }
   const std::string key = Sha256(content);
   if (auto known = models_.Get(key)) return known;
-  std::vector<recognition::PosedCloud> clouds;
-  for (const recognition::TaughtView* part : parts) {
-    absl::StatusOr<Cloud> cloud = Load(*part);
-    if (!cloud.ok()) return cloud.status();
-    clouds.push_back({*std::move(cloud), part->world_object});
-  }
-  auto model = recognition::FuseViews(clouds);
-  if (model) models_.Put(key, model, model->bytes());
+  auto model = recognition::FuseModel(view, stable_pose, *this);
+  if (model.ok() && *model) models_.Put(key, *model, (*model)->bytes());
   return model;
 }
 

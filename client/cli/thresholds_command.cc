@@ -80,8 +80,7 @@ void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action
       objects, "thresholds",
       "From which score on answers are to be believed: asks about taught views while they, and "
       "while their objects, are not taught, and proposes a lower least score for stable poses "
-      "whose "
-      "right answers score low. Run it again after teaching more.");
+      "whose right answers score low. Run it again after teaching more.");
   command->add_option("OBJECT", options->id, "Id, e.g. mug; without it all objects");
   command->add_flag("--apply", options->apply,
                     "Put the proposals in force; stable poses without one get what holds for all");

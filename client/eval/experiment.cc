@@ -31,23 +31,31 @@ void MeasureTaught(Gallery* gallery, PartSet* set) {
   }
 }
 
+// What is asked: what was taught, with the thresholds that the run wants. A step without a name is
+// not reported.
+absl::StatusOr<recognition::CatalogueSnapshot> Known(recognition::CatalogueSnapshot taught,
+                                                     const std::string& step,
+                                                     const ExperimentRun& run, Gallery* gallery) {
+  if (!run.own_thresholds) return taught;
+  const auto report = [&](std::size_t done, std::size_t count) {
+    if (run.report && !step.empty()) run.report(step, done + 1, count);
+    return absl::OkStatus();
+  };
+  return WithOwnThresholds(std::move(taught), run.parameters, report, gallery);
+}
+
 absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::size_t question,
                                         const recognition::CatalogueSnapshot& taught,
                                         const PartSet& set, const ExperimentRun& run,
                                         Gallery* gallery) {
   auto trial = trials.asking.make(question);
   if (!trial.ok()) return trial.status();
-  recognition::CatalogueSnapshot snapshot =
-      trials.leave_one_out ? gallery->Snapshot(question) : taught;
-  if (run.own_thresholds && trials.leave_one_out) {
-    auto own = WithOwnThresholds(
-        snapshot, run.parameters, [](auto, auto) { return absl::OkStatus(); }, gallery);
-    if (!own.ok()) return own.status();
-    snapshot = *std::move(own);
-  }
+  const auto known = trials.leave_one_out ? Known(gallery->Snapshot(question), "", run, gallery)
+                                          : absl::StatusOr<recognition::CatalogueSnapshot>(taught);
+  if (!known.ok()) return known.status();
   const auto start = std::chrono::steady_clock::now();
   auto recognition =
-      recognition::Recognize(trial->scan, snapshot, *gallery, run.parameters, [] { return false; });
+      recognition::Recognize(trial->scan, *known, *gallery, run.parameters, [] { return false; });
   if (!recognition.ok()) return recognition.status();
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   std::vector<Answer> out;
@@ -68,19 +76,15 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
   absl::Status taught = Teach(experiment.name, trials.teaching, run, &gallery);
   if (!taught.ok()) return taught;
   MeasureTaught(&gallery, &out.set);
-  recognition::CatalogueSnapshot snapshot = gallery.Snapshot();
-  if (run.own_thresholds && !trials.leave_one_out) {
-    const auto report = [&](std::size_t done, std::size_t count) {
-      if (run.report) run.report(experiment.name + ": thresholds", done + 1, count);
-      return absl::OkStatus();
-    };
-    auto own = WithOwnThresholds(std::move(snapshot), run.parameters, report, &gallery);
-    if (!own.ok()) return own.status();
-    snapshot = *std::move(own);
-  }
+  // Where each question leaves a view out, what is known follows with the question.
+  const auto snapshot =
+      trials.leave_one_out
+          ? absl::StatusOr<recognition::CatalogueSnapshot>(gallery.Snapshot())
+          : Known(gallery.Snapshot(), experiment.name + ": thresholds", run, &gallery);
+  if (!snapshot.ok()) return snapshot.status();
   std::vector<std::vector<Answer>> answers(trials.asking.count);
   const auto ask = [&](std::size_t i) -> absl::Status {
-    auto of_scene = Ask(trials, i, snapshot, out.set, run, &gallery);
+    auto of_scene = Ask(trials, i, *snapshot, out.set, run, &gallery);
     if (!of_scene.ok()) return of_scene.status();
     answers[i] = *std::move(of_scene);
     return absl::OkStatus();

@@ -79,14 +79,14 @@ absl::StatusOr<std::shared_ptr<const OrientedCloud>> Gallery::Load(const TaughtV
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> Gallery::LoadModel(
     const TaughtView& view, const TaughtStablePose& stable_pose) {
   std::string key;
-  std::vector<recognition::PosedCloud> clouds;
   for (const TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
     absl::StrAppend(&key, part->name, "\n");
-    clouds.push_back({clouds_.at(part->name), part->world_object});
   }
   const std::lock_guard lock(mutex_);
-  auto& model = models_[key];
-  if (!model) model = recognition::FuseViews(clouds);
+  auto& known = models_[key];
+  if (known) return known;
+  auto model = recognition::FuseModel(view, stable_pose, *this);
+  if (model.ok()) known = *model;
   return model;
 }
 

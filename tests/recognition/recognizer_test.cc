@@ -40,20 +40,6 @@ class RecognizerTest : public ::testing::Test {
     return found->detections.front();
   }
 
-  // What was taught, with changed stable poses.
-  template <typename Change>
-  CatalogueSnapshot Taught(const Change& change) const {
-    CatalogueSnapshot out = taught_.snapshot();
-    auto poses = *out.stable_poses;
-    for (auto& [name, pose] : poses) {
-      auto changed = std::make_shared<TaughtStablePose>(*pose);
-      change(*changed);
-      pose = std::move(changed);
-    }
-    out.stable_poses = std::make_shared<const decltype(poses)>(std::move(poses));
-    return out;
-  }
-
   TaughtShapes taught_;
   RecognitionParameters parameters_;
 };
@@ -265,66 +251,6 @@ TEST_F(RecognizerTest, AModelThatIsMadeAnewGivesTheSameAnswer) {
     ASSERT_EQ(a.candidates.size(), b.candidates.size());
     for (std::size_t i = 0; i < a.candidates.size(); ++i) {
       EXPECT_EQ(a.candidates[i].verification_score, b.candidates[i].verification_score);
-    }
-  }
-}
-
-TEST_F(RecognizerTest, AStablePoseIsHeldToItsOwnThresholdWhereItHasOne) {
-  const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
-  const CatalogueSnapshot strict = Taught([](TaughtStablePose& pose) { pose.min_score = 1; });
-  const auto outcome = [&] {
-    const auto found = Recognize(scan, strict, taught_, parameters_, [] { return false; });
-    EXPECT_THAT(found, IsOk());
-    return found->outcome;
-  };
-  EXPECT_EQ(outcome(), RecognitionOutcome::kUnknownObject);
-  parameters_.matching.use_own_min_scores = false;
-  EXPECT_EQ(outcome(), RecognitionOutcome::kOk);
-}
-
-TEST_F(RecognizerTest, TheTurnsOfADeclaredSymmetryAreEquivalentPoses) {
-  const Scan scan = TaughtShapes::See({TaughtShapes::Part("tower", 0.02, 0, 33)});
-  for (const auto& [order, turns] : {std::pair(1, 0U), {4, 3U}, {0, 11U}}) {
-    const CatalogueSnapshot declared =
-        Taught([order = order](TaughtStablePose& pose) { pose.symmetry_order = order; });
-    const auto found = Recognize(scan, declared, taught_, {}, [] { return false; });
-    ASSERT_THAT(found, IsOk());
-    const Detection& detection = found->detections.at(0);
-    ASSERT_THAT(detection.equivalent_poses, SizeIs(turns)) << order;
-    for (const Pose& pose : detection.equivalent_poses) {
-      const Pose turn = detection.refined_pose.inverse() * pose;
-      EXPECT_LT(turn.translation().norm(), 1e-9);
-      EXPECT_NEAR(turn.linear()(2, 2), 1, 1e-9) << "about z";
-      EXPECT_LT(turn.linear()(0, 0), 0.99) << "not the pose itself";
-    }
-  }
-}
-
-// The parts as flat as no part is, with nothing else in sight.
-TEST_F(RecognizerTest, WhatNothingExplainsIsNamedAfterTheNearestViewIfItMustBeNamed) {
-  parameters_.matching.min_score = 0;
-  parameters_.matching.min_inlier_fraction = 0;
-  for (const std::string object : {"bracket", "tower", "slab"}) {
-    for (const double yaw : {7.0, 127.0, 236.0}) {
-      const Scan frame = TaughtShapes::See({TaughtShapes::Part(object, 0, 0, yaw)});
-      StageLog log;
-      const auto seen = SegmentScan(
-          frame, {}, {}, [] { return false; }, &log);
-      ASSERT_THAT(seen, IsOk());
-      Scan scan{
-          .points = Transform(seen->world_sensor.inverse(), seen->segments.at(0).cloud.points),
-          .world_sensor = frame.world_sensor,
-          .region = std::nullopt,
-          .segmented = true};
-      for (Eigen::Vector3f& p : scan.points) p.y() *= 0.3F;
-      const auto found =
-          Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
-      ASSERT_THAT(found, IsOk());
-      const Detection& detection = found->detections.at(0);
-      ASSERT_TRUE(detection.view);
-      ASSERT_LT(detection.score, 0.01) << object << " " << yaw;
-      EXPECT_EQ(detection.view->object, detection.candidates.at(0).view->object)
-          << object << " " << yaw;
     }
   }
 }
