@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "recognition/point_search.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
@@ -11,16 +10,14 @@ namespace graspdb::recognition {
 // Splits the points into sets between which every distance exceeds
 // `tolerance_m`. Sets with fewer than `min_count` points are left out. Each set is
 // sorted, and the sets are sorted by their first point.
-std::vector<Indices> FindClusters(const Points& points, const PointSearch& search,
-                                  double tolerance_m, std::size_t min_count);
+std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std::size_t min_count);
 
 // Joins parts of one thing between which the sensor could not see, such as the
 // far wall of a mug over its near rim. A cluster whose lowest point lies more than
 // `max_gap_m` above the table must be held by something that the sensor did not
 // see: it is joined with the nearest other cluster within `max_gap_m`, if there is
 // one. `heights` holds each point's height above the table, metres.
-std::vector<Indices> JoinUnsupported(const Points& points, const PointSearch& search,
-                                     const std::vector<double>& heights,
+std::vector<Indices> JoinUnsupported(const Points& points, const std::vector<double>& heights,
                                      std::vector<Indices> clusters, double max_gap_m);
 
 }  // namespace graspdb::recognition

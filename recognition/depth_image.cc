@@ -4,23 +4,21 @@
 
 namespace graspdb::recognition {
 
+Eigen::Vector3f PointAt(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
+                        double unit_m, std::size_t pixel) {
+  const std::uint16_t count = depth[pixel];
+  if (count == 0) return Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  const auto width = static_cast<std::size_t>(camera.width);
+  const float z = static_cast<float>(count) * static_cast<float>(unit_m);
+  return {ColumnOf(camera, pixel % width) * z, RowOf(camera, pixel / width) * z, z};
+}
+
 Points Unproject(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
                  double unit_m) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   Points points;
   points.reserve(depth.size());
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const std::uint16_t count = depth[points.size()];
-      if (count == 0) {
-        points.emplace_back(nan, nan, nan);
-        continue;
-      }
-      const double z = count * unit_m;
-      points.emplace_back(
-          Eigen::Vector3d((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z)
-              .cast<float>());
-    }
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    points.push_back(PointAt(depth, camera, unit_m, i));
   }
   return points;
 }

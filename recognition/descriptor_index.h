@@ -7,16 +7,10 @@
 #include <unordered_set>
 #include <vector>
 
-#include "recognition/descriptor.h"
+#include "recognition/descriptor_chunk.h"
 #include "recognition/taught.h"
 
 namespace graspdb::recognition {
-
-// A view with its descriptor.
-struct IndexedView {
-  std::shared_ptr<const TaughtView> view;
-  Descriptor descriptor;
-};
 
 // A view that was found.
 struct Match {
@@ -26,8 +20,9 @@ struct Match {
 
 // An immutable index; copies share their content, and With/Without share what
 // does not change, so that a write costs one chunk and not the whole. Searches
-// are exact (FLANN's linear index, chi-square) and their result does not depend
-// on the order in which the views came. Thread-safe.
+// are exact: bytes say which views may be among the nearest (see DescriptorChunk),
+// and these are measured. Their result does not depend on the order in which the
+// views came. Thread-safe.
 class DescriptorIndex {
  public:
   // `size` bins a descriptor.
@@ -45,11 +40,9 @@ class DescriptorIndex {
   std::size_t view_count() const { return view_count_; }
 
  private:
-  class Chunk;
-
   std::size_t bins_;
   std::size_t view_count_ = 0;
-  std::vector<std::shared_ptr<const Chunk>> chunks_;
+  std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
 };
 
 }  // namespace graspdb::recognition

@@ -3,7 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <vector>
+
+#include "recognition/wide.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -19,14 +23,42 @@ constexpr std::uint64_t kSeed = 20160311;
 constexpr int kRefinements = 3;
 constexpr double kThinnest = 1e-3;  // sine of the angle in a triangle of three samples
 
-// Every n-th point, so that about kScoredPoints are left.
-std::vector<Vector3d> Thin(const Points& points) {
-  const std::size_t step = std::max<std::size_t>(1, points.size() / kScoredPoints);
-  std::vector<Vector3d> out;
-  out.reserve(points.size() / step + 1);
-  for (std::size_t i = 0; i < points.size(); i += step) out.push_back(points[i].cast<double>());
-  return out;
-}
+// Every n-th point, so that about kScoredPoints are left; coordinates apart, for wide code.
+class Sample {
+ public:
+  explicit Sample(const Points& points) {
+    const std::size_t step = std::max<std::size_t>(1, points.size() / kScoredPoints);
+    size_ = (points.size() + step - 1) / step;
+    // What is not a number is near no plane.
+    const std::size_t padded = wide::Padded(size_);
+    for (auto* axis : {&x_, &y_, &z_})
+      axis->assign(padded, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < size_; ++i) {
+      const Eigen::Vector3f& p = points[i * step];
+      x_[i] = p.x();
+      y_[i] = p.y();
+      z_[i] = p.z();
+    }
+  }
+
+  std::size_t size() const { return size_; }
+  Vector3d operator[](std::size_t i) const {
+    return Eigen::Vector3f(x_[i], y_[i], z_[i]).cast<double>();
+  }
+
+  std::size_t CountInliers(const Plane& plane, double distance) const {
+    const Eigen::Vector3f normal = plane.normal.cast<float>();
+    return wide::Best().count_near_plane({x_.data(), y_.data(), z_.data(), x_.size()},
+                                         normal.data(), static_cast<float>(plane.offset),
+                                         static_cast<float>(distance));
+  }
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<float> x_;
+  std::vector<float> y_;
+  std::vector<float> z_;
+};
 
 // The plane through three points, its normal towards the viewpoint.
 std::optional<Plane> Through(const Vector3d& a, const Vector3d& b, const Vector3d& c,
@@ -45,12 +77,6 @@ bool Allowed(const Plane& plane, const PlaneConstraint& constraint) {
          std::abs(plane.offset) <= constraint.max_offset_m;
 }
 
-std::size_t CountInliers(const std::vector<Vector3d>& points, const Plane& plane, double distance) {
-  std::size_t count = 0;
-  for (const Vector3d& p : points) count += std::abs(plane.Height(p)) <= distance ? 1 : 0;
-  return count;
-}
-
 // Samples needed to draw three inliers once with the wanted confidence.
 int IterationsNeeded(double inlier_share) {
   const double all_inliers = inlier_share * inlier_share * inlier_share;
@@ -60,22 +86,22 @@ int IterationsNeeded(double inlier_share) {
 }
 
 // Least squares through the inliers; the plane itself when they span none.
-Plane Refine(const std::vector<Vector3d>& points, const Plane& plane, double distance,
-             const Vector3d& viewpoint) {
-  Vector3d mean = Vector3d::Zero();
+Plane Refine(const Sample& sample, const Plane& plane, double distance, const Vector3d& viewpoint) {
+  Vector3d first = Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   double count = 0;
-  for (const Vector3d& p : points) {
+  const Vector3d origin = sample[0];  // near the points, so that little is lost in the sums
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const Vector3d p = sample[i];
     if (std::abs(plane.Height(p)) > distance) continue;
-    mean += p;
+    const Vector3d d = p - origin;
+    first += d;
+    second += d * d.transpose();
     ++count;
   }
   if (count < 3) return plane;
-  mean /= count;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Vector3d& p : points) {
-    if (std::abs(plane.Height(p)) > distance) continue;
-    covariance += (p - mean) * (p - mean).transpose();
-  }
+  const Vector3d mean = origin + first / count;
+  const Eigen::Matrix3d covariance = second - first * first.transpose() / count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Vector3d normal = solver.eigenvectors().col(0);
   if (normal.dot(viewpoint - mean) < 0) normal = -normal;
@@ -86,7 +112,7 @@ Plane Refine(const std::vector<Vector3d>& points, const Plane& plane, double dis
 
 std::optional<Plane> FindPlane(const Points& points, const Vector3d& viewpoint,
                                const PlaneConstraint& constraint) {
-  const std::vector<Vector3d> sample = Thin(points);
+  const Sample sample(points);
   if (sample.size() < 3) return std::nullopt;
   std::mt19937_64 random(kSeed);
   const auto draw = [&] { return sample[random() % sample.size()]; };
@@ -100,7 +126,7 @@ std::optional<Plane> FindPlane(const Points& points, const Vector3d& viewpoint,
     const Vector3d c = draw();
     const std::optional<Plane> plane = Through(a, b, c, viewpoint);
     if (!plane || !Allowed(*plane, constraint)) continue;
-    const std::size_t count = CountInliers(sample, *plane, constraint.distance_m);
+    const std::size_t count = sample.CountInliers(*plane, constraint.distance_m);
     if (count <= best_count) continue;
     best = plane;
     best_count = count;
@@ -112,7 +138,7 @@ std::optional<Plane> FindPlane(const Points& points, const Vector3d& viewpoint,
     if (!Allowed(refined, constraint)) break;
     best = refined;
   }
-  const std::size_t support = CountInliers(sample, *best, constraint.distance_m);
+  const std::size_t support = sample.CountInliers(*best, constraint.distance_m);
   const double share = static_cast<double>(support) / static_cast<double>(sample.size());
   if (support < 3 || share < constraint.min_share) return std::nullopt;
   return best;

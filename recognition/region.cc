@@ -1,27 +1,109 @@
 #include "recognition/region.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+
+#include "recognition/wide.h"
 
 namespace graspdb::recognition {
+namespace {
+
+constexpr float kFarthest = 100;  // m
+
+// The region's corners; without one nothing bounds it.
+struct Bounds {
+  explicit Bounds(const std::optional<Box>& region) {
+    if (!region) return;
+    low = region->min.cast<float>();
+    high = region->max.cast<float>();
+  }
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(-std::numeric_limits<float>::infinity());
+  Eigen::Vector3f high = -low;
+};
+
+}  // namespace
 
 bool IsMeasurement(const Eigen::Vector3f& p) {
-  constexpr float kFarthest = 100;  // m
   return p.allFinite() && !p.isZero(0) && p.squaredNorm() <= kFarthest * kFarthest;
+}
+
+bool HasMeasurement(const Scan& scan) {
+  if (!scan.is_image()) return std::ranges::any_of(scan.points, IsMeasurement);
+  return std::ranges::any_of(scan.depth_image.depth, [](std::uint16_t count) { return count > 0; });
 }
 
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
                           const std::optional<Box>& region) {
   RegionPoints out;
-  const Eigen::Matrix3d rotation = a_sensor.linear();
-  const Eigen::Vector3d translation = a_sensor.translation();
+  const Bounds bounds(region);
+  const Eigen::Matrix3f r = a_sensor.linear().cast<float>();
+  const Eigen::Vector3f t = a_sensor.translation().cast<float>();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!IsMeasurement(scan[i])) continue;
-    const Eigen::Vector3d p = rotation * scan[i].cast<double>() + translation;
-    if (region && !region->Contains(p)) continue;
-    out.points.push_back(p.cast<float>());
+    const Eigen::Vector3f& s = scan[i];
+    // In the order in which images are unprojected, for the same bits.
+    const Eigen::Vector3f p(r(0, 0) * s.x() + r(0, 1) * s.y() + r(0, 2) * s.z() + t.x(),
+                            r(1, 0) * s.x() + r(1, 1) * s.y() + r(1, 2) * s.z() + t.y(),
+                            r(2, 0) * s.x() + r(2, 1) * s.y() + r(2, 2) * s.z() + t.z());
+    // False for what is not a number.
+    const bool inside = p.x() >= bounds.low.x() && p.x() <= bounds.high.x() &&
+                        p.y() >= bounds.low.y() && p.y() <= bounds.high.y() &&
+                        p.z() >= bounds.low.z() && p.z() <= bounds.high.z();
+    if (!inside || !IsMeasurement(scan[i])) continue;
+    out.points.push_back(p);
     out.indices.push_back(static_cast<std::int32_t>(i));
   }
   return out;
+}
+
+RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
+                       const std::optional<Box>& region) {
+  const wide::Functions& wide = wide::Best();
+  const auto width = static_cast<std::size_t>(image.camera.width);
+  const Bounds bounds(region);
+  std::vector<float> columns(width);
+  for (std::size_t u = 0; u < width; ++u) columns[u] = ColumnOf(image.camera, u);
+  wide::DepthRow row;
+  row.width = width;
+  row.column = columns.data();
+  row.unit = static_cast<float>(image.unit_m);
+  row.farthest = kFarthest;
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(row.rotation[0]) =
+      a_sensor.linear().cast<float>();
+  Eigen::Map<Eigen::Vector3f>(row.translation) = a_sensor.translation().cast<float>();
+  Eigen::Map<Eigen::Vector3f>(row.min) = bounds.low;
+  Eigen::Map<Eigen::Vector3f>(row.max) = bounds.high;
+  std::array<std::vector<float>, 3> world;
+  for (auto& axis : world) axis.resize(width);
+  std::vector<std::uint8_t> inside(width);
+  Indices found(width);
+  RegionPoints out;
+  out.points.reserve(image.depth.size());
+  out.indices.reserve(image.depth.size());
+  for (int v = 0; v < image.camera.height; ++v) {
+    const std::size_t first = static_cast<std::size_t>(v) * width;
+    row.counts = image.depth.data() + first;
+    row.row = RowOf(image.camera, static_cast<std::size_t>(v));
+    wide.unproject(row, world[0].data(), world[1].data(), world[2].data(), inside.data());
+    // Without a branch: which pixels are inside is hard to foretell.
+    std::size_t count = 0;
+    for (std::size_t u = 0; u < width; ++u) {
+      found[count] = static_cast<std::int32_t>(u);
+      count += inside[u];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto u = static_cast<std::size_t>(found[i]);
+      out.points.emplace_back(world[0][u], world[1][u], world[2][u]);
+      out.indices.push_back(static_cast<std::int32_t>(first + u));
+    }
+  }
+  return out;
+}
+
+RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region) {
+  return scan.is_image() ? CropImage(scan.depth_image, a_sensor, region)
+                         : CropToRegion(scan.points, a_sensor, region);
 }
 
 }  // namespace graspdb::recognition

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "recognition/scan.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
@@ -21,5 +22,14 @@ bool IsMeasurement(const Eigen::Vector3f& p);
 // those in `region` (frame a); all of them without a region.
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
                           const std::optional<Box>& region);
+// The same of an image, in one pass: no other point is ever made. Bit by bit what comes of the
+// image's points.
+RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
+                       const std::optional<Box>& region);
+// Either, as the scan has it.
+RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region);
+
+// Whether anything was measured at all.
+bool HasMeasurement(const Scan& scan);
 
 }  // namespace graspdb::recognition

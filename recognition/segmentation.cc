@@ -4,8 +4,10 @@
 
 #include "absl/status/status.h"
 #include "recognition/clusters.h"
-#include "recognition/filters.h"
+#include "recognition/normals.h"
+#include "recognition/outliers.h"
 #include "recognition/region.h"
+#include "recognition/voxels.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -38,11 +40,10 @@ void Keep(const Indices& which, RegionPoints* cloud) {
 }
 
 // T_world_sensor from the dominant plane in front of the sensor.
-absl::StatusOr<Pose> WorldFromTable(const Points& scan, const SegmentationParameters& parameters) {
-  Points near;
-  for (const auto& p : scan) {
-    if (IsMeasurement(p) && p.squaredNorm() < kTableRange * kTableRange) near.push_back(p);
-  }
+absl::StatusOr<Pose> WorldFromTable(const Scan& scan, const SegmentationParameters& parameters) {
+  const Vector3d reach = Vector3d::Constant(kTableRange);
+  Points near = CropScan(scan, Pose::Identity(), Box{-reach, reach}).points;
+  std::erase_if(near, [](const auto& p) { return p.squaredNorm() >= kTableRange * kTableRange; });
   PlaneConstraint constraint;
   constraint.distance_m = parameters.plane_distance_m;
   constraint.min_share = parameters.plane_min_share;
@@ -67,7 +68,7 @@ absl::Status FindWorldFrame(const Scan& scan, const SegmentationParameters& para
   } else if (scan.segmented) {
     out->world_frame = WorldFrame::kSensor;
   } else {
-    absl::StatusOr<Pose> pose = WorldFromTable(scan.points, parameters);
+    absl::StatusOr<Pose> pose = WorldFromTable(scan, parameters);
     if (!pose.ok()) return pose.status();
     out->world_sensor = *pose;
     out->world_frame = WorldFrame::kDominantPlane;
@@ -102,14 +103,13 @@ void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, 
 
 // The voxels as one cluster each, with their normals and the scan's points.
 std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& voxels,
-                                  const std::vector<Indices>& clusters, const PointSearch& search,
-                                  const Vector3d& viewpoint, double normal_radius_m,
-                                  StageLog* log) {
+                                  const std::vector<Indices>& clusters, const Vector3d& viewpoint,
+                                  double normal_radius_m, StageLog* log) {
   std::vector<std::int32_t> cluster_of(voxels.points.size(), -1);
   std::vector<Segment> segments(clusters.size());
   Normals normals;
   log->Measure("normals", voxels.points.size(), [&] {
-    normals = EstimateNormals(voxels.points, search, viewpoint, normal_radius_m);
+    normals = EstimateNormals(voxels.points, viewpoint, normal_radius_m);
     return normals.size();
   });
   for (std::size_t c = 0; c < clusters.size(); ++c) {
@@ -145,17 +145,16 @@ void FindSegments(RegionPoints cloud, bool segmented, const SegmentationParamete
     voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m);
     return voxels.points.size();
   });
-  const PointSearch search(voxels.points);
   std::vector<Indices> clusters;
   log->Measure("clusters", voxels.points.size(), [&] {
     const auto smallest = static_cast<std::size_t>(
         std::max(parameters.min_cluster_point_count, static_cast<int>(kMinDescriptorPoints)));
     if (!segmented) {
-      clusters = FindClusters(voxels.points, search, parameters.cluster_tolerance_m, smallest);
+      clusters = FindClusters(voxels.points, parameters.cluster_tolerance_m, smallest);
       if (out->table) {
         clusters =
-            JoinUnsupported(voxels.points, search, Heights(*out->table, voxels.points),
-                            std::move(clusters), kJoinReach * parameters.cluster_tolerance_m);
+            JoinUnsupported(voxels.points, Heights(*out->table, voxels.points), std::move(clusters),
+                            kJoinReach * parameters.cluster_tolerance_m);
       }
     } else if (voxels.points.size() >= smallest) {
       clusters.emplace_back(voxels.points.size());
@@ -168,7 +167,7 @@ void FindSegments(RegionPoints cloud, bool segmented, const SegmentationParamete
     return kept;
   });
   if (clusters.empty()) return;
-  out->segments = MakeSegments(cloud, voxels, clusters, search, out->world_sensor.translation(),
+  out->segments = MakeSegments(cloud, voxels, clusters, out->world_sensor.translation(),
                                descriptor.normal_radius_m, log);
   out->outcome = SegmentationOutcome::kFound;
 }
@@ -207,8 +206,7 @@ OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoin
                            const DescriptorParameters& parameters) {
   OrientedCloud out;
   out.points = DownsampleToVoxels(points, parameters.voxel_size_m).points;
-  out.normals =
-      EstimateNormals(out.points, PointSearch(out.points), viewpoint, parameters.normal_radius_m);
+  out.normals = EstimateNormals(out.points, viewpoint, parameters.normal_radius_m);
   return out;
 }
 
@@ -218,13 +216,13 @@ absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationPar
   Segmentation out;
   RegionPoints cloud;
   absl::Status status;
-  log->Measure("region", scan.points.size(), [&] {
-    if (std::none_of(scan.points.begin(), scan.points.end(), IsMeasurement)) return std::size_t{0};
+  log->Measure("region", scan.size(), [&] {
+    if (!HasMeasurement(scan)) return std::size_t{0};
     status = FindWorldFrame(scan, parameters, &out);
     if (!status.ok()) return std::size_t{0};
     std::optional<Box> region = scan.region;
     if (!region && !scan.segmented) region = DefaultRegion(out.world_sensor);
-    cloud = CropToRegion(scan.points, out.world_sensor, region);
+    cloud = CropScan(scan, out.world_sensor, region);
     return cloud.points.size();
   });
   if (!status.ok()) return status;

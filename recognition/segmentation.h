@@ -10,18 +10,11 @@
 #include "absl/status/statusor.h"
 #include "recognition/parameters.h"
 #include "recognition/plane.h"
+#include "recognition/scan.h"
 #include "recognition/stages.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
-
-// What a sensor saw.
-struct Scan {
-  Points points;                     // sensor frame, m; NaN or zero: no measurement
-  std::optional<Pose> world_sensor;  // T_world_sensor, where known
-  std::optional<Box> region;         // world frame; absent: DefaultRegion
-  bool segmented = false;            // the points are one object's and nothing else
-};
 
 // Where objects are looked for when nobody says where: from 5 cm below to 60 cm
 // above the table, 0.5 m to each side of the world's origin, and on to the foot of

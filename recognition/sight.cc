@@ -21,6 +21,24 @@ constexpr double kCutShare = 0.04;
 
 bool IsMeasured(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > 0; }
 
+// A rectangle of an image; `high` is outside.
+struct PixelRange {
+  Eigen::Vector2i low;
+  Eigen::Vector2i high;
+};
+
+// The pixels of an image that may lie in the window.
+PixelRange PixelsIn(const CameraIntrinsics& camera, const Eigen::Vector2f& low,
+                    const Eigen::Vector2i& size) {
+  const Eigen::Array2d focal(camera.fx, camera.fy);
+  const Eigen::Array2d center(camera.cx, camera.cy);
+  const Eigen::Array2d image(camera.width, camera.height);
+  const Eigen::Array2d first = low.cast<double>().array() * focal + center;
+  const Eigen::Array2d last =
+      (low + kPitch * size.cast<float>()).cast<double>().array() * focal + center;
+  return {(first - 1).max(0).min(image).cast<int>(), (last + 2).max(0).min(image).cast<int>()};
+}
+
 }  // namespace
 
 Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
@@ -30,7 +48,7 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   Eigen::Vector2f high = -low;
   float depth = 1e9F;
   for (const std::int32_t i : segment.indices) {
-    const Eigen::Vector3f& p = scan.points[static_cast<std::size_t>(i)];
+    const Eigen::Vector3f p = scan.PointAt(i);
     if (!IsMeasured(p)) continue;
     low = low.cwiseMin(p.head<2>() / p.z());
     high = high.cwiseMax(p.head<2>() / p.z());
@@ -53,8 +71,19 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
     if (pixel == nullptr || (pixel->depth_m > 0 && pixel->depth_m <= p.z() && !of_segment)) return;
     *pixel = {p.z(), of_segment};
   };
-  for (const Eigen::Vector3f& p : scan.points) put(p, false);
-  for (const std::int32_t i : segment.indices) put(scan.points[static_cast<std::size_t>(i)], true);
+  if (scan.is_image()) {
+    const PixelRange range = PixelsIn(scan.depth_image.camera, low_, size_);
+    for (int v = range.low.y(); v < range.high.y(); ++v) {
+      const auto row =
+          static_cast<std::size_t>(v) * static_cast<std::size_t>(scan.depth_image.camera.width);
+      for (int u = range.low.x(); u < range.high.x(); ++u) {
+        put(scan.PointAt(row + static_cast<std::size_t>(u)), false);
+      }
+    }
+  } else {
+    for (const Eigen::Vector3f& p : scan.points) put(p, false);
+  }
+  for (const std::int32_t i : segment.indices) put(scan.PointAt(i), true);
 }
 
 bool Sight::IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step,

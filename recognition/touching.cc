@@ -47,7 +47,7 @@ Segment Part(const MatchingInput& input, const Segment& whole, const IsMine& is_
   }
   const Eigen::Isometry3f world_sensor = input.segmentation.world_sensor.cast<float>();
   for (const std::int32_t i : whole.indices) {
-    if (is_mine(world_sensor * input.scan.points[static_cast<std::size_t>(i)])) {
+    if (is_mine(world_sensor * input.scan.PointAt(i))) {
       out.indices.push_back(i);
     }
   }
@@ -200,8 +200,7 @@ class Parter {
   std::vector<Segment> Pieces(const Segment& rest) const {
     std::vector<Segment> out;
     if (rest.cloud.points.size() < min_count_) return out;
-    const PointSearch search(rest.cloud.points);
-    for (const Indices& piece : FindClusters(rest.cloud.points, search, piece_gap_, min_count_)) {
+    for (const Indices& piece : FindClusters(rest.cloud.points, piece_gap_, min_count_)) {
       Points points;
       points.reserve(piece.size());
       for (const std::int32_t i : piece) {

@@ -24,13 +24,13 @@ struct Job {
   bool sensor_pose_from_cell = false;
 };
 
-absl::StatusOr<recognition::Points> ReadScan(const v1::RecognizeRequest& request,
-                                             std::size_t max_points) {
+absl::Status ReadScan(const v1::RecognizeRequest& request, std::size_t max_points,
+                      recognition::Scan* scan) {
   switch (request.scan_case()) {
     case v1::RecognizeRequest::kCloud:
-      return PointsFromProto(request.cloud(), max_points, "cloud");
+      return ReadCloud(request.cloud(), max_points, "cloud", scan);
     case v1::RecognizeRequest::kDepthImage:
-      return PointsFromProto(request.depth_image(), max_points, "depth_image");
+      return ReadDepthImage(request.depth_image(), max_points, "depth_image", scan);
     case v1::RecognizeRequest::SCAN_NOT_SET:
       break;
   }
@@ -93,9 +93,7 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   if (absl::Status status = ApplySettings(request, "", &job); !status.ok()) return status;
   job.parameters.matching.use_own_min_scores = !request.pipeline().has_min_score();
   job.scan.segmented = request.segmented();
-  absl::StatusOr<recognition::Points> points = ReadScan(request, max_points_);
-  if (!points.ok()) return points.status();
-  job.scan.points = *std::move(points);
+  if (absl::Status status = ReadScan(request, max_points_, &job.scan); !status.ok()) return status;
 
   AnswerContext context;
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();

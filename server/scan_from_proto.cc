@@ -5,10 +5,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <span>
+#include <utility>
+#include <vector>
 
+#include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "recognition/depth_image.h"
 #include "server/errors.h"
 
 namespace graspdb::server {
@@ -20,6 +21,8 @@ static_assert(std::endian::native == std::endian::little, "packed data is little
 // Depth cameras see some metres; a median beyond this, m, is another unit.
 constexpr float kFarthestMedian = 50;
 constexpr int kMaxStride = 4096;
+// Points that tell the unit.
+constexpr std::size_t kLookedAt = 4000;
 
 std::string Join(std::string_view path, std::string_view field) {
   return absl::StrCat(std::string(path), ".", std::string(field));
@@ -72,14 +75,23 @@ absl::Status TooManyPoints(std::size_t count, std::size_t max_points, std::strin
                                          max_points, " (--max-points)"));
 }
 
-// Whether there is anything to see, in metres.
-absl::Status CheckMeasurements(const recognition::Points& points, std::string_view path) {
-  std::vector<float> ranges;
-  for (const auto& p : points) {
-    if (p.allFinite() && !p.isZero(0)) ranges.push_back(p.stableNorm());
+// Distances of every so many points that were measured, m.
+std::vector<float> RangesOf(const recognition::Scan& scan, std::size_t step) {
+  std::vector<float> out;
+  for (std::size_t i = 0; i < scan.size(); i += step) {
+    const Eigen::Vector3f p = scan.PointAt(i);
+    if (p.allFinite() && !p.isZero(0)) out.push_back(p.stableNorm());
   }
+  return out;
+}
+
+// Whether there is anything to see, in metres. Millimetres are millimetres wherever one looks, so
+// that a few points tell.
+absl::Status CheckMeasurements(const recognition::Scan& scan, std::string_view path) {
+  std::vector<float> ranges = RangesOf(scan, std::max<std::size_t>(1, scan.size() / kLookedAt));
+  if (ranges.empty()) ranges = RangesOf(scan, 1);
   if (ranges.empty()) {
-    return InvalidField(path, absl::StrCat("has no measurement: all ", points.size(),
+    return InvalidField(path, absl::StrCat("has no measurement: all ", scan.size(),
                                            " points are NaN, infinite or zero"));
   }
   const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
@@ -113,8 +125,8 @@ absl::StatusOr<recognition::CameraIntrinsics> CameraFromProto(const v1::CameraIn
 
 }  // namespace
 
-absl::StatusOr<recognition::Points> PointsFromProto(const v1::PointCloud& cloud,
-                                                    std::size_t max_points, std::string_view path) {
+absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std::string_view path,
+                       recognition::Scan* scan) {
   const int stride = cloud.point_stride();
   if (stride <= 0 || stride > kMaxStride) {
     return InvalidField(Join(path, "point_stride"),
@@ -136,7 +148,8 @@ absl::StatusOr<recognition::Points> PointsFromProto(const v1::PointCloud& cloud,
     if (!field.ok()) return field.status();
     fields[axis] = *field;
   }
-  recognition::Points points(count);
+  recognition::Points& points = scan->points;
+  points.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const char* point = cloud.data().data() + i * step;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -144,12 +157,11 @@ absl::StatusOr<recognition::Points> PointsFromProto(const v1::PointCloud& cloud,
           ReadNumber(point + fields[axis]->offset(), fields[axis]->type());
     }
   }
-  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
-  return points;
+  return CheckMeasurements(*scan, path);
 }
 
-absl::StatusOr<recognition::Points> PointsFromProto(const v1::DepthImage& image,
-                                                    std::size_t max_points, std::string_view path) {
+absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
+                            std::string_view path, recognition::Scan* scan) {
   absl::StatusOr<recognition::CameraIntrinsics> camera =
       CameraFromProto(image.intrinsics(), max_points, Join(path, "intrinsics"));
   if (!camera.ok()) return camera.status();
@@ -166,9 +178,8 @@ absl::StatusOr<recognition::Points> PointsFromProto(const v1::DepthImage& image,
   }
   std::vector<std::uint16_t> depth(count);
   std::memcpy(depth.data(), image.data().data(), image.data().size());
-  recognition::Points points = recognition::Unproject(depth, *camera, unit);
-  if (absl::Status status = CheckMeasurements(points, path); !status.ok()) return status;
-  return points;
+  scan->depth_image = {std::move(depth), *camera, unit};
+  return CheckMeasurements(*scan, path);
 }
 
 v1::PointCloud PointsToProto(const recognition::Points& points) {

@@ -30,10 +30,10 @@ absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
                                          std::size_t max_points) {
   Capture out;
   const v1::View& view = request.view();
-  absl::StatusOr<recognition::Points> points =
-      PointsFromProto(view.cloud(), max_points, "view.cloud");
-  if (!points.ok()) return points.status();
-  out.scan.points = *std::move(points);
+  if (absl::Status status = ReadCloud(view.cloud(), max_points, "view.cloud", &out.scan);
+      !status.ok()) {
+    return status;
+  }
   out.scan.segmented = view.segmented();
   if (view.has_sensor_pose()) {
     absl::StatusOr<Pose> pose = PoseFromProto(view.sensor_pose(), "view.sensor_pose");

@@ -45,8 +45,7 @@ TEST(ClustersPclTest, ThePartitionIsTheSame) {
     for (const double tolerance : {0.008, 0.010, 0.015}) {
       for (const int min_count : {1, 20}) {
         const std::vector<Indices> theirs = PclClusters(points, tolerance, min_count);
-        EXPECT_THAT(FindClusters(points, PointSearch(points), tolerance,
-                                 static_cast<std::size_t>(min_count)),
+        EXPECT_THAT(FindClusters(points, tolerance, static_cast<std::size_t>(min_count)),
                     ElementsAreArray(theirs))
             << "seed " << seed << " tolerance " << tolerance;
       }

@@ -23,30 +23,28 @@ std::vector<double> Heights(const Points& points) {
 
 TEST(FindClustersTest, PointsInReachOfEachOtherAreOneCluster) {
   const Points points = Line({0, 9, 1, 10, 2, 20});
-  EXPECT_THAT(FindClusters(points, PointSearch(points), 1.5, 1),
+  EXPECT_THAT(FindClusters(points, 1.5, 1),
               ElementsAre(ElementsAre(0, 2, 4), ElementsAre(1, 3), ElementsAre(5)));
 }
 
 TEST(FindClustersTest, SmallClustersAreLeftOut) {
   const Points points = Line({0, 9, 1, 10, 2, 20});
-  EXPECT_THAT(FindClusters(points, PointSearch(points), 1.5, 3), ElementsAre(ElementsAre(0, 2, 4)));
-  EXPECT_THAT(FindClusters(points, PointSearch(points), 1.5, 4), IsEmpty());
+  EXPECT_THAT(FindClusters(points, 1.5, 3), ElementsAre(ElementsAre(0, 2, 4)));
+  EXPECT_THAT(FindClusters(points, 1.5, 4), IsEmpty());
 }
 
 TEST(FindClustersTest, PointsAtExactlyTheToleranceAreOneCluster) {
   const Points points = Line({0, 1, 2});
-  EXPECT_THAT(FindClusters(points, PointSearch(points), 1, 1), ElementsAre(ElementsAre(0, 1, 2)));
+  EXPECT_THAT(FindClusters(points, 1, 1), ElementsAre(ElementsAre(0, 1, 2)));
 }
 
-TEST(FindClustersTest, NoPointsGiveNoClusters) {
-  EXPECT_THAT(FindClusters({}, PointSearch(Points{}), 1, 1), IsEmpty());
-}
+TEST(FindClustersTest, NoPointsGiveNoClusters) { EXPECT_THAT(FindClusters({}, 1, 1), IsEmpty()); }
 
 class JoinUnsupportedTest : public ::testing::Test {
  protected:
   static std::vector<Indices> Join(const Points& points, std::vector<Indices> clusters,
                                    double gap) {
-    return JoinUnsupported(points, PointSearch(points), Heights(points), std::move(clusters), gap);
+    return JoinUnsupported(points, Heights(points), std::move(clusters), gap);
   }
 };
 

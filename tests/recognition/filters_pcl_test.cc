@@ -6,8 +6,10 @@
 
 #include <cmath>
 
-#include "recognition/filters.h"
+#include "recognition/normals.h"
+#include "recognition/outliers.h"
 #include "recognition/point_search.h"
+#include "recognition/voxels.h"
 #include "tests/recognition/pcl_clouds.h"
 #include "tests/recognition/synthetic_clouds.h"
 

@@ -1,11 +1,12 @@
-#include "recognition/filters.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "recognition/normals.h"
+#include "recognition/outliers.h"
+#include "recognition/voxels.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
@@ -104,9 +105,8 @@ TEST(NormalsTest, NormalsOfAPlaneAreItsOwnAndFaceTheViewpoint) {
     const Vector3d flat(Uniform(random, -0.05, 0.05), Uniform(random, -0.05, 0.05), 0);
     points.emplace_back((tilt * flat).cast<float>());
   }
-  const PointSearch search(points);
   for (const double side : {1.0, -1.0}) {
-    for (const auto& normal : EstimateNormals(points, search, side * truth, 0.01)) {
+    for (const auto& normal : EstimateNormals(points, side * truth, 0.01)) {
       EXPECT_NEAR(normal.norm(), 1, 1e-6);
       EXPECT_GT(normal.cast<double>().dot(side * truth), 1 - 1e-6);
     }
@@ -116,7 +116,7 @@ TEST(NormalsTest, NormalsOfAPlaneAreItsOwnAndFaceTheViewpoint) {
 TEST(NormalsTest, NormalsOfACurvedSurfaceAreNearTheTrueOnes) {
   Random random(13);
   const OrientedCloud cloud = WavySurface(random, 8000);
-  const Normals found = EstimateNormals(cloud.points, PointSearch(cloud.points), {0, 0, 1}, 0.004);
+  const Normals found = EstimateNormals(cloud.points, {0, 0, 1}, 0.004);
   double worst = 1;
   double sum = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -129,7 +129,7 @@ TEST(NormalsTest, NormalsOfACurvedSurfaceAreNearTheTrueOnes) {
 
 TEST(NormalsTest, PointWithoutNeighborsLooksAtTheViewpoint) {
   const Points points = {{0, 0, 0}, {1, 0, 0}, {1.001F, 0, 0}};
-  const Normals normals = EstimateNormals(points, PointSearch(points), {0, 0, 2}, 0.01);
+  const Normals normals = EstimateNormals(points, {0, 0, 2}, 0.01);
   EXPECT_EQ(normals[0], Vector3f(0, 0, 1));
   EXPECT_TRUE(normals[1].isApprox(Vector3d(-1, 0, 2).normalized().cast<float>()));
 }
@@ -137,14 +137,14 @@ TEST(NormalsTest, PointWithoutNeighborsLooksAtTheViewpoint) {
 TEST(NormalsTest, NeighborsOnALineOrInOnePlaceStillGiveUnitNormals) {
   Points points(20, {0.5F, 0.5F, 0.5F});
   for (int i = 0; i < 20; ++i) points.emplace_back(0.001F * static_cast<float>(i), 0.0F, 0.0F);
-  for (const auto& n : EstimateNormals(points, PointSearch(points), {0, 0, 2}, 0.01)) {
+  for (const auto& n : EstimateNormals(points, {0, 0, 2}, 0.01)) {
     EXPECT_NEAR(n.norm(), 1, 1e-5);
   }
 }
 
 TEST(NormalsTest, NormalAtTheViewpointItselfIsStillAUnitVector) {
   const Points points = {{0, 0, 0}, {1, 0, 0}};
-  const Normals normals = EstimateNormals(points, PointSearch(points), {0, 0, 0}, 0.01);
+  const Normals normals = EstimateNormals(points, {0, 0, 0}, 0.01);
   EXPECT_NEAR(normals[0].norm(), 1, 1e-5);
 }
 

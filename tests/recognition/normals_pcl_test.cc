@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "recognition/filters.h"
+#include "recognition/normals.h"
+#include "recognition/outliers.h"
+#include "recognition/voxels.h"
 #include "tests/recognition/pcl_clouds.h"
 #include "tests/recognition/synthetic_clouds.h"
 
@@ -38,7 +40,7 @@ TEST(NormalsPclTest, AgreeOnNoisySurfacesAndFaceTheViewpoint) {
     pcl::PointCloud<pcl::Normal> theirs;
     estimation.compute(theirs);
 
-    const Normals ours = EstimateNormals(points, PointSearch(points), viewpoint, radius);
+    const Normals ours = EstimateNormals(points, viewpoint, radius);
     ASSERT_EQ(ours.size(), theirs.size());
     for (std::size_t i = 0; i < ours.size(); ++i) {
       const Eigen::Vector3d a = ours[i].cast<double>();

@@ -5,9 +5,13 @@
 
 #include <limits>
 
+#include "tests/recognition/synthetic_clouds.h"
+
 namespace graspdb::recognition {
 namespace {
 
+using ::graspdb::testing::Random;
+using ::graspdb::testing::RandomPose;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
@@ -33,6 +37,24 @@ TEST(RegionTest, WhatIsNoMeasurementIsDroppedAndIndicesStayRight) {
   const RegionPoints cropped = CropToRegion(scan, Pose::Identity(), std::nullopt);
   EXPECT_THAT(cropped.indices, ElementsAre(1, 3));
   EXPECT_THAT(cropped.points, ElementsAre(scan[1], scan[3]));
+}
+
+TEST(RegionTest, AnImageGivesTheBitsOfItsPoints) {
+  Random random(4);
+  DepthImage image{.depth = {}, .camera = {67, 41, 61.5, 62.5, 33.2, 20.7}, .unit_m = 0.001};
+  for (int i = 0; i < 67 * 41; ++i) {
+    image.depth.push_back(static_cast<std::uint16_t>(i % 7 == 0 ? 0 : 300 + random() % 900));
+  }
+  const Points points = Unproject(image.depth, image.camera, image.unit_m);
+  const Pose pose = RandomPose(random, 0.5);
+  const Box box{{-0.4, -0.3, -0.2}, {0.5, 0.6, 0.7}};
+  for (const std::optional<Box>& region : {std::optional<Box>(box), std::optional<Box>()}) {
+    const RegionPoints of_image = CropImage(image, pose, region);
+    const RegionPoints of_points = CropToRegion(points, pose, region);
+    EXPECT_EQ(of_image.points, of_points.points);
+    EXPECT_EQ(of_image.indices, of_points.indices);
+    EXPECT_GT(of_image.indices.size(), 100U);
+  }
 }
 
 TEST(RegionTest, FacesOfTheBoxBelongToIt) {

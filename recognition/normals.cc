@@ -1,0 +1,56 @@
+#include "recognition/normals.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "recognition/cell_grid.h"
+#include "recognition/wide.h"
+
+namespace graspdb::recognition {
+namespace {
+
+// So much larger are cells than the radius, lest rounding moves a neighbour two cells away.
+constexpr float kRoundingMargin = 1.001F;
+
+// The direction of least spread about the mean.
+Eigen::Vector3d LeastSpread(const wide::Moments& m) {
+  const auto number = [](float v) { return static_cast<double>(v); };
+  const Eigen::Vector3d mean =
+      Eigen::Vector3d(number(m.first[0]), number(m.first[1]), number(m.first[2])) / number(m.count);
+  Eigen::Matrix3d covariance;
+  covariance << number(m.second[0]), number(m.second[1]), number(m.second[2]),  //
+      number(m.second[1]), number(m.second[3]), number(m.second[4]),            //
+      number(m.second[2]), number(m.second[4]), number(m.second[5]);
+  covariance -= number(m.count) * mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  return solver.eigenvectors().col(0);
+}
+
+}  // namespace
+
+Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, double radius_m) {
+  const wide::Functions& wide = wide::Best();
+  const auto radius = static_cast<float>(radius_m);
+  const CellGrid grid(points, kRoundingMargin * radius);
+  Normals normals(points.size());
+  CellBlock block;
+  for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
+    grid.Gather(cell.at, 1, &block);
+    for (std::int32_t i = cell.begin; i < cell.end; ++i) {
+      const auto point = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(i)]);
+      const wide::Moments moments =
+          wide.moments(block.coordinates(), points[point].data(), radius * radius);
+      const Eigen::Vector3d to_viewpoint = viewpoint - points[point].cast<double>();
+      Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+      if (!to_viewpoint.isZero()) normal = to_viewpoint.normalized();
+      if (moments.count >= 3) {
+        normal = LeastSpread(moments);
+        if (normal.dot(to_viewpoint) < 0) normal = -normal;
+      }
+      normals[point] = normal.cast<float>();
+    }
+  }
+  return normals;
+}
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,13 @@
+// Directions of a surface.
+#pragma once
+
+#include "recognition/types.h"
+
+namespace graspdb::recognition {
+
+// Normals by principal component analysis of the points within `radius_m`, turned
+// towards `viewpoint`. A point with fewer than three neighbours gets the
+// direction to the viewpoint, or z where it is the viewpoint itself.
+Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, double radius_m);
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,88 @@
+// Arithmetic on many numbers at once, as wide as the processor allows.
+//
+// Every function exists twice: built for any processor, and for those with AVX2. Both do the same
+// operations in the same order (eight sums side by side, added up at the end, no fused
+// multiply-add), so that they give the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace graspdb::recognition::wide {
+
+// Arrays of floats are read in steps of so many; their lengths are multiples of it.
+inline constexpr std::size_t kLanes = 8;
+
+// `count` rounded up to what the functions take.
+constexpr std::size_t Padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+// Arrays of bytes are read in steps of so many.
+inline constexpr std::size_t kByteLanes = 32;
+constexpr std::size_t PaddedBytes(std::size_t count) {
+  return (count + kByteLanes - 1) / kByteLanes * kByteLanes;
+}
+
+// What pads coordinates: far from everything, m.
+inline constexpr float kFar = 1e15F;
+
+// Coordinates of points, apart from each other.
+struct Coordinates {
+  const float* x = nullptr;
+  const float* y = nullptr;
+  const float* z = nullptr;
+  std::size_t count = 0;  // a multiple of kLanes
+};
+
+// Sums over the points within a radius of one, relative to it.
+struct Moments {
+  float count = 0;
+  float first[3] = {};   // x, y, z
+  float second[6] = {};  // xx, xy, xz, yy, yz, zz
+};
+
+// One row of a depth image: pixel u with count c is the point z * (column[u], row, 1) of the sensor
+// frame with z = unit * c, moved into a world frame.
+struct DepthRow {
+  const std::uint16_t* counts = nullptr;
+  const float* column = nullptr;  // a value a pixel
+  float row = 0;
+  float unit = 0;
+  float farthest = 0;         // deeper pixels are no measurements, m
+  float rotation[3][3] = {};  // of T_world_sensor
+  float translation[3] = {};
+  float min[3] = {};  // of the region
+  float max[3] = {};
+  std::size_t width = 0;  // any number
+};
+
+struct Functions {
+  const char* name;
+
+  // Writes count floats.
+  void (*squared_distances)(const Coordinates& points, const float* query, float* out);
+  // How many values are at most `limit`.
+  std::size_t (*count_up_to)(const float* values, std::size_t count, float limit);
+  // The sum of the square roots of the values that are at most `limit`.
+  float (*sum_roots_up_to)(const float* values, std::size_t count, float limit);
+  Moments (*moments)(const Coordinates& points, const float* query, float squared_radius);
+  // How many points are at most `distance` from the plane normal * p = offset.
+  std::size_t (*count_near_plane)(const Coordinates& points, const float* normal, float offset,
+                                  float distance);
+  // For `count` rows of `row_bytes` bytes, one behind the other, the squared distance of each from
+  // `query`; row_bytes is a multiple of kByteLanes.
+  void (*byte_distances)(const std::uint8_t* rows, std::size_t row_bytes, std::size_t count,
+                         const std::uint8_t* query, std::int32_t* out);
+  // sum (a - b)^2 / (a + b); nothing where a + b is 0.
+  float (*chi_square)(const float* a, const float* b, std::size_t count);
+  // Writes the world coordinates of the row's pixels and whether each was measured and lies in
+  // the region (1) or not (0); `width` of each.
+  void (*unproject)(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside);
+};
+
+// The widest functions that this processor has.
+const Functions& Best();
+
+// Those for any processor.
+const Functions& Portable();
+
+}  // namespace graspdb::recognition::wide

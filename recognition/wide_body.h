@@ -1,0 +1,195 @@
+// The functions of wide.h, included by each file that builds them for one kind of processor. No
+// inline function of another header is used here: a linker that keeps one copy of it could keep
+// the one that needs AVX2.
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "recognition/wide.h"
+
+namespace graspdb::recognition::wide {
+namespace {
+
+// Eight numbers; gcc and clang make of them what the processor has.
+using Floats [[gnu::vector_size(32)]] = float;
+using Ints [[gnu::vector_size(32)]] = std::int32_t;
+using Counts [[gnu::vector_size(16)]] = std::uint16_t;
+using Flags [[gnu::vector_size(8)]] = std::uint8_t;
+
+inline constexpr std::size_t kStep = 8;
+
+inline Floats Load(const float* at) {
+  Floats out;
+  std::memcpy(&out, at, sizeof(out));
+  return out;
+}
+
+inline Floats All(float value) {
+  return Floats{value, value, value, value, value, value, value, value};
+}
+
+// The value where the mask is set, else 0.
+inline Floats Where(const Ints& mask, const Floats& value) { return (Floats)((Ints)value & mask); }
+
+inline float Sum(const Floats& v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+
+inline std::size_t Sum(const Ints& v) {
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < kStep; ++i) sum += v[i];
+  return static_cast<std::size_t>(sum);
+}
+
+inline Floats Roots(const Floats& v) {
+  Floats out;
+  for (std::size_t i = 0; i < kStep; ++i) out[i] = __builtin_sqrtf(v[i]);
+  return out;
+}
+
+inline void SquaredDistances(const Coordinates& points, const float* query, float* out) {
+  const Floats qx = All(query[0]);
+  const Floats qy = All(query[1]);
+  const Floats qz = All(query[2]);
+  for (std::size_t i = 0; i < points.count; i += kStep) {
+    const Floats dx = Load(points.x + i) - qx;
+    const Floats dy = Load(points.y + i) - qy;
+    const Floats dz = Load(points.z + i) - qz;
+    const Floats squared = dx * dx + dy * dy + dz * dz;
+    std::memcpy(out + i, &squared, sizeof(squared));
+  }
+}
+
+inline std::size_t CountUpTo(const float* values, std::size_t count, float limit) {
+  const Floats most = All(limit);
+  Ints hits = {};
+  for (std::size_t i = 0; i < count; i += kStep) hits -= Load(values + i) <= most;
+  return Sum(hits);
+}
+
+inline float SumRootsUpTo(const float* values, std::size_t count, float limit) {
+  const Floats most = All(limit);
+  Floats sum = {};
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Floats v = Load(values + i);
+    sum += Roots(Where(v <= most, v));
+  }
+  return Sum(sum);
+}
+
+inline Moments MomentsOf(const Coordinates& points, const float* query, float squared_radius) {
+  const Floats qx = All(query[0]);
+  const Floats qy = All(query[1]);
+  const Floats qz = All(query[2]);
+  const Floats radius = All(squared_radius);
+  Floats count = {};
+  Floats x = {};
+  Floats y = {};
+  Floats z = {};
+  Floats xx = {};
+  Floats xy = {};
+  Floats xz = {};
+  Floats yy = {};
+  Floats yz = {};
+  Floats zz = {};
+  const Floats one = All(1);
+  for (std::size_t i = 0; i < points.count; i += kStep) {
+    Floats dx = Load(points.x + i) - qx;
+    Floats dy = Load(points.y + i) - qy;
+    Floats dz = Load(points.z + i) - qz;
+    const Ints near = dx * dx + dy * dy + dz * dz <= radius;
+    dx = Where(near, dx);
+    dy = Where(near, dy);
+    dz = Where(near, dz);
+    count += Where(near, one);
+    x += dx;
+    y += dy;
+    z += dz;
+    xx += dx * dx;
+    xy += dx * dy;
+    xz += dx * dz;
+    yy += dy * dy;
+    yz += dy * dz;
+    zz += dz * dz;
+  }
+  return {
+      Sum(count), {Sum(x), Sum(y), Sum(z)}, {Sum(xx), Sum(xy), Sum(xz), Sum(yy), Sum(yz), Sum(zz)}};
+}
+
+inline std::size_t CountNearPlane(const Coordinates& points, const float* normal, float offset,
+                                  float distance) {
+  const Floats nx = All(normal[0]);
+  const Floats ny = All(normal[1]);
+  const Floats nz = All(normal[2]);
+  const Floats at = All(offset);
+  const Floats most = All(distance);
+  const Floats least = All(-distance);
+  Ints hits = {};
+  for (std::size_t i = 0; i < points.count; i += kStep) {
+    const Floats height =
+        nx * Load(points.x + i) + ny * Load(points.y + i) + nz * Load(points.z + i) - at;
+    hits -= (height <= most) & (height >= least);
+  }
+  return Sum(hits);
+}
+
+inline void ByteDistances(const std::uint8_t* rows, std::size_t row_bytes, std::size_t count,
+                          const std::uint8_t* query, std::int32_t* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* __restrict row = rows + i * row_bytes;
+    std::int32_t sum = 0;
+    for (std::size_t j = 0; j < row_bytes; ++j) {
+      const auto off = static_cast<std::int16_t>(row[j] - query[j]);
+      sum += off * off;
+    }
+    out[i] = sum;
+  }
+}
+
+inline float ChiSquare(const float* a, const float* b, std::size_t count) {
+  Floats sum = {};
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Floats total = Load(a + i) + Load(b + i);
+    const Floats off = Load(a + i) - Load(b + i);
+    sum += Where(total > All(0), off * off / total);
+  }
+  return Sum(sum);
+}
+
+// `left` pixels from u on, at most kStep.
+[[gnu::always_inline]] inline void UnprojectSome(const DepthRow& row, std::size_t u,
+                                                 std::size_t left, float* const* out,
+                                                 std::uint8_t* inside) {
+  Counts counts = {};
+  Floats column = {};
+  std::memcpy(&counts, row.counts + u, left * sizeof(counts[0]));
+  std::memcpy(&column, row.column + u, left * sizeof(column[0]));
+  const Floats depth = __builtin_convertvector(counts, Floats) * All(row.unit);
+  const Floats right = column * depth;
+  const Floats down = All(row.row) * depth;
+  Ints is_inside = (depth > All(0)) & (depth <= All(row.farthest));
+  for (int axis = 0; axis < 3; ++axis) {
+    const float* r = row.rotation[axis];
+    const Floats at =
+        All(r[0]) * right + All(r[1]) * down + All(r[2]) * depth + All(row.translation[axis]);
+    is_inside &= (at >= All(row.min[axis])) & (at <= All(row.max[axis]));
+    std::memcpy(out[axis] + u, &at, left * sizeof(at[0]));
+  }
+  const Flags flags = __builtin_convertvector(-is_inside, Flags);
+  std::memcpy(inside + u, &flags, left);
+}
+
+inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside) {
+  float* const out[3] = {x, y, z};
+  std::size_t u = 0;
+  for (; u + kStep <= row.width; u += kStep) UnprojectSome(row, u, kStep, out, inside);
+  if (u < row.width) UnprojectSome(row, u, row.width - u, out, inside);
+}
+
+}  // namespace
+}  // namespace graspdb::recognition::wide
+
+// All of them, as Functions has them behind its name.
+#define GRASPDB_WIDE_FUNCTIONS                                                                    \
+  SquaredDistances, CountUpTo, SumRootsUpTo, MomentsOf, CountNearPlane, ByteDistances, ChiSquare, \
+      Unproject

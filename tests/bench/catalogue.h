@@ -1,0 +1,46 @@
+// A catalogue of thousands of views for the benchmarks.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "recognition/recognizer.h"
+
+namespace graspdb::bench {
+
+// One view in both programs' terms.
+struct TaughtCloud {
+  std::shared_ptr<const recognition::TaughtView> view;
+  std::shared_ptr<const recognition::OrientedCloud> cloud;  // world frame of its capture
+  recognition::Descriptor descriptor;
+};
+
+// Sample parts seen by a simulated Kinect v2 from all around, and as many parts stretched and
+// squeezed along their axes as it takes to have `view_count` views. The same on every run.
+class Catalogue : public recognition::ViewClouds {
+ public:
+  explicit Catalogue(std::size_t view_count);
+
+  const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
+  const std::vector<TaughtCloud>& views() const { return views_; }
+
+  absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
+      const recognition::TaughtView& view) override;
+  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
+      const recognition::TaughtView& view,
+      const recognition::TaughtStablePose& stable_pose) override;
+
+ private:
+  std::vector<TaughtCloud> views_;
+  std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
+  std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
+  recognition::CatalogueSnapshot snapshot_{
+      .revision = 1,
+      .index = recognition::DescriptorIndex(
+          recognition::DescriptorSize(recognition::DescriptorKind::kGsh288)),
+      .stable_poses = nullptr};
+};
+
+}  // namespace graspdb::bench

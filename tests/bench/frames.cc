@@ -1,0 +1,119 @@
+#include "tests/bench/frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "client/files/point_file.h"
+#include "client/sensors/depth_camera.h"
+#include "client/sensors/sample_parts.h"
+#include "tests/recognition/shared_data.h"
+
+namespace graspdb::bench {
+namespace {
+
+using recognition::Pose;
+
+constexpr double kDistanceM = 0.8;
+constexpr double kLookDownDeg = 40;
+constexpr double kCircleM = 0.17;  // on which five things stand
+
+// The benchmarks need their frames: without them there is nothing to measure.
+template <typename T>
+T OrDie(absl::StatusOr<T> value) {
+  if (value.ok()) return *std::move(value);
+  std::fprintf(stderr, "graspdb_bench: %s\n", value.status().ToString().c_str());
+  std::exit(1);
+}
+
+Frame Render(const std::string& name, const client::DepthCameraModel& model, std::size_t things) {
+  const std::vector<client::Workpiece> parts = client::SampleParts();
+  client::Scene scene;
+  for (std::size_t i = 0; i < things; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 5;
+    Pose pose = Pose::Identity();
+    if (things > 1) pose.translation() << kCircleM * std::cos(angle), kCircleM * std::sin(angle), 0;
+    scene.objects.push_back({&parts[i].mesh, pose});
+  }
+  const auto camera = OrDie(client::DepthCamera::Create(model));
+  Frame out;
+  out.name = name;
+  out.camera = model.intrinsics;
+  out.world_sensor = client::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
+  out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
+  out.things = things;
+  const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
+  out.depth.reserve(image.depth_m.size());
+  for (const float z : image.depth_m) {
+    out.depth.push_back(static_cast<std::uint16_t>(std::lround(z / kDepthUnitM)));
+  }
+  return out;
+}
+
+// The pose that the segmentation finds stands in for a calibration, so that both programs are
+// told the same.
+std::optional<Frame> ReadFrame(const std::filesystem::path& path) {
+  auto file = client::ReadPointFile(path);
+  if (!file.ok()) return std::nullopt;
+  Frame out;
+  out.name = path.stem().string();
+  recognition::Scan scan;
+  scan.points = std::move(file->points);
+  recognition::StageLog log;
+  const auto found = recognition::SegmentScan(
+      scan, {}, {}, [] { return false; }, &log);
+  if (!found.ok()) return std::nullopt;
+  out.world_sensor = found->world_sensor;
+  out.region = recognition::DefaultRegion(out.world_sensor);
+  out.things = found->segments.size();
+  out.points = std::move(scan.points);
+  return out;
+}
+
+}  // namespace
+
+recognition::Scan ScanOf(const Frame& frame) {
+  recognition::Scan out;
+  out.points = frame.points;
+  if (!frame.depth.empty()) out.depth_image = {frame.depth, frame.camera, kDepthUnitM};
+  out.world_sensor = frame.world_sensor;
+  out.region = frame.region;
+  return out;
+}
+
+const std::vector<Frame>& SimulatedFrames() {
+  static const std::vector<Frame> frames = {Render("kinect-v1-one", client::KinectV1(), 1),
+                                            Render("kinect-v1-five", client::KinectV1(), 5),
+                                            Render("kinect-v2-one", client::KinectV2(), 1),
+                                            Render("kinect-v2-five", client::KinectV2(), 5)};
+  return frames;
+}
+
+const std::vector<Frame>& RealFrames() {
+  static const std::vector<Frame> frames = [] {
+    std::vector<Frame> out;
+    const auto folder = testing::SharedData("mosd_tabletop");
+    if (!folder) return out;
+    std::vector<std::filesystem::path> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
+      if (entry.path().extension() == ".pcd") paths.push_back(entry.path());
+    }
+    std::sort(paths.begin(), paths.end());
+    for (const auto& path : paths) {
+      if (auto frame = ReadFrame(path)) out.push_back(*std::move(frame));
+    }
+    return out;
+  }();
+  return frames;
+}
+
+const Frame& SimulatedFrame(const std::string& name) {
+  const auto& frames = SimulatedFrames();
+  return *std::find_if(frames.begin(), frames.end(),
+                       [&](const Frame& frame) { return frame.name == name; });
+}
+
+}  // namespace graspdb::bench

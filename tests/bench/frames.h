@@ -1,0 +1,40 @@
+// What the benchmarks show to both programs: frames and a catalogue, made once a run.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recognition/segmentation.h"
+#include "recognition/types.h"
+
+namespace graspdb::bench {
+
+// A frame of a calibrated cell.
+struct Frame {
+  std::string name;
+  std::vector<std::uint16_t> depth;  // mm; empty where the frame came as points
+  recognition::CameraIntrinsics camera;
+  recognition::Points points;  // sensor frame, m
+  recognition::Pose world_sensor = recognition::Pose::Identity();
+  recognition::Box region;
+  std::size_t things = 0;  // that stand in it
+};
+
+inline constexpr double kDepthUnitM = 0.001;
+
+// What the camera saw, as the recognition takes it.
+recognition::Scan ScanOf(const Frame& frame);
+
+// "kinect-v1-one", "kinect-v1-five", "kinect-v2-one", "kinect-v2-five": sample parts on a table,
+// simulated.
+const std::vector<Frame>& SimulatedFrames();
+
+// The frames of mosd_tabletop ("mosd"): 640 x 480, several objects; where the world frame is, our
+// own segmentation has said. Empty where the data are missing.
+const std::vector<Frame>& RealFrames();
+
+// One of the simulated frames.
+const Frame& SimulatedFrame(const std::string& name);
+
+}  // namespace graspdb::bench

@@ -1,0 +1,165 @@
+// The nearest of thousands of descriptors.
+#include <benchmark/benchmark.h>
+#include <faiss/IndexFlat.h>
+#include <hnswlib/hnswlib.h>
+
+#include <flann/flann.hpp>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "recognition/descriptor_index.h"
+#include "tests/bench/catalogue.h"
+#include "tests/bench/suite.h"
+
+namespace graspdb::bench {
+namespace {
+
+using recognition::Descriptor;
+using recognition::DescriptorIndex;
+
+constexpr int kCount = 10;
+constexpr std::size_t kQueries = 64;
+constexpr std::size_t kBins = 288;
+// Building a graph of more takes minutes.
+constexpr std::size_t kMostForGraph = 10'000;
+
+// Descriptors of the catalogue, and queries: some of them, a part of whose mass went elsewhere.
+struct Rows {
+  std::vector<float> values;
+  std::vector<Descriptor> queries;
+  DescriptorIndex index{static_cast<int>(kBins)};
+  std::size_t count = 0;
+};
+
+Rows RowsOf(std::size_t count) {
+  Rows out;
+  const Catalogue catalogue(count);
+  out.count = count;
+  out.index = catalogue.snapshot().index;
+  for (const TaughtCloud& taught : catalogue.views()) {
+    out.values.insert(out.values.end(), taught.descriptor.begin(), taught.descriptor.end());
+  }
+  std::mt19937_64 random(3);
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    Descriptor query = catalogue.views()[random() % count].descriptor;
+    for (float& bin : query) bin *= 0.7F + 0.6F * static_cast<float>(random() % 1000) / 1000.0F;
+    const float sum = std::accumulate(query.begin(), query.end(), 0.0F);
+    for (float& bin : query) bin /= sum;
+    out.queries.push_back(std::move(query));
+  }
+  return out;
+}
+
+// Share of the truly nearest that `found` has, for one query.
+double Recall(const Rows& rows, const Descriptor& query, const std::set<std::size_t>& found) {
+  std::vector<std::pair<double, std::size_t>> all(rows.count);
+  Descriptor row(kBins);
+  for (std::size_t i = 0; i < rows.count; ++i) {
+    std::copy_n(rows.values.begin() + static_cast<std::ptrdiff_t>(i * kBins), kBins, row.begin());
+    all[i] = {recognition::ChiSquareDistance(query, row), i};
+  }
+  std::partial_sort(all.begin(), all.begin() + kCount, all.end());
+  double hits = 0;
+  for (int i = 0; i < kCount; ++i) hits += found.contains(all[static_cast<std::size_t>(i)].second);
+  return hits / kCount;
+}
+
+// Gives the positions of the nearest.
+using SearchFor = std::function<std::set<std::size_t>(const Descriptor&)>;
+
+void Add(const std::string& work, const std::string& who, const Lazy<Rows>& rows,
+         const Lazy<SearchFor>& search) {
+  Compare(work, who, [=](benchmark::State& state) {
+    const SearchFor& nearest = *search;
+    std::size_t next = 0;
+    for (auto _ : state) {
+      benchmark::DoNotOptimize(nearest(rows->queries[next]));
+      next = (next + 1) % kQueries;
+    }
+    double recall = 0;
+    for (std::size_t q = 0; q < 8; ++q) {
+      recall += Recall(*rows, rows->queries[q], nearest(rows->queries[q])) / 8;
+    }
+    state.counters["recall_at_10"] = recall;
+  });
+}
+
+std::size_t PositionOf(const recognition::Match& match) {
+  return std::stoul(match.view->name.substr(match.view->name.rfind('/') + 1));
+}
+
+SearchFor Ours(const Rows& rows) {
+  return [&rows](const Descriptor& query) {
+    std::set<std::size_t> out;
+    for (const auto& match : rows.index.Nearest(query, kCount)) out.insert(PositionOf(match));
+    return out;
+  };
+}
+
+SearchFor Flann(const Rows& rows, const flann::IndexParams& kind, int checks) {
+  const auto index = std::make_shared<flann::Index<flann::ChiSquareDistance<float>>>(
+      flann::Matrix<float>(const_cast<float*>(rows.values.data()), rows.count, kBins), kind);
+  index->buildIndex();
+  return [index, checks](const Descriptor& query) {
+    std::vector<std::vector<int>> found;
+    std::vector<std::vector<float>> distances;
+    index->knnSearch(flann::Matrix<float>(const_cast<float*>(query.data()), 1, kBins), found,
+                     distances, kCount, flann::SearchParams(checks));
+    return std::set<std::size_t>(found.front().begin(), found.front().end());
+  };
+}
+
+// faiss and hnswlib know Euclidean distance; of roots of histograms it is Hellinger's, which is
+// near to chi-square.
+std::vector<float> Roots(std::vector<float> bins) {
+  for (float& bin : bins) bin = std::sqrt(bin);
+  return bins;
+}
+
+SearchFor Faiss(const Rows& rows) {
+  const auto flat = std::make_shared<faiss::IndexFlatL2>(kBins);
+  flat->add(static_cast<faiss::Index::idx_t>(rows.count), Roots(rows.values).data());
+  return [flat](const Descriptor& query) {
+    std::vector<float> distances(kCount);
+    std::vector<faiss::Index::idx_t> found(kCount);
+    flat->search(1, Roots(query).data(), kCount, distances.data(), found.data());
+    return std::set<std::size_t>(found.begin(), found.end());
+  };
+}
+
+SearchFor Hnsw(const Rows& rows) {
+  const auto space = std::make_shared<hnswlib::L2Space>(kBins);
+  const auto graph = std::make_shared<hnswlib::HierarchicalNSW<float>>(space.get(), rows.count);
+  const std::vector<float> roots = Roots(rows.values);
+  for (std::size_t i = 0; i < rows.count; ++i) graph->addPoint(roots.data() + i * kBins, i);
+  graph->setEf(64);
+  return [graph, space](const Descriptor& query) {
+    auto found = graph->searchKnn(Roots(query).data(), kCount);
+    std::set<std::size_t> out;
+    for (; !found.empty(); found.pop()) out.insert(found.top().second);
+    return out;
+  };
+}
+
+void AddSize(std::size_t count) {
+  const Lazy<Rows> rows([=] { return RowsOf(count); });
+  const std::string work = "nearest 10 of " + std::to_string(count) + " views";
+  const auto add = [&](const std::string& who, const std::function<SearchFor(const Rows&)>& make) {
+    Add(work, who, rows, Lazy<SearchFor>([=] { return make(*rows); }));
+  };
+  add("graspdb", Ours);
+  add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
+  add("FLANN kd-forest", [](const Rows& r) { return Flann(r, flann::KDTreeIndexParams(4), 128); });
+  add("faiss flat, Hellinger", Faiss);
+  if (count <= kMostForGraph) add("hnswlib, Hellinger", Hnsw);
+}
+
+}  // namespace
+
+void AddIndex() {
+  for (const std::size_t count : {1'000U, 10'000U, 100'000U}) AddSize(count);
+}
+
+}  // namespace graspdb::bench

@@ -1,0 +1,89 @@
+// What a competent user of the Point Cloud Library writes in an afternoon from its public classes:
+// the same steps with the same parameters as ours, for comparison and nothing else.
+#pragma once
+
+#include <pcl/features/vfh.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "recognition/parameters.h"
+#include "recognition/types.h"
+
+namespace graspdb::peer {
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+using OrientedCloud = pcl::PointCloud<pcl::PointNormal>;
+using Signature = pcl::VFHSignature308;
+
+// One thing on the table, world frame.
+struct Thing {
+  Cloud::Ptr cloud;
+  pcl::PointCloud<pcl::Normal>::Ptr normals;
+  Signature signature;
+};
+
+// As organised as the frame, sensor frame; NaN without measurement.
+Cloud::Ptr Unproject(std::span<const std::uint16_t> depth,
+                     const recognition::CameraIntrinsics& camera, double unit_m);
+
+Cloud::Ptr ToPcl(const recognition::Points& points);
+OrientedCloud::Ptr ToPcl(const recognition::OrientedCloud& cloud);
+
+// PassThrough three times, SACSegmentation and ExtractIndices, StatisticalOutlierRemoval,
+// VoxelGrid, EuclideanClusterExtraction, NormalEstimation, VFHEstimation.
+std::vector<Thing> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry3d& world_sensor,
+                            const recognition::Box& region,
+                            const recognition::SegmentationParameters& segmentation,
+                            const recognition::DescriptorParameters& descriptor);
+
+// The signature of points and normals that are there already.
+Signature DescribeCloud(const recognition::OrientedCloud& cloud, const Eigen::Vector3d& viewpoint);
+
+// How one cloud was laid on another.
+struct Alignment {
+  Eigen::Matrix4f target_source = Eigen::Matrix4f::Identity();
+  double mean_squared_m2 = 0;  // getFitnessScore
+};
+// IterativeClosestPoint, 100 iterations.
+Alignment Align(const Cloud::ConstPtr& source, const Cloud::ConstPtr& target,
+                const Eigen::Matrix4f& guess, double max_correspondence_m);
+// IterativeClosestPointWithNormals, 100 iterations.
+Alignment AlignWithNormals(const OrientedCloud::ConstPtr& source,
+                           const OrientedCloud::ConstPtr& target, const Eigen::Matrix4f& guess,
+                           double max_correspondence_m);
+
+// FLANN's kd-forest over signatures: 4 trees, 128 checks.
+class Forest {
+ public:
+  explicit Forest(const std::vector<Signature>& signatures);
+  ~Forest();
+  std::vector<int> Nearest(const Signature& signature, int count) const;
+
+ private:
+  struct Index;
+  std::unique_ptr<Index> index_;
+};
+
+// What was taught of one view.
+struct View {
+  OrientedCloud::Ptr cloud;  // world frame of its capture
+  Eigen::Vector4f centroid = Eigen::Vector4f::Zero();
+  Eigen::Matrix4f world_grasp = Eigen::Matrix4f::Identity();  // T_world_tcp of its capture
+};
+
+// The answer for one thing.
+struct Answer {
+  int view = -1;
+  Eigen::Matrix4f moved = Eigen::Matrix4f::Identity();  // from the view's capture to the scene
+  Eigen::Matrix4f world_grasp = Eigen::Matrix4f::Identity();
+};
+// The `count` nearest views, each moved to the thing's centroid and aligned with normals; the one
+// that fits best.
+Answer Recognize(const Thing& thing, const Forest& forest, const std::vector<View>& views,
+                 int count, double max_correspondence_m);
+
+}  // namespace graspdb::peer

@@ -1,0 +1,62 @@
+// From a frame to the descriptors of what stands in it.
+#include <benchmark/benchmark.h>
+
+#include "recognition/descriptor.h"
+#include "tests/bench/frames.h"
+#include "tests/bench/peer_pcl.h"
+#include "tests/bench/suite.h"
+
+namespace graspdb::bench {
+namespace {
+
+using recognition::DescriptorKind;
+
+std::size_t Ours(const Frame& frame) {
+  const recognition::Scan scan = ScanOf(frame);
+  recognition::StageLog log;
+  const auto found = recognition::SegmentScan(
+      scan, {}, {}, [] { return false; }, &log);
+  std::size_t described = 0;
+  if (!found.ok()) return described;
+  for (const recognition::Segment& segment : found->segments) {
+    described +=
+        recognition::Describe(segment.cloud, found->world_sensor, DescriptorKind::kGsh288).ok();
+  }
+  return described;
+}
+
+std::size_t Peer(const Frame& frame) {
+  const peer::Cloud::Ptr cloud = frame.depth.empty()
+                                     ? peer::ToPcl(frame.points)
+                                     : peer::Unproject(frame.depth, frame.camera, kDepthUnitM);
+  return peer::Describe(cloud, frame.world_sensor, frame.region, {}, {}).size();
+}
+
+void Run(benchmark::State& state, std::size_t (*describe)(const Frame&),
+         const std::vector<const Frame*>& frames) {
+  std::size_t things = 0;
+  for (auto _ : state) {
+    things = 0;
+    for (const Frame* frame : frames) things += describe(*frame);
+    benchmark::DoNotOptimize(things);
+  }
+  state.counters["things"] = static_cast<double>(things);
+}
+
+void Add(const std::string& name, const std::vector<const Frame*>& frames) {
+  if (frames.empty()) return;
+  const std::string work = "frame to descriptor, " + name;
+  Compare(work, "graspdb", [=](benchmark::State& state) { Run(state, Ours, frames); });
+  Compare(work, "PCL", [=](benchmark::State& state) { Run(state, Peer, frames); });
+}
+
+}  // namespace
+
+void AddSegmentation() {
+  for (const Frame& frame : SimulatedFrames()) Add(frame.name, {&frame});
+  std::vector<const Frame*> real;
+  for (const Frame& frame : RealFrames()) real.push_back(&frame);
+  Add("mosd (12 real frames)", real);
+}
+
+}  // namespace graspdb::bench
