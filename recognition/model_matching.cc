@@ -24,9 +24,17 @@ constexpr std::size_t kFinalists = 8;
 constexpr double kExplained = 0.94;
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
-constexpr double kPolished = 2e-4;
+constexpr double kPolished = 2e-4;  // and less is none
 // An explanation that is not surer than this is none.
 constexpr double kExplainsNothing = 0.01;
+// A first look that is worse than the best of what was refined by more than this does not become
+// the best.
+constexpr double kCatchesUp = 0.25;
+// The same of one that was refined with thinned edges.
+constexpr double kCatchesUpClosely = 0.1;
+// What a hypothesis is refined with in full: edges thinned, until little is left to go.
+constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
+constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
 // Poses nearer than this are one.
 constexpr double kSamePlaceM = 0.004;
 constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
@@ -90,7 +98,7 @@ class Matcher {
       if (*model != nullptr) Try(view, *pose->second, *model, hidden);
     }
     KeepBest(kFinalists, &hypotheses_);
-    for (PoseHypothesis& h : hypotheses_) Finish(&h);
+    FinishAll();
     KeepBest(kFinalists, &hypotheses_);
     Polish();
     return absl::OkStatus();
@@ -140,8 +148,40 @@ class Matcher {
     }
   }
 
-  void Finish(PoseHypothesis* h) const {
-    const Refinement refinement = Refine(*h->model, target_, h->refined, {});
+  // Refines the hypotheses in full, the most promising first: not those that are so much worse
+  // than what is finished that they will not catch up, nor any that is on its way to a place where
+  // one of the same model is already.
+  void FinishAll() {
+    std::vector<PoseHypothesis> finished;
+    double best = 0;
+    for (PoseHypothesis& h : hypotheses_) {
+      if (h.evidence.score < best - kCatchesUp || !Approach(finished, &h)) continue;
+      if (h.evidence.score < best - kCatchesUpClosely) continue;
+      Finish(kLastSteps, &h);
+      best = std::max(best, h.evidence.score);
+      finished.push_back(std::move(h));
+    }
+    hypotheses_ = std::move(finished);
+  }
+
+  // Refines with the model's edges thinned; false where that leads to what is finished.
+  bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const {
+    const Pose start = h->refined;
+    const Refinement refinement =
+        Refine(*h->model, target_, start, kFirstSteps, [&](const Pose& pose) {
+          h->refined = pose;
+          return std::ranges::any_of(finished,
+                                     [&](const auto& other) { return IsSame(*h, other); });
+        });
+    if (refinement.stopped) return false;
+    h->refined = refinement.world_object;
+    h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
+                         {parameters_.support_distance_m, stride_, /*coarse=*/true});
+    return true;
+  }
+
+  void Finish(const RefinementOptions& options, PoseHypothesis* h) const {
+    const Refinement refinement = Refine(*h->model, target_, h->refined, options);
     h->refined = refinement.world_object;
     h->iterations = refinement.iterations;
     h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
@@ -153,9 +193,11 @@ class Matcher {
   void Polish() {
     for (int round = 0; round < kPolishRounds && !hypotheses_.empty(); ++round) {
       PoseHypothesis again = hypotheses_.front();
-      Finish(&again);
-      if (again.evidence.score <= hypotheses_.front().evidence.score + kPolished) return;
-      hypotheses_.front() = std::move(again);
+      Finish({}, &again);
+      const double gain = again.evidence.score - hypotheses_.front().evidence.score;
+      // What is as good has settled farther.
+      if (gain >= -kPolished) hypotheses_.front() = std::move(again);
+      if (gain <= kPolished) return;
     }
   }
 

@@ -1,9 +1,33 @@
 #include "recognition/nearest_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "recognition/wide.h"
+
 namespace graspdb::recognition {
+namespace {
+
+// The rows of cells of which some are at most `reach` cells away from a point in the middle one.
+std::vector<wide::BallRow> RowsWithin(float reach) {
+  std::vector<wide::BallRow> out;
+  const int most = static_cast<int>(std::ceil(reach));
+  // The point may be anywhere in its cell.
+  const auto nearest = [](int cells) {
+    return std::max(0.0F, std::abs(static_cast<float>(cells)) - 0.5F);
+  };
+  for (int z = -most; z <= most; ++z) {
+    for (int y = -most; y <= most; ++y) {
+      const float rest = reach * reach - nearest(z) * nearest(z) - nearest(y) * nearest(y);
+      if (rest < 0) continue;
+      out.push_back({z, y, std::min(most, static_cast<int>(std::ceil(std::sqrt(rest) + 0.5F)))});
+    }
+  }
+  return out;
+}
+
+}  // namespace
 
 NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
     : cell_m_(cell_m), inverse_cell_(1 / cell_m) {
@@ -18,56 +42,38 @@ NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
   origin_ = low.array() - static_cast<float>(layers + 1) * cell_m;
   const Eigen::Vector3f cells = (high - low) * inverse_cell_;
   size_ = cells.array().floor().cast<int>() + 2 * layers + 3;
-  cells_.assign(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
-                    static_cast<std::size_t>(size_.z()),
+  limit_ = size_.cast<float>();
+  // Wide code may write a whole step from any cell on.
+  row_ = wide::Padded(static_cast<std::size_t>(size_.x())) + wide::kLanes;
+  cells_.assign(row_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
                 -1);
-  Seed(points);
-  Spread(points, layers);
-}
-
-void NearestGrid::Seed(const Points& points) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3i c = ((points[i] - origin_) * inverse_cell_).cast<int>();
-    const Eigen::Vector3f center = origin_ + (c.cast<float>().array() + 0.5F).matrix() * cell_m_;
-    std::int32_t& cell = cells_[Offset(c)];
-    if (cell < 0 || (points[i] - center).squaredNorm() <
-                        (points[static_cast<std::size_t>(cell)] - center).squaredNorm()) {
-      cell = static_cast<std::int32_t>(i);
-    }
+  const float far = reach_m + std::sqrt(0.75F) * cell_m;
+  std::vector<float> best(cells_.size(), far * far);
+  const std::vector<wide::BallRow> rows = RowsWithin(far * inverse_cell_);
+  const wide::Cells all = {size_.data(), row_, cell_m_, best.data(), cells_.data()};
+  for (const std::int32_t i : OneEachCell(points)) {
+    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+    wide::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
 }
 
-// Every layer of cells takes over what its neighbours know, if it is nearer.
-void NearestGrid::Spread(const Points& points, int layers) {
-  std::vector<Eigen::Vector3i> front;
-  for (int z = 0; z < size_.z(); ++z) {
-    for (int y = 0; y < size_.y(); ++y) {
-      for (int x = 0; x < size_.x(); ++x) {
-        if (cells_[Offset({x, y, z})] >= 0) front.emplace_back(x, y, z);
-      }
-    }
+// Of the points in one cell the nearest to its centre stands for all of them.
+Indices NearestGrid::OneEachCell(const Points& points) const {
+  std::vector<std::int32_t> in_cell(cells_.size(), -1);
+  Indices occupied;
+  const auto off = [&](std::int32_t i) {
+    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+    return (at.array() - at.array().floor() - 0.5F).matrix().squaredNorm();
+  };
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
+    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+    const std::size_t cell =
+        Offset(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()));
+    if (in_cell[cell] < 0) occupied.push_back(static_cast<std::int32_t>(cell));
+    if (in_cell[cell] < 0 || off(i) < off(in_cell[cell])) in_cell[cell] = i;
   }
-  for (int layer = 0; layer < layers; ++layer) {
-    std::vector<Eigen::Vector3i> next;
-    for (const Eigen::Vector3i& c : front) {
-      const std::int32_t known = cells_[Offset(c)];
-      const Eigen::Vector3f& point = points[static_cast<std::size_t>(known)];
-      for (int n = 0; n < 27; ++n) {
-        const Eigen::Vector3i d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-        const Eigen::Vector3i at = c + d;
-        const Eigen::Vector3f center =
-            origin_ + (at.cast<float>().array() + 0.5F).matrix() * cell_m_;
-        std::int32_t& cell = cells_[Offset(at)];
-        if (cell == known) continue;
-        if (cell < 0 || (point - center).squaredNorm() <
-                            (points[static_cast<std::size_t>(cell)] - center).squaredNorm()) {
-          cell = known;
-          next.push_back(at);
-        }
-      }
-    }
-    front = std::move(next);
-  }
+  for (std::int32_t& cell : occupied) cell = in_cell[static_cast<std::size_t>(cell)];
+  return occupied;
 }
 
 }  // namespace graspdb::recognition

@@ -5,6 +5,8 @@
 #include <functional>
 #include <numbers>
 
+#include "recognition/motion.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -21,10 +23,10 @@ constexpr double kSameSurfaceShare = 0.04;
 constexpr double kEqualScores = 0.006;
 
 double LargestGapTo(const SurfaceModel& from, const Pose& to_from, const SurfaceModel& to) {
-  const Eigen::Isometry3f moved = to_from.cast<float>();
+  const Motion moved(to_from);
   double largest = 0;
   for (const Eigen::Vector3f& point : from.coarse.cloud.points) {
-    const Eigen::Vector3f p = moved * point;
+    const Eigen::Vector3f p = moved.Point(point);
     const int nearest = to.grid.Nearest(p);
     if (nearest < 0) return kFarM;
     const Eigen::Vector3f d = p - to.fine.cloud.points[static_cast<std::size_t>(nearest)];

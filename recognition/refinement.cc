@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recognition/motion.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -87,36 +89,37 @@ void Pull(const Vector3f& p, const Vector3f& q, const Vector3f& normal, bool acr
 
 void AddScan(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
              float reach, int stride, Step* step) {
-  const Eigen::Isometry3f forth = world_object.cast<float>();
-  const Eigen::Isometry3f back = forth.inverse();
+  const Motion forth(world_object);
+  const Motion back(world_object.inverse());
   for (std::size_t i = 0; i < target.cloud.points.size(); i += static_cast<std::size_t>(stride)) {
     const Vector3f& p = target.cloud.points[i];
-    const int nearest = model.grid.Nearest(back * p);
+    const int nearest = model.grid.Nearest(back.Point(p));
     if (nearest < 0) continue;
     const auto at = static_cast<std::size_t>(nearest);
-    const Vector3f normal = forth.linear() * model.fine.cloud.normals[at];
+    const Vector3f normal = forth.Direction(model.fine.cloud.normals[at]);
     if (normal.dot(target.cloud.normals[i]) < kMinAgreement) continue;
-    Pull(p, forth * model.fine.cloud.points[at], normal, true, reach, 1, step);
+    Pull(p, forth.Point(model.fine.cloud.points[at]), normal, true, reach, 1, step);
   }
 }
 
 // The model's edges that the camera would see and that reach beyond the scan.
 void AddEdges(const Surface& surface, const RefinementTarget& target, const Pose& world_object,
               float reach, double weight, Step* step) {
-  const Eigen::Isometry3f forth = world_object.cast<float>();
-  const Eigen::Isometry3f& sensor_world = target.sight.sensor_world();
-  const Vector3f viewpoint = sensor_world.inverse().translation();
+  const Motion forth(world_object);
+  const Motion sensor_world(target.sight.sensor_world());
+  const Vector3f viewpoint = target.sight.sensor_world().inverse().translation();
   for (std::size_t i = 0; i < surface.cloud.points.size(); ++i) {
-    const Vector3f q = forth * surface.cloud.points[i];
-    const Vector3f normal = forth.linear() * surface.cloud.normals[i];
-    if (normal.dot((viewpoint - q).normalized()) < kMinFacing) continue;
+    const Vector3f q = forth.Point(surface.cloud.points[i]);
+    const Vector3f normal = forth.Direction(surface.cloud.normals[i]);
+    const Vector3f sight = viewpoint - q;
+    if (normal.dot(sight) < kMinFacing * sight.norm()) continue;
     const int nearest = target.grid.Nearest(q);
     if (nearest < 0) continue;
     const auto at = static_cast<std::size_t>(nearest);
     if (normal.dot(target.cloud.normals[at]) < kMinAgreement) continue;
     if ((target.cloud.points[at] - q).squaredNorm() < kSpacingM * kSpacingM) continue;
     const Sight::Look look =
-        target.sight.At(sensor_world * q, sensor_world.linear() * normal, kSpacingM);
+        target.sight.At(sensor_world.Point(q), sensor_world.Direction(normal), kSpacingM);
     if (look.finding != Sight::Finding::kDenied && look.finding != Sight::Finding::kMissing) {
       continue;
     }
@@ -151,8 +154,8 @@ Pose Moved(const Pose& world_object, const Vector3f& center, const Vector6d& ste
 }  // namespace
 
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
-                  const RefinementOptions& options) {
-  Refinement out{initial, 0};
+                  const RefinementOptions& options, const IsKnown& is_known) {
+  Refinement out{initial};
   Pose& pose = out.world_object;
   const double shrink =
       options.iterations > 1
@@ -175,6 +178,10 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
     const double moved =
         move.tail<3>().norm() + move.head<3>().norm() * static_cast<double>(model.radius_m);
     if (moved < kNegligibleMoveM && reach <= 1.01 * options.last_reach_m) break;
+    if (is_known && out.iterations + 1 < options.iterations && is_known(pose)) {
+      out.stopped = true;
+      return out;
+    }
   }
   return out;
 }

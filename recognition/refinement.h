@@ -1,6 +1,7 @@
 // From a rough pose to the pose in which a model and a scan lie on each other.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "recognition/plane.h"
@@ -38,11 +39,16 @@ struct RefinementOptions {
 // scan to the model; past the end of a surface on distances to its edge, from either to the
 // other, which keeps flat things from sliding, but not where something hides the rest. Tukey's
 // weights. Returns T_world_object; the initial one where nothing corresponds. Deterministic.
+//
+// `is_known` is asked after every iteration but the last whether what lies there is known, and the
+// rest of the way not worth its time.
 struct Refinement {
   Pose world_object = Pose::Identity();
   int iterations = 0;
+  bool stopped = false;  // at a known place
 };
+using IsKnown = std::function<bool(const Pose& world_object)>;
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
-                  const RefinementOptions& options);
+                  const RefinementOptions& options, const IsKnown& is_known = nullptr);
 
 }  // namespace graspdb::recognition

@@ -13,6 +13,8 @@ constexpr float kPitch = 0.0035F;
 // How far around the segment the window reaches, m at the segment's distance.
 constexpr float kMarginM = 0.12F;
 constexpr int kLargestSide = 2000;
+constexpr float kPerPitch = 1 / kPitch;
+constexpr float kSide = kLargestSide + 2;
 // What stands before an edge of the segment is at most so many pixels from it, and nearer by this.
 constexpr int kEdgePixels = 3;
 constexpr float kBeforeM = 0.02F;
@@ -122,26 +124,31 @@ Sight::Sides Sight::SidesWhere(bool unmeasured_too) const {
 }
 
 Eigen::Vector2i Sight::Project(const Eigen::Vector3f& p) const {
-  return ((p.head<2>() / p.z() - low_) / kPitch).array().floor().cast<int>();
+  // Far outside, where an integer has no room, is outside as well.
+  const float u = (p.x() / p.z() - low_.x()) * kPerPitch;
+  const float v = (p.y() / p.z() - low_.y()) * kPerPitch;
+  const bool near = u >= -kSide && u <= kSide && v >= -kSide && v <= kSide;
+  return near ? Eigen::Vector2i(static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)))
+              : Eigen::Vector2i(-2, -2);
 }
 
-const Sight::Pixel* Sight::PixelAt(const Eigen::Vector2i& at) const {
-  if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return nullptr;
-  return &pixels_[static_cast<std::size_t>(at.y()) * static_cast<std::size_t>(size_.x()) +
-                  static_cast<std::size_t>(at.x())];
+const Sight::Pixel* Sight::PixelAt(int x, int y) const {
+  if (x < 0 || y < 0 || x >= size_.x() || y >= size_.y()) return nullptr;
+  return &pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x()) +
+                  static_cast<std::size_t>(x)];
 }
 
 Sight::Look Sight::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
                       float tolerance_m) const {
   const Eigen::Vector2i at = Project(point);
-  const float slant = std::abs(normal.dot(point.normalized()));
+  const float slant = std::abs(normal.dot(point)) / point.norm();
   bool measured = false;
   bool before_by_segment = false;
   bool before_by_other = false;
   float nearest = 1e9F;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const Pixel* pixel = PixelAt(at + Eigen::Vector2i(dx, dy));
+      const Pixel* pixel = PixelAt(at.x() + dx, at.y() + dy);
       if (pixel == nullptr || pixel->depth_m <= 0) continue;
       // The measured surface lies `ahead` in front of the claimed one, along the line of sight;
       // across the surface it is as much nearer as the surface is slanted.

@@ -54,7 +54,8 @@ class Sight {
     float depth_m = 0;  // of the nearest point; 0: none
     bool of_segment = false;
   };
-  const Pixel* PixelAt(const Eigen::Vector2i& at) const;
+  const Pixel* PixelAt(int x, int y) const;
+  const Pixel* PixelAt(const Eigen::Vector2i& at) const { return PixelAt(at.x(), at.y()); }
   Eigen::Vector2i Project(const Eigen::Vector3f& point) const;
   // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
   bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "recognition/motion.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -26,15 +28,16 @@ float Weight(float distance, float tolerance) {
 
 Indices VisiblePoints(const Surface& surface, const Eigen::Isometry3f& sensor_object) {
   const Points& points = surface.cloud.points;
+  const Motion motion(sensor_object);
   Points seen(points.size());
   Indices facing;
   Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9F);
   Eigen::Vector2f high = -low;
   float depth = 1e9F;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    seen[i] = sensor_object * points[i];
-    const Eigen::Vector3f normal = sensor_object.linear() * surface.cloud.normals[i];
-    if (seen[i].z() <= 0 || -normal.dot(seen[i].normalized()) < kMinFacing) continue;
+    seen[i] = motion.Point(points[i]);
+    const Eigen::Vector3f normal = motion.Direction(surface.cloud.normals[i]);
+    if (seen[i].z() <= 0 || -normal.dot(seen[i]) < kMinFacing * seen[i].norm()) continue;
     facing.push_back(static_cast<std::int32_t>(i));
     low = low.cwiseMin(seen[i].head<2>() / seen[i].z());
     high = high.cwiseMax(seen[i].head<2>() / seen[i].z());
@@ -67,14 +70,14 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segme
                 const Sight& sight, const VerificationOptions& options) {
   Evidence out;
   const auto tolerance = static_cast<float>(options.tolerance_m);
-  const Eigen::Isometry3f object_world = world_object.inverse().cast<float>();
+  const Motion object_world(world_object.inverse());
   double explained = 0;
   double squares = 0;
   double near = 0;
   double points = 0;
   for (std::size_t i = 0; i < segment.cloud.points.size();
        i += static_cast<std::size_t>(options.stride), ++points) {
-    const float d = model.DistanceTo(object_world * segment.cloud.points[i]);
+    const float d = model.DistanceTo(object_world.Point(segment.cloud.points[i]));
     explained += static_cast<double>(Weight(d, tolerance));
     if (d >= tolerance) continue;
     squares += static_cast<double>(d * d);
@@ -85,14 +88,14 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segme
   out.rms_m = near > 0 ? std::sqrt(squares / near) : 0;
 
   const Eigen::Isometry3f sensor_object = sight.sensor_world() * world_object.cast<float>();
+  const Motion motion(sensor_object);
   double expected = 0;
   double found = 0;
   double all = 0;
   const Surface& surface = options.coarse ? model.coarse : model.fine;
   for (const std::int32_t i : VisiblePoints(surface, sensor_object)) {
-    const Eigen::Vector3f p = sensor_object * surface.cloud.points[static_cast<std::size_t>(i)];
-    const Eigen::Vector3f n =
-        sensor_object.linear() * surface.cloud.normals[static_cast<std::size_t>(i)];
+    const Eigen::Vector3f p = motion.Point(surface.cloud.points[static_cast<std::size_t>(i)]);
+    const Eigen::Vector3f n = motion.Direction(surface.cloud.normals[static_cast<std::size_t>(i)]);
     const double area = static_cast<double>(-n.dot(p.normalized()));
     const Sight::Look look = sight.At(p, n, tolerance);
     all += area;

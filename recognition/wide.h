@@ -55,6 +55,22 @@ struct DepthRow {
   std::size_t width = 0;  // any number
 };
 
+// A row of cells along x, relative to a middle one.
+struct BallRow {
+  int z;
+  int y;
+  int half;  // so many cells to either side
+};
+
+// A box of cubic cells, and the nearest point of each.
+struct Cells {
+  const int* size;  // in x, y, z
+  std::size_t row;  // cells between the beginnings of rows: at least size[0] + kLanes
+  float cell_m;
+  float* best;  // squared distance of the nearest point from the centre, m^2
+  std::int32_t* nearest;
+};
+
 struct Functions {
   const char* name;
 
@@ -74,6 +90,10 @@ struct Functions {
                          const std::uint8_t* query, std::int32_t* out);
   // sum (a - b)^2 / (a + b); nothing where a + b is 0.
   float (*chi_square)(const float* a, const float* b, std::size_t count);
+  // Tells the cells in the rows around the cell of `at` (in cells) of a point: those that it is
+  // nearer to than best says take its squared distance, and `index`.
+  void (*spread)(const BallRow* rows, std::size_t row_count, const float* at, std::int32_t index,
+                 const Cells& cells);
   // Writes the world coordinates of the row's pixels and whether each was measured and lies in
   // the region (1) or not (0); `width` of each.
   void (*unproject)(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside);

@@ -156,6 +156,42 @@ inline float ChiSquare(const float* a, const float* b, std::size_t count) {
   return Sum(sum);
 }
 
+inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, std::int32_t index,
+                   const Cells& cells) {
+  const Floats ramp = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Ints all = Ints{} + index;
+  const int middle[3] = {static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2])};
+  for (std::size_t r = 0; r < row_count; ++r) {
+    const int z = middle[2] + rows[r].z;
+    const int y = middle[1] + rows[r].y;
+    if (z < 0 || z >= cells.size[2] || y < 0 || y >= cells.size[1]) continue;
+    const int from = middle[0] > rows[r].half ? middle[0] - rows[r].half : 0;
+    const int to =
+        middle[0] + rows[r].half < cells.size[0] ? middle[0] + rows[r].half + 1 : cells.size[0];
+    const float dz = (static_cast<float>(z) + 0.5F - at[2]) * cells.cell_m;
+    const float dy = (static_cast<float>(y) + 0.5F - at[1]) * cells.cell_m;
+    const Floats beside = All(dz * dz + dy * dy);
+    const std::size_t begin =
+        (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells.size[1]) +
+         static_cast<std::size_t>(y)) *
+        cells.row;
+    for (int x = from; x < to; x += static_cast<int>(kStep)) {
+      const Floats dx = (ramp + All(static_cast<float>(x) + 0.5F - at[0])) * All(cells.cell_m);
+      const Floats squared = dx * dx + beside;
+      float* best = cells.best + begin + static_cast<std::size_t>(x);
+      std::int32_t* nearest = cells.nearest + begin + static_cast<std::size_t>(x);
+      const Floats known = Load(best);
+      Ints cell;
+      std::memcpy(&cell, nearest, sizeof(cell));
+      const Ints nearer = squared < known;
+      const Floats kept = Where(nearer, squared) + Where(~nearer, known);
+      cell = (nearer & all) | (~nearer & cell);
+      std::memcpy(best, &kept, sizeof(kept));
+      std::memcpy(nearest, &cell, sizeof(cell));
+    }
+  }
+}
+
 // `left` pixels from u on, at most kStep.
 [[gnu::always_inline]] inline void UnprojectSome(const DepthRow& row, std::size_t u,
                                                  std::size_t left, float* const* out,
@@ -192,4 +228,4 @@ inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::ui
 // All of them, as Functions has them behind its name.
 #define GRASPDB_WIDE_FUNCTIONS                                                                    \
   SquaredDistances, CountUpTo, SumRootsUpTo, MomentsOf, CountNearPlane, ByteDistances, ChiSquare, \
-      Unproject
+      Spread, Unproject

@@ -33,6 +33,22 @@ TEST(NearestGrid, GivesNearlyTheNearestPoint) {
   EXPECT_GT(asked, 500);
 }
 
+TEST(NearestGrid, ReachesAsFarAsItIsToldInEveryDirection) {
+  const Points point = {{0.0004F, -0.0011F, 0.0007F}};
+  const NearestGrid grid(point, kCell, kReach);
+  Random random(6);
+  for (const Eigen::Vector3f& query : RandomPoints(random, 3000, 0.08)) {
+    const float distance = (query - point.front()).norm();
+    if (distance < kReach) {
+      EXPECT_EQ(grid.Nearest(query), 0);
+    }
+    // A cell knows what its centre is near enough to.
+    if (distance > kReach + 2 * kCell) {
+      EXPECT_EQ(grid.Nearest(query), -1);
+    }
+  }
+}
+
 TEST(NearestGrid, FarFromThePointsThereIsNone) {
   const NearestGrid grid({{0, 0, 0}, {0.05F, 0, 0}}, kCell, kReach);
   EXPECT_EQ(grid.Nearest({0, 0, 0.06F}), -1);

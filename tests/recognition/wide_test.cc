@@ -153,6 +153,25 @@ TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
   EXPECT_FLOAT_EQ(z[1], 1);
 }
 
+// What cells of 1 m know of two points in a row of ten.
+std::vector<std::int32_t> Spread(const Functions& wide) {
+  const int size[3] = {10, 1, 1};
+  std::vector<float> best(18, 9);
+  std::vector<std::int32_t> nearest(18, -1);
+  const Cells cells = {size, 18, 1, best.data(), nearest.data()};
+  const BallRow row = {0, 0, 4};
+  for (const int i : {0, 1}) {
+    const float at[3] = {i == 0 ? 1.5F : 6.4F, 0.5F, 0.5F};
+    wide.spread(&row, 1, at, i, cells);
+  }
+  nearest.resize(10);
+  return nearest;
+}
+
+TEST_P(WideTest, CellsKnowTheNearestPointWithinReach) {
+  EXPECT_THAT(Spread(wide_), ElementsAreArray({0, 0, 0, 0, 1, 1, 1, 1, 1, -1}));
+}
+
 TEST_P(WideTest, TheBitsAreThoseOfThePortableFunctions) {
   const Functions& portable = Portable();
   const float query[3] = {0.05F, -0.3F, 0.2F};
@@ -169,6 +188,7 @@ TEST_P(WideTest, TheBitsAreThoseOfThePortableFunctions) {
     const Moments b = portable.moments(cloud.coordinates(), query, 0.6F);
     ASSERT_THAT(a.second, ElementsAreArray(b.second));
     ASSERT_THAT(a.first, ElementsAreArray(b.first));
+    ASSERT_EQ(Spread(wide_), Spread(portable));
     const auto p = Numbers(random_, kCount, 0, 1);
     const auto q = Numbers(random_, kCount, 0, 1);
     ASSERT_EQ(wide_.chi_square(p.data(), q.data(), kCount),
