@@ -42,7 +42,6 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
     if (at == std::string::npos) continue;
     const std::string work = name.substr(0, at);
     const std::string who = name.substr(at + sizeof(kSeparator) - 1);
-    if (!by_work_.contains(work)) works_.push_back(work);
     auto& rows = by_work_[work];
     auto row = std::ranges::find(rows, who, [](const auto& r) { return r.first; });
     if (row == rows.end()) row = rows.insert(rows.end(), {who, {}});
@@ -54,8 +53,11 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
 void RatioTable::Write(std::ostream& out) const {
   out << "| work | program | median, ms | range, ms | times ours | range | figures |\n"
          "| --- | --- | --- | --- | --- | --- | --- |\n";
-  for (const std::string& work : works_) {
-    const auto& rows = by_work_.at(work);
+  for (const auto& [work, unordered] : by_work_) {
+    auto rows = unordered;
+    std::ranges::stable_sort(rows, {}, [](const auto& r) {
+      return std::pair(r.first != kOurs, Median(r.second.milliseconds));
+    });
     const auto ours = std::ranges::find(rows, kOurs, [](const auto& r) { return r.first; });
     for (const auto& [who, times] : rows) {
       out << "| " << work << " | " << who << " | "

@@ -16,8 +16,8 @@ class RatioTable : public benchmark::ConsoleReporter {
   RatioTable() : ConsoleReporter(OO_Tabular) {}
   void ReportRuns(const std::vector<Run>& runs) override;
 
-  // A Markdown table, a row a work and program: median time and its range, how often our time
-  // fits into it, and the range of that from the repetitions' extremes.
+  // A Markdown table by the works' names, a row a program, ours first: median time and its range,
+  // how often our time fits into it, and the range of that from the repetitions' extremes.
   void Write(std::ostream& out) const;
 
  private:
@@ -25,7 +25,6 @@ class RatioTable : public benchmark::ConsoleReporter {
     std::vector<double> milliseconds;
     std::string figures;  // counters, as the last repetition had them
   };
-  std::vector<std::string> works_;  // in the order in which they came
   std::map<std::string, std::vector<std::pair<std::string, Times>>> by_work_;
 };
 
