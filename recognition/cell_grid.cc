@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "recognition/bounds.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -12,15 +15,12 @@ constexpr double kMostCells = 4e6;
 }  // namespace
 
 CellGrid::CellGrid(const Points& points, float cell_m) : cell_m_(cell_m) {
-  Eigen::Vector3f low = Eigen::Vector3f::Zero();
-  Eigen::Vector3f high = Eigen::Vector3f::Zero();
-  if (!points.empty()) low = high = points.front();
-  for (const Eigen::Vector3f& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  Eigen::Vector3d extent = Eigen::Vector3d::Zero();
+  if (!points.empty()) {
+    const Eigen::AlignedBox3f bounds = BoundsOf(points);
+    origin_ = bounds.min();
+    extent = bounds.sizes().cast<double>();
   }
-  origin_ = low;
-  const Eigen::Vector3d extent = (high - low).cast<double>();
   const auto cells = [&](double edge) { return ((extent / edge).array().floor() + 1).prod(); };
   while (cells(static_cast<double>(cell_m_)) > kMostCells) cell_m_ *= 1.5F;
   inverse_cell_ = 1 / cell_m_;

@@ -1,9 +1,9 @@
 // Points sorted into cubic cells: the one structure behind outliers, clusters and normals.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "recognition/types.h"
@@ -29,12 +29,12 @@ struct CellBlock {
   }
 };
 
-// Deterministic; safe for concurrent reads. Points must be finite.
+// Deterministic; safe for concurrent reads. Points must be finite; metres, any frame.
 class CellGrid {
  public:
   // One occupied cell.
   struct Cell {
-    Eigen::Vector3i at;
+    Eigen::Vector3i at;  // along x, y, z; cells, from the one with the lowest coordinates
     std::int32_t begin;  // in order()
     std::int32_t end;
   };

@@ -43,55 +43,52 @@ bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
   return false;
 }
 
-// Joins the cells of which points come within the tolerance. Returns for each point its cell.
-std::vector<std::size_t> JoinCells(const Points& points, const CellGrid& grid, float tolerance_m,
-                                   DisjointSets* sets) {
-  const std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
-  const std::span order(grid.order());
-  const auto points_of = [&](const CellGrid::Cell& cell) {
-    return order.subspan(static_cast<std::size_t>(cell.begin),
-                         static_cast<std::size_t>(cell.end - cell.begin));
-  };
-  // By position in the order, since ranges are.
-  std::vector<std::size_t> cell_at(order.size());
-  std::vector<std::size_t> cell_of(order.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    for (std::int32_t i = cells[c].begin; i < cells[c].end; ++i) {
-      cell_at[static_cast<std::size_t>(i)] = c;
-      cell_of[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = c;
-    }
+// Points of which each is within the tolerance of the others: those of a small cell; where cells
+// had to be larger, every point alone. In the order of the grid.
+std::vector<CellGrid::Cell> CloseGroups(const CellGrid& grid, bool cells_are_small) {
+  std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
+  if (cells_are_small) return cells;
+  std::vector<CellGrid::Cell> singles;
+  singles.reserve(grid.order().size());
+  for (const CellGrid::Cell& cell : cells) {
+    for (std::int32_t i = cell.begin; i < cell.end; ++i) singles.push_back({cell.at, i, i + 1});
   }
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    grid.ForEachRange(cells[c].at, kReach, [&](std::int32_t begin, std::int32_t end) {
-      while (begin < end) {
-        const std::size_t other = cell_at[static_cast<std::size_t>(begin)];
-        begin = cells[other].end;
-        // Every pair is seen from both.
-        if (other <= c || sets->Find(other) == sets->Find(c)) continue;
-        if (ComeWithin(points, points_of(cells[c]), points_of(cells[other]),
-                       tolerance_m * tolerance_m)) {
-          sets->Join(c, other);
-        }
-      }
-    });
-  }
-  return cell_of;
+  return singles;
 }
 
-// The same point by point, where cells are too large to tell. Returns each point itself.
-std::vector<std::size_t> JoinPoints(const Points& points, const CellGrid& grid, float tolerance_m,
-                                    DisjointSets* sets) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    grid.ForEachRange(grid.CellOf(points[i]), kReach, [&](std::int32_t begin, std::int32_t end) {
-      for (std::int32_t at = begin; at < end; ++at) {
-        const auto j = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(at)]);
-        if ((points[i] - points[j]).squaredNorm() <= tolerance_m * tolerance_m) sets->Join(i, j);
+// The sets of points that steps of at most the tolerance lead between.
+DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid,
+                            const std::vector<CellGrid::Cell>& groups, float squared_tolerance) {
+  const std::span order(grid.order());
+  DisjointSets sets(points.size());
+  const auto first = [&](std::int32_t at) {
+    return static_cast<std::size_t>(order[static_cast<std::size_t>(at)]);
+  };
+  const auto members = [&](std::int32_t begin, std::int32_t end) {
+    return order.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+  };
+  std::vector<std::int32_t> end_of(order.size());  // of the group that begins there
+  for (const CellGrid::Cell& group : groups) {
+    end_of[static_cast<std::size_t>(group.begin)] = group.end;
+    for (std::int32_t i = group.begin + 1; i < group.end; ++i) {
+      sets.Join(first(i), first(group.begin));
+    }
+  }
+  for (const CellGrid::Cell& group : groups) {
+    grid.ForEachRange(group.at, kReach, [&](std::int32_t begin, std::int32_t end) {
+      // Those before were compared with this one already.
+      for (begin = std::max(begin, group.end); begin < end;) {
+        const std::int32_t next = end_of[static_cast<std::size_t>(begin)];
+        if (sets.Find(first(begin)) != sets.Find(first(group.begin)) &&
+            ComeWithin(points, members(group.begin, group.end), members(begin, next),
+                       squared_tolerance)) {
+          sets.Join(first(begin), first(group.begin));
+        }
+        begin = next;
       }
     });
   }
-  std::vector<std::size_t> out(points.size());
-  std::iota(out.begin(), out.end(), 0);
-  return out;
+  return sets;
 }
 
 // The cluster other than the points' own that comes nearest to them, -1 when none
@@ -125,15 +122,14 @@ std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std:
   if (points.empty()) return {};
   const auto cell_m = static_cast<float>(kCellShare * tolerance_m);
   const CellGrid grid(points, cell_m);
-  DisjointSets sets(points.size());
-  const auto join = grid.cell_m() > cell_m ? JoinPoints : JoinCells;
-  const std::vector<std::size_t> set_of =
-      join(points, grid, static_cast<float>(tolerance_m), &sets);
+  const auto tolerance = static_cast<float>(tolerance_m);
+  DisjointSets sets = JoinNeighbours(points, grid, CloseGroups(grid, grid.cell_m() <= cell_m),
+                                     tolerance * tolerance);
   std::vector<Indices> clusters;
   constexpr auto kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(points.size(), kNone);  // of the cluster of a set
   for (std::size_t i = 0; i < points.size(); ++i) {
-    std::size_t& cluster = number[sets.Find(set_of[i])];
+    std::size_t& cluster = number[sets.Find(i)];
     if (cluster == kNone) {
       cluster = clusters.size();
       clusters.emplace_back();

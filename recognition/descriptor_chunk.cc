@@ -14,6 +14,12 @@ constexpr float kRounding = 1e-5F;
 
 float Root(float bin) { return std::sqrt(std::max(0.0F, bin)); }
 
+std::vector<float> RootsOf(const Descriptor& descriptor) {
+  std::vector<float> out(descriptor.size());
+  std::ranges::transform(descriptor, out.begin(), Root);
+  return out;
+}
+
 // Writes the bytes of some roots; returns how far they are from the roots.
 float Encode(std::span<const float> roots, float scale, std::uint8_t* out) {
   double squares = 0;
@@ -29,29 +35,27 @@ float Encode(std::span<const float> roots, float scale, std::uint8_t* out) {
 }  // namespace
 
 DescriptorQuery::DescriptorQuery(const Descriptor& descriptor)
-    : bins(wide::Padded(descriptor.size()), 0.0F) {
+    : bins(wide::Padded(descriptor.size()), 0.0F), roots(RootsOf(descriptor)) {
   std::ranges::copy(descriptor, bins.begin());
-  roots.reserve(descriptor.size());
-  for (const float bin : descriptor) roots.push_back(Root(bin));
 }
 
-DescriptorChunk::DescriptorChunk(std::vector<std::shared_ptr<const TaughtView>> views,
-                                 std::span<const Descriptor* const> descriptors)
-    : views_(std::move(views)) {
-  if (descriptors.empty()) return;
-  bins_ = descriptors.front()->size();
+DescriptorChunk::DescriptorChunk(std::span<const IndexedView> views) {
+  if (views.empty()) return;
+  bins_ = views.front().descriptor.size();
   row_ = wide::Padded(bins_);
   code_row_ = wide::PaddedBytes(bins_);
-  rows_.assign(row_ * descriptors.size(), 0);
-  codes_.assign(code_row_ * descriptors.size(), 0);
-  rounded_off_.reserve(descriptors.size());
+  rows_.assign(row_ * views.size(), 0);
+  codes_.assign(code_row_ * views.size(), 0);
+  views_.reserve(views.size());
+  rounded_off_.reserve(views.size());
   float largest = 0;
-  for (const Descriptor* d : descriptors) largest = std::max(largest, std::ranges::max(*d));
+  for (const IndexedView& v : views) largest = std::max(largest, std::ranges::max(v.descriptor));
   if (largest > 0) scale_ = kLargestCode / Root(largest);
-  for (std::size_t i = 0; i < descriptors.size(); ++i) {
-    std::ranges::copy(*descriptors[i], rows_.begin() + static_cast<std::ptrdiff_t>(i * row_));
-    rounded_off_.push_back(
-        Encode(DescriptorQuery(*descriptors[i]).roots, scale_, codes_.data() + i * code_row_));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Descriptor& descriptor = views[i].descriptor;
+    views_.push_back(views[i].view);
+    std::ranges::copy(descriptor, rows_.begin() + static_cast<std::ptrdiff_t>(i * row_));
+    rounded_off_.push_back(Encode(RootsOf(descriptor), scale_, codes_.data() + i * code_row_));
   }
 }
 

@@ -35,8 +35,7 @@ struct DescriptorQuery {
 // bounds H from below. Immutable; safe for concurrent reads.
 class DescriptorChunk {
  public:
-  DescriptorChunk(std::vector<std::shared_ptr<const TaughtView>> views,
-                  std::span<const Descriptor* const> descriptors);
+  explicit DescriptorChunk(std::span<const IndexedView> views);
 
   std::size_t size() const { return views_.size(); }
   const std::vector<std::shared_ptr<const TaughtView>>& views() const { return views_; }

@@ -8,47 +8,43 @@ namespace graspdb::recognition {
 namespace {
 
 constexpr std::size_t kChunkViews = 512;
-// Views that are measured before all others, so many for each that is wanted: the lowest bounds
+// So many views for each that is wanted say how far the nearest are at most: the lowest bounds
 // mostly belong to the nearest.
-constexpr std::size_t kFirstMeasured = 3;
+constexpr std::size_t kTriedFirst = 3;
 
-// Not at most anything.
-constexpr float kMeasured = std::numeric_limits<float>::quiet_NaN();
+constexpr float kAnything = std::numeric_limits<float>::infinity();
 
 bool Before(const Match& a, const Match& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.view->name < b.view->name;
 }
 
-// The best `count` matches so far, names breaking ties.
+// The best `count` matches so far that are no farther than `limit`, names breaking ties.
 class BestMatches {
  public:
-  explicit BestMatches(std::size_t count) : count_(count) {}
+  BestMatches(std::size_t count, float limit) : count_(count), limit_(limit) {}
 
   // What is farther away than this is none of them.
-  float worst() const { return worst_; }
+  float worst() const {
+    return matches_.size() < count_ ? limit_ : static_cast<float>(matches_.front().distance);
+  }
 
   void Add(const std::shared_ptr<const TaughtView>& view, float distance) {
-    if (distance > worst_) return;
-    Match match{view, static_cast<double>(distance)};
-    if (matches_.size() == count_) {
-      if (!Before(match, matches_.front())) return;
-      std::pop_heap(matches_.begin(), matches_.end(), Before);
-      matches_.back() = std::move(match);
-    } else {
-      matches_.push_back(std::move(match));
-    }
-    std::push_heap(matches_.begin(), matches_.end(), Before);
-    if (matches_.size() == count_) worst_ = static_cast<float>(matches_.front().distance);
+    if (distance > worst()) return;
+    matches_.push_back({view, static_cast<double>(distance)});
+    std::ranges::push_heap(matches_, Before);
+    if (matches_.size() <= count_) return;
+    std::ranges::pop_heap(matches_, Before);
+    matches_.pop_back();
   }
 
   std::vector<Match> TakeSorted() {
-    std::sort_heap(matches_.begin(), matches_.end(), Before);
+    std::ranges::sort_heap(matches_, Before);
     return std::move(matches_);
   }
 
  private:
   std::size_t count_;
-  float worst_ = std::numeric_limits<float>::infinity();
+  float limit_;
   std::vector<Match> matches_;  // a heap, the worst in front
 };
 
@@ -66,37 +62,29 @@ class LowestBounds {
 
   void Add(std::size_t chunk, std::span<const float> bounds) {
     for (std::size_t row = 0; row < bounds.size(); ++row) {
-      if (bounds[row] >= limit_) continue;
       if (heap_.size() == count_) {
-        std::pop_heap(heap_.begin(), heap_.end(), Lower);
+        if (bounds[row] >= heap_.front().bound) continue;
+        std::ranges::pop_heap(heap_, {}, &Bounded::bound);
         heap_.pop_back();
       }
       heap_.push_back({bounds[row], chunk, row});
-      std::push_heap(heap_.begin(), heap_.end(), Lower);
-      if (heap_.size() == count_) limit_ = heap_.front().bound;
+      std::ranges::push_heap(heap_, {}, &Bounded::bound);
     }
   }
 
   const std::vector<Bounded>& all() const { return heap_; }
 
  private:
-  static bool Lower(const Bounded& a, const Bounded& b) { return a.bound < b.bound; }
-
   std::size_t count_;
-  float limit_ = std::numeric_limits<float>::infinity();
   std::vector<Bounded> heap_;
 };
 
-std::shared_ptr<const DescriptorChunk> MakeChunk(std::span<const IndexedView> views) {
-  std::vector<std::shared_ptr<const TaughtView>> names;
-  std::vector<const Descriptor*> descriptors;
-  names.reserve(views.size());
-  descriptors.reserve(views.size());
-  for (const IndexedView& v : views) {
-    names.push_back(v.view);
-    descriptors.push_back(&v.descriptor);
-  }
-  return std::make_shared<const DescriptorChunk>(std::move(names), descriptors);
+// The `count`th smallest; anything where there are fewer.
+float Smallest(std::size_t count, std::vector<float> values) {
+  if (values.size() < count) return kAnything;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(count - 1);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 }  // namespace
@@ -115,11 +103,12 @@ DescriptorIndex DescriptorIndex::With(std::span<const IndexedView> views) const 
       joined.push_back({last.views()[i], last.DescriptorOf(i)});
     }
     joined.insert(joined.end(), views.begin(), views.begin() + static_cast<std::ptrdiff_t>(taken));
-    out.chunks_.back() = MakeChunk(joined);
+    out.chunks_.back() = std::make_shared<const DescriptorChunk>(joined);
     views = views.subspan(taken);
   }
   for (; !views.empty(); views = views.subspan(std::min(views.size(), kChunkViews))) {
-    out.chunks_.push_back(MakeChunk(views.first(std::min(views.size(), kChunkViews))));
+    out.chunks_.push_back(
+        std::make_shared<const DescriptorChunk>(views.first(std::min(views.size(), kChunkViews))));
   }
   return out;
 }
@@ -134,7 +123,8 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
     }
     if (kept.empty()) continue;
     out.view_count_ += kept.size();
-    out.chunks_.push_back(kept.size() == chunk->size() ? chunk : MakeChunk(kept));
+    out.chunks_.push_back(
+        kept.size() == chunk->size() ? chunk : std::make_shared<const DescriptorChunk>(kept));
   }
   return out;
 }
@@ -143,24 +133,21 @@ std::vector<Match> DescriptorIndex::Nearest(const Descriptor& descriptor, int co
   if (count <= 0 || descriptor.size() != bins_) return {};
   const DescriptorQuery query(descriptor);
   const auto wanted = static_cast<std::size_t>(count);
-  LowestBounds lowest(kFirstMeasured * wanted);
+  LowestBounds lowest(kTriedFirst * wanted);
   std::vector<std::vector<float>> bounds(chunks_.size());
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     bounds[c].resize(chunks_[c]->size());
     chunks_[c]->Bound(query, bounds[c]);
     lowest.Add(c, bounds[c]);
   }
-  BestMatches best(wanted);
-  const auto measure = [&](std::size_t chunk, std::size_t row) {
-    best.Add(chunks_[chunk]->views()[row], chunks_[chunk]->Distance(query, row));
-  };
-  for (const Bounded& b : lowest.all()) {
-    measure(b.chunk, b.row);
-    bounds[b.chunk][b.row] = kMeasured;
-  }
+  std::vector<float> tried;
+  tried.reserve(lowest.all().size());
+  for (const Bounded& b : lowest.all()) tried.push_back(chunks_[b.chunk]->Distance(query, b.row));
+  BestMatches best(wanted, Smallest(wanted, std::move(tried)));
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     for (std::size_t row = 0; row < bounds[c].size(); ++row) {
-      if (bounds[c][row] <= best.worst()) measure(c, row);
+      if (bounds[c][row] > best.worst()) continue;
+      best.Add(chunks_[c]->views()[row], chunks_[c]->Distance(query, row));
     }
   }
   return best.TakeSorted();

@@ -24,7 +24,8 @@ constexpr std::size_t kFinalists = 8;
 constexpr double kExplained = 0.94;
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
-constexpr double kPolished = 2e-4;  // and less is none
+// A score that changes by no more than this has not changed.
+constexpr double kPolished = 2e-4;
 // An explanation that is not surer than this is none.
 constexpr double kExplainsNothing = 0.01;
 // A first look that is worse than the best of what was refined by more than this does not become
@@ -42,13 +43,17 @@ constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
 constexpr float kCellM = 0.003F;
 constexpr float kReachM = 0.021F;
 
-bool IsSame(const PoseHypothesis& a, const PoseHypothesis& b) {
-  // Not by the pointers: what is dropped from a cache comes back as another one.
-  if (!HaveSameModel(*a.view, *b.view)) return false;
-  const Pose difference = a.refined.inverse() * b.refined;
-  const Eigen::Vector3d center = a.model->center.cast<double>();
+bool IsSamePlace(const SurfaceModel& model, const Pose& a, const Pose& b) {
+  const Pose difference = a.inverse() * b;
+  const Eigen::Vector3d center = model.center.cast<double>();
   return (difference * center - center).norm() < kSamePlaceM &&
          std::abs(Eigen::AngleAxisd(difference.linear()).angle()) < kSameTurnRad;
+}
+
+// Whether `b` is the model of `a` at `pose`.
+bool IsThere(const PoseHypothesis& a, const Pose& pose, const PoseHypothesis& b) {
+  // Not by the pointers: what is dropped from a cache comes back as another one.
+  return HaveSameModel(*a.view, *b.view) && IsSamePlace(*a.model, pose, b.refined);
 }
 
 // The `count` best, the best first, without those that are the same as a better one.
@@ -59,8 +64,8 @@ void KeepBest(std::size_t count, std::vector<PoseHypothesis>* hypotheses) {
                    });
   std::vector<PoseHypothesis> different;
   for (PoseHypothesis& h : *hypotheses) {
-    const auto same = [&](const PoseHypothesis& other) { return IsSame(h, other); };
-    if (std::any_of(different.begin(), different.end(), same)) continue;
+    const auto same = [&](const auto& other) { return IsThere(h, h.refined, other); };
+    if (std::ranges::any_of(different, same)) continue;
     different.push_back(std::move(h));
     if (different.size() == count) break;
   }
@@ -166,13 +171,11 @@ class Matcher {
 
   // Refines with the model's edges thinned; false where that leads to what is finished.
   bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const {
-    const Pose start = h->refined;
-    const Refinement refinement =
-        Refine(*h->model, target_, start, kFirstSteps, [&](const Pose& pose) {
-          h->refined = pose;
-          return std::ranges::any_of(finished,
-                                     [&](const auto& other) { return IsSame(*h, other); });
-        });
+    const IsKnown is_finished = [&](const Pose& pose) {
+      return std::ranges::any_of(
+          finished, [&](const PoseHypothesis& other) { return IsThere(*h, pose, other); });
+    };
+    const Refinement refinement = Refine(*h->model, target_, h->refined, kFirstSteps, is_finished);
     if (refinement.stopped) return false;
     h->refined = refinement.world_object;
     h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,

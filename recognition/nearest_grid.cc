@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "recognition/bounds.h"
 #include "recognition/wide.h"
 
 namespace graspdb::recognition {
@@ -32,15 +32,10 @@ std::vector<wide::BallRow> RowsWithin(float reach) {
 NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
     : cell_m_(cell_m), inverse_cell_(1 / cell_m) {
   if (points.empty()) return;
-  Eigen::Vector3f low = points.front();
-  Eigen::Vector3f high = points.front();
-  for (const Eigen::Vector3f& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const Eigen::AlignedBox3f bounds = BoundsOf(points);
   const int layers = static_cast<int>(std::ceil(reach_m / cell_m));
-  origin_ = low.array() - static_cast<float>(layers + 1) * cell_m;
-  const Eigen::Vector3f cells = (high - low) * inverse_cell_;
+  origin_ = bounds.min().array() - static_cast<float>(layers + 1) * cell_m;
+  const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
   size_ = cells.array().floor().cast<int>() + 2 * layers + 3;
   limit_ = size_.cast<float>();
   // Wide code may write a whole step from any cell on.
@@ -61,16 +56,19 @@ NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
 Indices NearestGrid::OneEachCell(const Points& points) const {
   std::vector<std::int32_t> in_cell(cells_.size(), -1);
   Indices occupied;
-  const auto off = [&](std::int32_t i) {
-    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
-    return (at.array() - at.array().floor() - 0.5F).matrix().squaredNorm();
+  const auto place = [&](std::int32_t i) -> Eigen::Array3f {
+    return (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+  };
+  const auto off = [](const Eigen::Array3f& at) {
+    return (at - at.floor() - 0.5F).matrix().squaredNorm();
   };
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
-    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+    const Eigen::Array3f at = place(i);
     const std::size_t cell =
         Offset(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()));
-    if (in_cell[cell] < 0) occupied.push_back(static_cast<std::int32_t>(cell));
-    if (in_cell[cell] < 0 || off(i) < off(in_cell[cell])) in_cell[cell] = i;
+    std::int32_t& known = in_cell[cell];
+    if (known < 0) occupied.push_back(static_cast<std::int32_t>(cell));
+    if (known < 0 || off(at) < off(place(known))) known = i;
   }
   for (std::int32_t& cell : occupied) cell = in_cell[static_cast<std::size_t>(cell)];
   return occupied;

@@ -40,8 +40,8 @@ struct RefinementOptions {
 // other, which keeps flat things from sliding, but not where something hides the rest. Tukey's
 // weights. Returns T_world_object; the initial one where nothing corresponds. Deterministic.
 //
-// `is_known` is asked after every iteration but the last whether what lies there is known, and the
-// rest of the way not worth its time.
+// `is_known` is asked after every iteration but the last for the T_world_object that it has come
+// to: whether what lies there is known, and the rest of the way not worth its time.
 struct Refinement {
   Pose world_object = Pose::Identity();
   int iterations = 0;

@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "recognition/bounds.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -132,13 +134,7 @@ SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
       view_count(views) {
   const Points& points = fine.cloud.points;
   if (points.empty()) return;
-  Eigen::Vector3f low = points.front();
-  Eigen::Vector3f high = low;
-  for (const Eigen::Vector3f& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  center = (low + high) / 2;
+  center = BoundsOf(points).center();
   for (const Eigen::Vector3f& p : points) radius_m = std::max(radius_m, (p - center).norm());
 }
 

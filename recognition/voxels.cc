@@ -1,10 +1,11 @@
 #include "recognition/voxels.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "recognition/bounds.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -44,14 +45,9 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m) {
   if (points.empty()) return out;
   const double inverse_size = 1 / voxel_size_m;
   // The order of coordinates is that of voxels.
-  Eigen::Vector3f low = points.front();
-  Eigen::Vector3f high = low;
-  for (const Eigen::Vector3f& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Coordinates first = VoxelOf(low, inverse_size);
-  const Coordinates size = VoxelOf(high, inverse_size) - first + 1;
+  const Eigen::AlignedBox3f bounds = BoundsOf(points);
+  const Coordinates first = VoxelOf(bounds.min(), inverse_size);
+  const Coordinates size = VoxelOf(bounds.max(), inverse_size) - first + 1;
   std::vector<Entry> order(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Coordinates c = VoxelOf(points[i], inverse_size) - first;

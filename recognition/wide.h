@@ -25,7 +25,8 @@ constexpr std::size_t PaddedBytes(std::size_t count) {
 // What pads coordinates: far from everything, m.
 inline constexpr float kFar = 1e15F;
 
-// Coordinates of points, apart from each other.
+// Coordinates of points, apart from each other: metres, any frame, that of what they are compared
+// with.
 struct Coordinates {
   const float* x = nullptr;
   const float* y = nullptr;
@@ -33,24 +34,24 @@ struct Coordinates {
   std::size_t count = 0;  // a multiple of kLanes
 };
 
-// Sums over the points within a radius of one, relative to it.
+// Sums over the points within a radius of one, relative to it, along the axes of their frame.
 struct Moments {
   float count = 0;
-  float first[3] = {};   // x, y, z
-  float second[6] = {};  // xx, xy, xz, yy, yz, zz
+  float first[3] = {};   // x, y, z, m
+  float second[6] = {};  // xx, xy, xz, yy, yz, zz, m^2
 };
 
 // One row of a depth image: pixel u with count c is the point z * (column[u], row, 1) of the sensor
 // frame with z = unit * c, moved into a world frame.
 struct DepthRow {
   const std::uint16_t* counts = nullptr;
-  const float* column = nullptr;  // a value a pixel
-  float row = 0;
-  float unit = 0;
-  float farthest = 0;         // deeper pixels are no measurements, m
-  float rotation[3][3] = {};  // of T_world_sensor
-  float translation[3] = {};
-  float min[3] = {};  // of the region
+  const float* column = nullptr;  // x at a depth of 1 m, a value a pixel
+  float row = 0;                  // y at a depth of 1 m
+  float unit = 0;                 // m
+  float farthest = 0;             // deeper pixels are no measurements, m
+  float rotation[3][3] = {};      // of T_world_sensor
+  float translation[3] = {};      // m
+  float min[3] = {};              // of the region, world frame, m
   float max[3] = {};
   std::size_t width = 0;  // any number
 };
@@ -81,7 +82,7 @@ struct Functions {
   // The sum of the square roots of the values that are at most `limit`.
   float (*sum_roots_up_to)(const float* values, std::size_t count, float limit);
   Moments (*moments)(const Coordinates& points, const float* query, float squared_radius);
-  // How many points are at most `distance` from the plane normal * p = offset.
+  // How many points are at most `distance` from the plane normal * p = offset; all in metres.
   std::size_t (*count_near_plane)(const Coordinates& points, const float* normal, float offset,
                                   float distance);
   // For `count` rows of `row_bytes` bytes, one behind the other, the squared distance of each from

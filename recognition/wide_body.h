@@ -16,8 +16,6 @@ using Ints [[gnu::vector_size(32)]] = std::int32_t;
 using Counts [[gnu::vector_size(16)]] = std::uint16_t;
 using Flags [[gnu::vector_size(8)]] = std::uint8_t;
 
-inline constexpr std::size_t kStep = 8;
-
 inline Floats Load(const float* at) {
   Floats out;
   std::memcpy(&out, at, sizeof(out));
@@ -37,13 +35,13 @@ inline float Sum(const Floats& v) {
 
 inline std::size_t Sum(const Ints& v) {
   std::int64_t sum = 0;
-  for (std::size_t i = 0; i < kStep; ++i) sum += v[i];
+  for (std::size_t i = 0; i < kLanes; ++i) sum += v[i];
   return static_cast<std::size_t>(sum);
 }
 
 inline Floats Roots(const Floats& v) {
   Floats out;
-  for (std::size_t i = 0; i < kStep; ++i) out[i] = __builtin_sqrtf(v[i]);
+  for (std::size_t i = 0; i < kLanes; ++i) out[i] = __builtin_sqrtf(v[i]);
   return out;
 }
 
@@ -51,7 +49,7 @@ inline void SquaredDistances(const Coordinates& points, const float* query, floa
   const Floats qx = All(query[0]);
   const Floats qy = All(query[1]);
   const Floats qz = All(query[2]);
-  for (std::size_t i = 0; i < points.count; i += kStep) {
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
     const Floats dx = Load(points.x + i) - qx;
     const Floats dy = Load(points.y + i) - qy;
     const Floats dz = Load(points.z + i) - qz;
@@ -63,14 +61,14 @@ inline void SquaredDistances(const Coordinates& points, const float* query, floa
 inline std::size_t CountUpTo(const float* values, std::size_t count, float limit) {
   const Floats most = All(limit);
   Ints hits = {};
-  for (std::size_t i = 0; i < count; i += kStep) hits -= Load(values + i) <= most;
+  for (std::size_t i = 0; i < count; i += kLanes) hits -= Load(values + i) <= most;
   return Sum(hits);
 }
 
 inline float SumRootsUpTo(const float* values, std::size_t count, float limit) {
   const Floats most = All(limit);
   Floats sum = {};
-  for (std::size_t i = 0; i < count; i += kStep) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
     const Floats v = Load(values + i);
     sum += Roots(Where(v <= most, v));
   }
@@ -93,7 +91,7 @@ inline Moments MomentsOf(const Coordinates& points, const float* query, float sq
   Floats yz = {};
   Floats zz = {};
   const Floats one = All(1);
-  for (std::size_t i = 0; i < points.count; i += kStep) {
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
     Floats dx = Load(points.x + i) - qx;
     Floats dy = Load(points.y + i) - qy;
     Floats dz = Load(points.z + i) - qz;
@@ -125,7 +123,7 @@ inline std::size_t CountNearPlane(const Coordinates& points, const float* normal
   const Floats most = All(distance);
   const Floats least = All(-distance);
   Ints hits = {};
-  for (std::size_t i = 0; i < points.count; i += kStep) {
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
     const Floats height =
         nx * Load(points.x + i) + ny * Load(points.y + i) + nz * Load(points.z + i) - at;
     hits -= (height <= most) & (height >= least);
@@ -148,7 +146,7 @@ inline void ByteDistances(const std::uint8_t* rows, std::size_t row_bytes, std::
 
 inline float ChiSquare(const float* a, const float* b, std::size_t count) {
   Floats sum = {};
-  for (std::size_t i = 0; i < count; i += kStep) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
     const Floats total = Load(a + i) + Load(b + i);
     const Floats off = Load(a + i) - Load(b + i);
     sum += Where(total > All(0), off * off / total);
@@ -175,7 +173,7 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
         (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells.size[1]) +
          static_cast<std::size_t>(y)) *
         cells.row;
-    for (int x = from; x < to; x += static_cast<int>(kStep)) {
+    for (int x = from; x < to; x += static_cast<int>(kLanes)) {
       const Floats dx = (ramp + All(static_cast<float>(x) + 0.5F - at[0])) * All(cells.cell_m);
       const Floats squared = dx * dx + beside;
       float* best = cells.best + begin + static_cast<std::size_t>(x);
@@ -192,7 +190,7 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
   }
 }
 
-// `left` pixels from u on, at most kStep.
+// `left` pixels from u on, at most kLanes.
 [[gnu::always_inline]] inline void UnprojectSome(const DepthRow& row, std::size_t u,
                                                  std::size_t left, float* const* out,
                                                  std::uint8_t* inside) {
@@ -218,7 +216,7 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
 inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside) {
   float* const out[3] = {x, y, z};
   std::size_t u = 0;
-  for (; u + kStep <= row.width; u += kStep) UnprojectSome(row, u, kStep, out, inside);
+  for (; u + kLanes <= row.width; u += kLanes) UnprojectSome(row, u, kLanes, out, inside);
   if (u < row.width) UnprojectSome(row, u, row.width - u, out, inside);
 }
 
