@@ -33,6 +33,13 @@ constexpr double kExplainsNothing = 0.01;
 constexpr double kCatchesUp = 0.25;
 // The same of one that was refined with thinned edges.
 constexpr double kCatchesUpClosely = 0.1;
+// A first look: place and turn on the table.
+constexpr RefinementOptions kRoughSteps = {.iterations = 6,
+                                           .first_reach_m = 0.02,
+                                           .last_reach_m = 0.008,
+                                           .coarse = true,
+                                           .height_deviation_m = 1e-4,
+                                           .tilt_deviation_rad = 1e-3};
 // What a hypothesis is refined with in full: edges thinned, until little is left to go.
 constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
@@ -87,9 +94,13 @@ class Matcher {
         seen_{input.segmentation.world_sensor, input.segment.centroid,
               ExtentOf(input.segment.cloud.points, sight_.sensor_world()),
               input.segmentation.world_frame != WorldFrame::kSensor},
-        target_{input.segment.cloud, grid_, sight_, seen_.on_table, input.segmentation.table},
-        stride_(static_cast<int>(
-            std::max<std::size_t>(1, input.segment.cloud.points.size() / kRoughPoints))) {}
+        columns_(input.segment.cloud),
+        rough_columns_(input.segment.cloud,
+                       std::max<std::size_t>(1, columns_.point_count() / kRoughPoints)),
+        target_{input.segment.cloud,     columns_, grid_, sight_, seen_.on_table,
+                input.segmentation.table},
+        rough_target_{input.segment.cloud, rough_columns_,          grid_, sight_,
+                      seen_.on_table,      input.segmentation.table} {}
 
   // Rough hypotheses from these views, refined, the best ones kept. `hidden`: sides on which the
   // segment may go on.
@@ -125,7 +136,7 @@ class Matcher {
   const Sight& sight() const { return sight_; }
 
   std::vector<PoseHypothesis> TakeRanked() {
-    RankClosely(input_.segment, sight_, parameters_.support_distance_m, &hypotheses_);
+    RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
     return std::move(hypotheses_);
   }
 
@@ -138,19 +149,15 @@ class Matcher {
       h.symmetry_order = stable_pose.symmetry_order;
       h.view = view;
       h.rough = rough;
-      h.refined = Refine(*model, target_, rough,
-                         {.iterations = 6,
-                          .first_reach_m = 0.02,
-                          .last_reach_m = 0.008,
-                          .stride = stride_,
-                          .coarse = true,
-                          .height_deviation_m = 1e-4,
-                          .tilt_deviation_rad = 1e-3})
-                      .world_object;
-      h.evidence = Verify(*model, h.refined, input_.segment, sight_,
-                          {parameters_.support_distance_m, stride_, /*coarse=*/true});
+      h.refined = Refine(*model, rough_target_, rough, kRoughSteps).world_object;
+      h.evidence = VerifyRoughly(*model, h.refined);
       hypotheses_.push_back(std::move(h));
     }
+  }
+
+  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const {
+    return Verify(model, world_object, rough_columns_, sight_,
+                  {.tolerance_m = parameters_.support_distance_m, .coarse = true});
   }
 
   // Refines the hypotheses in full, the most promising first: not those that are so much worse
@@ -178,8 +185,7 @@ class Matcher {
     const Refinement refinement = Refine(*h->model, target_, h->refined, kFirstSteps, is_finished);
     if (refinement.stopped) return false;
     h->refined = refinement.world_object;
-    h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
-                         {parameters_.support_distance_m, stride_, /*coarse=*/true});
+    h->evidence = VerifyRoughly(*h->model, h->refined);
     return true;
   }
 
@@ -187,7 +193,7 @@ class Matcher {
     const Refinement refinement = Refine(*h->model, target_, h->refined, options);
     h->refined = refinement.world_object;
     h->iterations = refinement.iterations;
-    h->evidence = Verify(*h->model, h->refined, input_.segment, sight_,
+    h->evidence = Verify(*h->model, h->refined, columns_, sight_,
                          {.tolerance_m = parameters_.support_distance_m});
   }
 
@@ -212,8 +218,10 @@ class Matcher {
   const Sight sight_;
   const NearestGrid grid_;
   const SeenSegment seen_;
+  const OrientedColumns columns_;
+  const OrientedColumns rough_columns_;  // some of them
   const RefinementTarget target_;
-  const int stride_;
+  const RefinementTarget rough_target_;
   std::vector<PoseHypothesis> hypotheses_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "recognition/types.h"
+#include "recognition/wide_surface.h"
 
 namespace graspdb::recognition {
 
@@ -9,25 +10,29 @@ namespace graspdb::recognition {
 // inlined.
 class Motion {
  public:
-  explicit Motion(const Pose& pose)
-      : r_(pose.linear().cast<float>()), t_(pose.translation().cast<float>()) {}
-  explicit Motion(const Eigen::Isometry3f& pose) : r_(pose.linear()), t_(pose.translation()) {}
+  explicit Motion(const Pose& pose) : Motion(Eigen::Isometry3f(pose.cast<float>())) {}
+  explicit Motion(const Eigen::Isometry3f& pose) {
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(m_.rotation[0]) = pose.linear();
+    Eigen::Map<Eigen::Vector3f>(m_.translation) = pose.translation();
+  }
 
   // From frame b to frame a.
   Eigen::Vector3f Point(const Eigen::Vector3f& p) const {
-    return {r_(0, 0) * p.x() + r_(0, 1) * p.y() + r_(0, 2) * p.z() + t_.x(),
-            r_(1, 0) * p.x() + r_(1, 1) * p.y() + r_(1, 2) * p.z() + t_.y(),
-            r_(2, 0) * p.x() + r_(2, 1) * p.y() + r_(2, 2) * p.z() + t_.z()};
+    return {Along(0, p) + m_.translation[0], Along(1, p) + m_.translation[1],
+            Along(2, p) + m_.translation[2]};
   }
   Eigen::Vector3f Direction(const Eigen::Vector3f& d) const {
-    return {r_(0, 0) * d.x() + r_(0, 1) * d.y() + r_(0, 2) * d.z(),
-            r_(1, 0) * d.x() + r_(1, 1) * d.y() + r_(1, 2) * d.z(),
-            r_(2, 0) * d.x() + r_(2, 1) * d.y() + r_(2, 2) * d.z()};
+    return {Along(0, d), Along(1, d), Along(2, d)};
   }
+  // The same for wide code.
+  const wide::Rigid& rigid() const { return m_; }
 
  private:
-  Eigen::Matrix3f r_;
-  Eigen::Vector3f t_;
+  float Along(std::size_t row, const Eigen::Vector3f& v) const {
+    return m_.rotation[row][0] * v.x() + m_.rotation[row][1] * v.y() + m_.rotation[row][2] * v.z();
+  }
+
+  wide::Rigid m_;
 };
 
 }  // namespace graspdb::recognition

@@ -29,15 +29,14 @@ std::vector<wide::BallRow> RowsWithin(float reach) {
 
 }  // namespace
 
-NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
-    : cell_m_(cell_m), inverse_cell_(1 / cell_m) {
+NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m)
+    : inverse_cell_(1 / cell_m) {
   if (points.empty()) return;
   const Eigen::AlignedBox3f bounds = BoundsOf(points);
   const int layers = static_cast<int>(std::ceil(reach_m / cell_m));
   origin_ = bounds.min().array() - static_cast<float>(layers + 1) * cell_m;
   const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
   size_ = cells.array().floor().cast<int>() + 2 * layers + 3;
-  limit_ = size_.cast<float>();
   // Wide code may write a whole step from any cell on.
   row_ = wide::Padded(static_cast<std::size_t>(size_.x())) + wide::kLanes;
   cells_.assign(row_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
@@ -45,33 +44,51 @@ NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
   const float far = reach_m + std::sqrt(0.75F) * cell_m;
   std::vector<float> best(cells_.size(), far * far);
   const std::vector<wide::BallRow> rows = RowsWithin(far * inverse_cell_);
-  const wide::Cells all = {size_.data(), row_, cell_m_, best.data(), cells_.data()};
+  const wide::Cells all = {size_.data(), row_, cell_m, best.data(), cells_.data()};
   for (const std::int32_t i : OneEachCell(points)) {
-    const Eigen::Vector3f at = (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
+    const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     wide::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
 }
 
 // Of the points in one cell the nearest to its centre stands for all of them.
-Indices NearestGrid::OneEachCell(const Points& points) const {
+Indices NearestGrid::Level::OneEachCell(const Points& points) const {
   std::vector<std::int32_t> in_cell(cells_.size(), -1);
   Indices occupied;
-  const auto place = [&](std::int32_t i) -> Eigen::Array3f {
-    return (points[static_cast<std::size_t>(i)] - origin_) * inverse_cell_;
-  };
+  const auto place = [&](std::int32_t i) { return Place(points[static_cast<std::size_t>(i)]); };
   const auto off = [](const Eigen::Array3f& at) {
     return (at - at.floor() - 0.5F).matrix().squaredNorm();
   };
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
     const Eigen::Array3f at = place(i);
-    const std::size_t cell =
-        Offset(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()));
+    const std::size_t cell = CellOf(at);
     std::int32_t& known = in_cell[cell];
     if (known < 0) occupied.push_back(static_cast<std::int32_t>(cell));
     if (known < 0 || off(at) < off(place(known))) known = i;
   }
   for (std::int32_t& cell : occupied) cell = in_cell[static_cast<std::size_t>(cell)];
   return occupied;
+}
+
+wide::NearestCells NearestGrid::Level::cells() const {
+  wide::NearestCells out;
+  out.nearest = cells_.data();
+  Eigen::Map<Eigen::Vector3f>(out.origin) = origin_;
+  out.inverse_cell = inverse_cell_;
+  Eigen::Map<Eigen::Vector3f>(out.size) = size_.cast<float>();
+  out.row = static_cast<std::int32_t>(row_);
+  out.layer = static_cast<std::int32_t>(row_) * size_.y();
+  return out;
+}
+
+NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
+    : near_(points, cell_m, 2 * cell_m), far_(points, 2 * cell_m, reach_m) {}
+
+wide::LookUp NearestGrid::LookUpIn(const OrientedCloud& cloud) const {
+  return {.near = near_.cells(),
+          .far = far_.cells(),
+          .points = cloud.points.empty() ? nullptr : cloud.points.front().data(),
+          .normals = cloud.normals.empty() ? nullptr : cloud.normals.front().data()};
 }
 
 }  // namespace graspdb::recognition

@@ -5,49 +5,67 @@
 #include <vector>
 
 #include "recognition/types.h"
+#include "recognition/wide_surface.h"
 
 namespace graspdb::recognition {
 
-// A grid of cells around `points`, each of which knows the point nearest to its centre. A query
-// costs one look-up; the point that it gives may be farther than the nearest by up to a cell's
-// diagonal. Exact enough where residuals are measured against the tangent plane there.
-// Deterministic; safe for concurrent queries.
+// Cells around `points`, each of which knows the point nearest to its centre: small ones near the
+// points, and twice as large ones as far as the grid reaches. A query costs one or two look-ups;
+// the point that it gives may be farther than the nearest by up to a cell's diagonal. Exact enough
+// where residuals are measured against the tangent plane there. Metres, any frame. Deterministic;
+// safe for concurrent queries.
 class NearestGrid {
  public:
-  // Cells of `cell_m` metres whose centres are up to `reach_m` metres (and half a cell's diagonal)
-  // away from a point know one.
+  // Small cells of `cell_m` metres whose centres are up to twice as far from a point know one, and
+  // large ones whose centres are up to `reach_m` metres away (and half a cell's diagonal).
   NearestGrid(const Points& points, float cell_m, float reach_m);
 
   // The position of the nearest point; -1 when there is none within reach.
   int Nearest(const Eigen::Vector3f& query) const {
-    const float x = (query.x() - origin_.x()) * inverse_cell_;
-    const float y = (query.y() - origin_.y()) * inverse_cell_;
-    const float z = (query.z() - origin_.z()) * inverse_cell_;
-    const bool inside = x >= 0 && x < limit_.x() && y >= 0 && y < limit_.y() && z >= 0 &&
-                        z < limit_.z();  // false for what is not a number
-    if (!inside) return -1;
-    return cells_[Offset(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z))];
+    const int near = near_.Nearest(query);
+    return near >= 0 ? near : far_.Nearest(query);
   }
 
-  std::size_t bytes() const { return cells_.size() * sizeof(cells_[0]); }
+  // For wide code: this grid, which must be over `cloud`; both must outlive what is returned.
+  wide::LookUp LookUpIn(const OrientedCloud& cloud) const;
+
+  std::size_t bytes() const { return near_.bytes() + far_.bytes(); }
 
  private:
-  std::size_t Offset(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_.y()) +
-            static_cast<std::size_t>(y)) *
-               row_ +
-           static_cast<std::size_t>(x);
-  }
+  // Cells of one size.
+  class Level {
+   public:
+    Level(const Points& points, float cell_m, float reach_m);
 
-  Indices OneEachCell(const Points& points) const;
+    int Nearest(const Eigen::Vector3f& query) const {
+      const Eigen::Array3f at = Place(query);
+      // False for what is not a number.
+      const bool inside = (at >= 0).all() && (at < size_.cast<float>().array()).all();
+      return inside ? cells_[CellOf(at)] : -1;
+    }
+    wide::NearestCells cells() const;
+    std::size_t bytes() const { return cells_.size() * sizeof(cells_[0]); }
 
-  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
-  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-  Eigen::Vector3f limit_ = Eigen::Vector3f::Zero();  // size_ as floats
-  std::size_t row_ = 0;  // cells between the beginnings of rows: some more than size_.x()
-  float cell_m_;
-  float inverse_cell_;
-  std::vector<std::int32_t> cells_;
+   private:
+    Eigen::Array3f Place(const Eigen::Vector3f& p) const { return (p - origin_) * inverse_cell_; }
+    std::size_t CellOf(const Eigen::Array3f& place) const {
+      const Eigen::Array3i at = place.cast<int>();
+      return (static_cast<std::size_t>(at.z()) * static_cast<std::size_t>(size_.y()) +
+              static_cast<std::size_t>(at.y())) *
+                 row_ +
+             static_cast<std::size_t>(at.x());
+    }
+    Indices OneEachCell(const Points& points) const;
+
+    Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
+    Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+    std::size_t row_ = 0;  // cells between the beginnings of rows: some more than size_.x()
+    float inverse_cell_;
+    std::vector<std::int32_t> cells_;
+  };
+
+  Level near_;
+  Level far_;
 };
 
 }  // namespace graspdb::recognition

@@ -64,7 +64,7 @@ Standing StandingOf(const PoseHypothesis& h, const PoseHypothesis& best) {
 
 }  // namespace
 
-void RankClosely(const Segment& segment, const Sight& sight, double support_distance_m,
+void RankClosely(const OrientedColumns& segment, const Sight& sight, double support_distance_m,
                  std::vector<PoseHypothesis>* hypotheses) {
   if (hypotheses->empty()) return;
   const double tolerance = std::clamp(kDeviations * hypotheses->front().evidence.rms_m,

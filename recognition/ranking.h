@@ -33,7 +33,7 @@ struct PoseHypothesis {
 // Sorts `hypotheses`, of which the first explains the scan best within `support_distance_m`, by
 // how well they explain it within the noise that the first one leaves; things that differ by
 // some millimetres differ there. Sets close_score and standing. Deterministic.
-void RankClosely(const Segment& segment, const Sight& sight, double support_distance_m,
+void RankClosely(const OrientedColumns& segment, const Sight& sight, double support_distance_m,
                  std::vector<PoseHypothesis>* hypotheses);
 
 // The largest distance between two posed surfaces, from either to the other, m; no more than

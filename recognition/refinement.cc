@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "recognition/motion.h"
+#include "recognition/wide.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -19,13 +20,9 @@ constexpr double kPointDeviationM = 0.0012;
 constexpr double kPointsThatErrTogether = 30;
 // Surfaces that face each other less than this do not correspond.
 constexpr float kMinAgreement = 0.5F;
-// Neighbours on one surface are about so far apart, m.
-constexpr float kSpacingM = 0.003F;
 // Weight of the distance along a surface that has ended, against that across it.
-constexpr double kEdgeWeight = 0.3;
+constexpr float kEdgeWeight = 0.3F;
 constexpr float kMinFacing = 0.2F;
-// The scan's points are about so far apart, m.
-constexpr double kVoxelM = 0.003;
 constexpr double kNegligibleMoveM = 2e-5;
 // A measured table says more than a calibration: its deviations are so much smaller.
 constexpr double kMeasuredTableShare = 0.25;
@@ -33,98 +30,73 @@ constexpr double kMeasuredTableShare = 0.25;
 // The normal equations of one step: a turn about `center` and then a move, world frame.
 class Step {
  public:
-  explicit Step(const Vector3f& center) : center_(center) {}
-
-  // The point `q` shall move by `residual` along the unit vector `direction`.
-  void Add(const Vector3f& q, const Vector3f& direction, double residual, double weight) {
-    Vector6d row;
-    row << (q - center_).cross(direction).cast<double>(), direction.cast<double>();
-    hessian_.noalias() += weight * row * row.transpose();
-    gradient_ += weight * residual * row;
-    total_ += weight;
+  // Sums about the center, in a frame that `world_sums` turns into that of the world.
+  void Add(const wide::NormalEquations& sums, const Eigen::Matrix3d& world_sums, double share) {
+    Matrix6d turn = Matrix6d::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = world_sums;
+    Matrix6d hessian;
+    const float* next = sums.hessian;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) hessian(i, j) = hessian(j, i) = static_cast<double>(*next++);
+    }
+    hessian_ += share * turn * hessian * turn.transpose();
+    gradient_ +=
+        share * turn * Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums.gradient).cast<double>();
+    weight_ += share * static_cast<double>(sums.weight);
   }
 
   void AddPrior(int parameter, double value, double deviation) {
     const double ratio = kPointDeviationM / deviation;
-    const double weight = ratio * ratio * std::max(1.0, total_ / kPointsThatErrTogether);
+    const double weight = ratio * ratio * std::max(1.0, weight_ / kPointsThatErrTogether);
     hessian_(parameter, parameter) += weight;
     gradient_(parameter) += weight * value;
   }
 
-  bool is_empty() const { return total_ <= 0; }
+  bool is_empty() const { return weight_ <= 0; }
 
   Vector6d Solve() const {
     Matrix6d damped = hessian_;
-    damped.diagonal().array() += 1e-9 * std::max(1.0, total_);
+    damped.diagonal().array() += 1e-9 * std::max(1.0, weight_);
     return damped.ldlt().solve(gradient_);
   }
 
  private:
-  Vector3f center_;
   Matrix6d hessian_ = Matrix6d::Zero();
   Vector6d gradient_ = Vector6d::Zero();
-  double total_ = 0;
+  double weight_ = 0;
 };
 
-double Tukey(float distance, float reach) {
-  const float share = distance / reach;
-  if (share >= 1) return 0;
-  const float rest = 1 - share * share;
-  return static_cast<double>(rest * rest);
-}
-
-// Pulls the model point `q` to `p`: across the surface, and along it where that has ended.
-void Pull(const Vector3f& p, const Vector3f& q, const Vector3f& normal, bool across, float reach,
-          double share, Step* step) {
-  const Vector3f d = p - q;
-  const double weight = share * Tukey(d.norm(), reach);
-  if (weight <= 0) return;
-  const float height = d.dot(normal);
-  if (across) step->Add(q, normal, static_cast<double>(height), weight);
-  const Vector3f along = d - height * normal;
-  const float beyond = along.norm() - kSpacingM;
-  if (beyond <= 0) return;
-  step->Add(q, along.normalized(), static_cast<double>(beyond), kEdgeWeight * weight);
-}
-
 void AddScan(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
-             float reach, int stride, Step* step) {
-  const Motion forth(world_object);
-  const Motion back(world_object.inverse());
-  for (std::size_t i = 0; i < target.cloud.points.size(); i += static_cast<std::size_t>(stride)) {
-    const Vector3f& p = target.cloud.points[i];
-    const int nearest = model.grid.Nearest(back.Point(p));
-    if (nearest < 0) continue;
-    const auto at = static_cast<std::size_t>(nearest);
-    const Vector3f normal = forth.Direction(model.fine.cloud.normals[at]);
-    if (normal.dot(target.cloud.normals[i]) < kMinAgreement) continue;
-    Pull(p, forth.Point(model.fine.cloud.points[at]), normal, true, reach, 1, step);
-  }
+             float reach, Step* step) {
+  wide::Pulls pulls;
+  pulls.from = target.columns.coordinates();
+  pulls.to_from = Motion(world_object.inverse()).rigid();
+  pulls.to = model.look_up();
+  Eigen::Map<Vector3f>(pulls.center) = model.center;
+  pulls.reach = reach;
+  pulls.spacing = kSurfaceSpacingM;
+  pulls.edge_weight = kEdgeWeight;
+  pulls.least_agreement = kMinAgreement;
+  step->Add(wide::Best().pull(pulls), world_object.linear(), 1);
 }
 
-// The model's edges that the camera would see and that reach beyond the scan.
+// The model's edges that the camera would see and that reach beyond the scan; each counts `share`.
 void AddEdges(const Surface& surface, const RefinementTarget& target, const Pose& world_object,
-              float reach, double weight, Step* step) {
-  const Motion forth(world_object);
-  const Motion sensor_world(target.sight.sensor_world());
-  const Vector3f viewpoint = target.sight.sensor_world().inverse().translation();
-  for (std::size_t i = 0; i < surface.cloud.points.size(); ++i) {
-    const Vector3f q = forth.Point(surface.cloud.points[i]);
-    const Vector3f normal = forth.Direction(surface.cloud.normals[i]);
-    const Vector3f sight = viewpoint - q;
-    if (normal.dot(sight) < kMinFacing * sight.norm()) continue;
-    const int nearest = target.grid.Nearest(q);
-    if (nearest < 0) continue;
-    const auto at = static_cast<std::size_t>(nearest);
-    if (normal.dot(target.cloud.normals[at]) < kMinAgreement) continue;
-    if ((target.cloud.points[at] - q).squaredNorm() < kSpacingM * kSpacingM) continue;
-    const Sight::Look look =
-        target.sight.At(sensor_world.Point(q), sensor_world.Direction(normal), kSpacingM);
-    if (look.finding != Sight::Finding::kDenied && look.finding != Sight::Finding::kMissing) {
-      continue;
-    }
-    Pull(target.cloud.points[at], q, normal, false, reach, weight, step);
-  }
+              const Vector3f& center, float reach, double share, Step* step) {
+  wide::EdgePulls pulls;
+  pulls.surface = surface.columns.coordinates();
+  pulls.scan_surface = Motion(world_object).rigid();
+  pulls.sensor_surface =
+      Motion(Eigen::Isometry3f(target.sight.sensor_world() * world_object.cast<float>())).rigid();
+  pulls.scan = target.grid.LookUpIn(target.cloud);
+  pulls.window = target.sight.window();
+  Eigen::Map<Vector3f>(pulls.center) = center;
+  pulls.reach = reach;
+  pulls.spacing = kSurfaceSpacingM;
+  pulls.least_facing = kMinFacing;
+  pulls.least_agreement = kMinAgreement;
+  step->Add(wide::Best().pull_edges(pulls), Eigen::Matrix3d::Identity(),
+            static_cast<double>(kEdgeWeight) * share);
 }
 
 void AddTable(const SurfaceModel& model, const std::optional<Plane>& measured,
@@ -156,6 +128,7 @@ Pose Moved(const Pose& world_object, const Vector3f& center, const Vector6d& ste
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
                   const RefinementOptions& options, const IsKnown& is_known) {
   Refinement out{initial};
+  if (target.cloud.points.empty() || model.fine.cloud.points.empty()) return out;
   Pose& pose = out.world_object;
   const double shrink =
       options.iterations > 1
@@ -163,14 +136,14 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
           : 1;
   const Surface& surface = options.coarse ? model.coarse : model.fine;
   // Points of the model count for as much area as those of the scan.
-  const double density = static_cast<double>(surface.spacing_m) / kVoxelM;
-  const double edge_share = density * density / options.stride;
+  const double density = static_cast<double>(surface.spacing_m / kSurfaceSpacingM);
+  const double edge_share = density * density / static_cast<double>(target.columns.stride());
   double reach = options.first_reach_m;
   for (; out.iterations < options.iterations; ++out.iterations, reach *= shrink) {
     const Vector3f center = (pose * model.center.cast<double>()).cast<float>();
-    Step step(center);
-    AddScan(model, target, pose, static_cast<float>(reach), options.stride, &step);
-    AddEdges(surface, target, pose, static_cast<float>(reach), edge_share, &step);
+    Step step;
+    AddScan(model, target, pose, static_cast<float>(reach), &step);
+    AddEdges(surface, target, pose, center, static_cast<float>(reach), edge_share, &step);
     if (step.is_empty()) return out;
     if (target.on_table) AddTable(model, target.table, pose, center, options, &step);
     const Vector6d move = step.Solve();

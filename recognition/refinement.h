@@ -14,7 +14,8 @@ namespace graspdb::recognition {
 // What a model is refined against: voxels of one segment, world frame, and look-ups over them.
 struct RefinementTarget {
   const OrientedCloud& cloud;
-  const NearestGrid& grid;  // over cloud.points
+  const OrientedColumns& columns;  // of all its points, or of every so many, which are pulled
+  const NearestGrid& grid;         // over cloud.points
   const Sight& sight;
   bool on_table = true;  // the object stands on a table: `table` where it was measured, else z = 0
   std::optional<Plane> table = std::nullopt;  // world frame
@@ -25,9 +26,7 @@ struct RefinementOptions {
   // Correspondences may be so far apart at the first and at the last iteration, m.
   double first_reach_m = 0.02;
   double last_reach_m = 0.005;
-  // Every so many points of the cloud are used, and the model's coarse surface.
-  int stride = 1;
-  bool coarse = false;
+  bool coarse = false;  // the model's coarse surface, for its edges
   // How firmly the object stands on the table: the deviations in height and tilt that a
   // calibration leaves; half of them where the table was measured. Small: only place and turn on
   // the table are refined.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "recognition/motion.h"
 #include "recognition/wide.h"
 
 namespace graspdb::recognition {
@@ -38,14 +39,10 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
                           const std::optional<Box>& region) {
   RegionPoints out;
   const Bounds bounds(region);
-  const Eigen::Matrix3f r = a_sensor.linear().cast<float>();
-  const Eigen::Vector3f t = a_sensor.translation().cast<float>();
+  const Motion motion(a_sensor);
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3f& s = scan[i];
     // In the order in which images are unprojected, for the same bits.
-    const Eigen::Vector3f p(r(0, 0) * s.x() + r(0, 1) * s.y() + r(0, 2) * s.z() + t.x(),
-                            r(1, 0) * s.x() + r(1, 1) * s.y() + r(1, 2) * s.z() + t.y(),
-                            r(2, 0) * s.x() + r(2, 1) * s.y() + r(2, 2) * s.z() + t.z());
+    const Eigen::Vector3f p = motion.Point(scan[i]);
     // False for what is not a number.
     const bool inside = p.x() >= bounds.low.x() && p.x() <= bounds.high.x() &&
                         p.y() >= bounds.low.y() && p.y() <= bounds.high.y() &&
@@ -69,9 +66,7 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
   row.column = columns.data();
   row.unit = static_cast<float>(image.unit_m);
   row.farthest = kFarthest;
-  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(row.rotation[0]) =
-      a_sensor.linear().cast<float>();
-  Eigen::Map<Eigen::Vector3f>(row.translation) = a_sensor.translation().cast<float>();
+  row.world_sensor = Motion(a_sensor).rigid();
   Eigen::Map<Eigen::Vector3f>(row.min) = bounds.low;
   Eigen::Map<Eigen::Vector3f>(row.max) = bounds.high;
   std::array<std::vector<float>, 3> world;

@@ -14,7 +14,6 @@ constexpr float kPitch = 0.0035F;
 constexpr float kMarginM = 0.12F;
 constexpr int kLargestSide = 2000;
 constexpr float kPerPitch = 1 / kPitch;
-constexpr float kSide = kLargestSide + 2;
 // What stands before an edge of the segment is at most so many pixels from it, and nearer by this.
 constexpr int kEdgePixels = 3;
 constexpr float kBeforeM = 0.02F;
@@ -44,7 +43,7 @@ PixelRange PixelsIn(const CameraIntrinsics& camera, const Eigen::Vector2f& low,
 }  // namespace
 
 Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
-    : sensor_world_(world_sensor.inverse().cast<float>()), segmented_(scan.segmented) {
+    : sensor_world_(world_sensor.inverse().cast<float>()), alone_(scan.segmented) {
   if (segment.indices.empty()) return;
   Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9F);
   Eigen::Vector2f high = -low;
@@ -65,37 +64,44 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
               .array()
               .min(kLargestSide) +
           1;
-  pixels_.resize(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()));
-  const auto put = [&](const Eigen::Vector3f& p, bool of_segment) {
-    if (!IsMeasured(p)) return;
-    const Eigen::Vector2i at = Project(p);
-    Pixel* pixel = const_cast<Pixel*>(PixelAt(at));
-    if (pixel == nullptr || (pixel->depth_m > 0 && pixel->depth_m <= p.z() && !of_segment)) return;
-    *pixel = {p.z(), of_segment};
-  };
+  row_ = static_cast<std::size_t>(size_.x() + 2 * kBorder);
+  depths_.assign(row_ * static_cast<std::size_t>(size_.y() + 2 * kBorder), 0);
   if (scan.is_image()) {
     const PixelRange range = PixelsIn(scan.depth_image.camera, low_, size_);
     for (int v = range.low.y(); v < range.high.y(); ++v) {
       const auto row =
           static_cast<std::size_t>(v) * static_cast<std::size_t>(scan.depth_image.camera.width);
       for (int u = range.low.x(); u < range.high.x(); ++u) {
-        put(scan.PointAt(row + static_cast<std::size_t>(u)), false);
+        Put(scan.PointAt(row + static_cast<std::size_t>(u)), false);
       }
     }
   } else {
-    for (const Eigen::Vector3f& p : scan.points) put(p, false);
+    for (const Eigen::Vector3f& p : scan.points) Put(p, false);
   }
-  for (const std::int32_t i : segment.indices) put(scan.PointAt(i), true);
+  for (const std::int32_t i : segment.indices) Put(scan.PointAt(i), true);
+}
+
+void Sight::Put(const Eigen::Vector3f& p, bool of_segment) {
+  if (!IsMeasured(p)) return;
+  const Eigen::Vector2i at = Project(p);
+  if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return;
+  float& known = depths_[PlaceOf(at)];
+  if (of_segment) {
+    known = p.z();
+  } else if (known == 0 || std::abs(known) > p.z()) {
+    known = -p.z();
+  }
 }
 
 bool Sight::IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step,
                   bool unmeasured_too) const {
+  static_assert(kEdgePixels <= kBorder);
   bool is_measured = false;
   for (int reach = 1; reach <= kEdgePixels; ++reach) {
-    const Pixel* beyond = PixelAt(at + reach * step);
-    if (beyond == nullptr || beyond->depth_m <= 0) continue;
+    const float beyond = DepthAt(at + reach * step);
+    if (beyond == 0) continue;
     is_measured = true;
-    if (!beyond->of_segment && beyond->depth_m < PixelAt(at)->depth_m - kBeforeM) return true;
+    if (beyond < 0 && -beyond < DepthAt(at) - kBeforeM) return true;
   }
   return unmeasured_too && !is_measured;
 }
@@ -106,12 +112,11 @@ Sight::Sides Sight::SidesWhere(bool unmeasured_too) const {
   for (int y = 0; y < size_.y(); ++y) {
     for (int x = 0; x < size_.x(); ++x) {
       const Eigen::Vector2i at(x, y);
-      if (!PixelAt(at)->of_segment) continue;
+      if (DepthAt(at) <= 0) continue;
       for (int side = 0; side < 4; ++side) {
         const Eigen::Vector2i step(side == 0 ? 1 : (side == 1 ? -1 : 0),
                                    side == 2 ? 1 : (side == 3 ? -1 : 0));
-        const Pixel* next = PixelAt(at + step);
-        if (next != nullptr && next->of_segment) continue;
+        if (DepthAt(at + step) > 0) continue;
         ++ends;
         cut[static_cast<std::size_t>(side)] += IsCut(at, step, unmeasured_too);
       }
@@ -124,46 +129,22 @@ Sight::Sides Sight::SidesWhere(bool unmeasured_too) const {
 }
 
 Eigen::Vector2i Sight::Project(const Eigen::Vector3f& p) const {
-  // Far outside, where an integer has no room, is outside as well.
-  const float u = (p.x() / p.z() - low_.x()) * kPerPitch;
-  const float v = (p.y() / p.z() - low_.y()) * kPerPitch;
-  const bool near = u >= -kSide && u <= kSide && v >= -kSide && v <= kSide;
-  return near ? Eigen::Vector2i(static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)))
-              : Eigen::Vector2i(-2, -2);
+  const Eigen::Array2f at = (p.head<2>() / p.z() - low_).array() * kPerPitch;
+  // Before it becomes an integer, which may have no room for it; false for what is not a number.
+  const bool near = (at >= -1).all() && (at < size_.cast<float>().array() + 1).all();
+  if (!near) return {-2, -2};
+  const Eigen::Vector2i pixel = at.floor().cast<int>();
+  return pixel;
 }
 
-const Sight::Pixel* Sight::PixelAt(int x, int y) const {
-  if (x < 0 || y < 0 || x >= size_.x() || y >= size_.y()) return nullptr;
-  return &pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x()) +
-                  static_cast<std::size_t>(x)];
-}
-
-Sight::Look Sight::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                      float tolerance_m) const {
-  const Eigen::Vector2i at = Project(point);
-  const float slant = std::abs(normal.dot(point)) / point.norm();
-  bool measured = false;
-  bool before_by_segment = false;
-  bool before_by_other = false;
-  float nearest = 1e9F;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const Pixel* pixel = PixelAt(at.x() + dx, at.y() + dy);
-      if (pixel == nullptr || pixel->depth_m <= 0) continue;
-      // The measured surface lies `ahead` in front of the claimed one, along the line of sight;
-      // across the surface it is as much nearer as the surface is slanted.
-      const float ahead = point.z() - pixel->depth_m;
-      nearest = std::min(nearest, std::abs(ahead) * slant);
-      const bool center = dx == 0 && dy == 0;
-      measured = measured || center;
-      if (!center || ahead * slant <= tolerance_m) continue;
-      (pixel->of_segment ? before_by_segment : before_by_other) = true;
-    }
-  }
-  if (nearest < tolerance_m) return {Finding::kThere, nearest};
-  if (before_by_other) return {Finding::kHidden, 0};
-  if (measured || before_by_segment) return {Finding::kDenied, 0};
-  return {segmented_ ? Finding::kMissing : Finding::kUnknown, 0};
+wide::SightWindow Sight::window() const {
+  if (depths_.empty()) return {};
+  return {.depth = &depths_[PlaceOf({0, 0})],
+          .row = static_cast<std::ptrdiff_t>(row_),
+          .low = {low_.x(), low_.y()},
+          .pixels_per_unit = kPerPitch,
+          .size = {static_cast<float>(size_.x()), static_cast<float>(size_.y())},
+          .alone = alone_};
 }
 
 }  // namespace graspdb::recognition

@@ -1,10 +1,12 @@
 // What the camera saw along each line of sight around a segment.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "recognition/segmentation.h"
 #include "recognition/types.h"
+#include "recognition/wide_surface.h"
 
 namespace graspdb::recognition {
 
@@ -16,23 +18,6 @@ class Sight {
   // segment, a pixel without a point was free, or the sensor failed there, or whoever cut the thing
   // out has lost it.
   Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment);
-
-  // What is known of a place where a surface is claimed to be.
-  enum class Finding {
-    kThere,    // a surface was measured there
-    kHidden,   // something else stands before it
-    kDenied,   // the camera looked through it, or saw the segment's surface before it
-    kMissing,  // nothing was measured, in a scan that shows the thing alone
-    kUnknown,  // nothing was measured
-  };
-  struct Look {
-    Finding finding = Finding::kUnknown;
-    float distance_m = 0;  // kThere: between claimed and measured surface, across the surface
-  };
-
-  // `point` and its unit `normal` in the sensor frame; surfaces nearer than `tolerance_m` are
-  // the same.
-  Look At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float tolerance_m) const;
 
   // Sides of the image on which something nearer cuts the segment off.
   struct Sides {
@@ -47,25 +32,34 @@ class Sight {
   // sensor.
   Sides UnseenSides() const { return SidesWhere(/*unmeasured_too=*/true); }
 
+  // For wide code, while this lives.
+  wide::SightWindow window() const;
+
   const Eigen::Isometry3f& sensor_world() const { return sensor_world_; }
 
  private:
-  struct Pixel {
-    float depth_m = 0;  // of the nearest point; 0: none
-    bool of_segment = false;
-  };
-  const Pixel* PixelAt(int x, int y) const;
-  const Pixel* PixelAt(const Eigen::Vector2i& at) const { return PixelAt(at.x(), at.y()); }
+  static constexpr int kBorder = 3;
+
+  // Where a pixel's depth is kept; up to kBorder beyond the window there is a place that stays 0.
+  std::size_t PlaceOf(const Eigen::Vector2i& at) const {
+    return static_cast<std::size_t>(at.y() + kBorder) * row_ +
+           static_cast<std::size_t>(at.x() + kBorder);
+  }
+  float DepthAt(const Eigen::Vector2i& at) const { return depths_[PlaceOf(at)]; }
+  // Beside the window the place just outside of its corner.
   Eigen::Vector2i Project(const Eigen::Vector3f& point) const;
+  void Put(const Eigen::Vector3f& point, bool of_segment);
   // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
   bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;
   Sides SidesWhere(bool unmeasured_too) const;
 
   Eigen::Isometry3f sensor_world_;
-  bool segmented_;
+  bool alone_;
   Eigen::Vector2f low_ = Eigen::Vector2f::Zero();  // of the window, x/z and y/z
   Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
-  std::vector<Pixel> pixels_;
+  std::size_t row_ = 0;  // places between the beginnings of rows
+  // Of the nearest point, m: the segment's as they are, of anything else negative; 0: none.
+  std::vector<float> depths_;
 };
 
 }  // namespace graspdb::recognition

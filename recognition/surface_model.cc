@@ -18,8 +18,6 @@ constexpr float kCoarsePoints = 350;
 // The grid for look-ups: its cells, and how far from the surface it reaches, m.
 constexpr float kGridCellM = 0.003F;
 constexpr float kGridReachM = 0.021F;
-// Points of a fused surface are about so far apart, m.
-constexpr float kSpacingM = 0.003F;
 // What lies farther from the surface is another one's, m.
 constexpr float kDeviationReachM = 0.008F;
 // Every so many points are measured.
@@ -92,22 +90,22 @@ class Fusion {
 
 // One point of each cell, and of each side that the surface has there.
 Surface Thinned(const Surface& fine) {
-  Surface out;
+  OrientedCloud out;
   const auto count = static_cast<float>(fine.cloud.points.size());
-  out.spacing_m = fine.spacing_m * std::max(1.0F, std::sqrt(count / kCoarsePoints));
+  const float spacing_m = fine.spacing_m * std::max(1.0F, std::sqrt(count / kCoarsePoints));
   std::unordered_map<std::uint64_t, Normals> taken;
   for (std::size_t i = 0; i < fine.cloud.points.size(); ++i) {
     const Eigen::Vector3f& n = fine.cloud.normals[i];
-    Normals& here = taken[KeyOf(fine.cloud.points[i], out.spacing_m)];
+    Normals& here = taken[KeyOf(fine.cloud.points[i], spacing_m)];
     const auto is_same_side = [&](const Eigen::Vector3f& other) {
       return other.dot(n) > kSameSide;
     };
     if (std::any_of(here.begin(), here.end(), is_same_side)) continue;
     here.push_back(n);
-    out.cloud.points.push_back(fine.cloud.points[i]);
-    out.cloud.normals.push_back(n);
+    out.points.push_back(fine.cloud.points[i]);
+    out.normals.push_back(n);
   }
-  return out;
+  return {std::move(out), spacing_m};
 }
 
 float DeviationOf(const SurfaceModel& model, std::span<const PosedCloud> views) {
@@ -128,7 +126,7 @@ float DeviationOf(const SurfaceModel& model, std::span<const PosedCloud> views) 
 }  // namespace
 
 SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
-    : fine{std::move(fused), kCellM},
+    : fine(std::move(fused), kCellM),
       coarse(Thinned(fine)),
       grid(fine.cloud.points, kGridCellM, kGridReachM),
       view_count(views) {
@@ -145,13 +143,16 @@ float SurfaceModel::DistanceTo(const Eigen::Vector3f& p) const {
   const Eigen::Vector3f d = p - fine.cloud.points[i];
   const float across = d.dot(fine.cloud.normals[i]);
   const float along = std::sqrt(std::max(0.0F, d.squaredNorm() - across * across));
-  const float beyond = std::max(0.0F, along - kSpacingM);
+  const float beyond = std::max(0.0F, along - kSurfaceSpacingM);
   return std::sqrt(across * across + beyond * beyond);
 }
 
 std::size_t SurfaceModel::bytes() const {
-  return sizeof(*this) + grid.bytes() +
-         2 * sizeof(Eigen::Vector3f) * (fine.cloud.points.size() + coarse.cloud.points.size());
+  std::size_t out = sizeof(*this) + grid.bytes();
+  for (const Surface* surface : {&fine, &coarse}) {
+    out += 2 * sizeof(Eigen::Vector3f) * surface->cloud.points.size() + surface->columns.bytes();
+  }
+  return out;
 }
 
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views) {

@@ -3,16 +3,25 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "recognition/nearest_grid.h"
+#include "recognition/oriented_columns.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
 
+// Neighbours on one surface are about so far apart, in scans as in models, m.
+inline constexpr float kSurfaceSpacingM = 0.003F;
+
 // Points with normals that cover a surface, about `spacing_m` metres apart.
 struct Surface {
+  Surface(OrientedCloud covering, float spacing)
+      : cloud(std::move(covering)), columns(cloud), spacing_m(spacing) {}
+
   OrientedCloud cloud;
-  float spacing_m = 0;
+  OrientedColumns columns;  // the same
+  float spacing_m;
 };
 
 // A surface in the frame of the stable pose, metres. Immutable.
@@ -24,6 +33,9 @@ struct SurfaceModel {
   // Distance of `p` (object frame, m) from the surface: across it, and along it where the
   // surface has ended. 1 m where the grid knows nothing.
   float DistanceTo(const Eigen::Vector3f& p) const;
+
+  // For wide code.
+  wide::LookUp look_up() const { return grid.LookUpIn(fine.cloud); }
 
   Surface fine;
   Surface coarse;    // some hundred of the same points, for first looks

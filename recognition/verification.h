@@ -17,13 +17,13 @@ struct Evidence {
 
 // Residuals in both directions, coverage and free space: a posed object may not stand where the
 // camera looked through. `tolerance_m` is the distance at which surfaces are no longer the same.
-// A first look takes every `stride`th point and the coarse surface.
+// A first look takes some of the segment's points and the coarse surface. `segment` is in the world
+// frame.
 struct VerificationOptions {
   double tolerance_m = 0.008;
-  int stride = 1;
   bool coarse = false;
 };
-Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Segment& segment,
+Evidence Verify(const SurfaceModel& model, const Pose& world_object, const OrientedColumns& segment,
                 const Sight& sight, const VerificationOptions& options);
 
 // The points of `surface` that a camera at `sensor_object` (T_sensor_object) sees if nothing

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "recognition/wide_surface.h"
+
 namespace graspdb::recognition::wide {
 
 // Arrays of floats are read in steps of so many; their lengths are multiples of it.
@@ -25,15 +27,6 @@ constexpr std::size_t PaddedBytes(std::size_t count) {
 // What pads coordinates: far from everything, m.
 inline constexpr float kFar = 1e15F;
 
-// Coordinates of points, apart from each other: metres, any frame, that of what they are compared
-// with.
-struct Coordinates {
-  const float* x = nullptr;
-  const float* y = nullptr;
-  const float* z = nullptr;
-  std::size_t count = 0;  // a multiple of kLanes
-};
-
 // Sums over the points within a radius of one, relative to it, along the axes of their frame.
 struct Moments {
   float count = 0;
@@ -49,9 +42,8 @@ struct DepthRow {
   float row = 0;                  // y at a depth of 1 m
   float unit = 0;                 // m
   float farthest = 0;             // deeper pixels are no measurements, m
-  float rotation[3][3] = {};      // of T_world_sensor
-  float translation[3] = {};      // m
-  float min[3] = {};              // of the region, world frame, m
+  Rigid world_sensor = {};
+  float min[3] = {};  // of the region, world frame, m
   float max[3] = {};
   std::size_t width = 0;  // any number
 };
@@ -98,6 +90,25 @@ struct Functions {
   // Writes the world coordinates of the row's pixels and whether each was measured and lies in
   // the region (1) or not (0); `width` of each.
   void (*unproject)(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside);
+
+  // Each point pulls the nearest of the surface to itself, where their normals agree: across the
+  // surface, and along it where that has ended; Tukey's weights.
+  NormalEquations (*pull)(const Pulls& pulls);
+  // Each such edge is pulled along its surface to the scan's nearest point, where their normals
+  // agree; Tukey's weights.
+  NormalEquations (*pull_edges)(const EdgePulls& pulls);
+  // `to_from` moves the points into the surface's frame; `spacing` is that of its points.
+  Support (*support)(const Coordinates& points, const Rigid& to_from, const LookUp& surface,
+                     float spacing, float tolerance);
+  // Moves a surface into the sensor frame, and says (1 or 0) what faces the sensor: where the
+  // cosine between normal and line of sight is at least `least_facing`, more than 0.
+  void (*face)(const OrientedCoordinates& surface, const Rigid& sensor_surface, float least_facing,
+               float* x, float* y, float* z, std::uint8_t* facing);
+  // Looks at those points of a surface whose byte in `visible` is not 0. What is missing in a scan
+  // of the thing alone is expected with `missing_weight`.
+  Seen (*look)(const OrientedCoordinates& surface, const Rigid& sensor_surface,
+               const std::uint8_t* visible, const SightWindow& window, float tolerance,
+               float missing_weight);
 };
 
 // The widest functions that this processor has.

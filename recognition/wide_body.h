@@ -5,45 +5,12 @@
 #include <cstdint>
 #include <cstring>
 
-#include "recognition/wide.h"
+#include "recognition/wide_lanes.h"
+#include "recognition/wide_sight_body.h"
+#include "recognition/wide_surface_body.h"
 
 namespace graspdb::recognition::wide {
 namespace {
-
-// Eight numbers; gcc and clang make of them what the processor has.
-using Floats [[gnu::vector_size(32)]] = float;
-using Ints [[gnu::vector_size(32)]] = std::int32_t;
-using Counts [[gnu::vector_size(16)]] = std::uint16_t;
-using Flags [[gnu::vector_size(8)]] = std::uint8_t;
-
-inline Floats Load(const float* at) {
-  Floats out;
-  std::memcpy(&out, at, sizeof(out));
-  return out;
-}
-
-inline Floats All(float value) {
-  return Floats{value, value, value, value, value, value, value, value};
-}
-
-// The value where the mask is set, else 0.
-inline Floats Where(const Ints& mask, const Floats& value) { return (Floats)((Ints)value & mask); }
-
-inline float Sum(const Floats& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
-inline std::size_t Sum(const Ints& v) {
-  std::int64_t sum = 0;
-  for (std::size_t i = 0; i < kLanes; ++i) sum += v[i];
-  return static_cast<std::size_t>(sum);
-}
-
-inline Floats Roots(const Floats& v) {
-  Floats out;
-  for (std::size_t i = 0; i < kLanes; ++i) out[i] = __builtin_sqrtf(v[i]);
-  return out;
-}
 
 inline void SquaredDistances(const Coordinates& points, const float* query, float* out) {
   const Floats qx = All(query[0]);
@@ -203,9 +170,9 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
   const Floats down = All(row.row) * depth;
   Ints is_inside = (depth > All(0)) & (depth <= All(row.farthest));
   for (int axis = 0; axis < 3; ++axis) {
-    const float* r = row.rotation[axis];
-    const Floats at =
-        All(r[0]) * right + All(r[1]) * down + All(r[2]) * depth + All(row.translation[axis]);
+    const float* r = row.world_sensor.rotation[axis];
+    const Floats at = All(r[0]) * right + All(r[1]) * down + All(r[2]) * depth +
+                      All(row.world_sensor.translation[axis]);
     is_inside &= (at >= All(row.min[axis])) & (at <= All(row.max[axis]));
     std::memcpy(out[axis] + u, &at, left * sizeof(at[0]));
   }
@@ -226,4 +193,4 @@ inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::ui
 // All of them, as Functions has them behind its name.
 #define GRASPDB_WIDE_FUNCTIONS                                                                    \
   SquaredDistances, CountUpTo, SumRootsUpTo, MomentsOf, CountNearPlane, ByteDistances, ChiSquare, \
-      Spread, Unproject
+      Spread, Unproject, Pull, PullEdges, SupportOf, Face, Look

@@ -42,8 +42,8 @@ TEST(NearestGrid, ReachesAsFarAsItIsToldInEveryDirection) {
     if (distance < kReach) {
       EXPECT_EQ(grid.Nearest(query), 0);
     }
-    // A cell knows what its centre is near enough to.
-    if (distance > kReach + 2 * kCell) {
+    // A cell knows what its centre is near enough to, and is twice as large that far away.
+    if (distance > kReach + 4 * kCell) {
       EXPECT_EQ(grid.Nearest(query), -1);
     }
   }

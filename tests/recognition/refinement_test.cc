@@ -24,7 +24,8 @@ double Error(const SurfaceModel& model, const Pose& a, const Pose& b) {
 
 // What a camera 1 m above the origin sees when there is `cloud` (world frame) and nothing else.
 struct Seen {
-  explicit Seen(OrientedCloud seen) : cloud(std::move(seen)), grid(cloud.points, 0.003F, 0.02F) {
+  explicit Seen(OrientedCloud seen)
+      : cloud(std::move(seen)), columns(cloud), grid(cloud.points, 0.003F, 0.02F) {
     world_sensor.translation().z() = 1;
     world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
     Scan scan{.points = Transform(world_sensor.inverse(), cloud.points),
@@ -37,9 +38,10 @@ struct Seen {
     }
     sight.emplace(scan, world_sensor, segment);
   }
-  RefinementTarget Target(bool on_table) const { return {cloud, grid, *sight, on_table}; }
+  RefinementTarget Target(bool on_table) const { return {cloud, columns, grid, *sight, on_table}; }
 
   OrientedCloud cloud;
+  OrientedColumns columns;
   NearestGrid grid;
   Pose world_sensor = Pose::Identity();
   std::optional<Sight> sight;

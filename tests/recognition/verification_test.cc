@@ -68,8 +68,8 @@ class VerificationTest : public ::testing::Test {
       return {};
     }
     const Segment& segment = segmentation->segments.front();
-    return Verify(model, claimed, segment, Sight(scan, world_sensor, segment),
-                  {.tolerance_m = kTolerance});
+    return Verify(model, claimed, OrientedColumns(segment.cloud),
+                  Sight(scan, world_sensor, segment), {.tolerance_m = kTolerance});
   }
 
   static Pose At(double x, double y, double yaw_rad) {

@@ -134,7 +134,8 @@ TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
   DepthRow row;
   row.counts = counts.data();
   row.column = column.data();
-  row.rotation[0][0] = row.rotation[1][1] = row.rotation[2][2] = 1;
+  row.world_sensor.rotation[0][0] = row.world_sensor.rotation[1][1] =
+      row.world_sensor.rotation[2][2] = 1;
   row.unit = 0.001F;
   row.farthest = 100;
   row.min[0] = -0.5F;

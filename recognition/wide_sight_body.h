@@ -1,0 +1,144 @@
+// The functions of wide.h that ask what a camera saw where a surface is claimed to be, as
+// wide_body.h has the others.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "recognition/wide_lanes.h"
+#include "recognition/wide_surface_body.h"
+
+namespace graspdb::recognition::wide {
+namespace {
+
+// The pixels of a window on which some places lie; one beyond a window where they lie on none.
+struct Pixels {
+  Ints at;      // from pixel (0, 0)
+  Ints inside;  // or next to it
+};
+
+inline Pixels PixelsOf(const SightWindow& window, const Floats3& p) {
+  const Floats u = (p.x / p.z - All(window.low[0])) * All(window.pixels_per_unit);
+  const Floats v = (p.y / p.z - All(window.low[1])) * All(window.pixels_per_unit);
+  const Ints inside = (u >= All(-1)) & (u < All(window.size[0] + 1)) & (v >= All(-1)) &
+                      (v < All(window.size[1] + 1));
+  // Towards zero is down where nothing is negative.
+  const Ints column = __builtin_convertvector(Where(inside, u + All(1)), Ints) - 1;
+  const Ints line = __builtin_convertvector(Where(inside, v + All(1)), Ints) - 1;
+  return {line * static_cast<std::int32_t>(window.row) + column, inside};
+}
+
+inline Floats DepthsAt(const SightWindow& window, const Pixels& pixels, std::ptrdiff_t step) {
+  Floats depth;
+  for (std::size_t i = 0; i < kLanes; ++i) depth[i] = window.depth[pixels.at[i] + step];
+  return Where(pixels.inside, depth);
+}
+
+// How far measured depths are from `z`, m; very far where nothing was measured.
+inline Floats Off(const Floats& depth, const Floats& z) {
+  constexpr float kNothing = 1e9F;
+  const Ints measured = depth != All(0);
+  return Where(measured, Absolute(z - Absolute(depth))) + Where(~measured, All(kNothing));
+}
+
+// What is known of such places. At most one of the masks is set.
+struct Finding {
+  Ints there;    // a surface was measured there
+  Ints hidden;   // something else stands before it
+  Ints denied;   // the camera looked through it, or saw the segment's surface before it
+  Ints missing;  // nothing was measured, in a scan that shows the thing alone
+  Floats off;    // between claimed and measured surface, across the surface, m
+};
+
+// `slant` is the cosine between normal and line of sight: across a surface, what is measured is so
+// much nearer than along the line of sight.
+inline Finding Find(const SightWindow& window, const Floats3& p, const Floats& slant,
+                    float tolerance) {
+  const Pixels pixels = PixelsOf(window, p);
+  const Floats center = DepthsAt(window, pixels, 0);
+  Floats off = Off(center, p.z);
+  for (std::ptrdiff_t dy = -1; dy <= 1; ++dy) {
+    for (std::ptrdiff_t dx = -1; dx <= 1; ++dx) {
+      const Floats beside = Off(DepthsAt(window, pixels, dy * window.row + dx), p.z);
+      off = Where(beside < off, beside) + Where(~(beside < off), off);
+    }
+  }
+  Finding out;
+  out.off = off * slant;
+  out.there = out.off < All(tolerance);
+  const Ints measured = center != All(0);
+  out.hidden = ~out.there & (center < All(0)) & ((p.z + center) * slant > All(tolerance));
+  out.denied = ~out.there & ~out.hidden & measured;
+  out.missing = window.alone ? ~out.there & ~measured : Ints{};
+  return out;
+}
+
+inline NormalEquations PullEdges(const EdgePulls& in) {
+  Equations sums;
+  if (in.window.depth == nullptr) return {};
+  const Floats per_reach = All(1 / (in.reach * in.reach));
+  const Floats facing = All(in.least_facing * in.least_facing);
+  const Floats3 center = All3(in.center);
+  for (std::size_t i = 0; i < in.surface.points.count; i += kLanes) {
+    const Floats3 place = Load3(in.surface.points, i);
+    const Floats3 direction = Load3(in.surface.normals, i);
+    const Floats3 seen = Point(in.sensor_surface, place);
+    const Floats towards = -Dot(Direction(in.sensor_surface, direction), seen);
+    const Floats squared = Dot(seen, seen);
+    Ints pulled = (towards > All(0)) & (towards * towards >= facing * squared);
+    if (!Any(pulled)) continue;
+    const Floats3 q = Point(in.scan_surface, place);
+    Ints known;
+    const Ints at = NearestOf(in.scan, q, &known);
+    pulled &= known;
+    if (!Any(pulled)) continue;
+    const Floats3 d = Minus(Gather3(in.scan.points, at), q);
+    const Floats distance = Dot(d, d);
+    const Floats rest = All(1) - distance * per_reach;
+    pulled &= (distance >= All(in.spacing * in.spacing)) & (rest > All(0));
+    if (!Any(pulled)) continue;
+    const Floats3 normal = Direction(in.scan_surface, direction);
+    pulled &= Dot(normal, Gather3(in.scan.normals, at)) >= All(in.least_agreement);
+    if (!Any(pulled)) continue;
+    const Floats slant = towards / Roots(squared);
+    // Mostly the pixel itself shows the surface, and its neighbours need not be asked.
+    const Floats shown = DepthsAt(in.window, PixelsOf(in.window, seen), 0);
+    pulled &= Off(shown, seen.z) * slant >= All(in.spacing);
+    if (!Any(pulled)) continue;
+    const Finding finding = Find(in.window, seen, slant, in.spacing);
+    pulled &= finding.denied | finding.missing;
+    const Floats3 along = Minus(d, Times(normal, Dot(d, normal)));
+    AddAlong(along, in.spacing, Minus(q, center), rest * rest, pulled, &sums);
+  }
+  return Added(sums);
+}
+
+inline Seen Look(const OrientedCoordinates& surface, const Rigid& sensor_surface,
+                 const std::uint8_t* visible, const SightWindow& window, float tolerance,
+                 float missing_weight) {
+  if (window.depth == nullptr) return {};
+  Floats all = {};
+  Floats expected = {};
+  Floats found = {};
+  for (std::size_t i = 0; i < surface.points.count; i += kLanes) {
+    Flags flags;
+    std::memcpy(&flags, visible + i, sizeof(flags));
+    const Ints looked_at = __builtin_convertvector(flags, Ints) != 0;
+    if (!Any(looked_at)) continue;
+    const Floats3 p = Point(sensor_surface, Load3(surface.points, i));
+    const Floats3 normal = Direction(sensor_surface, Load3(surface.normals, i));
+    const Floats slant = -Dot(normal, p) / Roots(Dot(p, p));
+    const Floats area = Where(looked_at, slant);
+    const Finding finding = Find(window, p, slant, tolerance);
+    all += area;
+    expected += Where(finding.there | finding.denied, area) +
+                Where(finding.missing, area * All(missing_weight));
+    const Floats share = finding.off / All(tolerance);
+    found += Where(finding.there, area * (All(1) - share * share));
+  }
+  return {Sum(all), Sum(expected), Sum(found)};
+}
+
+}  // namespace
+}  // namespace graspdb::recognition::wide

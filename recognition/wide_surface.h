@@ -1,0 +1,106 @@
+// What the functions of wide.h need to know of surfaces: oriented points, look-ups, lines of sight.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace graspdb::recognition::wide {
+
+// Coordinates of points, apart from each other: metres, any frame, that of what they are compared
+// with.
+struct Coordinates {
+  const float* x = nullptr;
+  const float* y = nullptr;
+  const float* z = nullptr;
+  std::size_t count = 0;  // a multiple of kLanes
+};
+
+// Points and their unit normals; those of padding are zero.
+struct OrientedCoordinates {
+  Coordinates points;
+  Coordinates normals;
+};
+
+// T_a_b: p_a = rotation * p_b + translation, metres.
+struct Rigid {
+  float rotation[3][3] = {};
+  float translation[3] = {};
+};
+
+// Cells of one size of a NearestGrid; metres.
+struct NearestCells {
+  const std::int32_t* nearest = nullptr;  // a cell's nearest point, -1: none; at least one cell
+  float origin[3] = {};
+  float inverse_cell = 0;
+  float size[3] = {};      // cells along each axis
+  std::int32_t row = 0;    // cells between the beginnings of rows
+  std::int32_t layer = 0;  // and of layers
+};
+
+// A cloud with a NearestGrid over it, in one frame; metres.
+struct LookUp {
+  NearestCells near;
+  NearestCells far;               // asked where the others know nothing
+  const float* points = nullptr;  // three floats each, at least one point
+  const float* normals = nullptr;
+};
+
+// Oriented points that are pulled onto a surface.
+struct Pulls {
+  OrientedCoordinates from;
+  Rigid to_from;
+  LookUp to;
+  float center[3] = {};       // turns are about it, frame of `to`
+  float reach = 0;            // what is farther away is not pulled, m
+  float spacing = 0;          // of the surface's points, m
+  float edge_weight = 0;      // of pulls along a surface that has ended, against those across it
+  float least_agreement = 0;  // cosine between normals that correspond
+};
+
+// Sums over rows J = [(q - center) x d, d] of pulls by r along d at q, with weights w.
+struct NormalEquations {
+  float hessian[21] = {};  // w J J^T, its upper triangle row by row
+  float gradient[6] = {};  // w r J
+  float weight = 0;
+};
+
+// What a camera measured, see Sight: a window of pixels. Three more to every side of it can be read
+// and hold nothing.
+struct SightWindow {
+  const float* depth = nullptr;  // of pixel (0, 0): m along z, negative: of something else, 0: none
+  std::ptrdiff_t row = 0;        // pixels between the beginnings of rows
+  float low[2] = {};             // x/z and y/z where the first pixel begins
+  float pixels_per_unit = 0;     // of x/z
+  float size[2] = {};            // in pixels
+  bool alone = false;            // the scan shows one thing alone: what it lacks was not there
+};
+
+// The edges of a surface that a camera would see and did not, and that the scan comes near to.
+struct EdgePulls {
+  OrientedCoordinates surface;
+  Rigid scan_surface;    // from the surface's frame to that of the scan
+  Rigid sensor_surface;  // and to that of the sensor
+  LookUp scan;
+  SightWindow window;
+  float center[3] = {};       // turns are about it, frame of the scan
+  float reach = 0;            // what is farther away does not pull, m
+  float spacing = 0;          // what is nearer is there, m
+  float least_facing = 0;     // cosine between normal and line of sight
+  float least_agreement = 0;  // cosine between normals that correspond
+};
+
+// How well points lie on a surface.
+struct Support {
+  float explained = 0;  // sum of 1 - (d / tolerance)^2 over distances d below the tolerance
+  float squares = 0;    // of those distances, m^2
+  float near = 0;       // how many they are
+};
+
+// How much of a surface was measured where it should be; areas as the camera sees them, in points.
+struct Seen {
+  float all = 0;
+  float expected = 0;  // in sight, nothing else before it
+  float found = 0;     // of that, less what is off
+};
+
+}  // namespace graspdb::recognition::wide
