@@ -46,7 +46,7 @@ absl::Status Gallery::Teach(const Trial& trial) {
   auto descriptor =
       recognition::Describe(shown->segment.cloud, view->world_sensor, parameters_.descriptor.kind);
   if (!descriptor.ok()) return descriptor.status();
-  clouds_[view->name] = std::make_shared<const OrientedCloud>(std::move(shown->segment.cloud));
+  Add(view->name, std::make_shared<const OrientedCloud>(std::move(shown->segment.cloud)));
   views_.push_back({std::move(view), *std::move(descriptor)});
   return absl::OkStatus();
 }
@@ -68,26 +68,6 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
   }
   recognition::DescriptorIndex index(recognition::DescriptorSize(parameters_.descriptor.kind));
   return {.revision = 1, .index = index.With(views), .stable_poses = std::move(poses)};
-}
-
-absl::StatusOr<std::shared_ptr<const OrientedCloud>> Gallery::Load(const TaughtView& view) {
-  const auto found = clouds_.find(view.name);
-  if (found == clouds_.end()) return absl::NotFoundError(view.name);
-  return found->second;
-}
-
-absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> Gallery::LoadModel(
-    const TaughtView& view, const TaughtStablePose& stable_pose) {
-  std::string key;
-  for (const TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
-    absl::StrAppend(&key, part->name, "\n");
-  }
-  const std::lock_guard lock(mutex_);
-  auto& known = models_[key];
-  if (known) return known;
-  auto model = recognition::FuseModel(view, stable_pose, *this);
-  if (model.ok()) known = *model;
-  return model;
 }
 
 std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(const Workpiece& part) {

@@ -2,20 +2,19 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "client/eval/trial.h"
+#include "recognition/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::client {
 
 // Views that were taught. Teaching is not thread-safe; asking is.
-class Gallery : public recognition::ViewClouds {
+class Gallery : public recognition::CloudsInMemory {
  public:
   Gallery(const std::vector<Workpiece>& parts,
           const recognition::RecognitionParameters& parameters);
@@ -29,20 +28,10 @@ class Gallery : public recognition::ViewClouds {
   // What the first view of a part shows with all that share its frame; null where there is none.
   std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
 
-  absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
-      const recognition::TaughtView& view) override;
-  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
-      const recognition::TaughtView& view,
-      const recognition::TaughtStablePose& stable_pose) override;
-
  private:
   const std::vector<Workpiece>* parts_;
   recognition::RecognitionParameters parameters_;
   std::vector<recognition::IndexedView> views_;
-  std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
-  std::mutex mutex_;  // guards models_
-  // By the names of the views that they are fused from.
-  std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
 };
 
 // Resource names of a workpiece and of its stable pose.

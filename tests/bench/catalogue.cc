@@ -101,7 +101,7 @@ Catalogue::Catalogue(std::size_t view_count) {
       view->world_sensor = s.world_sensor;
       view->shares_frame = true;
       made[s.part]->views.push_back(view);
-      clouds_[view->name] = cloud;
+      Add(view->name, cloud);
       views_.push_back({view, cloud, *descriptor});
       indexed.push_back({view, *std::move(descriptor)});
     }
@@ -109,21 +109,6 @@ Catalogue::Catalogue(std::size_t view_count) {
   }
   snapshot_.index = snapshot_.index.With(indexed);
   snapshot_.stable_poses = std::move(poses);
-}
-
-absl::StatusOr<std::shared_ptr<const OrientedCloud>> Catalogue::Load(const TaughtView& view) {
-  const auto found = clouds_.find(view.name);
-  if (found == clouds_.end()) return absl::NotFoundError(view.name);
-  return found->second;
-}
-
-absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> Catalogue::LoadModel(
-    const TaughtView& view, const TaughtStablePose& stable_pose) {
-  auto& known = models_[stable_pose.name];
-  if (known) return known;
-  auto model = recognition::FuseModel(view, stable_pose, *this);
-  if (model.ok()) known = *model;
-  return model;
 }
 
 }  // namespace graspdb::bench

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "recognition/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::bench {
@@ -19,23 +18,15 @@ struct TaughtCloud {
 
 // Sample parts seen by a simulated Kinect v2 from all around, and as many parts stretched and
 // squeezed along their axes as it takes to have `view_count` views. The same on every run.
-class Catalogue : public recognition::ViewClouds {
+class Catalogue : public recognition::CloudsInMemory {
  public:
   explicit Catalogue(std::size_t view_count);
 
   const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
   const std::vector<TaughtCloud>& views() const { return views_; }
 
-  absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
-      const recognition::TaughtView& view) override;
-  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
-      const recognition::TaughtView& view,
-      const recognition::TaughtStablePose& stable_pose) override;
-
  private:
   std::vector<TaughtCloud> views_;
-  std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
-  std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
   recognition::CatalogueSnapshot snapshot_{
       .revision = 1,
       .index = recognition::DescriptorIndex(

@@ -78,7 +78,8 @@ class Twins : public ViewClouds {
       return taught_.LoadModel(view, stable_pose);
     }
     const auto& poses = *taught_.snapshot().stable_poses;
-    auto model = taught_.LoadModel(view, *poses.at("objects/tower/stablePoses/upright"));
+    const TaughtStablePose& tower = *poses.at("objects/tower/stablePoses/upright");
+    auto model = taught_.LoadModel(*tower.views.front(), tower);
     if (!twin_ && model.ok()) twin_ = std::make_shared<const SurfaceModel>(**model);
     return twin_;
   }

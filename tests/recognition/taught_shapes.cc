@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "recognition/region.h"
 
@@ -87,32 +86,13 @@ void TaughtShapes::Teach(const std::string& object, std::vector<recognition::Tau
     view->world_object = part.world_solid;
     view->world_sensor = WorldSensor();
     auto descriptor = Describe(*cloud, eye, recognition::DescriptorParameters{}.kind);
-    clouds_[view->name] = std::move(cloud);
+    Add(view->name, std::move(cloud));
     view->shares_frame = true;
     taught.views.push_back(view);
     views_.push_back({std::move(view), *std::move(descriptor)});
   }
   stable_poses_[pose_name] =
       std::make_shared<const recognition::TaughtStablePose>(std::move(taught));
-}
-
-absl::StatusOr<std::shared_ptr<const OrientedCloud>> TaughtShapes::Load(
-    const recognition::TaughtView& view) {
-  const auto found = clouds_.find(view.name);
-  if (found == clouds_.end()) return absl::NotFoundError(view.name);
-  return found->second;
-}
-
-absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> TaughtShapes::LoadModel(
-    const recognition::TaughtView& /*view*/, const recognition::TaughtStablePose& stable_pose) {
-  auto& model = models_[stable_pose.name];
-  if (model) return model;
-  std::vector<recognition::PosedCloud> clouds;
-  for (const auto& view : stable_pose.views) {
-    clouds.push_back({clouds_.at(view->name), view->world_object});
-  }
-  model = recognition::FuseViews(clouds);
-  return model;
 }
 
 double LargestCornerError(const std::string& object, const Pose& a, const Pose& b) {

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "recognition/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 #include "tests/recognition/table_scene.h"
 
@@ -12,7 +13,7 @@ namespace graspdb::testing {
 
 // "bracket" (two grasps), "tower" (one grasp) and "slab" (none), without symmetry. Each
 // has one stable pose and 18 views, 20 degrees apart.
-class TaughtShapes : public recognition::ViewClouds {
+class TaughtShapes : public recognition::CloudsInMemory {
  public:
   TaughtShapes();
 
@@ -27,19 +28,11 @@ class TaughtShapes : public recognition::ViewClouds {
 
   const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
 
-  absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> Load(
-      const recognition::TaughtView& view) override;
-  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
-      const recognition::TaughtView& view,
-      const recognition::TaughtStablePose& stable_pose) override;
-
  private:
   void Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps);
 
   std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>
       stable_poses_;
-  std::unordered_map<std::string, std::shared_ptr<const recognition::OrientedCloud>> clouds_;
-  std::unordered_map<std::string, std::shared_ptr<const recognition::SurfaceModel>> models_;
   std::vector<recognition::IndexedView> views_;
   recognition::CatalogueSnapshot snapshot_;
 };
