@@ -3,22 +3,18 @@
 # docs/experiment.md, between the lines that say so.
 set -euo pipefail
 report=$1
-docs=$(realpath "$(dirname "$0")/../../docs")
-document=$docs/experiment.md
-begin="<!-- begin: made by ./run eval -->"
-end="<!-- end: made by ./run eval -->"
-grep -qxF -- "$begin" "$document" && grep -qxF -- "$end" "$document" ||
-  { echo "$document has lost the lines \"$begin\" and \"$end\"" >&2; exit 1; }
+tests=$(realpath "$(dirname "$0")/..")
+docs=$(realpath "$tests/../docs")
 
-# picture NAME WORDS: a plot of the report, copied and shown.
+# picture NAME WORDS: shows a plot of the report, which is copied below.
+pictures=()
 picture() {
-  cp "$report/figures/$1.svg" "$docs/pictures/experiment-$1.svg"
+  pictures+=("$1")
   printf '\n![%s](pictures/experiment-%s.svg)\n' "$2" "$1"
 }
 
 block=$(mktemp)
 trap 'rm -f "$block"' EXIT
-rm -f "$docs"/pictures/experiment-*.svg
 {
   cat "$report/cases.md"
   printf '\nDescriptors alone, on the paper'"'"'s protocol:\n\n'
@@ -36,9 +32,9 @@ rm -f "$docs"/pictures/experiment-*.svg
   picture unknown-share-of-right-answers-by-score \
     "What a score is worth: share of right answers by score, with things that were never taught"
 } >"$block"
-awk -v block="$block" -v begin="$begin" -v end="$end" '
-  $0 == begin { print; print ""; while ((getline line < block) > 0) print line; print ""; skip = 1 }
-  $0 == end { skip = 0 }
-  !skip && $0 != begin { print }' "$document" >"$document.new"
-mv "$document.new" "$document"
-echo "$document: tables and plots renewed"
+# First, so that a document without a place for them keeps its pictures.
+"$tests/document/renew_block.sh" "$docs/experiment.md" "./run eval" "$block"
+rm -f "$docs"/pictures/experiment-*.svg
+for name in "${pictures[@]}"; do
+  cp "$report/figures/$name.svg" "$docs/pictures/experiment-$name.svg"
+done
