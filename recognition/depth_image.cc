@@ -13,14 +13,4 @@ Eigen::Vector3f PointAt(std::span<const std::uint16_t> depth, const CameraIntrin
   return {ColumnOf(camera, pixel % width) * z, RowOf(camera, pixel / width) * z, z};
 }
 
-Points Unproject(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
-                 double unit_m) {
-  Points points;
-  points.reserve(depth.size());
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    points.push_back(PointAt(depth, camera, unit_m, i));
-  }
-  return points;
-}
-
 }  // namespace graspdb::recognition

@@ -29,8 +29,4 @@ inline float RowOf(const CameraIntrinsics& camera, std::size_t v) {
 Eigen::Vector3f PointAt(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
                         double unit_m, std::size_t pixel);
 
-// All of them, row by row.
-Points Unproject(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
-                 double unit_m);
-
 }  // namespace graspdb::recognition

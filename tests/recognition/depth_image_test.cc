@@ -2,18 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
+
+#include "tests/recognition/depth_points.h"
 
 namespace graspdb::recognition {
 namespace {
+
+using ::graspdb::testing::PointsOf;
 
 // 3 x 2 pixels with different focal lengths, so that a swap of u and v shows.
 constexpr CameraIntrinsics kCamera{3, 2, 100, 50, 1, 0.5};
 
 TEST(DepthImageTest, PixelsBecomePointsRowByRow) {
-  const std::array<std::uint16_t, 6> depth = {1000, 1000, 1000, 2000, 2000, 500};
-  const Points points = Unproject(depth, kCamera, 0.001);
+  const Points points = PointsOf({{1000, 1000, 1000, 2000, 2000, 500}, kCamera, 0.001});
   ASSERT_EQ(points.size(), 6U);
   EXPECT_TRUE(points[0].isApprox(Eigen::Vector3f(-0.01F, -0.01F, 1)));
   EXPECT_TRUE(points[1].isApprox(Eigen::Vector3f(0, -0.01F, 1)));
@@ -22,15 +24,14 @@ TEST(DepthImageTest, PixelsBecomePointsRowByRow) {
 }
 
 TEST(DepthImageTest, PixelWithoutDepthBecomesNan) {
-  const std::array<std::uint16_t, 6> depth = {1000, 0, 1000, 1000, 1000, 1000};
-  const Points points = Unproject(depth, kCamera, 0.001);
+  const Points points = PointsOf({{1000, 0, 1000, 1000, 1000, 1000}, kCamera, 0.001});
   for (const float x : points[1]) EXPECT_TRUE(std::isnan(x));
   EXPECT_TRUE(points[2].allFinite());
 }
 
 TEST(DepthImageTest, LargestCountAndOtherUnitsAreTakenWhole) {
-  const std::array<std::uint16_t, 6> depth = {65535, 65535, 65535, 65535, 65535, 65535};
-  EXPECT_FLOAT_EQ(Unproject(depth, kCamera, 0.0001)[4].z(), 6.5535F);
+  const DepthImage image{{65535, 65535, 65535, 65535, 65535, 65535}, kCamera, 0.0001};
+  EXPECT_FLOAT_EQ(PointsOf(image)[4].z(), 6.5535F);
 }
 
 }  // namespace

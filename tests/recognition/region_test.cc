@@ -5,11 +5,13 @@
 
 #include <limits>
 
+#include "tests/recognition/depth_points.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {
 
+using ::graspdb::testing::PointsOf;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPose;
 using ::testing::ElementsAre;
@@ -45,7 +47,7 @@ TEST(RegionTest, AnImageGivesTheBitsOfItsPoints) {
   for (int i = 0; i < 67 * 41; ++i) {
     image.depth.push_back(static_cast<std::uint16_t>(i % 7 == 0 ? 0 : 300 + random() % 900));
   }
-  const Points points = Unproject(image.depth, image.camera, image.unit_m);
+  const Points points = PointsOf(image);
   const Pose pose = RandomPose(random, 0.5);
   const Box box{{-0.4, -0.3, -0.2}, {0.5, 0.6, 0.7}};
   for (const std::optional<Box>& region : {std::optional<Box>(box), std::optional<Box>()}) {

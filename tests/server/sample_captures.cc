@@ -8,8 +8,8 @@
 #include "client/files/pose_message.h"
 #include "client/sensors/depth_camera.h"
 #include "client/sensors/sample_parts.h"
-#include "recognition/depth_image.h"
 #include "recognition/segmentation.h"
+#include "tests/recognition/depth_points.h"
 
 namespace graspdb::testing {
 namespace {
@@ -95,8 +95,7 @@ v1::DepthImage DepthImageOf(const Frame& frame) {
 }
 
 v1::PointCloud CloudOf(const Frame& frame) {
-  return client::CloudMessage(recognition::Unproject(frame.counts, frame.camera, kCount),
-                              frame.camera.width);
+  return client::CloudMessage(PointsOf({frame.counts, frame.camera, kCount}), frame.camera.width);
 }
 
 v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed) {
