@@ -4,13 +4,12 @@
 
 namespace graspdb::recognition {
 
-Eigen::Vector3f PointAt(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
-                        double unit_m, std::size_t pixel) {
-  const std::uint16_t count = depth[pixel];
+Eigen::Vector3f PointAt(const DepthImage& image, std::size_t pixel) {
+  const std::uint16_t count = image.depth[pixel];
   if (count == 0) return Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
-  const auto width = static_cast<std::size_t>(camera.width);
-  const float z = static_cast<float>(count) * static_cast<float>(unit_m);
-  return {ColumnOf(camera, pixel % width) * z, RowOf(camera, pixel / width) * z, z};
+  const auto width = static_cast<std::size_t>(image.camera.width);
+  const float z = static_cast<float>(count) * static_cast<float>(image.unit_m);
+  return {ColumnOf(image.camera, pixel % width) * z, RowOf(image.camera, pixel / width) * z, z};
 }
 
 }  // namespace graspdb::recognition

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "recognition/types.h"
@@ -26,7 +25,6 @@ inline float RowOf(const CameraIntrinsics& camera, std::size_t v) {
 }
 
 // The point of one pixel, sensor frame, m; NaN where the depth is 0.
-Eigen::Vector3f PointAt(std::span<const std::uint16_t> depth, const CameraIntrinsics& camera,
-                        double unit_m, std::size_t pixel);
+Eigen::Vector3f PointAt(const DepthImage& image, std::size_t pixel);
 
 }  // namespace graspdb::recognition

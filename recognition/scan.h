@@ -21,9 +21,7 @@ struct Scan {
   std::size_t size() const { return is_image() ? depth_image.depth.size() : points.size(); }
   // Sensor frame, m; NaN or zero: no measurement.
   Eigen::Vector3f PointAt(std::size_t i) const {
-    return is_image()
-               ? recognition::PointAt(depth_image.depth, depth_image.camera, depth_image.unit_m, i)
-               : points[i];
+    return is_image() ? recognition::PointAt(depth_image, i) : points[i];
   }
   Eigen::Vector3f PointAt(std::int32_t i) const { return PointAt(static_cast<std::size_t>(i)); }
 };

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "client/files/point_file.h"
-#include "client/sensors/depth_camera.h"
 #include "client/sensors/sample_parts.h"
 #include "tests/recognition/shared_data.h"
 
@@ -29,7 +28,26 @@ T OrDie(absl::StatusOr<T> value) {
   std::exit(1);
 }
 
-Frame Render(const std::string& name, const client::DepthCameraModel& model, std::size_t things) {
+Frame Render(const std::string& name, const client::DepthCameraModel& model,
+             const client::Scene& scene) {
+  const auto camera = OrDie(client::DepthCamera::Create(model));
+  Frame out;
+  out.name = name;
+  out.camera = model.intrinsics;
+  out.world_sensor = client::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
+  out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
+  out.things = scene.objects.size();
+  const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
+  out.depth.reserve(image.depth_m.size());
+  for (const float z : image.depth_m) {
+    out.depth.push_back(static_cast<std::uint16_t>(std::lround(z / kDepthUnitM)));
+  }
+  return out;
+}
+
+// The first sample parts, on a circle where they are several.
+Frame RenderThings(const std::string& name, const client::DepthCameraModel& model,
+                   std::size_t things) {
   const std::vector<client::Workpiece> parts = client::SampleParts();
   client::Scene scene;
   for (std::size_t i = 0; i < things; ++i) {
@@ -38,19 +56,7 @@ Frame Render(const std::string& name, const client::DepthCameraModel& model, std
     if (things > 1) pose.translation() << kCircleM * std::cos(angle), kCircleM * std::sin(angle), 0;
     scene.objects.push_back({&parts[i].mesh, pose});
   }
-  const auto camera = OrDie(client::DepthCamera::Create(model));
-  Frame out;
-  out.name = name;
-  out.camera = model.intrinsics;
-  out.world_sensor = client::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
-  out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
-  out.things = things;
-  const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
-  out.depth.reserve(image.depth_m.size());
-  for (const float z : image.depth_m) {
-    out.depth.push_back(static_cast<std::uint16_t>(std::lround(z / kDepthUnitM)));
-  }
-  return out;
+  return Render(name, model, scene);
 }
 
 // The pose that the segmentation finds stands in for a calibration, so that both programs are
@@ -85,10 +91,10 @@ recognition::Scan ScanOf(const Frame& frame) {
 }
 
 const std::vector<Frame>& SimulatedFrames() {
-  static const std::vector<Frame> frames = {Render("kinect-v1-one", client::KinectV1(), 1),
-                                            Render("kinect-v1-five", client::KinectV1(), 5),
-                                            Render("kinect-v2-one", client::KinectV2(), 1),
-                                            Render("kinect-v2-five", client::KinectV2(), 5)};
+  static const std::vector<Frame> frames = {RenderThings("kinect-v1-one", client::KinectV1(), 1),
+                                            RenderThings("kinect-v1-five", client::KinectV1(), 5),
+                                            RenderThings("kinect-v2-one", client::KinectV2(), 1),
+                                            RenderThings("kinect-v2-five", client::KinectV2(), 5)};
   return frames;
 }
 
@@ -114,6 +120,15 @@ const Frame& SimulatedFrame(const std::string& name) {
   const auto& frames = SimulatedFrames();
   return *std::find_if(frames.begin(), frames.end(),
                        [&](const Frame& frame) { return frame.name == name; });
+}
+
+Frame FrameOf(const std::string& part, const client::DepthCameraModel& camera,
+              const Pose& world_object) {
+  const std::vector<client::Workpiece> parts = client::SampleParts();
+  const auto found = std::ranges::find(parts, part, &client::Workpiece::object_id);
+  client::Scene scene;
+  scene.objects.push_back({&found->mesh, world_object});
+  return Render(part, camera, scene);
 }
 
 }  // namespace graspdb::bench

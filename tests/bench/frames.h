@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/sensors/depth_camera.h"
 #include "recognition/segmentation.h"
 #include "recognition/types.h"
 
@@ -36,5 +37,9 @@ const std::vector<Frame>& RealFrames();
 
 // One of the simulated frames.
 const Frame& SimulatedFrame(const std::string& name);
+
+// The sample part of this id alone on the table, at `world_object`.
+Frame FrameOf(const std::string& part, const client::DepthCameraModel& camera,
+              const recognition::Pose& world_object);
 
 }  // namespace graspdb::bench

@@ -6,7 +6,7 @@ recognition::Points PointsOf(const recognition::DepthImage& image) {
   recognition::Points points;
   points.reserve(image.depth.size());
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
-    points.push_back(recognition::PointAt(image.depth, image.camera, image.unit_m, i));
+    points.push_back(recognition::PointAt(image, i));
   }
   return points;
 }
