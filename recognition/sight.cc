@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "recognition/wide.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -21,6 +23,11 @@ constexpr float kBeforeM = 0.02F;
 constexpr double kCutShare = 0.04;
 
 bool IsMeasured(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > 0; }
+
+// What is measured beside a segment: the nearest is seen.
+void PutBehind(float depth_m, float* known) {
+  if (*known == 0 || -*known > depth_m) *known = -depth_m;
+}
 
 // A rectangle of an image; `high` is outside.
 struct PixelRange {
@@ -67,29 +74,52 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   row_ = static_cast<std::size_t>(size_.x() + 2 * kBorder);
   depths_.assign(row_ * static_cast<std::size_t>(size_.y() + 2 * kBorder), 0);
   if (scan.is_image()) {
-    const PixelRange range = PixelsIn(scan.depth_image.camera, low_, size_);
-    for (int v = range.low.y(); v < range.high.y(); ++v) {
-      const auto row =
-          static_cast<std::size_t>(v) * static_cast<std::size_t>(scan.depth_image.camera.width);
-      for (int u = range.low.x(); u < range.high.x(); ++u) {
-        Put(scan.PointAt(row + static_cast<std::size_t>(u)), false);
-      }
-    }
+    PutImage(scan.depth_image);
   } else {
-    for (const Eigen::Vector3f& p : scan.points) Put(p, false);
+    PutCloud(scan.points);
   }
-  for (const std::int32_t i : segment.indices) Put(scan.PointAt(i), true);
+  for (const std::int32_t i : segment.indices) {
+    const Eigen::Vector3f p = scan.PointAt(i);
+    if (!IsMeasured(p)) continue;
+    const Eigen::Vector2i at = Project(p);
+    if (IsInside(at)) depths_[PlaceOf(at)] = p.z();
+  }
 }
 
-void Sight::Put(const Eigen::Vector3f& p, bool of_segment) {
-  if (!IsMeasured(p)) return;
-  const Eigen::Vector2i at = Project(p);
-  if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return;
-  float& known = depths_[PlaceOf(at)];
-  if (of_segment) {
-    known = p.z();
-  } else if (known == 0 || std::abs(known) > p.z()) {
-    known = -p.z();
+void Sight::PutImage(const DepthImage& image) {
+  const PixelRange range = PixelsIn(image.camera, low_, size_);
+  if ((range.low.array() >= range.high.array()).any()) return;
+  const auto first = static_cast<std::size_t>(range.low.x());
+  wide::DepthRow row;
+  row.width = static_cast<std::size_t>(range.high.x()) - first;
+  row.unit = static_cast<float>(image.unit_m);
+  std::vector<float> columns(row.width);
+  for (std::size_t i = 0; i < row.width; ++i) columns[i] = ColumnOf(image.camera, first + i);
+  row.column = columns.data();
+  std::vector<std::int32_t> at(row.width);
+  std::vector<float> depths(row.width);
+  const std::size_t origin = PlaceOf({0, 0});
+  for (auto v = static_cast<std::size_t>(range.low.y());
+       v < static_cast<std::size_t>(range.high.y()); ++v) {
+    row.counts = &image.depth[v * static_cast<std::size_t>(image.camera.width) + first];
+    row.row = RowOf(image.camera, v);
+    wide::Best().locate(row, window(), at.data(), depths.data());
+    for (std::size_t i = 0; i < row.width; ++i) {
+      if (at[i] >= 0) PutBehind(depths[i], &depths_[origin + static_cast<std::size_t>(at[i])]);
+    }
+  }
+}
+
+void Sight::PutCloud(const Points& points) {
+  // A little more than the window, to leave most points out without dividing.
+  const Eigen::Array2f low = low_.array() - kPitch;
+  const Eigen::Array2f high = low_.array() + kPitch * (size_.cast<float>().array() + 1);
+  for (const Eigen::Vector3f& p : points) {
+    const bool is_near = p.x() > low.x() * p.z() && p.x() < high.x() * p.z() &&
+                         p.y() > low.y() * p.z() && p.y() < high.y() * p.z();
+    if (!is_near || !IsMeasured(p)) continue;
+    const Eigen::Vector2i at = Project(p);
+    if (IsInside(at)) PutBehind(p.z(), &depths_[PlaceOf(at)]);
   }
 }
 

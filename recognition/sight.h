@@ -46,9 +46,13 @@ class Sight {
            static_cast<std::size_t>(at.x() + kBorder);
   }
   float DepthAt(const Eigen::Vector2i& at) const { return depths_[PlaceOf(at)]; }
+  bool IsInside(const Eigen::Vector2i& at) const {
+    return (at.array() >= 0).all() && (at.array() < size_.array()).all();
+  }
   // Beside the window the place just outside of its corner.
   Eigen::Vector2i Project(const Eigen::Vector3f& point) const;
-  void Put(const Eigen::Vector3f& point, bool of_segment);
+  void PutImage(const DepthImage& image);
+  void PutCloud(const Points& points);
   // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
   bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;
   Sides SidesWhere(bool unmeasured_too) const;

@@ -90,6 +90,9 @@ struct Functions {
   // Writes the world coordinates of the row's pixels and whether each was measured and lies in
   // the region (1) or not (0); `width` of each.
   void (*unproject)(const DepthRow& row, float* x, float* y, float* z, std::uint8_t* inside);
+  // Writes for each pixel of the row on which pixel of the window its point lies, counted from
+  // (0, 0), and its depth in metres; -1 where it lies on none or was not measured.
+  void (*locate)(const DepthRow& row, const SightWindow& window, std::int32_t* at, float* depth);
 
   // Each point pulls the nearest of the surface to itself, where their normals agree: across the
   // surface, and along it where that has ended; Tukey's weights.

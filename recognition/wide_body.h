@@ -193,4 +193,4 @@ inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::ui
 // All of them, as Functions has them behind its name.
 #define GRASPDB_WIDE_FUNCTIONS                                                                    \
   SquaredDistances, CountUpTo, SumRootsUpTo, MomentsOf, CountNearPlane, ByteDistances, ChiSquare, \
-      Spread, Unproject, Pull, PullEdges, SupportOf, Face, Look
+      Spread, Unproject, Locate, Pull, PullEdges, SupportOf, Face, Look

@@ -12,6 +12,38 @@
 namespace graspdb::recognition::wide {
 namespace {
 
+// `left` pixels from u on, at most kLanes.
+[[gnu::always_inline]] inline void LocateSome(const DepthRow& row, const SightWindow& window,
+                                              std::size_t u, std::size_t left, std::int32_t* at,
+                                              float* depth) {
+  Counts counts = {};
+  Floats column = {};
+  std::memcpy(&counts, row.counts + u, left * sizeof(counts[0]));
+  std::memcpy(&column, row.column + u, left * sizeof(column[0]));
+  const Floats z = __builtin_convertvector(counts, Floats) * All(row.unit);
+  const Ints measured = z > All(0);
+  const Floats divisor = z + Where(~measured, All(1));
+  const auto place = [&](const Floats& across, float low) {
+    return (across / divisor - All(low)) * All(window.pixels_per_unit);
+  };
+  const Floats x = place(column * z, window.low[0]);
+  const Floats y = place(All(row.row) * z, window.low[1]);
+  const Ints inside = measured & (x >= All(0)) & (x < All(window.size[0])) & (y >= All(0)) &
+                      (y < All(window.size[1]));
+  const Ints pixel =
+      __builtin_convertvector(Where(inside, y), Ints) * static_cast<std::int32_t>(window.row) +
+      __builtin_convertvector(Where(inside, x), Ints);
+  const Ints found = pixel | ~inside;
+  std::memcpy(at + u, &found, left * sizeof(found[0]));
+  std::memcpy(depth + u, &z, left * sizeof(z[0]));
+}
+
+inline void Locate(const DepthRow& row, const SightWindow& window, std::int32_t* at, float* depth) {
+  std::size_t u = 0;
+  for (; u + kLanes <= row.width; u += kLanes) LocateSome(row, window, u, kLanes, at, depth);
+  if (u < row.width) LocateSome(row, window, u, row.width - u, at, depth);
+}
+
 // The pixels of a window on which some places lie; one beyond a window where they lie on none.
 struct Pixels {
   Ints at;      // from pixel (0, 0)
