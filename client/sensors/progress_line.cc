@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <iostream>
 #include <string>
+#include <utility>
 
 namespace graspdb::client {
 namespace {
@@ -17,7 +18,8 @@ int PartOf(int done, int total, int parts) {
 
 }  // namespace
 
-ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressLine::ProgressLine(std::string things)
+    : things_(std::move(things)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressLine::~ProgressLine() {
   if (is_terminal_ && last_ >= 0) std::cerr << "\n";
@@ -32,7 +34,7 @@ void ProgressLine::Report(int done, int total) {
     std::cerr << "\r[" << std::string(full, '#') << std::string(kBarWidth - full, ' ') << "] "
               << done << "/" << total << std::flush;
   } else {
-    std::cerr << done << " of " << total << " captures\n";
+    std::cerr << done << " of " << total << " " << things_ << "\n";
   }
 }
 

@@ -1,12 +1,15 @@
 // How far a long command is, on stderr.
 #pragma once
 
+#include <string>
+
 namespace graspdb::client {
 
 // On a terminal a bar that is redrawn; elsewhere a line at every quarter.
 class ProgressLine {
  public:
-  ProgressLine();
+  // `things`: what is counted.
+  explicit ProgressLine(std::string things = "captures");
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
@@ -14,6 +17,7 @@ class ProgressLine {
   void Report(int done, int total);
 
  private:
+  std::string things_;
   bool is_terminal_;
   int last_ = -1;  // what was drawn: per cent on a terminal, else quarters
 };

@@ -47,23 +47,8 @@ absl::Status CheckPlan(const std::vector<Workpiece>& parts,
 v1::CaptureSet Declare(const std::vector<Workpiece>& parts) {
   v1::CaptureSet set;
   for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
-  v1::AxisAlignedBox* region = set.mutable_region_of_interest();
-  region->mutable_min()->set_x(-kRegionHalfWidthM);
-  region->mutable_min()->set_y(-kRegionHalfWidthM);
-  region->mutable_min()->set_z(-0.02);
-  region->mutable_max()->set_x(kRegionHalfWidthM);
-  region->mutable_max()->set_y(kRegionHalfWidthM);
-  region->mutable_max()->set_z(0.40);
+  *set.mutable_region_of_interest() = SimulatedRegion();
   return set;
-}
-
-Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture, bool with_table) {
-  Scene scene;
-  scene.with_table = with_table;
-  for (const Placement& p : capture.placements) {
-    scene.objects.push_back({.mesh = &parts[p.part].mesh, .world_object = p.world_object});
-  }
-  return scene;
 }
 
 void KeepNamedSurface(DepthFrame& frame) {
@@ -113,6 +98,26 @@ absl::Status WriteMeshes(const fs::path& folder, const std::vector<Workpiece>& p
 }
 
 }  // namespace
+
+v1::AxisAlignedBox SimulatedRegion() {
+  v1::AxisAlignedBox region;
+  region.mutable_min()->set_x(-kRegionHalfWidthM);
+  region.mutable_min()->set_y(-kRegionHalfWidthM);
+  region.mutable_min()->set_z(-0.02);
+  region.mutable_max()->set_x(kRegionHalfWidthM);
+  region.mutable_max()->set_y(kRegionHalfWidthM);
+  region.mutable_max()->set_z(0.40);
+  return region;
+}
+
+Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture, bool with_table) {
+  Scene scene;
+  scene.with_table = with_table;
+  for (const Placement& p : capture.placements) {
+    scene.objects.push_back({.mesh = &parts[p.part].mesh, .world_object = p.world_object});
+  }
+  return scene;
+}
 
 absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece>& parts,
                              const std::vector<PlannedCapture>& plan,

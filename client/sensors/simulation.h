@@ -8,9 +8,17 @@
 #include "absl/status/status.h"
 #include "client/sensors/capture_plan.h"
 #include "client/sensors/depth_camera.h"
+#include "client/sensors/scene.h"
 #include "client/sensors/workpiece.h"
+#include "graspdb/v1/geometry.pb.h"
 
 namespace graspdb::client {
+
+// Where the parts of all plans stand, in the world frame.
+v1::AxisAlignedBox SimulatedRegion();
+
+// What the camera looks at in a planned capture. `parts` outlives it, and has what is placed.
+Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture, bool with_table);
 
 // How planned captures are taken.
 struct SimulationOptions {

@@ -1,47 +1,19 @@
 #include "client/eval/report/report_json.h"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-#include <google/protobuf/util/json_util.h>
-#include <google/protobuf/util/type_resolver_util.h>
-
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "client/eval/gallery.h"
 #include "client/eval/report/case_figures.h"
 #include "client/eval/report/settings_text.h"
+#include "client/files/json_object.h"
 
 namespace graspdb::client {
 namespace {
 
 using google::protobuf::Struct;
 using google::protobuf::Value;
-
-// Fills an object, one key after the other.
-class JsonObject {
- public:
-  explicit JsonObject(Value* value) : fields_(value->mutable_struct_value()->mutable_fields()) {}
-
-  // JSON has no numbers that are not finite.
-  void Number(const std::string& key, double number) {
-    if (std::isfinite(number)) {
-      At(key).set_number_value(number);
-    } else {
-      Null(key);
-    }
-  }
-  void Count(const std::string& key, std::size_t n) { Number(key, static_cast<double>(n)); }
-  void Text(const std::string& key, const std::string& text) { At(key).set_string_value(text); }
-  void Bool(const std::string& key, bool value) { At(key).set_bool_value(value); }
-  void Null(const std::string& key) { At(key).set_null_value(google::protobuf::NULL_VALUE); }
-  Value& At(const std::string& key) { return (*fields_)[key]; }
-
- private:
-  google::protobuf::Map<std::string, Value>* fields_;
-};
 
 std::string OutcomeName(recognition::RecognitionOutcome outcome) {
   using enum recognition::RecognitionOutcome;
@@ -164,17 +136,6 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
   out.Number("ms", a.milliseconds);
 }
 
-// Maps come in the order of their keys; the order of a hash would differ from run to run.
-std::string SortedBytes(const Struct& document) {
-  std::string bytes;
-  google::protobuf::io::StringOutputStream stream(&bytes);
-  google::protobuf::io::CodedOutputStream coded(&stream);
-  coded.SetSerializationDeterministic(true);
-  document.SerializeToCodedStream(&coded);
-  coded.Trim();
-  return bytes;
-}
-
 }  // namespace
 
 Value CaseAsJson(const CaseResult& result) {
@@ -202,20 +163,7 @@ absl::StatusOr<std::string> ReportJson(const std::string& command,
   fields["command"].set_string_value(command);
   auto* list = fields["cases"].mutable_list_value();
   for (const Value& value : cases) *list->add_values() = value;
-
-  constexpr char kPrefix[] = "type.googleapis.com";
-  const std::unique_ptr<google::protobuf::util::TypeResolver> types(
-      google::protobuf::util::NewTypeResolverForDescriptorPool(
-          kPrefix, google::protobuf::DescriptorPool::generated_pool()));
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  std::string text;
-  const auto printed = google::protobuf::util::BinaryToJsonString(
-      types.get(), absl::StrCat(kPrefix, "/google.protobuf.Struct"), SortedBytes(document), &text,
-      options);
-  if (printed.ok()) return text;
-  return absl::InternalError(
-      absl::StrCat("the report cannot be written as JSON: ", std::string(printed.message())));
+  return PrintDocument(document, JsonLayout::kIndented);
 }
 
 }  // namespace graspdb::client
