@@ -34,15 +34,17 @@ constexpr int kReconnectMs = 100;
 // What is kept of a call to make it again, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
-std::shared_ptr<grpc::Channel> Connect(const std::string& server) {
+std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
   grpc::ChannelArguments arguments;
-  arguments.SetServiceConfigJSON(kRetries);
+  if (options.retry) arguments.SetServiceConfigJSON(kRetries);
+  arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, options.retry ? 1 : 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, options.own_connection ? 1 : 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectMs);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectMs);
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
-  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
 }
 
 // Lists all pages: `list(token)` gives one, `take(page)` keeps its records.
@@ -78,7 +80,7 @@ struct Client::Stubs {
 using Catalog = v1::CatalogService::Stub;
 using Cells = v1::CellService::Stub;
 
-Client::Client(const ConnectionOptions& options) : Client(Connect(options.server), options) {}
+Client::Client(const ConnectionOptions& options) : Client(Connect(options), options) {}
 Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options)
     : options_(std::move(options)), stubs_(std::make_unique<Stubs>(channel)) {}
 Client::~Client() = default;

@@ -24,10 +24,14 @@ namespace graspdb::client {
 struct ConnectionOptions {
   std::string server = "127.0.0.1:50051";      // HOST:PORT
   absl::Duration timeout = absl::Seconds(30);  // of every call, but not of uploads
+  // Whether calls that change nothing are made again after a loss of the connection.
+  bool retry = true;
+  // Whether the connection is this client's alone; else clients of one server share one.
+  bool own_connection = false;
 };
 
 // A connection to a server. Connects with the first call and again after a loss;
-// a call that changes nothing outlives the loss. Thread-safe.
+// a call that changes nothing outlives the loss, unless the options say otherwise. Thread-safe.
 //
 // All methods answer the server's error, with its text; UNAVAILABLE, with a text
 // that says what to do, when no server can be reached.

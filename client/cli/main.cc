@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "client/cli/bench_command.h"
 #include "client/cli/catalog_commands.h"
 #include "client/cli/cell_commands.h"
 #include "client/cli/command.h"
@@ -59,6 +60,7 @@ int Run(int argc, char** argv) {
   AddGlobalFlags(app, &global);
   AddImportCommand(app, global, &action);
   AddRecognizeCommand(app, global, &action);
+  AddBenchCommand(app, global, &action);
   AddDescribeCommand(app, global, &action);
   AddExportCommand(app, global, &action);
   AddObjectsCommand(app, global, &action);

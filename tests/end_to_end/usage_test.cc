@@ -34,6 +34,14 @@ TEST_F(UsageTest, WrongUsageEndsWithTwo) {
       {{"objects", "show"}, "OBJECT"},
       {{"objects"}, "subcommand"},
       {{"simulate", "--parts", "spoon", "--out", "x"}, "spoon"},
+      {{"bench"}, "--simulate"},
+      {{"bench", cloud, "--simulate"}, "either"},
+      {{"bench", cloud, "--camera", "v1"}, "--simulate"},
+      {{"bench", "--simulate", "--parts", "spoon"}, "spoon"},
+      {{"bench", cloud, "--rate", "0"}, "--rate"},
+      {{"bench", cloud, "--concurrency", "0"}, "--concurrency"},
+      {{"bench", cloud, "--requests", "-1"}, "--requests"},
+      {{"bench", cloud, "--duration", "long"}, "--duration"},
       {{"--config", "/nonexistent/file", "status"}, "/nonexistent/file"},
   };
   for (const auto& [arguments, words] : cases) {
@@ -50,7 +58,7 @@ TEST_F(UsageTest, WithoutAServerTheStatusIsThree) {
   folder_.Write("captures.json",
                 CaptureSetJson(R"("split": "TEACH", "objectId": "o", "stablePoseId": "p")"));
   for (const Words& arguments :
-       {Words{"status"}, Words{"objects", "list"}, Words{"recognize", cloud},
+       {Words{"status"}, Words{"objects", "list"}, Words{"recognize", cloud}, Words{"bench", cloud},
         Words{"import", folder_.path().string()}, Words{"cells", "list"},
         Words{"export", (folder_.path() / "out").string()}}) {
     const Finished outcome = Graspdb(arguments);
@@ -61,8 +69,8 @@ TEST_F(UsageTest, WithoutAServerTheStatusIsThree) {
 
 TEST_F(UsageTest, EveryFlagOfEveryCommandIsExplained) {
   for (const Words& command :
-       {Words{}, Words{"import"}, Words{"recognize"}, Words{"describe"}, Words{"export"},
-        Words{"objects"}, Words{"objects", "list"}, Words{"objects", "show"},
+       {Words{}, Words{"import"}, Words{"recognize"}, Words{"bench"}, Words{"describe"},
+        Words{"export"}, Words{"objects"}, Words{"objects", "list"}, Words{"objects", "show"},
         Words{"objects", "delete"}, Words{"cells"}, Words{"cells", "list"}, Words{"cells", "show"},
         Words{"cells", "set"}, Words{"cells", "delete"}, Words{"status"}, Words{"simulate"}}) {
     Words arguments = command;

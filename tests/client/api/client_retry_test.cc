@@ -42,13 +42,13 @@ class Shaky : public v1::CatalogService::Service {
 
 class ClientRetryTest : public ::testing::Test {
  protected:
-  Client Connect(Shaky& service) {
+  Client Connect(Shaky& service, bool retry = true) {
     int port = 0;
     grpc::ServerBuilder builder;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service);
     server_ = builder.BuildAndStart();
-    return Client(ConnectionOptions{.server = absl::StrCat("127.0.0.1:", port)});
+    return Client(ConnectionOptions{.server = absl::StrCat("127.0.0.1:", port), .retry = retry});
   }
 
   std::unique_ptr<grpc::Server> server_;
@@ -65,6 +65,13 @@ TEST_F(ClientRetryTest, ACallThatChangesNothingIsMadeAgain) {
 TEST_F(ClientRetryTest, ACallThatChangesSomethingIsNot) {
   Shaky service(1);
   EXPECT_THAT(Connect(service).CreateObject({}), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_EQ(service.calls(), 1);
+}
+
+TEST_F(ClientRetryTest, NorIsAnyCallOfAClientThatWantsToSeeErrors) {
+  Shaky service(1);
+  EXPECT_THAT(Connect(service, /*retry=*/false).GetCatalogStatus(),
+              StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_EQ(service.calls(), 1);
 }
 

@@ -1,0 +1,70 @@
+#include "client/load/simulated_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "client/files/pose_message.h"
+#include "client/sensors/sample_parts.h"
+#include "client/sensors/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kDepthUnitM = 0.001;
+
+std::vector<Workpiece> PartsOf(const std::vector<std::string>& ids) {
+  std::vector<Workpiece> parts = SampleParts();
+  if (ids.empty()) return parts;
+  std::erase_if(parts, [&](const Workpiece& part) {
+    return std::find(ids.begin(), ids.end(), part.object_id) == ids.end();
+  });
+  return parts;
+}
+
+v1::DepthImage ToMessage(const DepthFrame& frame, const recognition::CameraIntrinsics& camera) {
+  v1::DepthImage out;
+  v1::CameraIntrinsics* intrinsics = out.mutable_intrinsics();
+  intrinsics->set_width(camera.width);
+  intrinsics->set_height(camera.height);
+  intrinsics->set_fx(camera.fx);
+  intrinsics->set_fy(camera.fy);
+  intrinsics->set_cx(camera.cx);
+  intrinsics->set_cy(camera.cy);
+  out.set_depth_unit_m(kDepthUnitM);
+  std::string* bytes = out.mutable_data();
+  bytes->reserve(2 * frame.depth_m.size());
+  for (const float z : frame.depth_m) {
+    const auto counts = static_cast<std::uint16_t>(std::lround(z / kDepthUnitM));
+    bytes->push_back(static_cast<char>(counts & 0xFFU));
+    bytes->push_back(static_cast<char>(counts >> 8U));
+  }
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const SimulatedFrames& frames) {
+  const std::vector<Workpiece> parts = PartsOf(frames.parts);
+  RandomSceneOptions scenes;
+  scenes.count = frames.count;
+  scenes.objects_per_scene = frames.objects_per_scene;
+  scenes.seed = frames.seed;
+  absl::StatusOr<std::vector<PlannedCapture>> plan = PlanRandomScenes(parts, scenes);
+  if (!plan.ok()) return plan.status();
+  absl::StatusOr<DepthCamera> camera = DepthCamera::Create(frames.camera);
+  if (!camera.ok()) return camera.status();
+  std::vector<v1::RecognizeRequest> out;
+  for (const PlannedCapture& capture : *plan) {
+    absl::StatusOr<DepthFrame> frame = camera->Render(SceneOf(parts, capture, /*with_table=*/true),
+                                                      capture.world_sensor, capture.seed);
+    if (!frame.ok()) return frame.status();
+    v1::RecognizeRequest& request = out.emplace_back();
+    *request.mutable_depth_image() = ToMessage(*frame, frames.camera.intrinsics);
+    *request.mutable_sensor_pose() = ToMessage(capture.world_sensor);
+    *request.mutable_region_of_interest() = SimulatedRegion();
+  }
+  return out;
+}
+
+}  // namespace graspdb::client
