@@ -13,6 +13,8 @@
 namespace graspdb::server {
 namespace {
 
+constexpr std::chrono::milliseconds kLookAgain{5};
+
 absl::Status RunGuarded(const std::function<absl::Status()>& work) {
   try {
     return work();
@@ -40,6 +42,14 @@ spdlog::level::level_enum LevelOf(const absl::Status& status) {
 
 bool IsAbandoned(const grpc::ServerContextBase& context) {
   return context.IsCancelled() || context.deadline() < std::chrono::system_clock::now();
+}
+
+bool AbandonedWatch::IsAbandoned() {
+  const auto now = std::chrono::steady_clock::now();
+  if (abandoned_ || now < next_look_) return abandoned_;
+  abandoned_ = server::IsAbandoned(context_);
+  next_look_ = now + kLookAgain;
+  return abandoned_;
 }
 
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,

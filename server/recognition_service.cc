@@ -20,7 +20,8 @@ constexpr absl::Duration kPatience = absl::Milliseconds(50);
 template <typename Response, typename Work>
 absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, const Work& work,
                       Response* response) {
-  const auto is_cancelled = [&] { return IsAbandoned(context); };
+  AbandonedWatch watch(context);
+  const auto is_cancelled = [&] { return watch.IsAbandoned(); };
   absl::StatusOr<Admission::Ticket> ticket = admission.Enter(is_cancelled);
   if (!ticket.ok()) return ticket.status();
   absl::StatusOr<Response> answer = work(is_cancelled);
@@ -77,7 +78,8 @@ grpc::Status RecognitionService::ProposeThresholds(
     grpc::ServerContext* context, const v1::ProposeThresholdsRequest* request,
     grpc::ServerWriter<v1::ProposeThresholdsResponse>* stream) {
   return Handle(*context, "ProposeThresholds", [&]() -> absl::Status {
-    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    AbandonedWatch watch(*context);
+    const auto is_cancelled = [&] { return watch.IsAbandoned(); };
     std::optional<Admission::Ticket> ticket;
     const auto progress = [&](std::size_t done, std::size_t count) -> absl::Status {
       ticket.reset();

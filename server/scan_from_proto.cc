@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little, "packed data is little
 constexpr float kFarthestMedian = 50;
 constexpr int kMaxStride = 4096;
 // Points that tell the unit.
-constexpr std::size_t kLookedAt = 4000;
+constexpr std::size_t kLookedAt = 1000;
 
 std::string Join(std::string_view path, std::string_view field) {
   return absl::StrCat(std::string(path), ".", std::string(field));

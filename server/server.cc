@@ -26,6 +26,9 @@ namespace {
 // Uploads that may wait for their turn to be taught.
 constexpr int kTeachQueue = 64;
 
+// Threads that wait for calls, at least that many of which are kept.
+constexpr int kLeastPollers = 8;
+
 // A shutdown ends the streams of those who watch the health, told or not.
 constexpr std::chrono::milliseconds kTimeToBeHeard{200};
 
@@ -100,6 +103,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   builder.SetMaxSendMessageSize(max_bytes);
   // Two servers on one port would take turns at answering; the second must fail.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // A thread that finds more pollers than this ends, and the next frame starts a new one.
+  builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
+                              std::max(kLeastPollers, 2 * WorkersOf(options)));
   int port = 0;
   builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&out->parts_->catalog_service);
