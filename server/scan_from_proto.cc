@@ -39,15 +39,17 @@ int SizeOf(Field::NumericType type) {
   }
 }
 
-float ReadNumber(const char* at, Field::NumericType type) {
-  if (type == Field::NUMERIC_TYPE_FLOAT64) {
-    double value = 0;
+// One component of all points; the type is settled before the loop, in which it would cost more
+// than the reading.
+template <typename Number>
+void ReadComponent(const char* at, std::size_t stride, Eigen::Index axis,
+                   recognition::Points* points) {
+  for (Eigen::Vector3f& point : *points) {
+    Number value = 0;
     std::memcpy(&value, at, sizeof(value));
-    return static_cast<float>(value);
+    point[axis] = static_cast<float>(value);
+    at += stride;
   }
-  float value = 0;
-  std::memcpy(&value, at, sizeof(value));
-  return value;
 }
 
 // The field of the given name, checked against the stride.
@@ -148,14 +150,12 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
     if (!field.ok()) return field.status();
     fields[axis] = *field;
   }
-  recognition::Points& points = scan->points;
-  points.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const char* point = cloud.data().data() + i * step;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      points[i][static_cast<Eigen::Index>(axis)] =
-          ReadNumber(point + fields[axis]->offset(), fields[axis]->type());
-    }
+  scan->points.resize(count);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const char* first = cloud.data().data() + fields[axis]->offset();
+    const auto read = fields[axis]->type() == Field::NUMERIC_TYPE_FLOAT64 ? &ReadComponent<double>
+                                                                          : &ReadComponent<float>;
+    read(first, step, static_cast<Eigen::Index>(axis), &scan->points);
   }
   return CheckMeasurements(*scan, path);
 }
