@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -83,7 +84,7 @@ std::string LatencyText(const LoadPlan& plan, const LatencyHistogram& latency) {
     const double length = kBarWidth * static_cast<double>(bin.count) / static_cast<double>(most);
     absl::StrAppendFormat(&out, " %9.3f to %9.3f %8d %s\n", Milliseconds(bin.from),
                           Milliseconds(bin.to), bin.count,
-                          std::string(static_cast<std::size_t>(length + 0.5), '#'));
+                          std::string(static_cast<std::size_t>(std::lround(length)), '#'));
   }
   return out;
 }

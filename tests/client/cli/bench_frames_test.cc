@@ -30,7 +30,7 @@ class BenchFramesTest : public ::testing::Test {
     file.points = {{0.1F, 0, 1}, {0, 0.1F, 1}, {0, 0, 1.1F}};
     file.width = 3;
     file.height = 1;
-    const std::string path = (folder_.path() / name).string();
+    std::string path = (folder_.path() / name).string();
     EXPECT_THAT(WritePcd(path, file), IsOk());
     return path;
   }

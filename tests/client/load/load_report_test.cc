@@ -105,6 +105,8 @@ TEST(LoadJson, HasEverything) {
 TEST(LoadJson, AClosedLoopHasNoSchedule) {
   const google::protobuf::Struct json = Json(Report(0));
   EXPECT_EQ(json.fields().count("schedule"), 0U);
+  const auto& first = json.fields().at("steps").list_value().values(0).struct_value().fields();
+  EXPECT_EQ(first.at("step").string_value(), "network and queue");
   EXPECT_EQ(json.fields().at("plan").struct_value().fields().at("loop").string_value(), "closed");
 }
 

@@ -8,6 +8,9 @@
 namespace graspdb::client {
 namespace {
 
+// The byte at which the middle pixel of a Kinect v2 begins.
+constexpr std::size_t kMiddle = std::size_t{2} * (212 * 512 + 256);
+
 TEST(SimulatedFrames, AreDepthImagesOfACalibratedCamera) {
   SimulatedFrames frames;
   frames.parts = {"wedge", "handle"};
@@ -24,7 +27,7 @@ TEST(SimulatedFrames, AreDepthImagesOfACalibratedCamera) {
     ASSERT_EQ(image.data().size(), 2U * 512 * 424);
     // The camera looks at the origin, 0.8 m away, where something may stand before the table.
     std::uint16_t middle = 0;
-    std::memcpy(&middle, image.data().data() + 2 * (212 * 512 + 256), sizeof(middle));
+    std::memcpy(&middle, image.data().data() + kMiddle, sizeof(middle));
     EXPECT_NEAR(middle * image.depth_unit_m(), 0.7, 0.15);
     EXPECT_TRUE(request.has_sensor_pose());
     EXPECT_GT(request.region_of_interest().max().z(), 0);
