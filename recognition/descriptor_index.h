@@ -39,6 +39,9 @@ class DescriptorIndex {
 
   std::size_t view_count() const { return view_count_; }
 
+  // All views, some hundreds at a time.
+  std::span<const std::shared_ptr<const DescriptorChunk>> chunks() const { return chunks_; }
+
  private:
   std::size_t bins_;
   std::size_t view_count_ = 0;

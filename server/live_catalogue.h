@@ -1,9 +1,9 @@
 // The catalogue in memory, always as of the last acknowledged change.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <string>
-#include <unordered_set>
+#include <optional>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
@@ -14,7 +14,8 @@
 
 namespace graspdb::server {
 
-// Follows a storage::Catalogue: loads it once, then applies every change before
+// Follows a storage::Catalogue: loads it once, from the index beside the database if that is in
+// order and else from the records, then applies every change before
 // the call that made the change returns. Readers take a snapshot and never wait
 // for a writer. Thread-safe.
 class LiveCatalogue {
@@ -28,6 +29,9 @@ class LiveCatalogue {
   LiveCatalogue& operator=(const LiveCatalogue&) = delete;
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
+
+  // The revision of the index file that it was loaded from; nothing where that was not used.
+  std::optional<std::int64_t> file_revision() const { return file_revision_; }
 
   // What `work` makes of a snapshot. A view may be deleted between the snapshot and the loading of
   // its cloud: where `work` answers NOT_FOUND and there is a newer snapshot, it is asked again.
@@ -50,7 +54,7 @@ class LiveCatalogue {
 
   storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
-  std::unordered_set<std::string> view_names_;  // only on the thread that changes
+  std::optional<std::int64_t> file_revision_;
   mutable absl::Mutex mutex_;
   std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
 };

@@ -12,12 +12,21 @@
 
 namespace graspdb::server {
 
+// A view of that resource name, whose parents' names follow from it; the rest is to be filled in.
+// INVALID_ARGUMENT for another kind of name.
+absl::StatusOr<std::shared_ptr<recognition::TaughtView>> NewTaughtView(const std::string& name);
+
 // DATA_LOSS for a record that this program cannot have written.
 absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
     const storage::ViewRecord& record);
 
 // The descriptor that was made with `parameters`; null when there is none.
 const storage::DescriptorRecord* FindDescriptor(
+    const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
+
+// A view with the descriptor that was made with `parameters`. DATA_LOSS as ViewFromRecord, INTERNAL
+// where it has none.
+absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
 
 // A view's packed cloud as it is matched: voxels and normals in the world frame

@@ -15,6 +15,7 @@
 #include "server/catalog_service.h"
 #include "server/cell_service.h"
 #include "server/frame_recognizer.h"
+#include "server/index_keeper.h"
 #include "server/live_catalogue.h"
 #include "server/recognition_service.h"
 #include "server/view_cloud_cache.h"
@@ -56,6 +57,7 @@ struct Server::Parts {
         max_points(static_cast<std::size_t>(options.max_points)),
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
+        index_keeper(*catalogue, *live, parameters.descriptor),
         clouds(*catalogue, parameters.descriptor,
                static_cast<std::size_t>(options.cache_mib) << 20U),
         recognizing(WorkersOf(options), options.queue),
@@ -69,6 +71,7 @@ struct Server::Parts {
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
+  IndexKeeper index_keeper;
   ViewCloudCache clouds;
   Admission recognizing;
   Admission teaching{1, kTeachQueue};

@@ -5,14 +5,10 @@
 #include <utility>
 
 namespace graspdb::server {
-namespace {
 
 using recognition::TaughtStablePose;
 
-// `{stable pose}/views/{view}`.
 std::string PoseOfView(const std::string& view) { return view.substr(0, view.rfind("/views/")); }
-
-}  // namespace
 
 TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change) {
   std::map<std::string, TaughtStablePose> edited;

@@ -13,6 +13,9 @@ namespace graspdb::server {
 using TaughtPoses =
     std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>;
 
+// The stable pose's name in `{stable pose}/views/{view}`.
+std::string PoseOfView(const std::string& view);
+
 // What one change does to stable poses and their views.
 struct TaughtPoseChange {
   // Written; their views are taken from what there was.

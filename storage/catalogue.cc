@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "storage/change_key.h"
 #include "storage/change_log.h"
+#include "storage/crc32c.h"
 #include "storage/database.h"
 #include "storage/record_list.h"
 #include "storage/revision_floor.h"
@@ -46,6 +48,25 @@ CatalogueCounts Catalogue::counts() const {
 }
 
 int Catalogue::schema_version() const { return log_->meta().schema_version(); }
+
+const std::string& Catalogue::directory() const { return database_->directory(); }
+
+absl::StatusOr<std::string> Catalogue::MarkOf(std::int64_t revision) const {
+  const absl::StatusOr<std::string> identity = database_->Identity();
+  if (!identity.ok()) return identity.status();
+  std::string change;
+  if (revision != 0) {
+    auto bytes = database_->Get(Family::kChanges, ChangeKey(revision));
+    if (!bytes.ok()) return bytes.status();
+    change = *std::move(bytes);
+  }
+  // Change records hold the nanosecond of the change: copies that parted differ in it.
+  ChangeRecord record;
+  if (!record.ParseFromString(change)) return DamagedRecord(std::to_string(revision));
+  return *identity + " " + std::to_string(revision) + " " +
+         std::to_string(record.time().seconds()) + "." + std::to_string(record.time().nanos()) +
+         " " + std::to_string(Crc32c(change));
+}
 
 absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {
   const Database::Snapshot snapshot = database_->TakeSnapshot();

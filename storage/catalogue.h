@@ -117,6 +117,12 @@ class Catalogue {
   // How many records there are; kept in memory.
   CatalogueCounts counts() const;
   int schema_version() const;
+  // Where the database lies, as given to Open().
+  const std::string& directory() const;
+  // A text that no other database and no other past of this one has had at `revision`, so that
+  // what was made from it can be told from what was not. Copies of a database have the same
+  // marks up to the revision at which they part. NOT_FOUND for a revision that is not reached.
+  absl::StatusOr<std::string> MarkOf(std::int64_t revision) const;
 
   // --- Objects, stable poses, cells -------------------------------------------------
   // Names are checked, INVALID_ARGUMENT; other fields are stored as they are. Etag,

@@ -1,6 +1,11 @@
 #include "storage/crc32c.h"
 
 #include <array>
+#include <cstring>
+
+#if defined(__x86_64__)
+#include <nmmintrin.h>
+#endif
 
 namespace graspdb::storage {
 namespace {
@@ -19,14 +24,34 @@ constexpr std::array<std::uint32_t, 256> MakeTable() {
 
 constexpr std::array<std::uint32_t, 256> kTable = MakeTable();
 
-}  // namespace
-
-std::uint32_t Crc32c(std::string_view data, std::uint32_t before) {
-  std::uint32_t crc = ~before;
+std::uint32_t ByBytes(std::string_view data, std::uint32_t crc) {
   for (const char c : data) {
     crc = (crc >> 8) ^ kTable[(crc ^ static_cast<unsigned char>(c)) & 0xff];
   }
-  return ~crc;
+  return crc;
+}
+
+#if defined(__x86_64__)
+// Processors of this kind have had an instruction for it since 2008, some twenty times as fast.
+__attribute__((target("sse4.2"))) std::uint32_t ByWords(std::string_view data, std::uint32_t crc) {
+  std::uint64_t wide = crc;
+  for (; data.size() >= sizeof(wide); data.remove_prefix(sizeof(wide))) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, data.data(), sizeof(word));
+    wide = _mm_crc32_u64(wide, word);
+  }
+  return ByBytes(data, static_cast<std::uint32_t>(wide));
+}
+#endif
+
+}  // namespace
+
+std::uint32_t Crc32c(std::string_view data, std::uint32_t before) {
+#if defined(__x86_64__)
+  static const bool has_instruction = __builtin_cpu_supports("sse4.2");
+  if (has_instruction) return ~ByWords(data, ~before);
+#endif
+  return ~ByBytes(data, ~before);
 }
 
 }  // namespace graspdb::storage

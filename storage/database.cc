@@ -14,6 +14,9 @@ namespace graspdb::storage {
 namespace {
 
 constexpr std::size_t kBlockCacheBytes = 64U << 20;
+// The next start replays the logs, which takes it a while. Less than this is not
+// worth a file for each family.
+constexpr std::uint64_t kLargeLogBytes = 1U << 20;
 
 rocksdb::Slice ToSlice(std::string_view text) { return {text.data(), text.size()}; }
 std::string_view ToView(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
@@ -91,10 +94,27 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
 Database::~Database() {
   if (db_ == nullptr) return;
   // Every acknowledged write is in the synced log; an error here can lose nothing.
+  FlushLargeLogs();
   for (rocksdb::ColumnFamilyHandle* handle : handles_) {
     db_->DestroyColumnFamilyHandle(handle).PermitUncheckedError();
   }
   db_->Close().PermitUncheckedError();
+}
+
+void Database::FlushLargeLogs() {
+  rocksdb::VectorLogPtr logs;
+  db_->GetSortedWalFiles(logs).PermitUncheckedError();
+  std::uint64_t bytes = 0;
+  for (const auto& log : logs) bytes += log->SizeFileBytes();
+  if (bytes < kLargeLogBytes) return;
+  db_->Flush(rocksdb::FlushOptions(), handles_).PermitUncheckedError();
+}
+
+absl::StatusOr<std::string> Database::Identity() const {
+  std::string identity;
+  const rocksdb::Status read = db_->GetDbIdentity(identity);
+  if (!read.ok()) return FromRocksDb(read, "read the identity of the database");
+  return identity;
 }
 
 void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {

@@ -45,6 +45,8 @@ class Database {
   Database& operator=(const Database&) = delete;
 
   const std::string& directory() const { return directory_; }
+  // What RocksDB tells databases apart by; copies have the same.
+  absl::StatusOr<std::string> Identity() const;
   // Whether nothing was ever written.
   bool IsPristine() const;
   bool HasAllFamilies() const;
@@ -73,6 +75,7 @@ class Database {
 
  private:
   explicit Database(std::string directory) : directory_(std::move(directory)) {}
+  void FlushLargeLogs();
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
     return families_[static_cast<std::size_t>(family)];

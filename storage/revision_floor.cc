@@ -1,11 +1,5 @@
 #include "storage/revision_floor.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,6 +7,7 @@
 
 #include "absl/strings/numbers.h"
 #include "storage/crc32c.h"
+#include "storage/file_replacement.h"
 
 namespace graspdb::storage {
 namespace {
@@ -27,34 +22,12 @@ std::string Encode(std::int64_t revision) {
   return digits + " " + std::to_string(Crc32c(digits)) + "\n";
 }
 
-absl::Status DiskError(const std::string& path) {
-  return absl::UnavailableError("cannot write " + path + " (" + std::strerror(errno) +
-                                "); see to the disk");
-}
-
-// Writes `bytes` to `path` (or only opens it, for a directory) and waits for the disk.
-absl::Status WriteAndSync(const std::string& path, int flags, std::string_view bytes) {
-  const int file = open(path.c_str(), flags | O_CLOEXEC, 0644);
-  if (file < 0) return DiskError(path);
-  const bool written =
-      bytes.empty() || write(file, bytes.data(), bytes.size()) == std::ssize(bytes);
-  const bool synced = written && fsync(file) == 0;
-  absl::Status status = synced ? absl::OkStatus() : DiskError(path);
-  close(file);
-  return status;
-}
-
 }  // namespace
 
 absl::Status WriteRevisionFloor(const std::string& directory, std::int64_t revision) {
-  const std::string path = FloorPath(directory);
-  const std::string next = path + ".dbtmp";
-  if (auto written = WriteAndSync(next, O_WRONLY | O_CREAT | O_TRUNC, Encode(revision));
-      !written.ok()) {
-    return written;
-  }
-  if (rename(next.c_str(), path.c_str()) != 0) return DiskError(path);
-  return WriteAndSync(directory, O_RDONLY | O_DIRECTORY, "");
+  FileReplacement file(FloorPath(directory));
+  if (auto written = file.Append(Encode(revision)); !written.ok()) return written;
+  return file.Commit();
 }
 
 absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string& directory) {

@@ -5,6 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "storage/catalogue.h"
+#include "storage/index_file.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
 #include "tests/storage/catalogue_fixture.h"
@@ -190,6 +191,29 @@ TEST_F(OpenTest, AViewWithoutItsCloudIsDataLossWhenRead) {
   Tamper(database_, "clouds", view, nullptr);
   const auto catalogue = OpenOrDie(database_);
   EXPECT_EQ(catalogue->GetPackedCloud(view).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(OpenTest, ACloseLeavesNoLargeLogToReplay) {
+  constexpr std::size_t kLarge = 2'000'000;
+  MakeDatabase();
+  {
+    const auto catalogue = OpenOrDie(database_);
+    EXPECT_TRUE(
+        catalogue->PutView(MakeView("objects/mug/stablePoses/upright/views/big", 9, kLarge)).ok());
+  }
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(database_)) {
+    if (entry.path().extension() == ".log") bytes += entry.file_size();
+  }
+  EXPECT_EQ(bytes, 0U);
+  EXPECT_TRUE(
+      OpenOrDie(database_)->GetPackedCloud("objects/mug/stablePoses/upright/views/big").ok());
+}
+
+TEST_F(OpenTest, WhereOnlyTheIndexIsLeftADatabaseIsMissed) {
+  std::filesystem::create_directory(database_);
+  WriteBytes(std::filesystem::path(database_) / kIndexFile, "left over");
+  EXPECT_TRUE(absl::IsDataLoss(TryOpen()));
 }
 
 }  // namespace

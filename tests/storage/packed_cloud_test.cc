@@ -47,6 +47,16 @@ TEST(Crc32cTest, MatchesThePublishedCheckValueAndChains) {
   EXPECT_EQ(Crc32c("6789", Crc32c("12345")), Crc32c("123456789"));
 }
 
+TEST(Crc32cTest, ManyBytesAtOnceHaveTheChecksumOfOneByOne) {
+  std::string bytes;
+  std::uint32_t one_by_one = 0;
+  for (int i = 0; i < 100; ++i) {
+    bytes += static_cast<char>(i * i);
+    one_by_one = Crc32c(bytes.substr(bytes.size() - 1), one_by_one);
+    EXPECT_EQ(Crc32c(bytes), one_by_one) << i;
+  }
+}
+
 TEST(PackedCloudTest, MovesACoordinateByHalfAStepAtMost) {
   for (const float extent : {0.001F, 0.5F, 3.0F, 100.0F}) {
     const Cloud cloud = RandomCloud(2000, extent, 7);

@@ -1,0 +1,42 @@
+// Keeps the index beside the database no older than it must be.
+#pragma once
+
+#include <cstdint>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "recognition/parameters.h"
+#include "server/live_catalogue.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// Writes the index file of a catalogue on a thread of its own: at once where there is none that
+// can be used, later when it is many changes behind and nothing has changed for a while, and when
+// it is destroyed, if anything has changed. Requests do not wait for it. What cannot be written
+// is told in the log; the next start then takes longer.
+class IndexKeeper {
+ public:
+  // The references must outlive this.
+  IndexKeeper(const storage::Catalogue& catalogue, const LiveCatalogue& live,
+              const recognition::DescriptorParameters& parameters);
+  ~IndexKeeper();
+  IndexKeeper(const IndexKeeper&) = delete;
+  IndexKeeper& operator=(const IndexKeeper&) = delete;
+
+ private:
+  void Watch();
+  bool Stopped(absl::Duration wait) ABSL_LOCKS_EXCLUDED(mutex_);
+  void WriteIfBehind(std::int64_t changes);
+
+  const storage::Catalogue& catalogue_;
+  const LiveCatalogue& live_;
+  const recognition::DescriptorParameters parameters_;
+  std::int64_t written_;  // revision of the file, as good as we could make it; on one thread
+  absl::Mutex mutex_;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace graspdb::server

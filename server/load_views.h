@@ -1,0 +1,21 @@
+// All views of the catalogue, from where they are had the fastest.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "recognition/parameters.h"
+#include "server/loaded_views.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// The views as they are now, from the index beside the database where that is in order, else from
+// the records; which of them, and why, the log says. Views whose descriptors were made with other
+// parameters are described again from their clouds, and stored. Nobody else may change the
+// catalogue meanwhile.
+//
+// FAILED_PRECONDITION for a view that cannot be described with `parameters`, and the errors of the
+// catalogue.
+absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
+                                      const recognition::DescriptorParameters& parameters);
+
+}  // namespace graspdb::server

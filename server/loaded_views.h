@@ -1,0 +1,41 @@
+// All views of the catalogue while they are loaded.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "recognition/descriptor_index.h"
+#include "recognition/taught.h"
+
+namespace graspdb::server {
+
+// Everything that is known of the views at one revision.
+struct LoadedViews {
+  std::int64_t revision = 0;
+  recognition::DescriptorIndex index;
+  std::vector<std::shared_ptr<const recognition::TaughtView>> views;
+  std::optional<std::int64_t> file_revision = {};  // of the index file that they came from
+};
+
+// Puts views into an index as they come, in portions, so that no second copy of all descriptors
+// is ever in memory. Not thread-safe.
+class ViewCollector {
+ public:
+  // `size` bins a descriptor.
+  explicit ViewCollector(int size) : index_(size) {}
+
+  void Add(recognition::IndexedView view);
+  // What was added, as of `revision`; nothing can be added after it.
+  LoadedViews Finish(std::int64_t revision);
+
+ private:
+  void EmptyPortion();
+
+  recognition::DescriptorIndex index_;
+  std::vector<std::shared_ptr<const recognition::TaughtView>> views_;
+  std::vector<recognition::IndexedView> portion_;
+};
+
+}  // namespace graspdb::server

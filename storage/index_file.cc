@@ -1,0 +1,118 @@
+#include "storage/index_file.h"
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "storage/crc32c.h"
+
+namespace graspdb::storage {
+namespace {
+
+// The last byte is the version of the layout.
+constexpr std::string_view kMagic("GIX\x01", 4);
+constexpr std::size_t kNumberBytes = 4;
+
+std::string PathOf(const std::string& directory) {
+  return directory + "/" + std::string(kIndexFile);
+}
+
+std::string LittleEndian(std::uint32_t number) {
+  std::string bytes;
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
+    bytes += static_cast<char>((number >> (8 * i)) & 0xff);
+  }
+  return bytes;
+}
+
+std::uint32_t FromLittleEndian(std::string_view bytes) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < kNumberBytes; ++i) {
+    number |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
+  }
+  return number;
+}
+
+absl::Status Damaged(std::string_view what) {
+  return absl::DataLossError("the index file is damaged (" + std::string(what) + ")");
+}
+
+}  // namespace
+
+IndexFileWriter::IndexFileWriter(const std::string& directory, const IndexHeader& header)
+    : file_(PathOf(directory)), checksum_(Crc32c(kMagic)), blocks_left_(header.block_count()) {
+  status_ = file_.Append(kMagic);
+  status_.Update(AppendPart(header.SerializeAsString()));
+}
+
+absl::Status IndexFileWriter::AppendPart(const std::string& bytes) {
+  // Chained, so that a part in another place or of another file does not pass.
+  checksum_ = Crc32c(bytes, checksum_);
+  const auto size = static_cast<std::uint32_t>(bytes.size());
+  status_.Update(file_.Append(LittleEndian(size) + LittleEndian(checksum_)));
+  status_.Update(file_.Append(bytes));
+  return status_;
+}
+
+absl::Status IndexFileWriter::Append(const IndexBlock& block) {
+  --blocks_left_;
+  return AppendPart(block.SerializeAsString());
+}
+
+absl::Status IndexFileWriter::Commit() {
+  if (!status_.ok()) return status_;
+  if (blocks_left_ == 0) return file_.Commit();
+  return absl::FailedPreconditionError("the index file has not the blocks that its header says");
+}
+
+absl::StatusOr<IndexFileReader> IndexFileReader::Open(const std::string& directory) {
+  const std::string path = PathOf(directory);
+  std::FILE* file = std::fopen(path.c_str(), "rbe");
+  if (file == nullptr && errno == ENOENT) return absl::NotFoundError("there is no index file");
+  if (file == nullptr) return Damaged("it cannot be opened");
+  IndexFileReader out(file);
+  std::error_code error;
+  out.bytes_left_ = std::filesystem::file_size(path, error);
+  if (error) return Damaged("it cannot be read");
+  if (absl::Status status = out.ReadStart(); !status.ok()) return status;
+  return out;
+}
+
+absl::Status IndexFileReader::ReadStart() {
+  std::array<char, kMagic.size()> magic{};
+  const std::size_t read = std::fread(magic.data(), 1, magic.size(), file_.get());
+  if (std::string_view(magic.data(), read) != kMagic) return Damaged("it is of another kind");
+  bytes_left_ -= read;
+  checksum_ = Crc32c(kMagic);
+  if (absl::Status status = ReadPart(); !status.ok()) return status;
+  return header_.ParseFromString(part_) ? absl::OkStatus() : Damaged("its header");
+}
+
+absl::Status IndexFileReader::ReadPart() {
+  std::array<char, 2 * kNumberBytes> start{};
+  if (bytes_left_ < start.size() ||
+      std::fread(start.data(), 1, start.size(), file_.get()) != start.size()) {
+    return Damaged("its end is missing");
+  }
+  bytes_left_ -= start.size();
+  const std::uint32_t size = FromLittleEndian({start.data(), kNumberBytes});
+  const std::uint32_t checksum = FromLittleEndian({start.data() + kNumberBytes, kNumberBytes});
+  if (size > bytes_left_) return Damaged("its end is missing");
+  part_.resize(size);
+  if (std::fread(part_.data(), 1, size, file_.get()) != size) return Damaged("it cannot be read");
+  bytes_left_ -= size;
+  checksum_ = Crc32c(part_, checksum_);
+  return checksum_ == checksum ? absl::OkStatus() : Damaged("a checksum is wrong");
+}
+
+absl::Status IndexFileReader::Next(IndexBlock* block) {
+  if (absl::Status status = ReadPart(); !status.ok()) return status;
+  return block->ParseFromString(part_) ? absl::OkStatus() : Damaged("a block");
+}
+
+absl::Status IndexFileReader::Finish() {
+  return bytes_left_ == 0 ? absl::OkStatus() : Damaged("something follows its end");
+}
+
+}  // namespace graspdb::storage
