@@ -113,6 +113,13 @@ DescriptorIndex DescriptorIndex::With(std::span<const IndexedView> views) const 
   return out;
 }
 
+DescriptorIndex DescriptorIndex::Joined(const DescriptorIndex& other) const {
+  DescriptorIndex out = *this;
+  out.view_count_ += other.view_count_;
+  out.chunks_.insert(out.chunks_.end(), other.chunks_.begin(), other.chunks_.end());
+  return out;
+}
+
 DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& names) const {
   DescriptorIndex out(static_cast<int>(bins_));
   for (const auto& chunk : chunks_) {

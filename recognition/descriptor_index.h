@@ -31,6 +31,9 @@ class DescriptorIndex {
   // This index and more views, whose names must be new.
   DescriptorIndex With(std::span<const IndexedView> views) const;
 
+  // This index and the views of `other`, whose names must be new here. Shares the content of both.
+  DescriptorIndex Joined(const DescriptorIndex& other) const;
+
   // This index without the views of these resource names.
   DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
 

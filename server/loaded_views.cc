@@ -1,28 +1,42 @@
 #include "server/loaded_views.h"
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace graspdb::server {
 namespace {
 
 // The index is cut into chunks of 512; a multiple leaves none of them half full.
-constexpr std::size_t kPortion = 4096;
+constexpr std::size_t kPortion = 2048;
 
 }  // namespace
+
+ViewCollector::ViewCollector(int size)
+    : size_(size), most_at_work_(std::max(1U, std::thread::hardware_concurrency())), index_(size) {}
 
 void ViewCollector::Add(recognition::IndexedView view) {
   views_.push_back(view.view);
   portion_.push_back(std::move(view));
-  if (portion_.size() == kPortion) EmptyPortion();
+  if (portion_.size() == kPortion) HandOutPortion();
 }
 
-void ViewCollector::EmptyPortion() {
-  index_ = index_.With(portion_);
-  portion_.clear();
+void ViewCollector::HandOutPortion() {
+  if (at_work_.size() == most_at_work_) TakeOldest();
+  auto work = [size = size_, portion = std::exchange(portion_, {})] {
+    return recognition::DescriptorIndex(size).With(portion);
+  };
+  at_work_.push_back(std::async(std::launch::async, std::move(work)));
+}
+
+void ViewCollector::TakeOldest() {
+  index_ = index_.Joined(at_work_.front().get());
+  at_work_.pop_front();
 }
 
 LoadedViews ViewCollector::Finish(std::int64_t revision) {
-  EmptyPortion();
+  HandOutPortion();
+  while (!at_work_.empty()) TakeOldest();
   return {revision, std::move(index_), std::move(views_)};
 }
 

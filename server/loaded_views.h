@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,21 +21,26 @@ struct LoadedViews {
   std::optional<std::int64_t> file_revision = {};  // of the index file that they came from
 };
 
-// Puts views into an index as they come, in portions, so that no second copy of all descriptors
-// is ever in memory. Not thread-safe.
+// Puts views into an index as they come. Portions of them are worked up on other threads, which
+// takes longer than reading them; no second copy of all descriptors is ever in memory. The result
+// does not depend on the threads. Not thread-safe.
 class ViewCollector {
  public:
   // `size` bins a descriptor.
-  explicit ViewCollector(int size) : index_(size) {}
+  explicit ViewCollector(int size);
 
   void Add(recognition::IndexedView view);
   // What was added, as of `revision`; nothing can be added after it.
   LoadedViews Finish(std::int64_t revision);
 
  private:
-  void EmptyPortion();
+  void HandOutPortion();
+  void TakeOldest();
 
+  const int size_;
+  const std::size_t most_at_work_;
   recognition::DescriptorIndex index_;
+  std::deque<std::future<recognition::DescriptorIndex>> at_work_;  // the oldest in front
   std::vector<std::shared_ptr<const recognition::TaughtView>> views_;
   std::vector<recognition::IndexedView> portion_;
 };

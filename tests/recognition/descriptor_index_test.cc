@@ -116,6 +116,18 @@ TEST(DescriptorIndexTest, OrderInWhichViewsCameDoesNotMatter) {
   }
 }
 
+TEST(DescriptorIndexTest, JoinedIndicesFindWhatOneOfAllViewsFinds) {
+  Random random(17);
+  const std::vector<IndexedView> views = RandomViews(random, 1500);
+  const std::span<const IndexedView> all(views);
+  const DescriptorIndex joined = DescriptorIndex(kBins)
+                                     .With(all.first(700))
+                                     .Joined(DescriptorIndex(kBins).With(all.subspan(700)));
+  EXPECT_EQ(joined.view_count(), views.size());
+  const Descriptor query = RandomDescriptor(random);
+  EXPECT_EQ(Names(joined.Nearest(query, 20)), Names(IndexOf(views).Nearest(query, 20)));
+}
+
 TEST(DescriptorIndexTest, EqualDistancesComeByName) {
   Random random(44);
   const Descriptor same = RandomDescriptor(random);
