@@ -63,6 +63,9 @@ absl::StatusOr<ViewCloudCache::Cloud> ViewCloudCache::Read(
   absl::StatusOr<recognition::OrientedCloud> cloud =
       CloudFromPacked(*packed, view.world_sensor, parameters_);
   if (!cloud.ok()) return cloud.status();
+  // There is room left in them for all points that the voxels were made of, several times theirs.
+  cloud->points.shrink_to_fit();
+  cloud->normals.shrink_to_fit();
   return std::make_shared<const recognition::OrientedCloud>(*std::move(cloud));
 }
 

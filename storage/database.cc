@@ -13,7 +13,8 @@
 namespace graspdb::storage {
 namespace {
 
-constexpr std::size_t kBlockCacheBytes = 64U << 20;
+// What is asked for again and again is kept by those who ask.
+constexpr std::size_t kBlockCacheBytes = 16U << 20;
 // The next start replays the logs, which takes it a while. Less than this is not
 // worth a file for each family.
 constexpr std::uint64_t kLargeLogBytes = 1U << 20;

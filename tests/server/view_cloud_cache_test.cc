@@ -73,6 +73,18 @@ TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
   EXPECT_EQ(*cache.Load(*view), *first);
 }
 
+TEST_F(ViewCloudCacheTest, ACloudTakesNoMoreMemoryThanItsPoints) {
+  recognition::DescriptorParameters coarse;
+  coarse.voxel_size_m = 0.05;
+  const View view = Put("a", "1", 20);
+  ViewCloudCache cache(*catalogue_, coarse, kAmple);
+  const auto cloud = cache.Load(*view);
+  ASSERT_THAT(cloud, IsOk());
+  ASSERT_LT((*cloud)->points.size(), 20U);
+  EXPECT_EQ((*cloud)->points.capacity(), (*cloud)->points.size());
+  EXPECT_EQ((*cloud)->normals.capacity(), (*cloud)->normals.size());
+}
+
 TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
   const View a = Put("a", "1", 50);
   const View b = Put("b", "1", 50);
