@@ -81,7 +81,10 @@ absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters) {
   absl::StatusOr<LoadedViews> kept = ReadIndexSnapshot(catalogue, parameters);
   if (kept.ok()) return kept;
-  spdlog::info("event=index_rebuild reason={}", LogField(std::string(kept.status().message())));
+  // A new database has nothing to rebuild an index of.
+  if (catalogue.counts().views > 0) {
+    spdlog::info("event=index_rebuild reason={}", LogField(std::string(kept.status().message())));
+  }
   std::vector<std::string> outdated;
   absl::StatusOr<LoadedViews> read = ReadRecords(catalogue, parameters, &outdated);
   if (!read.ok() || outdated.empty()) return read;
