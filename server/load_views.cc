@@ -68,8 +68,9 @@ absl::StatusOr<LoadedViews> ReadRecords(const storage::Catalogue& catalogue,
           return absl::OkStatus();
         }
         auto view = IndexedViewFromRecord(record, parameters);
-        if (view.ok()) collector.Add(*std::move(view));
-        return view.status();
+        if (!view.ok()) return view.status();
+        collector.Add(*std::move(view));
+        return absl::OkStatus();
       });
   if (!revision.ok()) return revision.status();
   return collector.Finish(*revision);

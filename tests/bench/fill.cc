@@ -91,8 +91,9 @@ absl::StatusOr<std::size_t> Store(storage::Catalogue& catalogue,
     const std::string name =
         absl::StrFormat("%s/views/turn-%03d", StablePoseName(parts[part], variant), i);
     auto view = MakeView(seen[i], variant.factors[part], name);
-    if (view.ok()) views[i] = *std::move(view);
-    return view.status();
+    if (!view.ok()) return view.status();
+    views[i] = *std::move(view);
+    return absl::OkStatus();
   };
   client::ExperimentRun run;
   run.workers = kWorkers;

@@ -53,7 +53,7 @@ class IndexSnapshotTest : public ServerTest {
   // What a server says that starts on what is there, and stops.
   std::string AnswerOfARun() {
     Start();
-    const std::string answer = Answer(request_).SerializeAsString();
+    std::string answer = Answer(request_).SerializeAsString();
     server_.reset();
     return answer;
   }
@@ -65,7 +65,7 @@ class IndexSnapshotTest : public ServerTest {
   }
 
   std::filesystem::path CopyOfTheDatabase() const {
-    const std::filesystem::path copy = folder_.path() / "copy";
+    std::filesystem::path copy = folder_.path() / "copy";
     std::filesystem::copy(options_.database, copy, std::filesystem::copy_options::recursive);
     return copy;
   }
