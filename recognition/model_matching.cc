@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "absl/status/status.h"
@@ -15,6 +16,7 @@ namespace graspdb::recognition {
 namespace {
 
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
+using Model = std::shared_ptr<const SurfaceModel>;
 
 // Points of the segment that first looks are taken with.
 constexpr std::size_t kRoughPoints = 200;
@@ -22,6 +24,11 @@ constexpr std::size_t kRoughPoints = 200;
 constexpr std::size_t kFinalists = 8;
 // A hypothesis with this score needs no other to be asked for.
 constexpr double kExplained = 0.94;
+// Where the nearest views do not explain a segment, so many are asked at most: as many as the
+// experiment's parts have, so that a request does not take longer the more is taught.
+constexpr int kMostViews = 600;
+// Each time so many times more of them, as long as nothing explains it.
+constexpr std::size_t kGrowth = 4;
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
 // A score that changes by no more than this has not changed.
@@ -104,12 +111,12 @@ class Matcher {
 
   // Rough hypotheses from these views, refined, the best ones kept. `hidden`: sides on which the
   // segment may go on.
-  absl::Status Propose(const Views& views, const Sight::Sides& hidden) {
+  absl::Status Propose(std::span<const Views::value_type> views, const Sight::Sides& hidden) {
     for (const auto& view : views) {
       if (is_cancelled_()) return absl::CancelledError("cancelled while models were aligned");
       const auto pose = catalogue_.stable_poses->find(view->stable_pose);
       if (pose == catalogue_.stable_poses->end()) continue;
-      auto model = clouds_.LoadModel(*view, *pose->second);
+      auto model = ModelOf(*view, *pose->second);
       if (!model.ok()) return model.status();
       if (*model != nullptr) Try(view, *pose->second, *model, hidden);
     }
@@ -141,8 +148,17 @@ class Matcher {
   }
 
  private:
+  // Asks for a model once, and not for each of the views that it is fused from.
+  absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose) {
+    Model& known = models_[view.shares_frame ? static_cast<const void*>(&stable_pose) : &view];
+    if (known) return known;
+    auto model = clouds_.LoadModel(view, stable_pose);
+    if (model.ok()) known = *model;
+    return model;
+  }
+
   void Try(const std::shared_ptr<const TaughtView>& view, const TaughtStablePose& stable_pose,
-           const std::shared_ptr<const SurfaceModel>& model, const Sight::Sides& hidden) {
+           const Model& model, const Sight::Sides& hidden) {
     for (const Pose& rough : RoughPoses(*view, *model, seen_, hidden)) {
       PoseHypothesis h;
       h.model = model;
@@ -222,48 +238,56 @@ class Matcher {
   const OrientedColumns rough_columns_;  // some of them
   const RefinementTarget target_;
   const RefinementTarget rough_target_;
+  std::unordered_map<const void*, Model> models_;  // by stable pose, or by view
   std::vector<PoseHypothesis> hypotheses_;
 };
 
-// All views but those of `nearest`, in the order of their names.
-Views OtherViews(const CatalogueSnapshot& catalogue, std::span<const Match> nearest) {
+// The views that come after those of `nearest`, the most similar first.
+Views FurtherViews(const CatalogueSnapshot& catalogue, const Descriptor& descriptor,
+                   std::span<const Match> nearest) {
   std::unordered_set<const TaughtView*> known;
   for (const Match& match : nearest) known.insert(match.view.get());
   Views out;
-  for (const auto& [name, pose] : *catalogue.stable_poses) {
-    for (const auto& view : pose->views) {
-      if (!known.contains(view.get())) out.push_back(view);
-    }
+  for (const Match& match : catalogue.index.Nearest(descriptor, kMostViews)) {
+    if (!known.contains(match.view.get())) out.push_back(match.view);
   }
-  std::ranges::sort(out, {}, [](const auto& view) { return view->name; });
   return out;
 }
 
 }  // namespace
 
 absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
-    const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
-    ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled) {
+    const MatchingInput& input, const Descriptor& descriptor, std::span<const Match> nearest,
+    const CatalogueSnapshot& catalogue, ViewClouds& clouds, const MatchingParameters& parameters,
+    const IsCancelled& is_cancelled) {
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
   const Sight::Sides hidden = matcher.sight().HiddenSides();
   const bool is_cut_off = hidden != Sight::Sides{};
   Views views;
   for (const Match& match : nearest) views.push_back(match.view);
-  // Where a part is hidden the descriptor says little: all views are asked at once.
-  if (is_cut_off) std::ranges::move(OtherViews(catalogue, nearest), std::back_inserter(views));
+  // Where a part is hidden the descriptor says little: many views are asked at once.
+  if (is_cut_off) {
+    std::ranges::move(FurtherViews(catalogue, descriptor, nearest), std::back_inserter(views));
+  }
   if (absl::Status status = matcher.Propose(views, hidden); !status.ok()) return status;
   if (matcher.IsExplained()) return matcher.TakeRanked();
   const Sight::Sides unseen = matcher.sight().UnseenSides();
-  Views further = is_cut_off ? Views() : OtherViews(catalogue, nearest);
-  // What was asked already is asked again only where it could stand elsewhere.
-  if (unseen != hidden) std::ranges::move(views, std::back_inserter(further));
+  Views further = is_cut_off ? Views() : FurtherViews(catalogue, descriptor, nearest);
+  // What was asked already is asked again, first, only where it could stand elsewhere.
+  if (unseen != hidden) further.insert(further.begin(), views.begin(), views.end());
   if (further.empty()) return matcher.TakeRanked();
-  if (absl::Status status = matcher.Propose(further, unseen); !status.ok()) return status;
+  std::size_t portion = kGrowth * views.size();
+  for (std::span<const Views::value_type> left(further); !left.empty(); portion *= kGrowth) {
+    const auto next = left.first(std::min(portion, left.size()));
+    left = left.subspan(next.size());
+    if (absl::Status status = matcher.Propose(next, unseen); !status.ok()) return status;
+    if (matcher.IsExplained()) return matcher.TakeRanked();
+  }
   if (parameters.min_score < kExplainsNothing && !is_cut_off && matcher.ExplainsNothing()) {
     // An answer is wanted all the same: what the segment looks like says more than which of the
     // failures is the smallest.
     matcher.Forget();
-    absl::Status status = matcher.Propose({nearest.front().view}, hidden);
+    absl::Status status = matcher.Propose({&nearest.front().view, 1}, hidden);
     if (!status.ok()) return status;
   }
   return matcher.TakeRanked();

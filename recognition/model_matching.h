@@ -22,11 +22,13 @@ struct MatchingInput {
 //
 // First the stable poses and azimuths of `nearest`, the views with the most similar descriptors.
 // Where none of them explains the segment, or something hides a part of it so that its
-// descriptor says little, all taught views. Where none of these explains anything and an answer is
-// wanted all the same (min_score 0), the nearest view alone. Stable poses without a model are
-// left out. `nearest` is not empty. Errors as LoadModel; CANCELLED.
+// descriptor says little, further views, the most similar first, 600 at most. Where none of these
+// explains anything and an answer is wanted all the same (min_score 0), the nearest view alone.
+// Stable poses without a model are left out. `nearest` is not empty and holds what the index finds
+// for `descriptor`, that of the segment. Errors as LoadModel; CANCELLED.
 absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
-    const MatchingInput& input, std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
-    ViewClouds& clouds, const MatchingParameters& parameters, const IsCancelled& is_cancelled);
+    const MatchingInput& input, const Descriptor& descriptor, std::span<const Match> nearest,
+    const CatalogueSnapshot& catalogue, ViewClouds& clouds, const MatchingParameters& parameters,
+    const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

@@ -83,11 +83,12 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise
 }
 
 // Models of what the nearest views show are aligned and judged.
-absl::Status VerifyModels(const MatchingInput& input, const std::vector<Match>& nearest,
-                          const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-                          const MatchingParameters& parameters, const IsCancelled& is_cancelled,
-                          Detection* detection) {
-  const auto hypotheses = MatchModels(input, nearest, catalogue, clouds, parameters, is_cancelled);
+absl::Status VerifyModels(const MatchingInput& input, const Descriptor& descriptor,
+                          const std::vector<Match>& nearest, const CatalogueSnapshot& catalogue,
+                          ViewClouds& clouds, const MatchingParameters& parameters,
+                          const IsCancelled& is_cancelled, Detection* detection) {
+  const auto hypotheses =
+      MatchModels(input, descriptor, nearest, catalogue, clouds, parameters, is_cancelled);
   if (!hypotheses.ok()) return hypotheses.status();
   if (hypotheses->empty()) return absl::OkStatus();
   const PoseHypothesis& best = hypotheses->front();
@@ -146,7 +147,8 @@ absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
   absl::Status status;
   log->Measure("register", out.point_count, [&] {
     status = matching.verified_view_count > 1
-                 ? VerifyModels(input, matches, catalogue, clouds, matching, is_cancelled, &out)
+                 ? VerifyModels(input, *descriptor, matches, catalogue, clouds, matching,
+                                is_cancelled, &out)
                  : TrustDescriptor(input, matches.front(), clouds, matching, &out);
     return out.point_count;
   });

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <random>
 
 #include "client/files/point_file.h"
 #include "client/sensors/sample_parts.h"
@@ -120,6 +121,26 @@ const Frame& SimulatedFrame(const std::string& name) {
   const auto& frames = SimulatedFrames();
   return *std::find_if(frames.begin(), frames.end(),
                        [&](const Frame& frame) { return frame.name == name; });
+}
+
+const std::vector<Frame>& PartFrames() {
+  static const std::vector<Frame> frames = [] {
+    std::vector<Frame> out;
+    std::mt19937_64 random(5);
+    const auto within = [&](double most) {
+      return most * (static_cast<double>(random() % 2001) / 1000 - 1);
+    };
+    for (int round = 0; round < 2; ++round) {
+      for (const client::Workpiece& part : client::SampleParts()) {
+        Pose pose = Pose::Identity();
+        pose.translation() << within(0.1), within(0.1), 0;
+        pose.rotate(Eigen::AngleAxisd(within(std::numbers::pi), Eigen::Vector3d::UnitZ()));
+        out.push_back(FrameOf(part.object_id, client::KinectV2(), pose));
+      }
+    }
+    return out;
+  }();
+  return frames;
 }
 
 Frame FrameOf(const std::string& part, const client::DepthCameraModel& camera,

@@ -2,6 +2,10 @@
 #include <benchmark/benchmark.h>
 #include <pcl/common/centroid.h>
 
+#include <algorithm>
+#include <chrono>
+#include <functional>
+
 #include "recognition/recognizer.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/frames.h"
@@ -36,33 +40,56 @@ PeerCatalogue PeerOf(const Catalogue& catalogue) {
   return out;
 }
 
-void Ours(benchmark::State& state, const Frame& frame, Catalogue& catalogue) {
-  double grasps = 0;
-  recognition::RecognitionParameters parameters;
-  parameters.matching.verified_view_count = kCandidates;
-  for (auto _ : state) {
-    const auto answer = recognition::Recognize(ScanOf(frame), catalogue.snapshot(), catalogue,
-                                               parameters, [] { return false; });
-    grasps = 0;
-    if (!answer.ok()) continue;
-    for (const auto& detection : answer->detections) grasps += !detection.grasps.empty();
-  }
-  state.counters["grasps"] = grasps;
+// The time that at most this share of the others are longer than, ms.
+double Percentile(std::vector<double> times, double share) {
+  if (times.empty()) return 0;
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(times.size() - 1));
+  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(at), times.end());
+  return times[at];
 }
 
-void Peer(benchmark::State& state, const Frame& frame, const PeerCatalogue& catalogue) {
-  const recognition::MatchingParameters parameters;
-  double grasps = 0;
+// Frames one after the other; `recognize` returns how many grasps it has found.
+void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
+         const std::function<int(const Frame&)>& recognize) {
+  std::vector<double> times;
+  int grasps = 0;
   for (auto _ : state) {
     grasps = 0;
-    const auto cloud = peer::Unproject(frame.depth, frame.camera, kDepthUnitM);
-    for (const auto& thing : peer::Describe(cloud, frame.world_sensor, frame.region, {}, {})) {
-      const peer::Answer answer = peer::Recognize(thing, *catalogue.forest, catalogue.views,
-                                                  kCandidates, parameters.max_correspondence_m);
-      grasps += answer.view >= 0;
+    for (const Frame* frame : frames) {
+      const auto begin = std::chrono::steady_clock::now();
+      grasps += recognize(*frame);
+      const std::chrono::duration<double, std::milli> time =
+          std::chrono::steady_clock::now() - begin;
+      times.push_back(time.count());
     }
   }
   state.counters["grasps"] = grasps;
+  if (frames.size() == 1) return;
+  state.counters["p50_ms"] = Percentile(times, 0.5);
+  state.counters["p99_ms"] = Percentile(times, 0.99);
+}
+
+int Ours(const Frame& frame, Catalogue& catalogue) {
+  recognition::RecognitionParameters parameters;
+  parameters.matching.verified_view_count = kCandidates;
+  const auto answer = recognition::Recognize(ScanOf(frame), catalogue.snapshot(), catalogue,
+                                             parameters, [] { return false; });
+  int grasps = 0;
+  if (!answer.ok()) return grasps;
+  for (const auto& detection : answer->detections) grasps += !detection.grasps.empty();
+  return grasps;
+}
+
+int Peer(const Frame& frame, const PeerCatalogue& catalogue) {
+  const recognition::MatchingParameters parameters;
+  int grasps = 0;
+  const auto cloud = peer::Unproject(frame.depth, frame.camera, kDepthUnitM);
+  for (const auto& thing : peer::Describe(cloud, frame.world_sensor, frame.region, {}, {})) {
+    grasps += peer::Recognize(thing, *catalogue.forest, catalogue.views, kCandidates,
+                              parameters.max_correspondence_m)
+                  .view >= 0;
+  }
+  return grasps;
 }
 
 }  // namespace
@@ -72,13 +99,21 @@ void AddWhole() {
   const Lazy<std::shared_ptr<Catalogue>> catalogue(
       [] { return std::make_shared<Catalogue>(kViews); });
   const Lazy<PeerCatalogue> peer([=] { return PeerOf(**catalogue); });
+  const auto add = [=](const std::string& name, const std::vector<const Frame*>& frames) {
+    const std::string work = "frame to grasp, 10000 views, " + name;
+    Compare(work, "graspdb", [=](benchmark::State& state) {
+      Run(state, frames, [&](const Frame& frame) { return Ours(frame, **catalogue); });
+    });
+    Compare(work, "PCL", [=](benchmark::State& state) {
+      Run(state, frames, [&](const Frame& frame) { return Peer(frame, *peer); });
+    });
+  };
   for (const char* name : {"kinect-v2-one", "kinect-v1-one", "kinect-v2-five"}) {
-    const std::string work = std::string("frame to grasp, 10000 views, ") + name;
-    Compare(work, "graspdb",
-            [=](benchmark::State& state) { Ours(state, SimulatedFrame(name), **catalogue); });
-    Compare(work, "PCL",
-            [=](benchmark::State& state) { Peer(state, SimulatedFrame(name), *peer); });
+    add(name, {&SimulatedFrame(name)});
   }
+  std::vector<const Frame*> parts;
+  for (const Frame& frame : PartFrames()) parts.push_back(&frame);
+  add("all of " + std::to_string(parts.size()) + " frames, one part each", parts);
 }
 
 }  // namespace graspdb::bench
