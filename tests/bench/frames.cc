@@ -46,6 +46,14 @@ Frame Render(const std::string& name, const client::DepthCameraModel& model,
   return out;
 }
 
+// A Kinect v2 with 4.7 times the pixels over the same angle.
+client::DepthCameraModel Megapixel() {
+  client::DepthCameraModel out = client::KinectV2();
+  out.intrinsics = {
+      .width = 1280, .height = 800, .fx = 913.75, .fy = 913.75, .cx = 639.5, .cy = 399.5};
+  return out;
+}
+
 // The first sample parts, on a circle where they are several.
 Frame RenderThings(const std::string& name, const client::DepthCameraModel& model,
                    std::size_t things) {
@@ -95,7 +103,8 @@ const std::vector<Frame>& SimulatedFrames() {
   static const std::vector<Frame> frames = {RenderThings("kinect-v1-one", client::KinectV1(), 1),
                                             RenderThings("kinect-v1-five", client::KinectV1(), 5),
                                             RenderThings("kinect-v2-one", client::KinectV2(), 1),
-                                            RenderThings("kinect-v2-five", client::KinectV2(), 5)};
+                                            RenderThings("kinect-v2-five", client::KinectV2(), 5),
+                                            RenderThings("megapixel-one", Megapixel(), 1)};
   return frames;
 }
 

@@ -27,8 +27,8 @@ inline constexpr double kDepthUnitM = 0.001;
 // What the camera saw, as the recognition takes it.
 recognition::Scan ScanOf(const Frame& frame);
 
-// "kinect-v1-one", "kinect-v1-five", "kinect-v2-one", "kinect-v2-five": sample parts on a table,
-// simulated.
+// "kinect-v1-one", "kinect-v1-five", "kinect-v2-one", "kinect-v2-five", "megapixel-one": sample
+// parts on a table, simulated. The last is of a time-of-flight camera with 1280 x 800 pixels.
 const std::vector<Frame>& SimulatedFrames();
 
 // The frames of mosd_tabletop ("mosd"): 640 x 480, several objects; where the world frame is, our

@@ -3,6 +3,7 @@
 #include <faiss/IndexFlat.h>
 #include <hnswlib/hnswlib.h>
 
+#include <algorithm>
 #include <flann/flann.hpp>
 #include <memory>
 #include <numeric>
@@ -24,6 +25,9 @@ constexpr std::size_t kQueries = 64;
 constexpr std::size_t kBins = 288;
 // Building a graph of more takes minutes.
 constexpr std::size_t kMostForGraph = 10'000;
+// Copies of what others search take too much memory for more.
+constexpr std::size_t kMostForPeers = 100'000;
+constexpr std::size_t kMostWithClouds = 100'000;
 
 // Descriptors of the catalogue, and queries: some of them, a part of whose mass went elsewhere.
 struct Rows {
@@ -33,22 +37,40 @@ struct Rows {
   std::size_t count = 0;
 };
 
+// The same, a part of whose mass went elsewhere.
+Descriptor Blurred(Descriptor descriptor, std::mt19937_64* random) {
+  for (float& bin : descriptor) {
+    bin *= 0.7F + 0.6F * static_cast<float>((*random)() % 1000) / 1000.0F;
+  }
+  const float sum = std::accumulate(descriptor.begin(), descriptor.end(), 0.0F);
+  for (float& bin : descriptor) bin /= sum;
+  return descriptor;
+}
+
+// Descriptors of the catalogue of so many views; of more than can be made with their clouds, those
+// of a smaller one, blurred.
 Rows RowsOf(std::size_t count) {
   Rows out;
-  const Catalogue catalogue(count);
+  const Catalogue catalogue(std::min(count, kMostWithClouds));
   out.count = count;
-  out.index = catalogue.snapshot().index;
-  for (const TaughtCloud& taught : catalogue.views()) {
-    out.values.insert(out.values.end(), taught.descriptor.begin(), taught.descriptor.end());
-  }
   std::mt19937_64 random(3);
-  for (std::size_t q = 0; q < kQueries; ++q) {
-    Descriptor query = catalogue.views()[random() % count].descriptor;
-    for (float& bin : query) bin *= 0.7F + 0.6F * static_cast<float>(random() % 1000) / 1000.0F;
-    const float sum = std::accumulate(query.begin(), query.end(), 0.0F);
-    for (float& bin : query) bin /= sum;
-    out.queries.push_back(std::move(query));
+  std::vector<recognition::IndexedView> views;
+  views.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const TaughtCloud& taught = catalogue.views()[i % catalogue.views().size()];
+    auto view = std::make_shared<recognition::TaughtView>();
+    view->name = std::to_string(i);
+    const bool is_new = i < catalogue.views().size();
+    views.push_back(
+        {std::move(view), is_new ? taught.descriptor : Blurred(taught.descriptor, &random)});
   }
+  for (const auto& v : views) {
+    out.values.insert(out.values.end(), v.descriptor.begin(), v.descriptor.end());
+  }
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    out.queries.push_back(Blurred(views[random() % count].descriptor, &random));
+  }
+  out.index = out.index.With(views);
   return out;
 }
 
@@ -86,9 +108,7 @@ void Add(const std::string& work, const std::string& who, const Lazy<Rows>& rows
   });
 }
 
-std::size_t PositionOf(const recognition::Match& match) {
-  return std::stoul(match.view->name.substr(match.view->name.rfind('/') + 1));
-}
+std::size_t PositionOf(const recognition::Match& match) { return std::stoul(match.view->name); }
 
 SearchFor Ours(const Rows& rows) {
   return [&rows](const Descriptor& query) {
@@ -151,6 +171,7 @@ void AddSize(std::size_t count) {
   };
   add("graspdb", Ours);
   add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
+  if (count > kMostForPeers) return;
   add("FLANN kd-forest", [](const Rows& r) { return Flann(r, flann::KDTreeIndexParams(4), 128); });
   add("faiss flat, Hellinger", Faiss);
   if (count <= kMostForGraph) add("hnswlib, Hellinger", Hnsw);
@@ -159,7 +180,7 @@ void AddSize(std::size_t count) {
 }  // namespace
 
 void AddIndex() {
-  for (const std::size_t count : {1'000U, 10'000U, 100'000U}) AddSize(count);
+  for (const std::size_t count : {1'000U, 10'000U, 100'000U, 1'000'000U}) AddSize(count);
 }
 
 }  // namespace graspdb::bench

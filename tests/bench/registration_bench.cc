@@ -70,19 +70,22 @@ struct Pair {
   std::unique_ptr<const ScanLookUps> look_ups;
 };
 
-// How far what was taught, moved by `found`, is from where it should be, and from the scan.
+// How far what was taught, moved by `found`, is from where it should be, and from the tangent
+// planes of the scan.
 void Report(const Pair& pair, const Pose& found, benchmark::State* state) {
   const recognition::Points& points = pair.taught.segment.cloud.points;
-  const recognition::PointSearch scan(pair.seen.segment.cloud.points);
+  const OrientedCloud& seen = pair.seen.segment.cloud;
+  const recognition::PointSearch scan(seen.points);
   double off = 0;
   double residual = 0;
   for (const Eigen::Vector3f& p : points) {
     const Eigen::Vector3d q = found * p.cast<double>();
     off += (pair.moved * p.cast<double>() - q).squaredNorm();
-    residual += std::sqrt(static_cast<double>(scan.Nearest(q.cast<float>()).squared_distance));
+    const auto at = static_cast<std::size_t>(scan.Nearest(q.cast<float>()).index);
+    residual += std::abs((q - seen.points[at].cast<double>()).dot(seen.normals[at].cast<double>()));
   }
   const auto count = static_cast<double>(points.size());
-  state->counters["points"] = static_cast<double>(pair.seen.segment.cloud.points.size());
+  state->counters["points"] = static_cast<double>(seen.points.size());
   state->counters["off_mm"] = 1000 * std::sqrt(off / count);
   state->counters["residual_mm"] = 1000 * residual / count;
 }
