@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "absl/status/status.h"
+#include "recognition/distinct_hypotheses.h"
 #include "recognition/ranking.h"
 #include "recognition/refinement.h"
 #include "recognition/rough_pose.h"
@@ -24,11 +24,12 @@ constexpr std::size_t kRoughPoints = 200;
 constexpr std::size_t kFinalists = 8;
 // A hypothesis with this score needs no other to be asked for.
 constexpr double kExplained = 0.94;
+// So much of its surface is in sight of what stands free; the rest is the sensor's noise at edges.
+constexpr double kWhole = 0.97;
 // Where the nearest views do not explain a segment, so many are asked at most: as many as the
 // experiment's parts have, so that a request does not take longer the more is taught.
 constexpr int kMostViews = 600;
-// Each time so many times more of them, as long as nothing explains it.
-constexpr std::size_t kGrowth = 4;
+constexpr std::size_t kGrowth = 4;  // so many times more each time, until one explains it
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
 // A score that changes by no more than this has not changed.
@@ -50,41 +51,9 @@ constexpr RefinementOptions kRoughSteps = {.iterations = 6,
 // What a hypothesis is refined with in full: edges thinned, until little is left to go.
 constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
-// Poses nearer than this are one.
-constexpr double kSamePlaceM = 0.004;
-constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
 // Look-ups over the segment: cells, and how far they reach, m.
 constexpr float kCellM = 0.003F;
 constexpr float kReachM = 0.021F;
-
-bool IsSamePlace(const SurfaceModel& model, const Pose& a, const Pose& b) {
-  const Pose difference = a.inverse() * b;
-  const Eigen::Vector3d center = model.center.cast<double>();
-  return (difference * center - center).norm() < kSamePlaceM &&
-         std::abs(Eigen::AngleAxisd(difference.linear()).angle()) < kSameTurnRad;
-}
-
-// Whether `b` is the model of `a` at `pose`.
-bool IsThere(const PoseHypothesis& a, const Pose& pose, const PoseHypothesis& b) {
-  // Not by the pointers: what is dropped from a cache comes back as another one.
-  return HaveSameModel(*a.view, *b.view) && IsSamePlace(*a.model, pose, b.refined);
-}
-
-// The `count` best, the best first, without those that are the same as a better one.
-void KeepBest(std::size_t count, std::vector<PoseHypothesis>* hypotheses) {
-  std::stable_sort(hypotheses->begin(), hypotheses->end(),
-                   [](const PoseHypothesis& a, const PoseHypothesis& b) {
-                     return a.evidence.score > b.evidence.score;
-                   });
-  std::vector<PoseHypothesis> different;
-  for (PoseHypothesis& h : *hypotheses) {
-    const auto same = [&](const auto& other) { return IsThere(h, h.refined, other); };
-    if (std::ranges::any_of(different, same)) continue;
-    different.push_back(std::move(h));
-    if (different.size() == count) break;
-  }
-  *hypotheses = std::move(different);
-}
 
 // Aligns models with one segment.
 class Matcher {
@@ -129,6 +98,11 @@ class Matcher {
 
   bool IsExplained() const {
     return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained;
+  }
+
+  // And nothing of what explains it is hidden: then nothing larger would do so as well.
+  bool IsExplainedWhole() const {
+    return IsExplained() && hypotheses_.front().evidence.in_sight >= kWhole;
   }
 
   bool ExplainsNothing() const {
@@ -263,20 +237,24 @@ absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
   Matcher matcher(input, catalogue, clouds, parameters, is_cancelled);
   const Sight::Sides hidden = matcher.sight().HiddenSides();
   const bool is_cut_off = hidden != Sight::Sides{};
-  Views views;
-  for (const Match& match : nearest) views.push_back(match.view);
-  // Where a part is hidden the descriptor says little: many views are asked at once.
+  Views asked;
+  for (const Match& match : nearest) asked.push_back(match.view);
+  if (absl::Status status = matcher.Propose(asked, hidden); !status.ok()) return status;
+  if (is_cut_off ? matcher.IsExplainedWhole() : matcher.IsExplained()) return matcher.TakeRanked();
+  if (input.nearest_only) return std::vector<PoseHypothesis>();
+  Views further = FurtherViews(catalogue, descriptor, nearest);
   if (is_cut_off) {
-    std::ranges::move(FurtherViews(catalogue, descriptor, nearest), std::back_inserter(views));
+    // The descriptor of a part says little, and a part of one thing is explained by others too.
+    if (absl::Status status = matcher.Propose(further, hidden); !status.ok()) return status;
+    if (matcher.IsExplained()) return matcher.TakeRanked();
+    std::ranges::move(further, std::back_inserter(asked));
+    further.clear();
   }
-  if (absl::Status status = matcher.Propose(views, hidden); !status.ok()) return status;
-  if (matcher.IsExplained()) return matcher.TakeRanked();
   const Sight::Sides unseen = matcher.sight().UnseenSides();
-  Views further = is_cut_off ? Views() : FurtherViews(catalogue, descriptor, nearest);
   // What was asked already is asked again, first, only where it could stand elsewhere.
-  if (unseen != hidden) further.insert(further.begin(), views.begin(), views.end());
+  if (unseen != hidden) further.insert(further.begin(), asked.begin(), asked.end());
   if (further.empty()) return matcher.TakeRanked();
-  std::size_t portion = kGrowth * views.size();
+  std::size_t portion = kGrowth * asked.size();
   for (std::span<const Views::value_type> left(further); !left.empty(); portion *= kGrowth) {
     const auto next = left.first(std::min(portion, left.size()));
     left = left.subspan(next.size());

@@ -15,6 +15,7 @@ struct MatchingInput {
   const Scan& scan;
   const Segmentation& segmentation;
   const Segment& segment;
+  bool nearest_only = false;  // what the nearest views do not explain is left for later
 };
 
 // The hypotheses that explain the segment best, ranked (see RankClosely);
@@ -24,6 +25,7 @@ struct MatchingInput {
 // Where none of them explains the segment, or something hides a part of it so that its
 // descriptor says little, further views, the most similar first, 600 at most. Where none of these
 // explains anything and an answer is wanted all the same (min_score 0), the nearest view alone.
+// With `nearest_only` nothing further is asked, and there is no hypothesis unless one explains it.
 // Stable poses without a model are left out. `nearest` is not empty and holds what the index finds
 // for `descriptor`, that of the segment. Errors as LoadModel; CANCELLED.
 absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(

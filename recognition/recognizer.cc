@@ -32,6 +32,19 @@ absl::StatusOr<std::vector<AnsweredSegment>> Part(std::vector<AnsweredSegment> a
   return out;
 }
 
+// Those that the nearest views explain. What lies on one of them is a piece of it, about which
+// nothing needs to be asked: many views would be, for a descriptor of a piece says little.
+absl::Status AnswerEasyOnes(const RecognizeAlone& recognize, double support_distance_m,
+                            std::vector<AnsweredSegment>* answers) {
+  for (AnsweredSegment& answer : *answers) {
+    absl::StatusOr<Detection> detection = recognize(answer.segment);
+    if (!detection.ok()) return detection.status();
+    answer.detection = *std::move(detection);
+  }
+  JoinFragments(support_distance_m, answers);
+  return absl::OkStatus();
+}
+
 // The best that can be said of the frame as a whole.
 RecognitionOutcome Summarize(const std::vector<Detection>& detections) {
   for (const Detection& d : detections) {
@@ -54,19 +67,30 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.revision = catalogue.revision;
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
-  const RecognizeAlone recognize = [&](const Segment& segment) {
-    return RecognizeSegment({scan, *segmentation, segment}, catalogue, clouds, parameters,
-                            is_cancelled, &log);
+  const auto recognize_by = [&](bool nearest_only) -> RecognizeAlone {
+    return [&, nearest_only](const Segment& segment) {
+      return RecognizeSegment({scan, *segmentation, segment, nearest_only}, catalogue, clouds,
+                              parameters, is_cancelled, &log);
+    };
   };
+  const RecognizeAlone recognize = recognize_by(/*nearest_only=*/false);
+  // A scan of one thing alone is that, whatever it looks like.
+  const bool may_be_several = parameters.matching.verified_view_count > 1 && !scan.segmented;
   std::vector<AnsweredSegment> answers;
   answers.reserve(segmentation->segments.size());
-  for (const Segment& segment : segmentation->segments) {
-    absl::StatusOr<Detection> detection = recognize(segment);
-    if (!detection.ok()) return detection.status();
-    answers.push_back({segment, *std::move(detection)});
+  for (const Segment& segment : segmentation->segments) answers.push_back({segment, {}});
+  if (may_be_several && answers.size() > 1) {
+    const absl::Status status = AnswerEasyOnes(recognize_by(/*nearest_only=*/true),
+                                               parameters.matching.support_distance_m, &answers);
+    if (!status.ok()) return status;
   }
-  // A scan of one thing alone is that, whatever it looks like.
-  if (parameters.matching.verified_view_count > 1 && !scan.segmented) {
+  for (AnsweredSegment& answer : answers) {
+    if (answer.detection.model != nullptr) continue;
+    absl::StatusOr<Detection> detection = recognize(answer.segment);
+    if (!detection.ok()) return detection.status();
+    answer.detection = *std::move(detection);
+  }
+  if (may_be_several) {
     auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize);
     if (!things.ok()) return things.status();
     answers = *std::move(things);
