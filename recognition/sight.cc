@@ -71,8 +71,9 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
               .array()
               .min(kLargestSide) +
           1;
-  row_ = static_cast<std::size_t>(size_.x() + 2 * kBorder);
-  depths_.assign(row_ * static_cast<std::size_t>(size_.y() + 2 * kBorder), 0);
+  constexpr auto kBorders = static_cast<std::size_t>(kBorder + kBorder);
+  row_ = static_cast<std::size_t>(size_.x()) + kBorders;
+  depths_.assign(row_ * (static_cast<std::size_t>(size_.y()) + kBorders), 0);
   if (scan.is_image()) {
     PutImage(scan.depth_image);
   } else {
@@ -163,8 +164,7 @@ Eigen::Vector2i Sight::Project(const Eigen::Vector3f& p) const {
   // Before it becomes an integer, which may have no room for it; false for what is not a number.
   const bool near = (at >= -1).all() && (at < size_.cast<float>().array() + 1).all();
   if (!near) return {-2, -2};
-  const Eigen::Vector2i pixel = at.floor().cast<int>();
-  return pixel;
+  return at.floor().cast<int>().matrix();
 }
 
 wide::SightWindow Sight::window() const {

@@ -38,8 +38,8 @@ const std::vector<Frame>& RealFrames();
 // One of the simulated frames.
 const Frame& SimulatedFrame(const std::string& name);
 
-// Each sample part alone, twice, somewhere on the table and turned anyhow; Kinect v2. Their names are
-// those of the parts.
+// Each sample part alone, twice, somewhere on the table and turned anyhow; Kinect v2. Their names
+// are those of the parts.
 const std::vector<Frame>& PartFrames();
 
 // The sample part of this id alone on the table, at `world_object`.

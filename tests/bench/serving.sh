@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# serving.sh BIN OUT: how fast a server answers over gRPC among 10,000 views, how much a second core
+# adds, what a bulk import costs its callers, and how it starts with 100,000 views. Client and
+# server share the machine. Prints a Markdown table, and leaves it in OUT/serving.md.
+set -euo pipefail
+bin=$(realpath "$1")
+mkdir -p "$2" && out=$(realpath "$2")
+requests=${REQUESTS:-400}
+load=(bench --simulate --frames 32 --verified-views 10)
+server=
+stop_server() {
+  [ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null || true; }
+  server=
+}
+trap stop_server EXIT
+
+# start_server DATABASE COMMAND...: with what stands before it, such as taskset.
+start_server() {
+  local database=$1
+  shift
+  stop_server
+  : >"$out/server.out"
+  "$@" "$bin/graspdb-server" --db "$database" --listen 127.0.0.1:0 --log-level warn \
+    >"$out/server.out" 2>>"$out/server.log" &
+  server=$!
+  until grep -q '^listening on ' "$out/server.out"; do
+    kill -0 "$server" || { cat "$out/server.log" >&2; exit 1; }
+    sleep 0.01
+  done
+  GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$out/server.out")
+  export GRASPDB_SERVER
+}
+
+# measure NAME COMMAND... -- FLAG...: a row of the table.
+measure() {
+  local name=$1 before=()
+  shift
+  while [ "$1" != -- ]; do before+=("$1"); shift; done
+  shift
+  "${before[@]}" "$bin/graspdb" "${load[@]}" "$@" 2>/dev/null >"$out/load.txt"
+  awk -v name="$name" '
+    / answered \(/ { match($0, /\([0-9.]+/); rate = substr($0, RSTART + 1, RLENGTH - 1) }
+    $1 == "min" && $2 == "mean" {
+      getline
+      printf "| %s | %.1f | %.1f | %.1f | %.1f | %.0f |\n", name, $3, $4, $5, $7, rate
+    }' "$out/load.txt" | tee -a "$out/serving.md"
+}
+
+[ -d "$out/10000.db" ] || "$bin/graspdb_fill" "$out/10000.db" 10000
+[ -d "$out/100000.db" ] || "$bin/graspdb_fill" "$out/100000.db" 100000
+"$bin/graspdb" simulate --step 15 --seed 3 --out "$out/teach" 2>/dev/null
+
+{
+  echo "| 10,000 views | p50, ms | p90 | p99 | longest | answers/s |"
+  echo "| --- | --- | --- | --- | --- | --- |"
+} | tee "$out/serving.md"
+cp -r "$out/10000.db" "$out/changed.db"
+start_server "$out/changed.db" env
+measure "one caller" env -- --requests "$requests"
+measure "one caller, one part" env -- --requests "$requests" --parts l-bracket
+measure "two callers" env -- --requests "$requests" --concurrency 2
+measure "four callers" env -- --requests "$requests" --concurrency 4
+"$bin/graspdb" import "$out/teach" >/dev/null 2>&1 &
+import=$!
+measure "one caller, while $(find "$out/teach" -name '*.pcd' | wc -l) views are taught" env -- --requests "$requests"
+wait "$import"
+start_server "$out/changed.db" taskset -c 0
+measure "two callers, everything on one core" taskset -c 0 -- --requests "$requests" --concurrency 2
+rm -rf "$out/changed.db"
+
+{
+  echo
+  echo "| start with 100,000 views | ms until it answers | resident, MiB |"
+  echo "| --- | --- | --- |"
+} | tee -a "$out/serving.md"
+start_server "$out/100000.db" env  # the first start may write the index
+stop_server
+for round in 1 2 3 4 5; do
+  begin=$(date +%s%N)
+  start_server "$out/100000.db" env
+  ms=$((($(date +%s%N) - begin) / 1000000))
+  echo "| $round | $ms | $(($(awk '/VmRSS/ { print $2 }' "/proc/$server/status") / 1024)) |" |
+    tee -a "$out/serving.md"
+done
