@@ -71,7 +71,7 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
               .array()
               .min(kLargestSide) +
           1;
-  constexpr auto kBorders = static_cast<std::size_t>(kBorder + kBorder);
+  constexpr std::size_t kBorders = std::size_t{2} * kBorder;
   row_ = static_cast<std::size_t>(size_.x()) + kBorders;
   depths_.assign(row_ * (static_cast<std::size_t>(size_.y()) + kBorders), 0);
   if (scan.is_image()) {
