@@ -70,7 +70,7 @@ struct Window {
   static constexpr int kBorder = 3;
   static constexpr int kRow = kSide + 2 * kBorder;
 
-  explicit Window(Random& random) : depths(kRow * kRow, 0) {
+  explicit Window(Random& random) : depths(std::size_t{kRow} * kRow, 0) {
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         const double kind = Uniform(random, 0, 4);
@@ -80,7 +80,7 @@ struct Window {
     }
   }
   std::size_t Place(int x, int y) const {
-    return static_cast<std::size_t>((y + kBorder) * kRow + x + kBorder);
+    return static_cast<std::size_t>(y + kBorder) * kRow + static_cast<std::size_t>(x + kBorder);
   }
   SightWindow view(bool alone) const {
     return {&depths[Place(0, 0)], kRow, {-0.06F, -0.06F}, 300, {kSide, kSide}, alone};
