@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 
 #include "recognition/recognizer.h"
@@ -40,10 +41,11 @@ PeerCatalogue PeerOf(const Catalogue& catalogue) {
   return out;
 }
 
-// The time that at most this share of the others are longer than, ms.
+// The shortest of the times that this share of all are not longer than, ms.
 double Percentile(std::vector<double> times, double share) {
   if (times.empty()) return 0;
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(times.size() - 1));
+  const auto at =
+      static_cast<std::size_t>(std::ceil(share * static_cast<double>(times.size()))) - 1;
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(at), times.end());
   return times[at];
 }
