@@ -2,11 +2,10 @@
 #include <benchmark/benchmark.h>
 #include <pcl/common/centroid.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <functional>
 
+#include "client/load/load_report.h"
 #include "recognition/recognizer.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/frames.h"
@@ -41,19 +40,10 @@ PeerCatalogue PeerOf(const Catalogue& catalogue) {
   return out;
 }
 
-// The shortest of the times that this share of all are not longer than, ms.
-double Percentile(std::vector<double> times, double share) {
-  if (times.empty()) return 0;
-  const auto at =
-      static_cast<std::size_t>(std::ceil(share * static_cast<double>(times.size()))) - 1;
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(at), times.end());
-  return times[at];
-}
-
 // Frames one after the other; `recognize` returns how many grasps it has found.
 void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
          const std::function<int(const Frame&)>& recognize) {
-  std::vector<double> times;
+  client::LatencyHistogram times;
   int grasps = 0;
   // Models are made when they are first asked for, and kept.
   for (const Frame* frame : frames) benchmark::DoNotOptimize(recognize(*frame));
@@ -62,14 +52,12 @@ void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
     for (const Frame* frame : frames) {
       const auto begin = std::chrono::steady_clock::now();
       grasps += recognize(*frame);
-      const std::chrono::duration<double, std::milli> time =
-          std::chrono::steady_clock::now() - begin;
-      times.push_back(time.count());
+      times.Record(std::chrono::steady_clock::now() - begin);
     }
   }
   state.counters["grasps"] = grasps;
-  state.counters["p50_ms"] = Percentile(times, 0.5);
-  state.counters["p99_ms"] = Percentile(times, 0.99);
+  state.counters["p50_ms"] = client::Milliseconds(times.Percentile(50));
+  state.counters["p99_ms"] = client::Milliseconds(times.Percentile(99));
 }
 
 int Ours(const Frame& frame, Catalogue& catalogue) {
