@@ -7,29 +7,7 @@ bin=$(realpath "$1")
 mkdir -p "$2" && out=$(realpath "$2")
 requests=${REQUESTS:-400}
 load=(bench --simulate --frames 32 --verified-views 10)
-server=
-stop_server() {
-  [ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null || true; }
-  server=
-}
-trap stop_server EXIT
-
-# start_server DATABASE COMMAND...: with what stands before it, such as taskset.
-start_server() {
-  local database=$1
-  shift
-  stop_server
-  : >"$out/server.out"
-  "$@" "$bin/graspdb-server" --db "$database" --listen 127.0.0.1:0 --log-level warn \
-    >"$out/server.out" 2>>"$out/server.log" &
-  server=$!
-  until grep -q '^listening on ' "$out/server.out"; do
-    kill -0 "$server" || { cat "$out/server.log" >&2; exit 1; }
-    sleep 0.01
-  done
-  GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$out/server.out")
-  export GRASPDB_SERVER
-}
+source "$(dirname "$0")/../server_process/server.sh"
 
 # measure NAME COMMAND... -- FLAG...: a row of the table.
 measure() {
@@ -48,6 +26,7 @@ measure() {
 
 [ -d "$out/10000.db" ] || "$bin/graspdb_fill" "$out/10000.db" 10000
 [ -d "$out/100000.db" ] || "$bin/graspdb_fill" "$out/100000.db" 100000
+rm -rf "$out/teach" "$out/changed.db"
 "$bin/graspdb" simulate --step 15 --seed 3 --out "$out/teach" 2>/dev/null
 
 {
@@ -55,7 +34,7 @@ measure() {
   echo "| --- | --- | --- | --- | --- | --- |"
 } | tee "$out/serving.md"
 cp -r "$out/10000.db" "$out/changed.db"
-start_server "$out/changed.db" env
+start_server "$out/server" "$out/changed.db" --log-level warn
 measure "one caller" env -- --requests "$requests"
 measure "one caller, one part" env -- --requests "$requests" --parts l-bracket
 measure "two callers" env -- --requests "$requests" --concurrency 2
@@ -64,7 +43,9 @@ measure "four callers" env -- --requests "$requests" --concurrency 4
 import=$!
 measure "one caller, while $(find "$out/teach" -name '*.pcd' | wc -l) views are taught" env -- --requests "$requests"
 wait "$import"
-start_server "$out/changed.db" taskset -c 0
+BEFORE=(taskset -c 0)
+start_server "$out/server" "$out/changed.db" --log-level warn
+BEFORE=()
 measure "two callers, everything on one core" taskset -c 0 -- --requests "$requests" --concurrency 2
 rm -rf "$out/changed.db"
 
@@ -73,11 +54,11 @@ rm -rf "$out/changed.db"
   echo "| start with 100,000 views | ms until it answers | resident, MiB |"
   echo "| --- | --- | --- |"
 } | tee -a "$out/serving.md"
-start_server "$out/100000.db" env  # the first start may write the index
+start_server "$out/server" "$out/100000.db" --log-level warn  # the first start may write the index
 stop_server
 for round in 1 2 3 4 5; do
   begin=$(date +%s%N)
-  start_server "$out/100000.db" env
+  start_server "$out/server" "$out/100000.db" --log-level warn
   ms=$((($(date +%s%N) - begin) / 1000000))
   echo "| $round | $ms | $(($(awk '/VmRSS/ { print $2 }' "/proc/$server/status") / 1024)) |" |
     tee -a "$out/serving.md"

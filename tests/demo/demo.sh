@@ -11,21 +11,13 @@ seed=${SEED:-2026}
 
 rm -rf "$out" && mkdir -p "$out" && out=$(realpath "$out")
 work=$(mktemp -d)
-server=
-trap '[ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; }; rm -rf "$work"' EXIT
+source "$(dirname "$0")/../server_process/server.sh"
+trap 'stop_server; rm -rf "$work"' EXIT
 
 say() { printf '\n\033[1m== %s\033[0m\n' "$*"; }
 
 say "a server on an empty database"
-"$bin/graspdb-server" --db "$work/db" --listen 127.0.0.1:0 >"$work/server.out" 2>"$out/server.log" &
-server=$!
-for _ in $(seq 100); do
-  grep -q '^listening on ' "$work/server.out" && break
-  kill -0 "$server" 2>/dev/null || { cat "$out/server.log"; exit 1; }
-  sleep 0.1
-done
-export GRASPDB_SERVER
-GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$work/server.out")
+start_server "$out/server" "$work/db"
 echo "graspdb-server listens on $GRASPDB_SERVER"
 
 say "a simulated Kinect v2 sees sample parts on a turntable, every 15 degrees"

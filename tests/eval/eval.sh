@@ -15,39 +15,19 @@ scanned_objects+=,hammer,medium_clamp,nine_hole_peg_test,padlock,pudding_box,woo
 parts=l-bracket,u-bracket,flange,stepped-block,handle,bracket-left,bracket-right,wedge
 
 rm -rf "$out" && mkdir -p "$out" && out=$(realpath "$out")
-server=
-stop_server() {
-  [ -z "$server" ] || { kill "$server" 2>/dev/null; wait "$server" 2>/dev/null || true; }
-  server=
-}
-trap stop_server EXIT
-
-# start_server NAME FLAG...: on the database OUT/NAME.
-start_server() {
-  stop_server
-  "$bin/graspdb-server" --db "$out/$1" --listen 127.0.0.1:0 "${@:2}" \
-    >"$out/$1.out" 2>"$out/$1.log" &
-  server=$!
-  for _ in $(seq 100); do
-    grep -q '^listening on ' "$out/$1.out" && break
-    kill -0 "$server" || { cat "$out/$1.log"; exit 1; }
-    sleep 0.1
-  done
-  GRASPDB_SERVER=$(sed -n 's/^listening on //p' "$out/$1.out")
-  export GRASPDB_SERVER
-}
+source "$(dirname "$0")/../server_process/server.sh"
 
 simulated() {
   echo "== simulated Kinect v2: 8 parts x 24 views taught, 200 scenes, part within 10 cm"
   "$bin/graspdb" simulate --parts "$parts" --step 15 --seed 1 --out "$out/teach" 2>/dev/null
   "$bin/graspdb" simulate --parts "$parts" --random 200 --seed 11 --out "$out/ask" 2>/dev/null
-  start_server simulated.db
+  start_server "$out/simulated" "$out/simulated.db"
   "$bin/graspdb" import "$out/teach" 2>/dev/null
   for views in 1 20; do
     # The paper's way is its descriptor, too: the server describes all views again.
     local descriptor=gsh288
     [ "$views" != 1 ] || descriptor=mvfh300
-    start_server simulated.db --descriptor "$descriptor"
+    start_server "$out/simulated" "$out/simulated.db" --descriptor "$descriptor"
     echo "{\"pipeline\": {\"verifiedViewCount\": $views}}" >"$out/cell.json"
     "$bin/graspdb" cells set "views-$views" --from "$out/cell.json" >/dev/null
     echo "-- views aligned: $views"
@@ -105,7 +85,7 @@ real() {
     return
   fi
   echo "== RealSense frames without calibration: five objects, the front one named"
-  start_server real.db
+  start_server "$out/real" "$out/real.db"
   mkdir -p "$out/real"
   local objects="" captures=""
   for name in blue_mug cylinder green_bowl pepper red_mug; do
