@@ -1,7 +1,6 @@
 #include "client/load/simulated_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "client/files/pose_message.h"
@@ -34,8 +33,7 @@ v1::DepthImage ToMessage(const DepthFrame& frame, const recognition::CameraIntri
   out.set_depth_unit_m(kDepthUnitM);
   std::string* bytes = out.mutable_data();
   bytes->reserve(2 * frame.depth_m.size());
-  for (const float z : frame.depth_m) {
-    const auto counts = static_cast<std::uint16_t>(std::lround(z / kDepthUnitM));
+  for (const std::uint16_t counts : ToCounts(frame, kDepthUnitM)) {
     bytes->push_back(static_cast<char>(counts & 0xFFU));
     bytes->push_back(static_cast<char>(counts >> 8U));
   }

@@ -90,6 +90,17 @@ recognition::Points ToPoints(const DepthFrame& frame, const recognition::CameraI
   return points;
 }
 
+std::vector<std::uint16_t> ToCounts(const DepthFrame& frame, double unit_m) {
+  std::vector<std::uint16_t> counts;
+  counts.reserve(frame.depth_m.size());
+  for (const float z : frame.depth_m) {
+    const long count = std::lround(static_cast<double>(z) / unit_m);
+    const bool fits = count <= std::numeric_limits<std::uint16_t>::max();
+    counts.push_back(fits ? static_cast<std::uint16_t>(count) : 0);
+  }
+  return counts;
+}
+
 recognition::Pose LookAt(const Eigen::Vector3d& target, double distance_m, double look_down_deg,
                          double azimuth_deg) {
   const double down = Radians(look_down_deg);

@@ -65,6 +65,10 @@ class DepthCamera {
 recognition::Points ToPoints(const DepthFrame& frame,
                              const recognition::CameraIntrinsics& intrinsics);
 
+// The frame as a depth camera sends it: counts of `unit_m`, 0 without measurement. What is farther
+// than 65535 counts has none.
+std::vector<std::uint16_t> ToCounts(const DepthFrame& frame, double unit_m);
+
 // T_world_sensor of a level camera that looks at `target` (world frame) from
 // `distance_m` away. It looks down by `look_down_deg` (90: straight down) and
 // stands from the target in the direction that is turned by `azimuth_deg` from x.

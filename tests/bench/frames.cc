@@ -39,10 +39,7 @@ Frame Render(const std::string& name, const client::DepthCameraModel& model,
   out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
   out.things = scene.objects.size();
   const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
-  out.depth.reserve(image.depth_m.size());
-  for (const float z : image.depth_m) {
-    out.depth.push_back(static_cast<std::uint16_t>(std::lround(z / kDepthUnitM)));
-  }
+  out.depth = client::ToCounts(image, kDepthUnitM);
   return out;
 }
 

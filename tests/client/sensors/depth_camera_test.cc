@@ -73,6 +73,13 @@ TEST(DepthCamera, EveryTablePixelOfASlantedViewLiesOnTheTable) {
   EXPECT_GT(on_table, 100000);
 }
 
+TEST(DepthFrameTest, CountsAreOfTheUnitAndZeroWhereNothingFits) {
+  DepthFrame frame;
+  frame.depth_m = {0, 0.8004F, 65.535F, 66};
+  EXPECT_THAT(ToCounts(frame, 0.001), ::testing::ElementsAre(0, 800, 65535, 0));
+  EXPECT_THAT(ToCounts(frame, 0.002), ::testing::ElementsAre(0, 400, 32768, 33000));
+}
+
 TEST(DepthCamera, LookAtStandsWhereItSays) {
   const Pose pose = LookAt({1, 2, 3}, 0.8, 30, -90);
   EXPECT_TRUE((pose * Eigen::Vector3d(0, 0, 0.8)).isApprox(Eigen::Vector3d(1, 2, 3), 1e-12));
