@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/background.h"
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/handle.h"
@@ -228,25 +229,30 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
   return absl::OkStatus();
 }
 
+absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancelled,
+                                       grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                                       v1::UploadViewsResponse* response) {
+  v1::UploadViewsRequest request;
+  while (reader->Read(&request)) {
+    absl::Status status = UploadOne(request, is_cancelled, response);
+    if (status.ok()) continue;
+    absl::Status named(status.code(), absl::StrCat("view \"", request.view_id(), "\" of ",
+                                                   request.parent(), ": ", status.message()));
+    status.ForEachPayload(
+        [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
+    return named;
+  }
+  if (is_cancelled()) return absl::CancelledError("the upload was broken off");
+  response->set_catalog_revision(context_.catalogue.revision());
+  return absl::OkStatus();
+}
+
 grpc::Status CatalogService::UploadViews(grpc::ServerContext* context,
                                          grpc::ServerReader<v1::UploadViewsRequest>* reader,
                                          v1::UploadViewsResponse* response) {
-  return Handle(*context, "UploadViews", [&]() -> absl::Status {
+  return Handle(*context, "UploadViews", [&] {
     const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    v1::UploadViewsRequest request;
-    while (reader->Read(&request)) {
-      absl::Status status = UploadOne(request, is_cancelled, response);
-      if (status.ok()) continue;
-      absl::Status named(status.code(), absl::StrCat("view \"", request.view_id(), "\" of ",
-                                                     request.parent(), ": ", status.message()));
-      status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
-        named.SetPayload(url, payload);
-      });
-      return named;
-    }
-    if (is_cancelled()) return absl::CancelledError("the upload was broken off");
-    response->set_catalog_revision(context_.catalogue.revision());
-    return absl::OkStatus();
+    return InBackground([&] { return UploadAll(is_cancelled, reader, response); });
   });
 }
 

@@ -63,6 +63,9 @@ class CatalogService final : public v1::CatalogService::Service {
   absl::Status UploadOne(const v1::UploadViewsRequest& request,
                          const recognition::IsCancelled& is_cancelled,
                          v1::UploadViewsResponse* response);
+  absl::Status UploadAll(const recognition::IsCancelled& is_cancelled,
+                         grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                         v1::UploadViewsResponse* response);
 
   CatalogContext context_;
   absl::Time start_;

@@ -4,6 +4,7 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "server/background.h"
 #include "server/index_snapshot.h"
 #include "server/log_field.h"
 
@@ -24,6 +25,7 @@ IndexKeeper::IndexKeeper(const storage::Catalogue& catalogue, const LiveCatalogu
       parameters_(parameters),
       written_(live.file_revision().value_or(0)),
       thread_([this, has_file = live.file_revision().has_value()] {
+        GiveWay();
         if (!has_file) WriteIfBehind(1);
         Watch();
       }) {}
