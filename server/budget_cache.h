@@ -1,6 +1,7 @@
 // What was used lately, as much of it as a budget of memory allows.
 #pragma once
 
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <string>
@@ -12,18 +13,30 @@
 
 namespace graspdb::server {
 
+// How a cache has served since it was made.
+struct CacheUse {
+  std::int64_t hits = 0;
+  std::int64_t misses = 0;
+  std::size_t bytes = 0;
+  std::size_t byte_budget = 0;
+};
+
 // Values by key; the least recently used ones leave when their bytes exceed the budget.
 // Thread-safe.
 template <typename Value>
 class BudgetCache {
  public:
-  explicit BudgetCache(std::size_t byte_budget) : byte_budget_(byte_budget) {}
+  explicit BudgetCache(std::size_t byte_budget) : use_{.byte_budget = byte_budget} {}
 
-  // Null when it is not there.
+  // Null when it is not there; counted either way.
   std::shared_ptr<const Value> Get(const std::string& key) {
     absl::MutexLock lock(&mutex_);
     const auto found = by_key_.find(key);
-    if (found == by_key_.end()) return nullptr;
+    if (found == by_key_.end()) {
+      ++use_.misses;
+      return nullptr;
+    }
+    ++use_.hits;
     entries_.splice(entries_.begin(), entries_, found->second);
     return found->second->value;
   }
@@ -35,17 +48,17 @@ class BudgetCache {
     if (by_key_.contains(key)) return;
     entries_.push_front({key, std::move(value), bytes});
     by_key_.emplace(key, entries_.begin());
-    bytes_ += bytes;
-    while (bytes_ > byte_budget_ && !entries_.empty()) {
-      bytes_ -= entries_.back().bytes;
+    use_.bytes += bytes;
+    while (use_.bytes > use_.byte_budget && !entries_.empty()) {
+      use_.bytes -= entries_.back().bytes;
       by_key_.erase(entries_.back().key);
       entries_.pop_back();
     }
   }
 
-  std::size_t bytes() const {
+  CacheUse use() const {
     absl::MutexLock lock(&mutex_);
-    return bytes_;
+    return use_;
   }
 
  private:
@@ -55,12 +68,11 @@ class BudgetCache {
     std::size_t bytes;
   };
 
-  const std::size_t byte_budget_;
   mutable absl::Mutex mutex_;
+  CacheUse use_ ABSL_GUARDED_BY(mutex_);
   std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the most recently used in front
   std::unordered_map<std::string, typename std::list<Entry>::iterator> by_key_
       ABSL_GUARDED_BY(mutex_);
-  std::size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace graspdb::server

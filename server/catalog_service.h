@@ -5,6 +5,7 @@
 #include "recognition/recognizer.h"
 #include "server/admission.h"
 #include "server/teacher.h"
+#include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
@@ -13,6 +14,7 @@ namespace graspdb::server {
 struct CatalogContext {
   storage::Catalogue& catalogue;
   Admission& teaching;
+  const ViewCloudCache& clouds;
   recognition::RecognitionParameters parameters;
   TeachLimits limits;
 };

@@ -64,7 +64,7 @@ struct Server::Parts {
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
         recognition_service(recognizer, check, recognizing),
-        catalog_service({*catalogue, teaching, parameters, {max_points}}),
+        catalog_service({*catalogue, teaching, clouds, parameters, {max_points}}),
         cell_service(*catalogue) {}
 
   recognition::RecognitionParameters parameters;

@@ -30,8 +30,8 @@ class ViewCloudCache : public recognition::ViewClouds {
       const recognition::TaughtView& view,
       const recognition::TaughtStablePose& stable_pose) override;
 
-  // Bytes that the cached clouds and models take.
-  std::size_t bytes() const { return clouds_.bytes() + models_.bytes(); }
+  CacheUse cloud_use() const { return clouds_.use(); }
+  CacheUse model_use() const { return models_.use(); }
 
  private:
   using Cloud = std::shared_ptr<const recognition::OrientedCloud>;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/bench_frames.h"
+#include "client/load/cache_text.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
 #include "client/sensors/progress_line.h"
@@ -148,6 +149,10 @@ absl::Status RunBench(const GlobalOptions& global, const Options& options) {
     return clients[static_cast<std::size_t>(worker)].Recognize(
         (*requests)[static_cast<std::size_t>(request) % requests->size()]);
   });
+  // Where it is gone by now, the report says so by its errors.
+  const absl::StatusOr<v1::CatalogStatus> after =
+      Connect({.server = global.server}).GetCatalogStatus();
+  if (after.ok()) report.models = Between(report.catalog.model_cache(), after->model_cache());
   if (absl::Status status = PrintReport(global, report); !status.ok()) return status;
   std::fflush(stdout);
   return Verdict(report.result);

@@ -5,6 +5,7 @@
 
 #include "client/cli/look_alikes_text.h"
 #include "client/cli/thresholds_command.h"
+#include "client/load/cache_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -84,6 +85,10 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status->view_count()));
   std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
   std::printf("descriptor  %s\n", status->descriptor_name().c_str());
+  std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
+  std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
+  const std::string advice = CacheAdvice(status->model_cache());
+  if (!advice.empty()) std::printf("            %s\n", advice.c_str());
   return absl::OkStatus();
 }
 

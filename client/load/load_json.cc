@@ -27,6 +27,11 @@ void FillServer(const LoadReport& report, Value* value) {
   out.Text("version", report.catalog.server_version());
   out.Number("objects", static_cast<double>(report.catalog.object_count()));
   out.Number("views", static_cast<double>(report.catalog.view_count()));
+  JsonObject models(&out.At("models"));
+  models.Number("found", static_cast<double>(report.models.hit_count()));
+  models.Number("made", static_cast<double>(report.models.miss_count()));
+  models.Number("bytes", static_cast<double>(report.models.byte_count()));
+  models.Number("byte_budget", static_cast<double>(report.models.byte_budget()));
 }
 
 void FillSchedule(const LoadReport& report, Value* value) {

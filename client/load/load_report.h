@@ -16,6 +16,7 @@ namespace graspdb::client {
 struct LoadReport {
   std::string server;         // HOST:PORT
   v1::CatalogStatus catalog;  // before the run
+  v1::CacheStatus models;     // what the server was asked for meanwhile, by whomever
   std::string frames;         // what was sent, in words
   std::int64_t warmup = 0;    // requests before the run
   double timeout_s = 0;       // of every request

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/load/cache_text.h"
 #include "client/load/load_report.h"
 
 namespace graspdb::client {
@@ -102,6 +103,14 @@ std::string StepsText(const LoadPlan& plan, const Tally& tally) {
   return out;
 }
 
+// Nothing where the server was not asked for models, or did not tell.
+std::string ModelsText(const v1::CacheStatus& models) {
+  if (models.hit_count() + models.miss_count() == 0) return "";
+  const std::string advice = CacheAdvice(models);
+  return absl::StrCat("\nmodels in memory         ", CacheText(models), "\n",
+                      advice.empty() ? "" : absl::StrCat("  ", advice, "\n"));
+}
+
 }  // namespace
 
 std::string LoadText(const LoadReport& report) {
@@ -109,7 +118,8 @@ std::string LoadText(const LoadReport& report) {
   std::string out = absl::StrCat(HeaderText(report), CountsText(report.result),
                                  ScheduleText(report.plan, report.result));
   if (tally.answered() == 0) return out;
-  absl::StrAppend(&out, LatencyText(report.plan, tally.latency()), StepsText(report.plan, tally));
+  absl::StrAppend(&out, LatencyText(report.plan, tally.latency()), StepsText(report.plan, tally),
+                  ModelsText(report.models));
   return out;
 }
 

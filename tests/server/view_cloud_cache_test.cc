@@ -51,11 +51,15 @@ class ViewCloudCacheTest : public ::testing::Test {
 
   void Delete(const std::string& id) { EXPECT_THAT(catalogue_->DeleteView(NameOf(id)), IsOk()); }
 
+  static std::size_t Bytes(const ViewCloudCache& cache) {
+    return cache.cloud_use().bytes + cache.model_use().bytes;
+  }
+
   // Bytes that the cache takes for one such cloud.
   std::size_t BytesOf(const View& view) {
     ViewCloudCache cache(*catalogue_, {}, kAmple);
     EXPECT_THAT(cache.Load(*view), IsOk());
-    return cache.bytes();
+    return Bytes(cache);
   }
 
   const client::TemporaryFolder folder_;
@@ -69,7 +73,7 @@ TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
   ASSERT_THAT(first, IsOk());
   EXPECT_EQ((*first)->points.size(), 20U);
   EXPECT_EQ((*first)->normals.size(), 20U);
-  EXPECT_GE(cache.bytes(), std::size_t{20} * 2 * sizeof(Eigen::Vector3f));
+  EXPECT_GE(Bytes(cache), std::size_t{20} * 2 * sizeof(Eigen::Vector3f));
   EXPECT_EQ(*cache.Load(*view), *first);
 }
 
@@ -91,7 +95,7 @@ TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
   const View c = Put("c", "1", 50);
   ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * (2 * BytesOf(a) + 10));
   for (const View& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
-  EXPECT_EQ(cache.bytes(), 2 * BytesOf(a));
+  EXPECT_EQ(Bytes(cache), 2 * BytesOf(a));
   for (const char* id : {"a", "b", "c"}) Delete(id);
   EXPECT_THAT(cache.Load(*a), IsOk()) << "was used again and should still be there";
   EXPECT_THAT(cache.Load(*c), IsOk()) << "came last and should still be there";
@@ -106,9 +110,19 @@ TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
   ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * budget);
   for (const View& view : views) {
     ASSERT_THAT(cache.Load(*view), IsOk());
-    EXPECT_LE(cache.bytes(), budget);
-    EXPECT_GT(cache.bytes(), 0U);
+    EXPECT_LE(Bytes(cache), budget);
+    EXPECT_GT(Bytes(cache), 0U);
   }
+}
+
+TEST_F(ViewCloudCacheTest, WhatIsFoundAndWhatIsMadeIsCounted) {
+  const View a = Put("a", "1", 20);
+  ViewCloudCache cache(*catalogue_, {}, kAmple);
+  for (int i = 0; i < 3; ++i) ASSERT_THAT(cache.Load(*a), IsOk());
+  EXPECT_EQ(cache.cloud_use().misses, 1);
+  EXPECT_EQ(cache.cloud_use().hits, 2);
+  EXPECT_EQ(cache.cloud_use().byte_budget, kAmple / ViewCloudCache::kCloudShare);
+  EXPECT_EQ(cache.model_use().hits + cache.model_use().misses, 0);
 }
 
 TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
@@ -117,7 +131,7 @@ TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
   const auto cloud = cache.Load(*view);
   ASSERT_THAT(cloud, IsOk());
   EXPECT_EQ((*cloud)->points.size(), 50U);
-  EXPECT_EQ(cache.bytes(), 0U);
+  EXPECT_EQ(Bytes(cache), 0U);
 }
 
 TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
@@ -125,7 +139,7 @@ TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
   Delete("a");
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   EXPECT_THAT(cache.Load(*view), StatusIs(absl::StatusCode::kNotFound));
-  EXPECT_EQ(cache.bytes(), 0U);
+  EXPECT_EQ(Bytes(cache), 0U);
 }
 
 TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {

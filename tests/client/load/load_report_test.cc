@@ -71,6 +71,18 @@ TEST(LoadText, ARateThatWasNotKeptIsSaidClearly) {
                                       HasSubstr("THE RATE OF 50/s WAS NOT KEPT")));
 }
 
+TEST(LoadText, ModelsThatWereNotInMemoryAreSaid) {
+  LoadReport report = Report(0);
+  EXPECT_THAT(LoadText(report), Not(HasSubstr("models in memory")));
+  report.models.set_hit_count(3);
+  report.models.set_miss_count(1);
+  report.models.set_byte_budget(1 << 20);
+  EXPECT_THAT(LoadText(report), AllOf(HasSubstr("models in memory         75.0 % of 4 found"),
+                                      Not(HasSubstr("--cache-mib"))));
+  report.models.set_byte_count(1 << 20);
+  EXPECT_THAT(LoadText(report), HasSubstr("--cache-mib"));
+}
+
 TEST(LoadText, WithoutAnAnswerThereIsNoLatency) {
   LoadReport report;
   report.result.tally.AddError({}, absl::UnavailableError("gone"));

@@ -1,0 +1,75 @@
+// Teaching views, the part of CatalogService that computes.
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "server/background.h"
+#include "server/catalog_service.h"
+#include "server/errors.h"
+#include "server/handle.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+
+absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
+                                       const recognition::IsCancelled& is_cancelled,
+                                       v1::UploadViewsResponse* response) {
+  absl::StatusOr<storage::StablePoseName> parent = storage::ParseStablePoseName(request.parent());
+  if (!parent.ok()) return AtField("parent", parent.status());
+  absl::Status status = AtField("view_id", storage::ValidateResourceId(request.view_id()));
+  if (!status.ok()) return status;
+  const std::string name =
+      storage::MakeViewName(parent->object_id, parent->stable_pose_id, request.view_id());
+
+  // What is there already is not computed again.
+  absl::StatusOr<storage::ViewRecord> existing = context_.catalogue.GetView(name);
+  if (existing.ok() && existing->content_digest() == UploadDigest(request)) {
+    response->set_existing_count(response->existing_count() + 1);
+    return absl::OkStatus();
+  }
+  if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
+    return pose.status();
+  }
+  absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
+  if (!ticket.ok()) return ticket.status();
+  absl::StatusOr<storage::NewView> view =
+      MakeView(request, context_.parameters, context_.limits, is_cancelled);
+  if (!view.ok()) return view.status();
+  view->record.set_name(name);
+  absl::StatusOr<storage::PutViewOutcome> outcome = context_.catalogue.PutView(*view);
+  if (!outcome.ok()) return outcome.status();
+  if (*outcome == storage::PutViewOutcome::kCreated) {
+    response->set_created_count(response->created_count() + 1);
+  } else {
+    response->set_existing_count(response->existing_count() + 1);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancelled,
+                                       grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                                       v1::UploadViewsResponse* response) {
+  v1::UploadViewsRequest request;
+  while (reader->Read(&request)) {
+    absl::Status status = UploadOne(request, is_cancelled, response);
+    if (status.ok()) continue;
+    absl::Status named(status.code(), absl::StrCat("view \"", request.view_id(), "\" of ",
+                                                   request.parent(), ": ", status.message()));
+    status.ForEachPayload(
+        [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
+    return named;
+  }
+  if (is_cancelled()) return absl::CancelledError("the upload was broken off");
+  response->set_catalog_revision(context_.catalogue.revision());
+  return absl::OkStatus();
+}
+
+grpc::Status CatalogService::UploadViews(grpc::ServerContext* context,
+                                         grpc::ServerReader<v1::UploadViewsRequest>* reader,
+                                         v1::UploadViewsResponse* response) {
+  return Handle(*context, "UploadViews", [&] {
+    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    return InBackground([&] { return UploadAll(is_cancelled, reader, response); });
+  });
+}
+
+}  // namespace graspdb::server
