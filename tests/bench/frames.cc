@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "client/files/point_file.h"
@@ -96,14 +98,18 @@ recognition::Scan ScanOf(const Frame& frame) {
   return out;
 }
 
-const std::vector<Frame>& SimulatedFrames() {
-  static const std::vector<Frame> frames = {RenderThings("kinect-v1-one", client::KinectV1(), 1),
-                                            RenderThings("kinect-v1-five", client::KinectV1(), 5),
-                                            RenderThings("kinect-v2-one", client::KinectV2(), 1),
-                                            RenderThings("kinect-v2-five", client::KinectV2(), 5),
-                                            RenderThings("megapixel-one", Megapixel(), 1)};
-  return frames;
+const Frame& SimulatedFrame(const std::string& name) {
+  static std::map<std::string, Frame> made;
+  const auto found = made.find(name);
+  if (found != made.end()) return found->second;
+  const bool is_megapixel = name.starts_with("megapixel");
+  const auto camera = is_megapixel                    ? Megapixel()
+                      : name.starts_with("kinect-v1") ? client::KinectV1()
+                                                      : client::KinectV2();
+  return made[name] = RenderThings(name, camera, name.ends_with("-five") ? 5 : 1);
 }
+
+bool HasRealFrames() { return testing::SharedData("mosd_tabletop").has_value(); }
 
 const std::vector<Frame>& RealFrames() {
   static const std::vector<Frame> frames = [] {
@@ -123,10 +129,11 @@ const std::vector<Frame>& RealFrames() {
   return frames;
 }
 
-const Frame& SimulatedFrame(const std::string& name) {
-  const auto& frames = SimulatedFrames();
-  return *std::find_if(frames.begin(), frames.end(),
-                       [&](const Frame& frame) { return frame.name == name; });
+std::vector<const Frame*> PointersTo(const std::vector<Frame>& frames) {
+  std::vector<const Frame*> out;
+  out.reserve(frames.size());
+  for (const Frame& frame : frames) out.push_back(&frame);
+  return out;
 }
 
 const std::vector<Frame>& PartFrames() {

@@ -1,7 +1,8 @@
 // What the benchmarks show to both programs: frames and a catalogue, made once a run.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,16 +28,22 @@ inline constexpr double kDepthUnitM = 0.001;
 // What the camera saw, as the recognition takes it.
 recognition::Scan ScanOf(const Frame& frame);
 
-// "kinect-v1-one", "kinect-v1-five", "kinect-v2-one", "kinect-v2-five", "megapixel-one": sample
-// parts on a table, simulated. The last is of a time-of-flight camera with 1280 x 800 pixels.
-const std::vector<Frame>& SimulatedFrames();
+// All below are made when they are first asked for. For one thread.
 
-// The frames of mosd_tabletop ("mosd"): 640 x 480, several objects; where the world frame is, our
-// own segmentation has said. Empty where the data are missing.
+// Sample parts on a table, simulated: the name says by what camera, and how many parts. "megapixel"
+// is a time-of-flight camera with 1280 x 800 pixels.
+inline constexpr std::array kSimulatedFrames = {"kinect-v1-one", "kinect-v1-five", "kinect-v2-one",
+                                                "kinect-v2-five", "megapixel-one"};
+const Frame& SimulatedFrame(const std::string& name);
+
+// The frames of mosd_tabletop: 640 x 480, several objects; where the world frame is, our own
+// segmentation has said. Empty where the data are missing.
+bool HasRealFrames();
 const std::vector<Frame>& RealFrames();
 
-// One of the simulated frames.
-const Frame& SimulatedFrame(const std::string& name);
+// Frames for a benchmark, asked for when it runs.
+using Frames = std::function<std::vector<const Frame*>()>;
+std::vector<const Frame*> PointersTo(const std::vector<Frame>& frames);
 
 // Each sample part alone, twice, somewhere on the table and turned anyhow; Kinect v2. Their names
 // are those of the parts.

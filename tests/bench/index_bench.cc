@@ -96,9 +96,12 @@ void Add(const std::string& work, const std::string& who, const Lazy<Rows>& rows
   Compare(work, who, [=](benchmark::State& state) {
     const SearchFor& nearest = *search;
     std::size_t next = 0;
-    for (auto _ : state) {
-      benchmark::DoNotOptimize(nearest(rows->queries[next]));
-      next = (next + 1) % kQueries;
+    {
+      const Counted counted;
+      for (auto _ : state) {
+        benchmark::DoNotOptimize(nearest(rows->queries[next]));
+        next = (next + 1) % kQueries;
+      }
     }
     double recall = 0;
     for (std::size_t q = 0; q < 8; ++q) {

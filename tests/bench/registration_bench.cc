@@ -96,7 +96,10 @@ void Ours(benchmark::State& state, const Pair& pair) {
   const recognition::RefinementTarget target{pair.seen.segment.cloud, at.columns, at.grid, at.sight,
                                              /*on_table=*/false};
   Pose found = Pose::Identity();
-  for (auto _ : state) found = Refine(*pair.model, target, pair.guess, {}).world_object;
+  {
+    const Counted counted;
+    for (auto _ : state) found = Refine(*pair.model, target, pair.guess, {}).world_object;
+  }
   Report(pair, found, &state);
 }
 
@@ -105,8 +108,11 @@ void Peer(benchmark::State& state, const Pair& pair, const Cloud& taught, const 
           const Align& align) {
   const Eigen::Matrix4f guess = pair.guess.cast<float>().matrix();
   peer::Alignment found;
-  for (auto _ : state) {
-    found = align(taught, seen, guess, recognition::MatchingParameters().max_correspondence_m);
+  {
+    const Counted counted;
+    for (auto _ : state) {
+      found = align(taught, seen, guess, recognition::MatchingParameters().max_correspondence_m);
+    }
   }
   Report(pair, Pose(found.target_source.cast<double>()), &state);
 }

@@ -32,9 +32,10 @@ std::size_t Peer(const Frame& frame) {
   return peer::Describe(cloud, frame.world_sensor, frame.region, {}, {}).size();
 }
 
-void Run(benchmark::State& state, std::size_t (*describe)(const Frame&),
-         const std::vector<const Frame*>& frames) {
+void Run(benchmark::State& state, std::size_t (*describe)(const Frame&), const Frames& frames_of) {
+  const std::vector<const Frame*> frames = frames_of();
   std::size_t things = 0;
+  const Counted counted;
   for (auto _ : state) {
     things = 0;
     for (const Frame* frame : frames) things += describe(*frame);
@@ -43,8 +44,7 @@ void Run(benchmark::State& state, std::size_t (*describe)(const Frame&),
   state.counters["things"] = static_cast<double>(things);
 }
 
-void Add(const std::string& name, const std::vector<const Frame*>& frames) {
-  if (frames.empty()) return;
+void Add(const std::string& name, const Frames& frames) {
   const std::string work = "frame to descriptor, " + name;
   Compare(work, "graspdb", [=](benchmark::State& state) { Run(state, Ours, frames); });
   Compare(work, "PCL", [=](benchmark::State& state) { Run(state, Peer, frames); });
@@ -53,10 +53,10 @@ void Add(const std::string& name, const std::vector<const Frame*>& frames) {
 }  // namespace
 
 void AddSegmentation() {
-  for (const Frame& frame : SimulatedFrames()) Add(frame.name, {&frame});
-  std::vector<const Frame*> real;
-  for (const Frame& frame : RealFrames()) real.push_back(&frame);
-  Add("mosd (12 real frames)", real);
+  for (const std::string name : kSimulatedFrames) {
+    Add(name, [=] { return std::vector{&SimulatedFrame(name)}; });
+  }
+  if (HasRealFrames()) Add("mosd (12 real frames)", [] { return PointersTo(RealFrames()); });
 }
 
 }  // namespace graspdb::bench

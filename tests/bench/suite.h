@@ -2,6 +2,7 @@
 #pragma once
 
 #include <benchmark/benchmark.h>
+#include <valgrind/callgrind.h>
 
 #include <functional>
 #include <memory>
@@ -16,6 +17,15 @@ inline void Compare(const std::string& work, const std::string& who,
   benchmark::RegisterBenchmark((work + " | " + who).c_str(), std::move(run))
       ->Unit(benchmark::kMillisecond);
 }
+
+// While it lives, callgrind counts, when it runs the benchmarks without --collect-atstart.
+class Counted {
+ public:
+  Counted() { CALLGRIND_TOGGLE_COLLECT; }
+  ~Counted() { CALLGRIND_TOGGLE_COLLECT; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+};
 
 // What is expensive to make, made when it is first asked for: a run with a filter makes only what
 // it needs. For one thread.

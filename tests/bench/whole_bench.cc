@@ -90,23 +90,21 @@ void AddWhole() {
   const Lazy<std::shared_ptr<Catalogue>> catalogue(
       [] { return std::make_shared<Catalogue>(kViews); });
   const Lazy<PeerCatalogue> peer([=] { return PeerOf(**catalogue); });
-  const auto add = [=](const std::string& name, const std::vector<const Frame*>& frames) {
+  const auto add = [=](const std::string& name, const Frames& frames) {
     const std::string work = "frame to grasp, 10000 views, " + name;
     Compare(work, "graspdb", [=](benchmark::State& state) {
       Catalogue& known = **catalogue;
-      Run(state, frames, [&](const Frame& frame) { return Ours(frame, known); });
+      Run(state, frames(), [&](const Frame& frame) { return Ours(frame, known); });
     });
     Compare(work, "PCL", [=](benchmark::State& state) {
       const PeerCatalogue& known = *peer;
-      Run(state, frames, [&](const Frame& frame) { return Peer(frame, known); });
+      Run(state, frames(), [&](const Frame& frame) { return Peer(frame, known); });
     });
   };
-  for (const char* name : {"kinect-v2-one", "kinect-v1-one", "kinect-v2-five"}) {
-    add(name, {&SimulatedFrame(name)});
+  for (const std::string name : {"kinect-v2-one", "kinect-v1-one", "kinect-v2-five"}) {
+    add(name, [=] { return std::vector{&SimulatedFrame(name)}; });
   }
-  std::vector<const Frame*> parts;
-  for (const Frame& frame : PartFrames()) parts.push_back(&frame);
-  add("all of " + std::to_string(parts.size()) + " frames, one part each", parts);
+  add("each of 13 parts alone, twice", [] { return PointersTo(PartFrames()); });
 }
 
 }  // namespace graspdb::bench
