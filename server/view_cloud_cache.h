@@ -16,8 +16,8 @@ namespace graspdb::server {
 // that miss the same thing at once both make it.
 class ViewCloudCache : public recognition::ViewClouds {
  public:
-  // Clouds get this share of the memory: models are made of them once, and then asked for.
-  static constexpr std::size_t kCloudShare = 4;
+  // Clouds get one part in so many of the memory: models are made of them, and then asked for.
+  static constexpr std::size_t kCloudShare = 16;
 
   // `catalogue` must outlive this.
   ViewCloudCache(const storage::Catalogue& catalogue,

@@ -9,19 +9,41 @@ requests=${REQUESTS:-400}
 load=(bench --simulate --frames 32 --verified-views 10)
 source "$(dirname "$0")/../server_process/server.sh"
 
-# measure NAME COMMAND... -- FLAG...: a row of the table.
+# ask FLAG...: answers a second, what it said in OUT/load.txt.
+ask() {
+  ${CLIENT[@]+"${CLIENT[@]}"} "$bin/graspdb" "${load[@]}" "$@" 2>/dev/null >"$out/load.txt"
+  awk '/ answered \(/ { match($0, /\([0-9.]+/); print substr($0, RSTART + 1, RLENGTH - 1) }' "$out/load.txt"
+}
+
+# measure NAME FLAG...: a row of the table.
 measure() {
-  local name=$1 before=()
-  shift
-  while [ "$1" != -- ]; do before+=("$1"); shift; done
-  shift
-  "${before[@]}" "$bin/graspdb" "${load[@]}" "$@" 2>/dev/null >"$out/load.txt"
-  awk -v name="$name" '
-    / answered \(/ { match($0, /\([0-9.]+/); rate = substr($0, RSTART + 1, RLENGTH - 1) }
-    $1 == "min" && $2 == "mean" {
-      getline
-      printf "| %s | %.1f | %.1f | %.1f | %.1f | %.0f |\n", name, $3, $4, $5, $7, rate
-    }' "$out/load.txt" | tee -a "$out/serving.md"
+  local rate
+  rate=$(ask --requests "$requests" "${@:2}")
+  awk -v name="$1" -v rate="$rate" '$1 == "min" && $2 == "mean" {
+    getline
+    printf "| %s | %.1f | %.1f | %.1f | %.1f | %.0f |\n", name, $3, $4, $5, $7, rate
+  }' "$out/load.txt" | tee -a "$out/serving.md"
+}
+
+median() { sort -g | sed -n 3p; }
+
+# scale CALLERS: a row of the table; rounds on one core and on two take turns, five each.
+scale() {
+  local round one two
+  : >"$out/one.txt" >"$out/two.txt" >"$out/ratio.txt"
+  for round in 1 2 3 4 5; do
+    taskset -acp 0 "$server" >/dev/null
+    one=$(CLIENT=(taskset -c 0) && ask --requests $((3 * requests)) --concurrency "$1")
+    taskset -acp 0,1 "$server" >/dev/null
+    two=$(ask --requests $((3 * requests)) --concurrency "$1")
+    echo "$one" >>"$out/one.txt"
+    echo "$two" >>"$out/two.txt"
+    awk "BEGIN { printf \"%.2f\\n\", $two / $one }" >>"$out/ratio.txt"
+  done
+  printf '| %d | %.0f | %.0f | %s | %s to %s |\n' "$1" "$(median <"$out/one.txt")" \
+    "$(median <"$out/two.txt")" "$(median <"$out/ratio.txt")" \
+    "$(sort -g "$out/ratio.txt" | head -n 1)" "$(sort -g "$out/ratio.txt" | tail -n 1)" |
+    tee -a "$out/serving.md"
 }
 
 [ -d "$out/10000.db" ] || "$bin/graspdb_fill" "$out/10000.db" 10000
@@ -35,21 +57,25 @@ rm -rf "$out/teach" "$out/changed.db"
 } | tee "$out/serving.md"
 cp -r "$out/10000.db" "$out/changed.db"
 start_server "$out/server" "$out/changed.db" --log-level warn
-measure "one caller" env -- --requests "$requests"
-measure "one caller, one part" env -- --requests "$requests" --parts l-bracket
-measure "two callers" env -- --requests "$requests" --concurrency 2
-measure "four callers" env -- --requests "$requests" --concurrency 4
+measure "one caller"
+measure "one caller, one part" --parts l-bracket
+measure "two callers" --concurrency 2
+measure "four callers" --concurrency 4
 # The teacher's own program, on a machine of its own otherwise, gives way.
 nice "$bin/graspdb" import "$out/teach" >/dev/null 2>&1 &
 import=$!
-measure "one caller, while $(find "$out/teach" -name '*.pcd' | wc -l) views are taught" env -- --requests "$requests"
+measure "one caller, while $(find "$out/teach" -name '*.pcd' | wc -l) views are taught"
 wait "$import"
-BEFORE=(taskset -c 0)
-start_server "$out/server" "$out/changed.db" --log-level warn
-BEFORE=()
-measure "two callers, everything on one core" taskset -c 0 -- --requests "$requests" --concurrency 2
-measure "four callers, everything on one core" taskset -c 0 -- --requests "$requests" --concurrency 4
 rm -rf "$out/changed.db"
+
+{
+  echo
+  echo "| callers | answers/s on one core | on two cores | times | range |"
+  echo "| --- | --- | --- | --- | --- |"
+} | tee -a "$out/serving.md"
+start_server "$out/server" "$out/10000.db" --log-level warn
+scale 2
+scale 4
 
 {
   echo
@@ -80,7 +106,7 @@ for round in 1 2 3 4 5; do started "$round"; done
   echo "| 100,000 views of 4,173 objects | p50, ms | p90 | p99 | longest | answers/s |"
   echo "| --- | --- | --- | --- | --- | --- |"
 } | tee -a "$out/serving.md"
-measure "one caller" env -- --requests "$requests"
+measure "one caller"
 {
   echo
   echo "Resident after them: $(resident) MiB."

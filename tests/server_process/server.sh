@@ -8,12 +8,12 @@ stop_server() {
 trap stop_server EXIT
 
 # start_server LOGS DATABASE FLAG...: in place of the one before, at GRASPDB_SERVER. What it prints
-# goes to LOGS.out and LOGS.log. BEFORE: words before the command, such as (taskset -c 0).
+# goes to LOGS.out and LOGS.log.
 start_server() {
   local logs=$1 database=$2
   stop_server
   : >"$logs.out"
-  ${BEFORE[@]+"${BEFORE[@]}"} "$bin/graspdb-server" --db "$database" --listen 127.0.0.1:0 "${@:3}" \
+  "$bin/graspdb-server" --db "$database" --listen 127.0.0.1:0 "${@:3}" \
     >"$logs.out" 2>"$logs.log" &
   server=$!
   until grep -q '^listening on ' "$logs.out"; do
