@@ -1,0 +1,45 @@
+// How robots write poses: the 51 formats of the Generic Robot Interface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "recognition/types.h"
+
+namespace graspdb::client {
+
+// Codes of the formats that have no regular place.
+inline constexpr int kQuaternionWxyz = 1;  // ABB
+inline constexpr int kQuaternionXyzw = 2;
+inline constexpr int kRotationVector = 3;  // axis times angle, radians; Universal Robots
+inline constexpr int kFirstEulerFormat = 4;
+inline constexpr int kLastPoseFormat = 51;
+
+// Three turns, each about an axis as already turned (intrinsic): R = R_axis0 R_axis1 R_axis2.
+struct EulerFormat {
+  std::array<int, 3> axes = {};  // 0: x, 1: y, 2: z
+  bool backward = false;         // the last turn is written first
+  bool radians = false;          // else degrees
+};
+
+// The format of a code of 4 to 51: 4 + 4 sequence + 2 backward + radians.
+EulerFormat EulerFormatOf(int code);
+
+// A pose as numbers: millimetres, and up to four numbers of the format's unit, 0 where unused.
+struct RobotPose {
+  std::array<double, 3> position_mm = {};
+  std::array<double, 4> rotation = {};
+};
+
+// `pose` in the format `code`. Of turns that mean the same, those whose middle angle is within
+// +-90 degrees (sequences of three axes) or not negative (of two), and the others within +-180;
+// where only the sum of first and last is determined, the last is 0. A rotation vector is not
+// longer than pi, a quaternion's w not negative. INVALID_ARGUMENT when there is no such format.
+absl::StatusOr<RobotPose> ToRobotPose(const recognition::Pose& pose, int code);
+
+// The other way. INVALID_ARGUMENT when there is no such format, when a number is not finite, or
+// when a quaternion is not of length one, within a hundredth.
+absl::StatusOr<recognition::Pose> FromRobotPose(const RobotPose& numbers, int code);
+
+}  // namespace graspdb::client
