@@ -1,0 +1,23 @@
+// The Generic Robot Interface as a protocol for RobotServer.
+#pragma once
+
+#include "client/robots/gri_jobs.h"
+#include "client/robots/robot_server.h"
+
+namespace graspdb::client {
+
+// Every message gets an answer of 80 bytes. After bytes that are none of it, or a length that is
+// not that of a request, it hangs up: nobody knows where the next message begins.
+class GriProtocol : public RobotProtocol {
+ public:
+  // `jobs` must outlive this.
+  explicit GriProtocol(GriJobs& jobs) : jobs_(jobs) {}
+
+  std::size_t MessageBytes(std::string_view received) const override;
+  RobotReply Answer(const std::string& robot, std::string_view message) override;
+
+ private:
+  GriJobs& jobs_;
+};
+
+}  // namespace graspdb::client
