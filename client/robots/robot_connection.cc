@@ -83,10 +83,13 @@ void RobotConnection::Answer(std::size_t bytes) {
   deadline_.cancel();
   std::string message = received_.substr(0, bytes);
   received_.erase(0, bytes);
-  asio::post(workers_, [self = shared_from_this(), message = std::move(message)] {
+  asio::post(workers_, [self = shared_from_this(), message = std::move(message)]() mutable {
     RobotReply reply = self->protocol_.Answer(self->robot_, message);
-    asio::post(self->socket_.get_executor(),
-               [self, reply = std::move(reply)]() mutable { self->Send(std::move(reply)); });
+    const auto executor = self->socket_.get_executor();
+    // The worker keeps no share in it: it would end on the worker's thread.
+    asio::post(executor, [self = std::move(self), reply = std::move(reply)]() mutable {
+      self->Send(std::move(reply));
+    });
   });
 }
 
