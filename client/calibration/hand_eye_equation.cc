@@ -37,8 +37,8 @@ Vector3d RotationVector(const Matrix3d& rotation) {
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (const auto& [a, b, mount] : equations) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      for (Eigen::Index j = 0; j < 3; ++j) {
         sum.block<3, 3>(3 * i, 3 * j) += b.linear()(i, j) * a.linear();
       }
     }

@@ -172,6 +172,7 @@ TEST_F(GriServerTest, RobotsThatHangUpInTheMiddleOfAMessageOrAJobDoNoHarm) {
 
 TEST_F(GriServerTest, AHundredRobotsAreServedAtOnce) {
   std::vector<std::unique_ptr<SocketRobot>> robots;
+  robots.reserve(100);
   for (int i = 0; i < 100; ++i) robots.push_back(std::make_unique<SocketRobot>(server_->port()));
   for (int round = 0; round < 5; ++round) {
     for (auto& robot : robots) robot->Send(RequestBytes(GriAction::kStatus));
