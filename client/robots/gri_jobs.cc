@@ -1,7 +1,7 @@
 #include "client/robots/gri_jobs.h"
 
-#include <algorithm>
 #include <deque>
+#include <future>
 #include <optional>
 #include <vector>
 

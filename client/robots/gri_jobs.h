@@ -1,7 +1,6 @@
 // Jobs as the Generic Robot Interface asks for them.
 #pragma once
 
-#include <future>
 #include <map>
 #include <memory>
 #include <string>

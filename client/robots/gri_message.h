@@ -12,7 +12,6 @@
 
 namespace graspdb::client {
 
-inline constexpr std::uint16_t kGriPort = 7100;
 inline constexpr std::uint8_t kGriVersion = 1;
 inline constexpr std::size_t kGriHeaderBytes = 8;
 inline constexpr std::size_t kGriRequestBytes = 54;
@@ -96,8 +95,8 @@ std::array<std::uint8_t, kGriResponseBytes> GriBytes(const GriResponse& response
 // What is wrong with the header of a request, kNoError where nothing is.
 GriCode CheckGriRequest(const GriRequest& request);
 
-// OUT_OF_RANGE when a number does not fit: positions reach to 2147.48 mm. Otherwise errors as
-// ToRobotPose and FromRobotPose.
+// A pose (metres, any frame) in the pose format of this code, and back. OUT_OF_RANGE when a number
+// does not fit: positions reach to 2147.48 mm. Otherwise errors as ToRobotPose and FromRobotPose.
 absl::StatusOr<GriPose> ToGriPose(const recognition::Pose& pose, int format);
 absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format);
 

@@ -19,13 +19,11 @@ std::string AddressOf(const asio::ip::tcp::socket& socket) {
 }  // namespace
 
 RobotConnection::RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool& workers,
-                                 RobotProtocol& protocol, std::chrono::milliseconds message_time,
-                                 std::function<void()> on_end)
+                                 RobotProtocol& protocol, std::chrono::milliseconds message_time)
     : socket_(std::move(socket)),
       workers_(workers),
       protocol_(protocol),
       message_time_(message_time),
-      on_end_(std::move(on_end)),
       robot_(AddressOf(socket_)),
       deadline_(socket_.get_executor()) {
   // Answers are small and waited for; a robot whose cable was pulled is found out in time. Where
@@ -36,20 +34,16 @@ RobotConnection::RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool
   spdlog::info("event=robot_connected robot={}", robot_);
 }
 
-RobotConnection::~RobotConnection() {
-  spdlog::info("event=robot_gone robot={}", robot_);
-  on_end_();
-}
+RobotConnection::~RobotConnection() { spdlog::info("event=robot_gone robot={}", robot_); }
 
 void RobotConnection::HangUp() {
-  hung_up_ = true;
   asio::error_code closed_already;
   deadline_.cancel();
   socket_.close(closed_already);
 }
 
 void RobotConnection::Continue() {
-  if (hung_up_) return;
+  if (!socket_.is_open()) return;
   const std::size_t bytes = protocol_.MessageBytes(received_);
   if (bytes > 0) return Answer(bytes);
   if (!received_.empty() && !in_message_) BeginDeadline();
@@ -94,7 +88,7 @@ void RobotConnection::Answer(std::size_t bytes) {
 }
 
 void RobotConnection::Send(RobotReply reply) {
-  if (hung_up_) return;
+  if (!socket_.is_open()) return;
   const auto sent = std::make_shared<const RobotReply>(std::move(reply));
   asio::async_write(socket_, asio::buffer(sent->bytes),
                     [self = shared_from_this(), sent](asio::error_code error, std::size_t) {
@@ -105,7 +99,7 @@ void RobotConnection::Send(RobotReply reply) {
 }
 
 void RobotConnection::SayGoodbye() {
-  if (hung_up_) return;
+  if (!socket_.is_open()) return;
   if (!in_message_) {
     BeginDeadline();
     asio::error_code gone_already;

@@ -5,7 +5,6 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
 #include <asio/thread_pool.hpp>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -17,9 +16,9 @@ namespace graspdb::client {
 // something is under way. All handlers are run by the one thread of the socket's context.
 class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
  public:
-  // `workers` and `protocol` must outlive it. `on_end` is called once.
+  // `workers` and `protocol` must outlive it.
   RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool& workers, RobotProtocol& protocol,
-                  std::chrono::milliseconds message_time, std::function<void()> on_end);
+                  std::chrono::milliseconds message_time);
   ~RobotConnection();
 
   void Begin() { Continue(); }
@@ -40,11 +39,9 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
   asio::thread_pool& workers_;
   RobotProtocol& protocol_;
   const std::chrono::milliseconds message_time_;
-  const std::function<void()> on_end_;
   const std::string robot_;
   asio::steady_timer deadline_;
   bool in_message_ = false;  // and the deadline runs
-  bool hung_up_ = false;
   std::string received_;
   std::array<char, 1024> next_ = {};
 };

@@ -95,14 +95,13 @@ class RobotServer::Listener {
   }
 
   void Welcome(asio::ip::tcp::socket socket) {
-    if (open_ >= options_.most_connections) {
-      spdlog::warn("event=robot_turned_away connections={}", open_);
+    std::erase_if(connections_, [](const auto& other) { return other.expired(); });
+    if (connections_.size() >= options_.most_connections) {
+      spdlog::warn("event=robot_turned_away connections={}", connections_.size());
       return;
     }
-    ++open_;
-    const auto connection = std::make_shared<RobotConnection>(
-        std::move(socket), workers_, protocol_, options_.message_time, [this] { --open_; });
-    std::erase_if(connections_, [](const auto& other) { return other.expired(); });
+    const auto connection = std::make_shared<RobotConnection>(std::move(socket), workers_,
+                                                              protocol_, options_.message_time);
     connections_.push_back(connection);
     connection->Begin();
   }
@@ -117,7 +116,6 @@ class RobotServer::Listener {
   asio::ip::tcp::acceptor acceptor_{context_};
   asio::steady_timer breath_{context_};
   std::vector<std::weak_ptr<RobotConnection>> connections_;
-  std::size_t open_ = 0;
   bool stopping_ = false;
   std::uint16_t port_ = 0;
   std::thread thread_;

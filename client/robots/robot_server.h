@@ -47,7 +47,7 @@ struct RobotServerOptions {
 class RobotServer {
  public:
   // `protocol` must outlive it. INVALID_ARGUMENT when the address is none, UNAVAILABLE when it
-  // cannot be listened on.
+  // cannot be listened on, RESOURCE_EXHAUSTED when there are no threads left.
   static absl::StatusOr<std::unique_ptr<RobotServer>> Start(RobotProtocol& protocol,
                                                             const RobotServerOptions& options);
   // Hangs up on everybody, and waits for answers that are being made.
