@@ -38,6 +38,22 @@ constexpr std::array<std::array<int, 3>, 12> kSequences = {{{0, 1, 2},
                                                             {2, 0, 2},
                                                             {2, 1, 2}}};
 
+constexpr int kFirstEulerFormat = 4;
+
+// Three turns, each about an axis as already turned (intrinsic): R = R_axis0 R_axis1 R_axis2.
+struct EulerFormat {
+  std::array<int, 3> axes = {};  // 0: x, 1: y, 2: z
+  bool backward = false;         // the last turn is written first
+  bool radians = false;          // else degrees
+};
+
+EulerFormat EulerFormatOf(int code) {
+  const int place = code - kFirstEulerFormat;
+  return {.axes = kSequences[static_cast<std::size_t>(place / 4)],
+          .backward = place % 4 >= 2,
+          .radians = place % 2 == 1};
+}
+
 absl::Status NoSuchFormat(int code) {
   return absl::InvalidArgumentError(
       absl::StrCat("there is no pose format ", code, "; formats are 1 to ", kLastPoseFormat));
@@ -113,13 +129,6 @@ absl::StatusOr<Matrix3d> RotationOf(const std::array<double, 4>& numbers, int co
 }
 
 }  // namespace
-
-EulerFormat EulerFormatOf(int code) {
-  const int place = code - kFirstEulerFormat;
-  return {.axes = kSequences[static_cast<std::size_t>(place / 4)],
-          .backward = place % 4 >= 2,
-          .radians = place % 2 == 1};
-}
 
 absl::StatusOr<RobotPose> ToRobotPose(const Pose& pose, int code) {
   if (!IsFormat(code)) return NoSuchFormat(code);

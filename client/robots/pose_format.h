@@ -2,29 +2,18 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 
 #include "absl/status/statusor.h"
 #include "recognition/types.h"
 
 namespace graspdb::client {
 
-// Codes of the formats that have no regular place.
+// Codes of the formats that have no regular place; the others are Euler angles, 4 + 4 sequence +
+// 2 backward + radians.
 inline constexpr int kQuaternionWxyz = 1;  // ABB
 inline constexpr int kQuaternionXyzw = 2;
 inline constexpr int kRotationVector = 3;  // axis times angle, radians; Universal Robots
-inline constexpr int kFirstEulerFormat = 4;
 inline constexpr int kLastPoseFormat = 51;
-
-// Three turns, each about an axis as already turned (intrinsic): R = R_axis0 R_axis1 R_axis2.
-struct EulerFormat {
-  std::array<int, 3> axes = {};  // 0: x, 1: y, 2: z
-  bool backward = false;         // the last turn is written first
-  bool radians = false;          // else degrees
-};
-
-// The format of a code of 4 to 51: 4 + 4 sequence + 2 backward + radians.
-EulerFormat EulerFormatOf(int code);
 
 // A pose as numbers: millimetres, and up to four numbers of the format's unit, 0 where unused.
 struct RobotPose {
