@@ -2,13 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
+#include <utility>
 
 namespace graspdb::recognition {
 namespace {
 
 constexpr int kMostTurns = 12;
+constexpr double kFreeStep = std::numbers::pi / 6;
+constexpr double kSameTurn = 1e-9;
+
+// 0, the steps between the ends, and the ends.
+std::vector<double> FreeTurns(const FreeTurn& turn) {
+  std::vector<double> out = {0, turn.min_rad};
+  const auto first = static_cast<int>(std::ceil(turn.min_rad / kFreeStep));
+  for (int k = first; k * kFreeStep < turn.max_rad; ++k) out.push_back(k * kFreeStep);
+  out.push_back(turn.max_rad);
+  return out;
+}
+
+// All turns of a tool, the smallest first, each once.
+std::vector<double> TurnsOf(const TaughtGrasp& grasp, int symmetry_order) {
+  const std::vector<double> declared = DeclaredTurns(symmetry_order);
+  if (!grasp.free_turn || symmetry_order == 0) return declared;
+  std::vector<double> out;
+  for (const double free : FreeTurns(*grasp.free_turn)) {
+    for (const double turn : declared) {
+      const double sum = std::remainder(turn + free, 2 * std::numbers::pi);
+      const auto is_same = [&](double other) {
+        return std::abs(std::remainder(sum - other, 2 * std::numbers::pi)) < kSameTurn;
+      };
+      if (std::ranges::none_of(out, is_same)) out.push_back(sum);
+    }
+  }
+  std::ranges::stable_sort(out, {}, [](double turn) { return std::abs(turn); });
+  return out;
+}
 
 }  // namespace
 
@@ -28,18 +57,29 @@ std::vector<double> DeclaredTurns(int symmetry_order) {
 std::vector<GraspProposal> ProposeGrasps(const TaughtStablePose& stable_pose,
                                          const Pose& world_object,
                                          const std::optional<Box>& workspace) {
-  std::vector<GraspProposal> out;
-  for (const double turn : DeclaredTurns(stable_pose.symmetry_order)) {
-    Pose turned = world_object;
-    if (turn != 0) turned.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
-    for (const TaughtGrasp& grasp : stable_pose.grasps) {
+  struct Turned {
+    GraspProposal proposal;
+    double turn = 0;
+  };
+  std::vector<Turned> found;
+  for (const TaughtGrasp& grasp : stable_pose.grasps) {
+    for (const double turn : TurnsOf(grasp, stable_pose.symmetry_order)) {
+      Pose turned = world_object;
+      if (turn != 0) turned.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
       const Pose world_tcp = turned * grasp.object_tcp;
       if (workspace && !workspace->Contains(world_tcp.translation())) continue;
-      out.push_back({grasp, world_tcp});
+      found.push_back({{grasp, world_tcp}, turn});
     }
   }
-  std::ranges::stable_sort(out, std::greater(),
-                           [](const GraspProposal& p) { return p.grasp.priority; });
+  std::ranges::stable_sort(found, [](const Turned& a, const Turned& b) {
+    if (a.proposal.grasp.priority != b.proposal.grasp.priority) {
+      return a.proposal.grasp.priority > b.proposal.grasp.priority;
+    }
+    return std::abs(a.turn) < std::abs(b.turn) - kSameTurn;
+  });
+  std::vector<GraspProposal> out;
+  out.reserve(found.size());
+  for (Turned& turned : found) out.push_back(std::move(turned.proposal));
   return out;
 }
 

@@ -19,8 +19,9 @@ struct GraspProposal {
 std::vector<double> DeclaredTurns(int symmetry_order);
 
 // The grasps of a stable pose that stands at `world_object`, and those that follow from its
-// declared symmetry: the highest priority first, of one priority the least turned first. Those
-// whose tool centre point lies outside `workspace` (world frame) are left out.
+// declared symmetry and from their free turns, every 30 degrees up to both ends: the highest
+// priority first, of one priority the least turned first. Those whose tool centre point lies
+// outside `workspace` (world frame) are left out.
 std::vector<GraspProposal> ProposeGrasps(const TaughtStablePose& stable_pose,
                                          const Pose& world_object,
                                          const std::optional<Box>& workspace);

@@ -12,12 +12,20 @@
 
 namespace graspdb::recognition {
 
+// Turns of a tool about the object's z axis that keep a grasp valid, rad.
+struct FreeTurn {
+  double min_rad = 0;
+  double max_rad = 0;
+};
+
 struct TaughtGrasp {
   std::string id;
   Pose object_tcp = Pose::Identity();  // T_object_tcp
   double approach_distance_m = 0;
   double gripper_opening_m = 0;
   int priority = 0;  // the higher, the earlier
+  double retreat_distance_m = 0;
+  std::optional<FreeTurn> free_turn = {};
 };
 
 struct TaughtView {

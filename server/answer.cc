@@ -77,6 +77,7 @@ void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* ou
     grasp->set_approach_distance_m(proposal.grasp.approach_distance_m);
     grasp->set_gripper_opening_m(proposal.grasp.gripper_opening_m);
     grasp->set_priority(proposal.grasp.priority);
+    grasp->set_retreat_distance_m(proposal.grasp.retreat_distance_m);
   }
 }
 

@@ -1,6 +1,9 @@
 #include "server/catalog_service.h"
 
 #include <array>
+#include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,9 +21,25 @@
 namespace graspdb::server {
 namespace {
 
-constexpr std::array<std::string_view, 1> kObjectFields = {"display_name"};
+constexpr std::array<std::string_view, 2> kObjectFields = {"display_name", "labels"};
 constexpr std::array<std::string_view, 4> kStablePoseFields = {"display_name", "symmetry_order",
                                                                "grasps", "min_score"};
+
+constexpr int kMostLabels = 32;
+
+absl::Status CheckLabels(const v1::Object& object) {
+  if (object.labels_size() > kMostLabels) {
+    return InvalidField("object.labels", "has more than 32 labels");
+  }
+  std::set<std::string_view> labels;
+  for (int i = 0; i < object.labels_size(); ++i) {
+    const std::string path = absl::StrCat("object.labels[", i, "]");
+    absl::Status status = AtField(path, storage::ValidateResourceId(object.labels(i)));
+    if (!status.ok()) return status;
+    if (!labels.insert(object.labels(i)).second) return InvalidField(path, "is given twice");
+  }
+  return absl::OkStatus();
+}
 
 v1::View ViewToProto(const storage::ViewRecord& record) {
   v1::View out;
@@ -52,6 +71,7 @@ grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
                                           v1::Object* response) {
   return Handle(*context, "CreateObject", [&]() -> absl::Status {
     absl::Status status = AtField("object_id", storage::ValidateResourceId(request->object_id()));
+    status.Update(CheckLabels(request->object()));
     if (!status.ok()) return status;
     v1::Object object = request->object();
     object.set_name(storage::MakeObjectName(request->object_id()));
@@ -88,7 +108,9 @@ grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
                    context_.catalogue.UpdateObject(
                        update.name(), update.etag(),
                        [&](v1::Object& object) {
-                         return ApplyUpdate(update, request->update_mask(), kObjectFields, &object);
+                         absl::Status status =
+                             ApplyUpdate(update, request->update_mask(), kObjectFields, &object);
+                         return status.ok() ? CheckLabels(object) : status;
                        }),
                    response);
   });

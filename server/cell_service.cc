@@ -13,8 +13,9 @@
 namespace graspdb::server {
 namespace {
 
-constexpr std::array<std::string_view, 5> kFields = {"display_name", "sensor_pose",
-                                                     "region_of_interest", "workspace", "pipeline"};
+constexpr std::array<std::string_view, 7> kFields = {
+    "display_name", "sensor_pose",     "region_of_interest", "workspace",
+    "pipeline",     "robot_base_pose", "flange_sensor_pose"};
 
 }  // namespace
 
@@ -22,6 +23,12 @@ absl::Status ValidateCell(const v1::Cell& cell) {
   absl::Status status;
   if (cell.has_sensor_pose()) {
     status.Update(PoseFromProto(cell.sensor_pose(), "cell.sensor_pose").status());
+  }
+  if (cell.has_robot_base_pose()) {
+    status.Update(PoseFromProto(cell.robot_base_pose(), "cell.robot_base_pose").status());
+  }
+  if (cell.has_flange_sensor_pose()) {
+    status.Update(PoseFromProto(cell.flange_sensor_pose(), "cell.flange_sensor_pose").status());
   }
   if (cell.has_region_of_interest()) {
     status.Update(BoxFromProto(cell.region_of_interest(), "cell.region_of_interest").status());

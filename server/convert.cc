@@ -1,6 +1,7 @@
 #include "server/convert.h"
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "absl/strings/str_cat.h"
@@ -31,6 +32,11 @@ absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::
   }
   *target = value;
   return absl::OkStatus();
+}
+
+absl::Status CheckLength(double length_m, std::string_view path, std::string_view field) {
+  if (length_m >= 0 && length_m <= 10) return absl::OkStatus();
+  return InvalidField(Join(path, field), "must lie in 0 to 10 m");
 }
 
 }  // namespace
@@ -108,6 +114,35 @@ absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view pat
   return status;
 }
 
+absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
+                                                        std::string_view path) {
+  absl::Status status =
+      AtField(Join(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
+  status.Update(CheckLength(grasp.approach_distance_m(), path, "approach_distance_m"));
+  status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
+  status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
+  if (!status.ok()) return status;
+  absl::StatusOr<recognition::Pose> tcp = PoseFromProto(grasp.tcp_pose(), Join(path, "tcp_pose"));
+  if (!tcp.ok()) return tcp.status();
+  recognition::TaughtGrasp out;
+  out.id = grasp.grasp_id();
+  out.object_tcp = *tcp;
+  out.approach_distance_m = grasp.approach_distance_m();
+  out.gripper_opening_m = grasp.gripper_opening_m();
+  out.retreat_distance_m = grasp.retreat_distance_m();
+  out.priority = grasp.priority();
+  const v1::Grasp::FreeTurn& turn = grasp.free_turn();
+  if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
+    return InvalidField(Join(path, "free_turn"),
+                        "must have min_deg up to max_deg, both in -360 to 360 degrees");
+  }
+  if (grasp.has_free_turn()) {
+    constexpr double kDegree = std::numbers::pi / 180;
+    out.free_turn = {turn.min_deg() * kDegree, turn.max_deg() * kDegree};
+  }
+  return out;
+}
+
 absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose) {
   recognition::TaughtStablePose out;
   out.name = pose.name();
@@ -127,29 +162,13 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
   }
   std::set<std::string> ids;
   for (int i = 0; i < pose.grasps_size(); ++i) {
-    const v1::Grasp& grasp = pose.grasps(i);
     const std::string path = absl::StrCat("stable_pose.grasps[", i, "]");
-    absl::Status status =
-        AtField(Join(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
-    if (!status.ok()) return status;
-    if (!ids.insert(grasp.grasp_id()).second) {
+    absl::StatusOr<recognition::TaughtGrasp> grasp = GraspFromProto(pose.grasps(i), path);
+    if (!grasp.ok()) return grasp.status();
+    if (!ids.insert(grasp->id).second) {
       return InvalidField(Join(path, "grasp_id"), "must be unique within the stable pose");
     }
-    absl::StatusOr<recognition::Pose> tcp = PoseFromProto(grasp.tcp_pose(), Join(path, "tcp_pose"));
-    if (!tcp.ok()) return tcp.status();
-    if (!(grasp.approach_distance_m() >= 0 && grasp.approach_distance_m() <= 10)) {
-      return InvalidField(Join(path, "approach_distance_m"), "must lie in 0 to 10 m");
-    }
-    if (!(grasp.gripper_opening_m() >= 0 && grasp.gripper_opening_m() <= 10)) {
-      return InvalidField(Join(path, "gripper_opening_m"), "must lie in 0 to 10 m");
-    }
-    const v1::Grasp::FreeTurn& turn = grasp.free_turn();
-    if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
-      return InvalidField(Join(path, "free_turn"),
-                          "must have min_deg up to max_deg, both in -360 to 360 degrees");
-    }
-    out.grasps.push_back({grasp.grasp_id(), *tcp, grasp.approach_distance_m(),
-                          grasp.gripper_opening_m(), grasp.priority()});
+    out.grasps.push_back(*std::move(grasp));
   }
   return out;
 }

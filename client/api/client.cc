@@ -153,6 +153,10 @@ absl::StatusOr<v1::Object> Client::GetObject(const std::string& name) {
   return Call<v1::Object>(*stubs_->catalog, &Catalog::GetObject, request);
 }
 
+absl::StatusOr<v1::Object> Client::UpdateObject(const v1::UpdateObjectRequest& request) {
+  return Call<v1::Object>(*stubs_->catalog, &Catalog::UpdateObject, request);
+}
+
 absl::Status Client::DeleteObject(const std::string& name, bool force) {
   v1::DeleteObjectRequest request;
   request.set_name(name);

@@ -57,6 +57,7 @@ class Client {
   absl::StatusOr<v1::CatalogStatus> GetCatalogStatus();
   absl::StatusOr<v1::Object> CreateObject(const v1::CreateObjectRequest& request);
   absl::StatusOr<v1::Object> GetObject(const std::string& name);
+  absl::StatusOr<v1::Object> UpdateObject(const v1::UpdateObjectRequest& request);
   absl::Status DeleteObject(const std::string& name, bool force);
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);

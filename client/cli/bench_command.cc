@@ -11,7 +11,7 @@
 #include "client/load/cache_text.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
-#include "client/sensors/progress_line.h"
+#include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
 namespace {

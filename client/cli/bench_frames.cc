@@ -6,7 +6,7 @@
 #include "client/cli/command.h"
 #include "client/cli/scan_source.h"
 #include "client/cli/splits.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 
 namespace graspdb::client {
 namespace {

@@ -3,12 +3,21 @@
 #include <cstdio>
 #include <memory>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/look_alikes_text.h"
 #include "client/cli/thresholds_command.h"
 #include "client/load/cache_text.h"
 
 namespace graspdb::client {
 namespace {
+
+void PrintObject(const v1::Object& object) {
+  std::printf("%-40s %s%s\n", object.name().c_str(), object.display_name().c_str(),
+              object.labels().empty()
+                  ? ""
+                  : absl::StrCat(" [", absl::StrJoin(object.labels(), ", "), "]").c_str());
+}
 
 absl::Status ListObjects(const GlobalOptions& global) {
   absl::StatusOr<std::vector<v1::Object>> objects = Connect(global).ListObjects();
@@ -17,7 +26,7 @@ absl::Status ListObjects(const GlobalOptions& global) {
     if (global.json) {
       if (absl::Status status = PrintJson(object); !status.ok()) return status;
     } else {
-      std::printf("%-40s %s\n", object.name().c_str(), object.display_name().c_str());
+      PrintObject(object);
     }
   }
   if (objects->empty() && !global.json) {
@@ -44,7 +53,7 @@ absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
   absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
   if (!object.ok()) return object.status();
   if (global.json) return PrintJson(*object);
-  std::printf("%s: %s\n", object->name().c_str(), object->display_name().c_str());
+  PrintObject(*object);
   absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object->name());
   if (!poses.ok()) return poses.status();
   for (const v1::StablePose& pose : *poses) {
@@ -61,6 +70,47 @@ absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bo
   if (!status.ok()) return status;
   if (!global.json) std::printf("deleted %s\n", name.c_str());
   return absl::OkStatus();
+}
+
+struct ObjectChange {
+  std::string id;
+  std::string display_name;
+  std::vector<std::string> labels;
+  bool no_labels = false;
+};
+
+absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) {
+  v1::UpdateObjectRequest request;
+  request.mutable_object()->set_name(ResourceName("objects", change.id));
+  google::protobuf::FieldMask* mask = request.mutable_update_mask();
+  if (!change.display_name.empty()) {
+    request.mutable_object()->set_display_name(change.display_name);
+    mask->add_paths("display_name");
+  }
+  for (const std::string& label : change.labels) request.mutable_object()->add_labels(label);
+  if (change.no_labels || !change.labels.empty()) mask->add_paths("labels");
+  if (mask->paths().empty()) {
+    return absl::InvalidArgumentError(
+        "nothing to set; give --display-name, --labels or --no-labels");
+  }
+  absl::StatusOr<v1::Object> object = Connect(global).UpdateObject(request);
+  if (!object.ok()) return object.status();
+  if (global.json) return PrintJson(*object);
+  PrintObject(*object);
+  return absl::OkStatus();
+}
+
+void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* action) {
+  auto change = std::make_shared<ObjectChange>();
+  CLI::App* set = AddCommand(objects, "set", "Change what people and robots' jobs call an object");
+  set->add_option("OBJECT", change->id, "Id, e.g. mug")->required();
+  set->add_option("--display-name", change->display_name, "What people call it");
+  CLI::Option* labels =
+      set->add_option("--labels", change->labels, "By which robots' jobs ask for it; replaces all")
+          ->delimiter(',')
+          ->type_name("LABEL,...");
+  set->add_flag("--no-labels", change->no_labels, "Take all labels away")->excludes(labels);
+  set->callback([=, &global] { *action = [=, &global] { return SetObject(global, *change); }; });
 }
 
 absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
@@ -95,7 +145,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
 }  // namespace
 
 void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* objects = AddCommand(app, "objects", "List, show, check and delete objects");
+  CLI::App* objects = AddCommand(app, "objects", "List, show, set, check and delete objects");
   objects->require_subcommand(1);
   AddCommand(*objects, "list", "All objects")->callback([=, &global] {
     *action = [&global] { return ListObjects(global); };
@@ -108,6 +158,7 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
       *objects, "check", "What may be confused: symmetries that are not declared, look-alikes");
   check->add_option("OBJECT", *id, "Id, e.g. mug; without it all objects");
   check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
+  AddSetCommand(*objects, global, action);
   AddThresholdsCommand(*objects, global, action);
   auto force = std::make_shared<bool>(false);
   CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");

@@ -18,6 +18,8 @@ struct SetOptions {
   std::string from;
   std::string display_name;
   std::vector<double> sensor_pose;
+  std::vector<double> robot_base_pose;
+  std::vector<double> flange_sensor_pose;
   std::vector<double> region;
   std::vector<double> workspace;
 };
@@ -34,6 +36,15 @@ void SetVector(const double* values, v1::Vector3* out) {
   out->set_x(values[0]);
   out->set_y(values[1]);
   out->set_z(values[2]);
+}
+
+void SetPose(const std::vector<double>& values, v1::Pose* out) {
+  SetVector(values.data(), out->mutable_position());
+  v1::Quaternion* q = out->mutable_orientation();
+  q->set_x(values[3]);
+  q->set_y(values[4]);
+  q->set_z(values[5]);
+  q->set_w(values[6]);
 }
 
 void SetBox(const std::vector<double>& values, v1::AxisAlignedBox* out) {
@@ -61,13 +72,12 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
     if (absl::Status status = ReadCell(options.from, cell); !status.ok()) return status;
   }
   if (!options.display_name.empty()) cell->set_display_name(options.display_name);
-  if (!options.sensor_pose.empty()) {
-    SetVector(options.sensor_pose.data(), cell->mutable_sensor_pose()->mutable_position());
-    v1::Quaternion* q = cell->mutable_sensor_pose()->mutable_orientation();
-    q->set_x(options.sensor_pose[3]);
-    q->set_y(options.sensor_pose[4]);
-    q->set_z(options.sensor_pose[5]);
-    q->set_w(options.sensor_pose[6]);
+  if (!options.sensor_pose.empty()) SetPose(options.sensor_pose, cell->mutable_sensor_pose());
+  if (!options.robot_base_pose.empty()) {
+    SetPose(options.robot_base_pose, cell->mutable_robot_base_pose());
+  }
+  if (!options.flange_sensor_pose.empty()) {
+    SetPose(options.flange_sensor_pose, cell->mutable_flange_sensor_pose());
   }
   if (!options.region.empty()) SetBox(options.region, cell->mutable_region_of_interest());
   if (!options.workspace.empty()) SetBox(options.workspace, cell->mutable_workspace());
@@ -76,6 +86,8 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   auto* mask = request.mutable_update_mask();
   if (!cell->display_name().empty()) mask->add_paths("display_name");
   if (cell->has_sensor_pose()) mask->add_paths("sensor_pose");
+  if (cell->has_robot_base_pose()) mask->add_paths("robot_base_pose");
+  if (cell->has_flange_sensor_pose()) mask->add_paths("flange_sensor_pose");
   if (cell->has_region_of_interest()) mask->add_paths("region_of_interest");
   if (cell->has_workspace()) mask->add_paths("workspace");
   if (cell->has_pipeline()) mask->add_paths("pipeline");
@@ -123,6 +135,14 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
   set->add_option("--from", options->from, "File with the JSON of a cell");
   set->add_option("--display-name", options->display_name, "What people call it");
   set->add_option("--sensor-pose", options->sensor_pose, "T_world_sensor: X,Y,Z,QX,QY,QZ,QW")
+      ->delimiter(',')
+      ->expected(7);
+  set->add_option("--robot-base-pose", options->robot_base_pose,
+                  "T_world_base, where the robot stands: as --sensor-pose")
+      ->delimiter(',')
+      ->expected(7);
+  set->add_option("--flange-sensor-pose", options->flange_sensor_pose,
+                  "T_flange_sensor of a camera on the robot: as --sensor-pose")
       ->delimiter(',')
       ->expected(7);
   set->add_option("--region", options->region,

@@ -12,7 +12,7 @@
 #include "client/files/capture_set.h"
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
-#include "client/sensors/progress_line.h"
+#include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
 namespace {

@@ -11,7 +11,7 @@
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
 #include "client/eval/eval_command.h"
-#include "client/sensors/simulate_command.h"
+#include "client/simulation/simulate_command.h"
 #include "settings/settings_file.h"
 
 namespace graspdb::client {

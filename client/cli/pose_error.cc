@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/sensors/mesh.h"
-#include "client/sensors/mesh_file.h"
+#include "client/simulation/mesh.h"
+#include "client/simulation/mesh_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/sensors/progress_line.h"
+#include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
 namespace {

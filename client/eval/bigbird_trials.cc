@@ -11,7 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "client/files/bigbird_object.h"
 #include "client/files/point_file.h"
-#include "client/sensors/mesh_file.h"
+#include "client/simulation/mesh_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -9,7 +9,7 @@
 #include "client/files/capture_set.h"
 #include "client/files/point_file.h"
 #include "client/files/pose_message.h"
-#include "client/sensors/mesh_file.h"
+#include "client/simulation/mesh_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "client/eval/close_scene.h"
-#include "client/sensors/counter_random.h"
+#include "client/simulation/counter_random.h"
 
 namespace graspdb::client {
 namespace {

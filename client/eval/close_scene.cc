@@ -8,8 +8,8 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client/sensors/counter_random.h"
-#include "client/sensors/depth_camera.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/depth_camera.h"
 
 namespace graspdb::client {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/sensors/capture_plan.h"
+#include "client/simulation/capture_plan.h"
 
 namespace graspdb::client {
 

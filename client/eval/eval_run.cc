@@ -16,7 +16,7 @@
 #include "client/eval/gallery.h"
 #include "client/eval/report/match_drawing.h"
 #include "client/eval/report/report_writer.h"
-#include "client/sensors/progress_line.h"
+#include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
 namespace {

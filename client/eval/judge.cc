@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/sensors/mesh.h"
+#include "client/simulation/mesh.h"
 
 namespace graspdb::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/sensors/workpiece.h"
+#include "client/simulation/workpiece.h"
 #include "recognition/point_search.h"
 #include "recognition/recognizer.h"
 

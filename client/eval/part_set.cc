@@ -5,9 +5,9 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "client/eval/resting_pose.h"
-#include "client/sensors/mesh_file.h"
-#include "client/sensors/mesh_part.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/mesh_file.h"
+#include "client/simulation/mesh_part.h"
+#include "client/simulation/sample_parts.h"
 
 namespace graspdb::client {
 namespace {

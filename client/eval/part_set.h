@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/eval/judge.h"
-#include "client/sensors/workpiece.h"
+#include "client/simulation/workpiece.h"
 
 namespace graspdb::client {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/sensors/mesh.h"
+#include "client/simulation/mesh.h"
 #include "recognition/types.h"
 
 namespace graspdb::client {

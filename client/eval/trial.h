@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/sensors/capture_plan.h"
-#include "client/sensors/depth_camera.h"
-#include "client/sensors/workpiece.h"
+#include "client/simulation/capture_plan.h"
+#include "client/simulation/depth_camera.h"
+#include "client/simulation/workpiece.h"
 #include "recognition/segmentation.h"
 
 namespace graspdb::client {

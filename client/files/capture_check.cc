@@ -38,7 +38,8 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
     return id;
   }
   if (absl::Status pose = CheckPose(grasp.tcp_pose(), field + ".tcpPose"); !pose.ok()) return pose;
-  for (const double length : {grasp.approach_distance_m(), grasp.gripper_opening_m()}) {
+  for (const double length :
+       {grasp.approach_distance_m(), grasp.gripper_opening_m(), grasp.retreat_distance_m()}) {
     if (!std::isfinite(length) || length < 0) {
       return Bad(field + " has a length that is negative or not finite; give metres");
     }

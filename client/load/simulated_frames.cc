@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "client/files/pose_message.h"
-#include "client/sensors/sample_parts.h"
-#include "client/sensors/simulation.h"
+#include "client/simulation/sample_parts.h"
+#include "client/simulation/simulation.h"
 
 namespace graspdb::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/sensors/depth_camera.h"
+#include "client/simulation/depth_camera.h"
 #include "graspdb/v1/recognition_service.pb.h"
 
 namespace graspdb::client {

@@ -75,7 +75,8 @@ class GriJobs::Run {
     return status_;
   }
 
-  GriCode NextPrimary(GriResponse* response) {
+  // Sets `given` where it gives one.
+  GriCode NextPrimary(GriResponse* response, std::optional<JobPose>* given) {
     absl::MutexLock lock(&mutex_);
     if (status_ == GriJobStatus::kRunning) return GriCode::kJobStillRunning;
     if (status_ == GriJobStatus::kFailed) return GriCodeOf(failure_);
@@ -84,10 +85,12 @@ class GriJobs::Run {
       related_.clear();
       return GriCode::kNoPosesFound;
     }
-    const JobPose next = std::move(left_.front());
+    JobPose next = std::move(left_.front());
     left_.pop_front();
     related_.assign(next.base_related.begin(), next.base_related.end());
-    return Give(next.base_primary, response);
+    const GriCode code = Give(next.base_primary, response);
+    if (code == GriCode::kNoError) *given = std::move(next);
+    return code;
   }
 
   GriCode NextRelated(GriResponse* response) {
@@ -137,10 +140,17 @@ GriJobs::Run* GriJobs::RunOf(const std::string& robot, int job) {
   return run.get();
 }
 
-GriCode GriJobs::Trigger(Run* run, const GriRequest& request) {
+GriCode GriJobs::GivePrimary(const std::string& robot, Run* run, GriResponse* response) {
+  std::optional<JobPose> given;
+  const GriCode code = run->NextPrimary(response, &given);
+  if (given) runner_.Given(robot, *given);
+  return code;
+}
+
+GriCode GriJobs::Trigger(const std::string& robot, Run* run, const GriRequest& request) {
   if (!run->Begin()) return GriCode::kJobStillRunning;
-  const auto work = [this, run, job = int{request.job_id}, flange = FlangeOf(request)] {
-    run->End(runner_.Run(job, flange));
+  const auto work = [this, run, job = JobRequest{request.job_id, robot, FlangeOf(request)}] {
+    run->End(runner_.Run(job));
   };
   if (static_cast<GriAction>(request.action) == GriAction::kTriggerJobSync) {
     work();
@@ -167,17 +177,17 @@ GriResponse GriJobs::Answer(const std::string& robot, const GriRequest& request)
   Run* run = RunOf(robot, request.job_id);
   switch (action) {
     case GriAction::kTriggerJobSync:
-      out.code = Trigger(run, request);
-      if (out.code == GriCode::kNoError) out.code = run->NextPrimary(&out);
+      out.code = Trigger(robot, run, request);
+      if (out.code == GriCode::kNoError) out.code = GivePrimary(robot, run, &out);
       break;
     case GriAction::kTriggerJobAsync:
-      out.code = Trigger(run, request);
+      out.code = Trigger(robot, run, request);
       break;
     case GriAction::kGetJobStatus:
       out.data[kJobStatus] = static_cast<std::int32_t>(run->status());
       break;
     case GriAction::kGetNextPose:
-      out.code = run->NextPrimary(&out);
+      out.code = GivePrimary(robot, run, &out);
       break;
     case GriAction::kGetRelatedPose:
       out.code = run->NextRelated(&out);

@@ -32,7 +32,8 @@ class GriJobs {
   class Run;
 
   Run* RunOf(const std::string& robot, int job) ABSL_LOCKS_EXCLUDED(mutex_);
-  GriCode Trigger(Run* run, const GriRequest& request);
+  GriCode GivePrimary(const std::string& robot, Run* run, GriResponse* response);
+  GriCode Trigger(const std::string& robot, Run* run, const GriRequest& request);
 
   JobRunner& runner_;
   absl::Mutex mutex_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -15,6 +16,20 @@ namespace graspdb::client {
 struct JobPose {
   recognition::Pose base_primary = recognition::Pose::Identity();  // in the robot's base frame
   std::vector<recognition::Pose> base_related = {};
+  std::string object = {};       // resource name
+  std::string stable_pose = {};  // resource name
+  std::string grasp_id = {};     // empty where the stable pose has none
+  double score = 0;              // confidence, 0 to 1
+  double gripper_opening_m = 0;
+  double approach_distance_m = 0;
+  double retreat_distance_m = 0;
+};
+
+struct JobRequest {
+  int job = 0;
+  std::string robot;  // who asks, such as its address
+  // Where the robot says that its flange is, if that was readable.
+  std::optional<recognition::Pose> base_flange = {};
 };
 
 // Does jobs. Implementations are thread-safe.
@@ -29,13 +44,14 @@ class JobRunner {
   // PERMISSION_DENIED when it is meant for another protocol.
   virtual absl::Status Check(int job) = 0;
 
-  // The poses that the job is set to return, the best first; none where nothing is found.
-  // `base_flange` is where the robot says that it is, if that was readable. Takes no longer than
-  // the job's time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the robot's
-  // pose; UNAVAILABLE when server or camera are not there; DEADLINE_EXCEEDED; others when the
-  // server refuses.
-  virtual absl::StatusOr<std::vector<JobPose>> Run(
-      int job, const std::optional<recognition::Pose>& base_flange) = 0;
+  // The poses that the job is set to return, the best first; none where nothing is found. Takes no
+  // longer than the job's time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the
+  // robot's pose; UNAVAILABLE when server or camera are not there; DEADLINE_EXCEEDED; others when
+  // the server refuses.
+  virtual absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) = 0;
+
+  // The robot was given this pose: what it tells next is about it.
+  virtual void Given(const std::string& robot, const JobPose& pose) = 0;
 };
 
 }  // namespace graspdb::client

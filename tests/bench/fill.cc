@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_format.h"
 #include "client/eval/experiment_run.h"
-#include "client/sensors/progress_line.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/progress_line.h"
+#include "client/simulation/sample_parts.h"
 #include "server/convert.h"
 #include "server/digest.h"
 #include "server/records.h"

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "client/files/point_file.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 #include "tests/recognition/shared_data.h"
 
 namespace graspdb::bench {

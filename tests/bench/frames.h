@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/sensors/depth_camera.h"
+#include "client/simulation/depth_camera.h"
 #include "recognition/segmentation.h"
 #include "recognition/types.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/sensors/depth_camera.h"
+#include "client/simulation/depth_camera.h"
 #include "recognition/point_search.h"
 #include "recognition/refinement.h"
 #include "tests/bench/frames.h"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "client/sensors/workpiece.h"
+#include "client/simulation/workpiece.h"
 #include "recognition/types.h"
 
 namespace graspdb::bench {

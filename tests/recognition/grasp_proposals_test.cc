@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace graspdb::recognition {
@@ -62,6 +63,24 @@ TEST(ProposeGrasps, ATurnedOneIsGivenWhereTheTaughtOneIsOutOfReach) {
   EXPECT_NEAR(proposals[0].world_tcp.translation().x(), -0.05, 1e-12);
   pose.symmetry_order = 1;
   EXPECT_THAT(ProposeGrasps(pose, Pose::Identity(), left), IsEmpty());
+}
+
+TEST(ProposeGrasps, AFreeTurnIsTriedEveryThirtyDegreesAndAtItsEnds) {
+  TaughtStablePose pose{"pose", 1, {Grasp("rim", 1)}};
+  pose.grasps[0].free_turn = FreeTurn{-kPi / 4, kPi / 6};
+  const auto proposals = ProposeGrasps(pose, Pose::Identity(), std::nullopt);
+  std::vector<double> turns;
+  for (const GraspProposal& p : proposals) {
+    turns.push_back(std::atan2(p.world_tcp.translation().y(), p.world_tcp.translation().x()));
+  }
+  EXPECT_THAT(turns, ElementsAre(0, DoubleNear(-kPi / 6, 1e-9), DoubleNear(kPi / 6, 1e-9),
+                                 DoubleNear(-kPi / 4, 1e-9)));
+}
+
+TEST(ProposeGrasps, TurnsThatSymmetryAndFreedomBothAllowAreGivenOnce) {
+  TaughtStablePose pose{"pose", 2, {Grasp("rim", 1)}};
+  pose.grasps[0].free_turn = FreeTurn{-kPi, kPi};
+  EXPECT_THAT(ProposeGrasps(pose, Pose::Identity(), std::nullopt), SizeIs(12));
 }
 
 }  // namespace

@@ -126,6 +126,21 @@ std::vector<BadRequest> NameCases() {
       Catalogue<v1::DeleteObjectRequest>(
           "DeleteWithoutName", &Catalog::DeleteObject, [](auto&) {}, kInvalid, "name",
           "objects/{object}"),
+      Catalogue<v1::CreateObjectRequest>(
+          "LabelWithASpace", &Catalog::CreateObject,
+          [](auto& r) {
+            r.set_object_id("mug");
+            r.mutable_object()->add_labels("hot drinks");
+          },
+          kInvalid, "object.labels[0]", "hot drinks"),
+      Catalogue<v1::CreateObjectRequest>(
+          "LabelGivenTwice", &Catalog::CreateObject,
+          [](auto& r) {
+            r.set_object_id("mug");
+            r.mutable_object()->add_labels("cup");
+            r.mutable_object()->add_labels("cup");
+          },
+          kInvalid, "object.labels[1]", "twice"),
       Catalogue<v1::CreateStablePoseRequest>(
           "StablePoseWithoutParent", &Catalog::CreateStablePose, [](auto&) {}, kInvalid, "parent",
           "objects/{object}"),
@@ -257,6 +272,10 @@ std::vector<BadRequest> ContentCases() {
           [](Pose& p) { p.mutable_grasps(0)->set_approach_distance_m(kNan); },
           "grasps[0].approach_distance_m", "0 to 10 m"),
       StablePose(
+          "GraspWithNegativeRetreat",
+          [](Pose& p) { p.mutable_grasps(0)->set_retreat_distance_m(-0.1); },
+          "grasps[0].retreat_distance_m", "0 to 10 m"),
+      StablePose(
           "GraspWithTurnBackwards",
           [](Pose& p) {
             p.mutable_grasps(0)->mutable_free_turn()->set_min_deg(90);
@@ -274,6 +293,14 @@ std::vector<BadRequest> ContentCases() {
           "CellWithUnnormalisedRotation",
           [](v1::Cell& c) { c.mutable_sensor_pose()->mutable_orientation()->set_w(0.99); },
           "sensor_pose.orientation", "0.99"),
+      Cell(
+          "CellWithUnnormalisedBase",
+          [](v1::Cell& c) { c.mutable_robot_base_pose()->mutable_orientation()->set_w(2); },
+          "robot_base_pose.orientation", "2"),
+      Cell(
+          "CellWithUnnormalisedMount",
+          [](v1::Cell& c) { c.mutable_flange_sensor_pose()->mutable_orientation()->set_w(2); },
+          "flange_sensor_pose.orientation", "2"),
       Cell(
           "CellWithRegionUpsideDown",
           [](v1::Cell& c) {

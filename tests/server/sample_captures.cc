@@ -6,8 +6,8 @@
 
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
-#include "client/sensors/depth_camera.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/depth_camera.h"
+#include "client/simulation/sample_parts.h"
 #include "recognition/segmentation.h"
 #include "tests/recognition/depth_points.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/sensors/workpiece.h"
+#include "client/simulation/workpiece.h"
 #include "graspdb/v1/geometry.pb.h"
 #include "recognition/types.h"
 

@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "client/sensors/mesh.h"
-#include "client/sensors/solid.h"
+#include "client/simulation/mesh.h"
+#include "client/simulation/solid.h"
 
 namespace graspdb::client {
 namespace {

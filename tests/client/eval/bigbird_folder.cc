@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/files/point_file.h"
-#include "client/sensors/depth_camera.h"
-#include "client/sensors/mesh_file.h"
+#include "client/simulation/depth_camera.h"
+#include "client/simulation/mesh_file.h"
 #include "tests/client/files/hdf5_writer.h"
 
 namespace graspdb::client {

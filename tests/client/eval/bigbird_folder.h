@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/sensors/workpiece.h"
+#include "client/simulation/workpiece.h"
 #include "recognition/types.h"
 
 namespace graspdb::client {

@@ -7,8 +7,8 @@
 
 #include "client/files/bigbird_calibration.h"
 #include "client/files/point_file.h"
-#include "client/sensors/mesh.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/mesh.h"
+#include "client/simulation/sample_parts.h"
 #include "recognition/point_search.h"
 #include "tests/client/eval/bigbird_folder.h"
 #include "tests/client/files/hdf5_writer.h"

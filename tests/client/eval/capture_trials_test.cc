@@ -5,8 +5,8 @@
 #include "client/eval/descriptor_comparison.h"
 #include "client/eval/experiment.h"
 #include "client/files/capture_set.h"
-#include "client/sensors/sample_parts.h"
-#include "client/sensors/simulation.h"
+#include "client/simulation/sample_parts.h"
+#include "client/simulation/simulation.h"
 #include "tests/client/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

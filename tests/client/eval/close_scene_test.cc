@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -1,6 +1,6 @@
 #include "tests/client/eval/hand_made_case.h"
 
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 
 namespace graspdb::client {
 

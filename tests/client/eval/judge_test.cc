@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 
 namespace graspdb::client {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/sensors/solid.h"
+#include "client/simulation/solid.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

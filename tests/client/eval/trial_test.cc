@@ -6,7 +6,7 @@
 #include <set>
 
 #include "client/eval/cases.h"
-#include "client/sensors/sample_parts.h"
+#include "client/simulation/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -11,6 +11,8 @@ namespace graspdb::client {
 namespace {
 
 using recognition::Pose;
+using ::testing::ElementsAre;
+using ::testing::Pair;
 using ::testing::Test;
 
 constexpr int kJob = 7;
@@ -28,16 +30,19 @@ class FakeRunner : public JobRunner {
   absl::Status Check(int job) override {
     return job == kJob ? absl::OkStatus() : absl::NotFoundError("no such job");
   }
-  absl::StatusOr<std::vector<JobPose>> Run(int /*job*/,
-                                           const std::optional<Pose>& flange) override {
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     if (go_on != nullptr) go_on->WaitForNotification();
-    base_flange = flange;
+    base_flange = request.base_flange;
     return found;
+  }
+  void Given(const std::string& robot, const JobPose& pose) override {
+    given.emplace_back(robot, pose.base_primary.translation().x());
   }
 
   bool ready = true;
   absl::Notification* go_on = nullptr;
   std::optional<Pose> base_flange;
+  std::vector<std::pair<std::string, double>> given;
   absl::StatusOr<std::vector<JobPose>> found = std::vector<JobPose>();
 };
 
@@ -91,6 +96,15 @@ TEST_F(GriJobsTest, ATriggerIsAnsweredWithTheFirstPoseAndWhatIsLeft) {
   EXPECT_EQ(answer.data[2], 2);
   ASSERT_TRUE(runner_.base_flange);
   EXPECT_TRUE(runner_.base_flange->isApprox(At(0.25)));
+}
+
+TEST_F(GriJobsTest, TheRunnerIsToldWhatARobotWasGiven) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync, "left");
+  Ask(GriAction::kGetRelatedPose, "left");
+  Ask(GriAction::kGetNextPose, "left");
+  Ask(GriAction::kGetNextPose, "left");
+  EXPECT_THAT(runner_.given, ElementsAre(Pair("left", 0.1), Pair("left", 0.2)));
 }
 
 TEST_F(GriJobsTest, RelatedPosesBelongToThePrimaryBefore) {

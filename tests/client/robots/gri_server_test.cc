@@ -25,14 +25,15 @@ class EchoRunner : public JobRunner {
   absl::Status Check(int job) override {
     return job == 1 || job == 2 ? absl::OkStatus() : absl::NotFoundError("no such job");
   }
-  absl::StatusOr<std::vector<JobPose>> Run(int job, const std::optional<Pose>& flange) override {
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     started = true;
-    if (job == 2) go_on.WaitForNotification();
-    if (!flange) return absl::InvalidArgumentError("where is the robot?");
-    Pose found = *flange;
+    if (request.job == 2) go_on.WaitForNotification();
+    if (!request.base_flange) return absl::InvalidArgumentError("where is the robot?");
+    Pose found = *request.base_flange;
     found.translation().x() += 1;
     return std::vector<JobPose>{{found, {}}};
   }
+  void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
 
   absl::Notification go_on;
   std::atomic<bool> started = false;

@@ -1,0 +1,59 @@
+#include "client/simulation/mesh_part.h"
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "client/simulation/mesh_file.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kSmallestSideM = 0.005;
+constexpr double kLargestSideM = 0.6;
+constexpr double kClearanceM = 0.02;
+constexpr std::size_t kMaxIdLength = 63;
+
+// See Object.name in the contract: [a-z0-9_.-], a letter or digit first.
+std::string IdFrom(const std::filesystem::path& path) {
+  std::string id = absl::AsciiStrToLower(path.stem().string());
+  for (char& c : id) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!absl::ascii_isalnum(byte) && c != '_' && c != '.') c = '-';
+  }
+  const std::size_t first = id.find_first_not_of("-_.");
+  id = first == std::string::npos ? "mesh" : id.substr(first, kMaxIdLength);
+  return id;
+}
+
+}  // namespace
+
+absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
+                                            double unit_scale_m) {
+  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path, unit_scale_m);
+  if (!mesh.ok()) return mesh.status();
+  const recognition::Box box = BoundsOf(*mesh);
+  const Eigen::Vector3d sides = box.max - box.min;
+  if (sides.maxCoeff() < kSmallestSideM || sides.maxCoeff() > kLargestSideM) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path.string(), " is ", sides.maxCoeff(), " m large, and parts have ",
+                     kSmallestSideM, " to ", kLargestSideM, " m; name its unit, m, mm or inch"));
+  }
+  const Eigen::Vector3d middle = (box.min + box.max) / 2;
+  const Eigen::Vector3d origin(middle.x(), middle.y(), box.min.z());
+  for (Eigen::Vector3f& v : mesh->vertices) v = (v.cast<double>() - origin).cast<float>();
+  const double closing_rad = sides.x() <= sides.y() ? 0 : std::numbers::pi / 2;
+  const double opening = std::min(sides.x(), sides.y()) + kClearanceM;
+  const Eigen::Vector3d hold(0, 0, sides.z() / 2);
+  return Workpiece{.object_id = IdFrom(path),
+                   .display_name = path.stem().string(),
+                   .stable_pose_id = "resting",
+                   .symmetry_order = 1,
+                   .grasps = {TopGrasp("top", hold, closing_rad, opening)},
+                   .mesh = *std::move(mesh)};
+}
+
+}  // namespace graspdb::client
