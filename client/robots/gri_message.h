@@ -8,6 +8,7 @@
 #include <span>
 
 #include "absl/status/statusor.h"
+#include "client/robots/gri_code.h"
 #include "client/robots/pose_format.h"
 
 namespace graspdb::client {
@@ -28,35 +29,6 @@ enum class GriAction : std::uint8_t {
   kHecSetPose = 8,
   kHecCalibrate = 9,
 };
-
-// Negative: an error; positive: a warning.
-enum class GriCode : std::int16_t {
-  kNoError = 0,
-  kUnknownError = -1,
-  kInternalError = -2,
-  kApiNotReachable = -3,
-  kApiResponseError = -4,
-  kPipelineNotAvailable = -5,
-  kInvalidRequest = -6,
-  kInvalidRequestLength = -7,
-  kInvalidAction = -8,
-  kProcessingTimeout = -9,
-  kUnknownProtocolVersion = -10,
-  kWrongProtocolForJob = -11,
-  kJobDoesNotExist = -12,
-  kMisconfiguredJob = -13,
-  kHecConfigError = -14,
-  kHecInitError = -15,
-  kHecSetPoseError = -16,
-  kHecCalibrateError = -17,
-  kHecInsufficientDetection = -18,
-  kNoPosesFound = 1,
-  kNoRelatedPoses = 2,
-  kNoReturnSpecified = 3,
-  kJobStillRunning = 4,
-};
-
-enum class GriJobStatus : std::int32_t { kInactive = 1, kRunning = 2, kDone = 3, kFailed = 4 };
 
 // A pose as it is sent: millionths of a millimetre, and of the format's unit.
 struct GriPose {

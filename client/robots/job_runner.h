@@ -32,6 +32,13 @@ struct JobRequest {
   std::optional<recognition::Pose> base_flange = {};
 };
 
+// What became of the pose that a robot was given.
+enum class PickOutcome {
+  kPicked,   // the thing was taken and stayed in the gripper
+  kMissed,   // the gripper closed on nothing
+  kSlipped,  // the thing was taken and lost again
+};
+
 // Does jobs. Implementations are thread-safe.
 class JobRunner {
  public:
@@ -52,6 +59,12 @@ class JobRunner {
 
   // The robot was given this pose: what it tells next is about it.
   virtual void Given(const std::string& robot, const JobPose& pose) = 0;
+
+  // What became of the pose that this robot was given last; only once for each that was given.
+  // FAILED_PRECONDITION when it was given none since then. Other errors where the outcome cannot be
+  // kept. A protocol that has no words for outcomes has jobs that tell them: see
+  // docs/line-protocol.md.
+  virtual absl::Status Tell(const std::string& robot, PickOutcome outcome) = 0;
 };
 
 }  // namespace graspdb::client

@@ -38,6 +38,9 @@ class FakeRunner : public JobRunner {
   void Given(const std::string& robot, const JobPose& pose) override {
     given.emplace_back(robot, pose.base_primary.translation().x());
   }
+  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+    return absl::OkStatus();
+  }
 
   bool ready = true;
   absl::Notification* go_on = nullptr;
@@ -206,6 +209,13 @@ TEST_F(GriJobsTest, AnUnreadablePoseOfTheRobotIsNone) {
   request.job_id = kJob;
   jobs_.Answer("r", request);  // a quaternion of zeros
   EXPECT_FALSE(runner_.base_flange);
+}
+
+TEST(GriCodeTest, IsCalledAsItsDocumentationCallsIt) {
+  EXPECT_EQ(GriCodeName(GriCode::kNoError), "NO_ERROR");
+  EXPECT_EQ(GriCodeName(GriCode::kHecInsufficientDetection), "HEC_INSUFFICIENT_DETECTION");
+  EXPECT_EQ(GriCodeName(GriCode::kJobStillRunning), "JOB_STILL_RUNNING");
+  EXPECT_EQ(GriCodeName(static_cast<GriCode>(99)), "UNKNOWN_ERROR");
 }
 
 TEST(GriCodeTest, EveryErrorOfAJobHasItsCode) {

@@ -34,6 +34,9 @@ class EchoRunner : public JobRunner {
     return std::vector<JobPose>{{found, {}}};
   }
   void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
+  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+    return absl::OkStatus();
+  }
 
   absl::Notification go_on;
   std::atomic<bool> started = false;

@@ -1,0 +1,48 @@
+// The numbers by which robots are told how a question went: those of the Generic Robot Interface,
+// which the line protocol says as well.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "absl/status/status.h"
+
+namespace graspdb::client {
+
+// Negative: an error; positive: a warning.
+enum class GriCode : std::int16_t {
+  kNoError = 0,
+  kUnknownError = -1,
+  kInternalError = -2,
+  kApiNotReachable = -3,
+  kApiResponseError = -4,
+  kPipelineNotAvailable = -5,
+  kInvalidRequest = -6,
+  kInvalidRequestLength = -7,
+  kInvalidAction = -8,
+  kProcessingTimeout = -9,
+  kUnknownProtocolVersion = -10,
+  kWrongProtocolForJob = -11,
+  kJobDoesNotExist = -12,
+  kMisconfiguredJob = -13,
+  kHecConfigError = -14,
+  kHecInitError = -15,
+  kHecSetPoseError = -16,
+  kHecCalibrateError = -17,
+  kHecInsufficientDetection = -18,
+  kNoPosesFound = 1,
+  kNoRelatedPoses = 2,
+  kNoReturnSpecified = 3,
+  kJobStillRunning = 4,
+};
+
+enum class GriJobStatus : std::int32_t { kInactive = 1, kRunning = 2, kDone = 3, kFailed = 4 };
+
+// As the interface's documentation calls it, such as JOB_DOES_NOT_EXIST; UNKNOWN_ERROR for numbers
+// that it does not know.
+std::string_view GriCodeName(GriCode code);
+
+// The code by which a robot is told of an error of a JobRunner.
+GriCode GriCodeOf(const absl::Status& status);
+
+}  // namespace graspdb::client
