@@ -1,6 +1,7 @@
 #include "client/robots/gri_code.h"
 
 #include <array>
+#include <string_view>
 #include <utility>
 
 namespace graspdb::client {
@@ -34,9 +35,9 @@ constexpr std::array<std::pair<GriCode, std::string_view>, 23> kNames = {{
 
 }  // namespace
 
-std::string_view GriCodeName(GriCode code) {
+std::string GriCodeName(GriCode code) {
   for (const auto& [known, name] : kNames) {
-    if (known == code) return name;
+    if (known == code) return std::string(name);
   }
   return "UNKNOWN_ERROR";
 }

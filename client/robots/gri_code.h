@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+#include <string>
 
 #include "absl/status/status.h"
 
@@ -40,7 +40,7 @@ enum class GriJobStatus : std::int32_t { kInactive = 1, kRunning = 2, kDone = 3,
 
 // As the interface's documentation calls it, such as JOB_DOES_NOT_EXIST; UNKNOWN_ERROR for numbers
 // that it does not know.
-std::string_view GriCodeName(GriCode code);
+std::string GriCodeName(GriCode code);
 
 // The code by which a robot is told of an error of a JobRunner.
 GriCode GriCodeOf(const absl::Status& status);

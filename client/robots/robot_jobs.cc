@@ -30,6 +30,7 @@ class RobotJobs::Found {
     status_ = GriJobStatus::kRunning;
     left_.clear();
     related_.clear();
+    primary_.reset();
     return true;
   }
 
@@ -56,8 +57,8 @@ class RobotJobs::Found {
     }
     primary_ = std::move(left_.front());
     left_.pop_front();
-    related_.assign(primary_.base_related.begin(), primary_.base_related.end());
-    return Give(primary_.base_primary);
+    related_.assign(primary_->base_related.begin(), primary_->base_related.end());
+    return Give(primary_->base_primary);
   }
 
   JobAnswer NextRelated() {
@@ -72,6 +73,11 @@ class RobotJobs::Found {
     return Give(next);
   }
 
+  std::optional<JobPose> last_primary() const {
+    absl::MutexLock lock(&mutex_);
+    return primary_;
+  }
+
   // Done in the background until the next run, or until this goes.
   void Keep(std::future<void> work) {
     absl::MutexLock lock(&mutex_);
@@ -81,7 +87,7 @@ class RobotJobs::Found {
  private:
   JobAnswer Give(const recognition::Pose& base_pose) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return {.base_pose = base_pose,
-            .primary = primary_,
+            .primary = primary_.value_or(JobPose()),
             .primaries_left = left_.size(),
             .related_left = related_.size()};
   }
@@ -90,7 +96,7 @@ class RobotJobs::Found {
   GriJobStatus status_ ABSL_GUARDED_BY(mutex_) = GriJobStatus::kInactive;
   absl::Status failure_ ABSL_GUARDED_BY(mutex_);
   std::deque<JobPose> left_ ABSL_GUARDED_BY(mutex_);
-  JobPose primary_ ABSL_GUARDED_BY(mutex_);  // taken last
+  std::optional<JobPose> primary_ ABSL_GUARDED_BY(mutex_);  // taken last
   std::deque<recognition::Pose> related_ ABSL_GUARDED_BY(mutex_);
   // Goes first: it waits for what uses the others.
   std::future<void> work_ ABSL_GUARDED_BY(mutex_);
@@ -144,6 +150,10 @@ JobAnswer RobotJobs::Next(const std::string& robot, int job) {
 
 JobAnswer RobotJobs::NextRelated(const std::string& robot, int job) {
   return FoundOf(robot, job)->NextRelated();
+}
+
+std::optional<JobPose> RobotJobs::LastPrimary(const std::string& robot, int job) {
+  return FoundOf(robot, job)->last_primary();
 }
 
 }  // namespace graspdb::client

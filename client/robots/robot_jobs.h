@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -56,6 +57,9 @@ class RobotJobs {
   // Takes the next pose that is related to the primary taken last. NO_RELATED_POSES when none is
   // left; JOB_STILL_RUNNING; or why the job failed.
   JobAnswer NextRelated(const std::string& robot, int job);
+
+  // The primary that was taken last; none before the first and after a new run.
+  std::optional<JobPose> LastPrimary(const std::string& robot, int job);
 
  private:
   class Found;
