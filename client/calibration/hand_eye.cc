@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/calibration/hand_eye_equation.h"
+#include "client/robots/rotation_vector.h"
 
 namespace graspdb::client {
 namespace {
@@ -76,8 +77,7 @@ HandEyeSolution SolveRobustly(const Equations& equations) {
 
 Pose Moved(const Pose& pose, const Vector6d& step) {
   Pose by = Pose::Identity();
-  const double angle = step.head<3>().norm();
-  if (angle > 0) by.linear() = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix();
+  by.linear() = FromRotationVector(step.head<3>());
   by.translation() = step.tail<3>();
   return pose * by;
 }

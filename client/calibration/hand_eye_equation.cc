@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <numbers>
 
+#include "client/robots/rotation_vector.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -28,11 +30,6 @@ Matrix3d CrossMatrix(const Vector3d& v) {
 }
 
 }  // namespace
-
-Vector3d RotationVector(const Matrix3d& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * turn.axis();
-}
 
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();

@@ -22,9 +22,6 @@ struct HandEyeSolution {
   recognition::Pose y = recognition::Pose::Identity();  // HandEye::mount_target
 };
 
-// Axis times angle.
-Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation);
-
 // Of at least three equations: rotations, then translations, see SolveHandEye.
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations);
 

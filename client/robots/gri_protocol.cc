@@ -44,6 +44,17 @@ std::size_t GriProtocol::MessageBytes(std::string_view received) const {
   return received.size() < kGriRequestBytes ? 0 : kGriRequestBytes;
 }
 
+GriResponse GriProtocol::Dispatch(const std::string& robot, const GriRequest& request) {
+  switch (static_cast<GriAction>(request.action)) {
+    case GriAction::kHecInit:
+    case GriAction::kHecSetPose:
+    case GriAction::kHecCalibrate:
+      return hand_eye_.Answer(request);
+    default:
+      return jobs_.Answer(robot, request);
+  }
+}
+
 RobotReply GriProtocol::Answer(const std::string& robot, std::string_view message) {
   if (message.size() != kGriRequestBytes || !MayBeGri(message)) return Refuse(message);
   std::array<std::uint8_t, kGriRequestBytes> bytes = {};
@@ -51,7 +62,7 @@ RobotReply GriProtocol::Answer(const std::string& robot, std::string_view messag
   const absl::StatusOr<GriRequest> request = ParseGriRequest(bytes);
   if (!request.ok()) return Refuse(message);
   const GriCode fault = CheckGriRequest(*request);
-  if (fault == GriCode::kNoError) return Encode(jobs_.Answer(robot, *request), /*hang_up=*/false);
+  if (fault == GriCode::kNoError) return Encode(Dispatch(robot, *request), /*hang_up=*/false);
   GriResponse out;
   out.pose_format = request->pose_format;
   out.action = request->action;

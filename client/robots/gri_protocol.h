@@ -1,6 +1,7 @@
 // The Generic Robot Interface as a protocol for RobotServer.
 #pragma once
 
+#include "client/robots/gri_hand_eye.h"
 #include "client/robots/gri_jobs.h"
 #include "client/robots/robot_server.h"
 
@@ -10,14 +11,18 @@ namespace graspdb::client {
 // not that of a request, it hangs up: nobody knows where the next message begins.
 class GriProtocol : public RobotProtocol {
  public:
-  // `jobs` must outlive this.
-  explicit GriProtocol(GriJobs& jobs) : jobs_(jobs) {}
+  // `jobs` and `calibrator` must outlive this; without the latter no pipeline can be calibrated.
+  explicit GriProtocol(GriJobs& jobs, RobotCalibrator* calibrator = nullptr)
+      : jobs_(jobs), hand_eye_(calibrator) {}
 
   std::size_t MessageBytes(std::string_view received) const override;
   RobotReply Answer(const std::string& robot, std::string_view message) override;
 
  private:
+  GriResponse Dispatch(const std::string& robot, const GriRequest& request);
+
   GriJobs& jobs_;
+  GriHandEye hand_eye_;
 };
 
 }  // namespace graspdb::client

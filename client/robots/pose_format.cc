@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/robots/rotation_vector.h"
 
 namespace graspdb::client {
 namespace {
@@ -105,18 +106,14 @@ std::array<double, 4> RotationNumbers(const Matrix3d& rotation, int code) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   if (code == kQuaternionWxyz) return {q.w(), q.x(), q.y(), q.z()};
   if (code == kQuaternionXyzw) return {q.x(), q.y(), q.z(), q.w()};
-  const AngleAxisd turn(q);
-  const Vector3d vector = turn.angle() * turn.axis();
+  const Vector3d vector = RotationVector(rotation);
   return {vector.x(), vector.y(), vector.z(), 0};
 }
 
 absl::StatusOr<Matrix3d> RotationOf(const std::array<double, 4>& numbers, int code) {
   if (code >= kFirstEulerFormat) return EulerRotation(numbers, EulerFormatOf(code));
   if (code == kRotationVector) {
-    const Vector3d vector(numbers[0], numbers[1], numbers[2]);
-    const double angle = vector.norm();
-    if (angle == 0) return Matrix3d::Identity();
-    return AngleAxisd(angle, vector / angle).toRotationMatrix();
+    return FromRotationVector({numbers[0], numbers[1], numbers[2]});
   }
   const auto& n = numbers;
   Quaterniond q = code == kQuaternionWxyz ? Quaterniond(n[0], n[1], n[2], n[3])
