@@ -14,7 +14,7 @@
 #include "server/respond.h"
 #include "server/scan_from_proto.h"
 #include "server/update_mask.h"
-#include "server/version.h"
+#include "settings/version.h"
 #include "storage/packed_cloud.h"
 #include "storage/resource_name.h"
 

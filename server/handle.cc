@@ -7,8 +7,8 @@
 #include <new>
 
 #include "absl/strings/str_cat.h"
+#include "logging/log_field.h"
 #include "server/errors.h"
-#include "server/log_field.h"
 
 namespace graspdb::server {
 namespace {

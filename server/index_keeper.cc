@@ -4,9 +4,9 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "logging/log_field.h"
 #include "server/background.h"
 #include "server/index_snapshot.h"
-#include "server/log_field.h"
 
 namespace graspdb::server {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "logging/log_field.h"
 #include "server/convert.h"
 #include "server/load_views.h"
-#include "server/log_field.h"
 #include "server/records.h"
 #include "server/taught_poses.h"
 #include "storage/family.h"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "logging/log_field.h"
 #include "server/convert.h"
 #include "server/index_snapshot.h"
-#include "server/log_field.h"
 #include "server/records.h"
 
 namespace graspdb::server {

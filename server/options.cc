@@ -2,11 +2,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "recognition/descriptor.h"
-#include "server/version.h"
+#include "settings/listen_address.h"
 #include "settings/settings_file.h"
+#include "settings/version.h"
 
 namespace graspdb::server {
 namespace {
@@ -49,13 +49,6 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
       ->capture_default_str();
 }
 
-// A name such as 127.example.org only looks like an address.
-bool IsLoopback(std::string_view host) {
-  if (host == "localhost" || host == "[::1]" || host == "::1") return true;
-  return host.starts_with("127.") &&
-         host.find_first_not_of("0123456789.") == std::string_view::npos;
-}
-
 }  // namespace
 
 ParsedOptions ParseOptions(int argc, char** argv) {
@@ -76,15 +69,9 @@ ParsedOptions ParseOptions(int argc, char** argv) {
 }
 
 absl::Status CheckListenAddress(const ServerOptions& options) {
-  const std::string_view listen = options.listen;
-  const std::size_t colon = listen.rfind(':');
-  int port = -1;
-  if (colon == std::string_view::npos || colon == 0 ||
-      !absl::SimpleAtoi(std::string(listen.substr(colon + 1)), &port) || port < 0 || port > 65535) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--listen ", options.listen, " is no HOST:PORT; give one such as 127.0.0.1:50051"));
-  }
-  if (!options.allow_remote_without_tls && !IsLoopback(listen.substr(0, colon))) {
+  const absl::StatusOr<ListenAddress> listen = ParseListenAddress("--listen", options.listen);
+  if (!listen.ok()) return listen.status();
+  if (!options.allow_remote_without_tls && !IsLoopback(listen->host)) {
     return absl::FailedPreconditionError(absl::StrCat(
         "--listen ", options.listen,
         " can be reached from other machines without encryption; "

@@ -98,9 +98,10 @@ absl::Status Client::ToStatus(const grpc::Status& status) const {
 }
 
 template <typename Response, typename Stub, typename Method, typename Request>
-absl::StatusOr<Response> Client::Call(Stub& stub, Method method, const Request& request) const {
+absl::StatusOr<Response> Client::Call(Stub& stub, Method method, const Request& request,
+                                      absl::Duration timeout) const {
   grpc::ClientContext context;
-  context.set_deadline(absl::ToChronoTime(absl::Now() + options_.timeout));
+  context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
   if (!status.ok()) return ToStatus(status);
@@ -108,8 +109,13 @@ absl::StatusOr<Response> Client::Call(Stub& stub, Method method, const Request& 
 }
 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request) {
+  return Recognize(request, options_.timeout);
+}
+
+absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request,
+                                                        absl::Duration timeout) {
   return Call<v1::RecognizeResponse>(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize,
-                                     request);
+                                     request, timeout);
 }
 
 absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {

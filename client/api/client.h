@@ -44,6 +44,9 @@ class Client {
   Client(Client&&) noexcept;
 
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
+  // With a time limit of its own.
+  absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request,
+                                                  absl::Duration timeout);
 
   // Of the object of that resource name; of all for "".
   absl::StatusOr<v1::FindLookAlikesResponse> FindLookAlikes(const std::string& object);
@@ -87,7 +90,12 @@ class Client {
   struct Stubs;
   absl::Status ToStatus(const grpc::Status& status) const;
   template <typename Response, typename Stub, typename Method, typename Request>
-  absl::StatusOr<Response> Call(Stub& stub, Method method, const Request& request) const;
+  absl::StatusOr<Response> Call(Stub& stub, Method method, const Request& request) const {
+    return Call<Response>(stub, method, request, options_.timeout);
+  }
+  template <typename Response, typename Stub, typename Method, typename Request>
+  absl::StatusOr<Response> Call(Stub& stub, Method method, const Request& request,
+                                absl::Duration timeout) const;
 
   ConnectionOptions options_;
   std::unique_ptr<Stubs> stubs_;

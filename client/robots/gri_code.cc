@@ -54,6 +54,8 @@ GriCode GriCodeOf(const absl::Status& status) {
       return GriCode::kWrongProtocolForJob;
     case absl::StatusCode::kInvalidArgument:
       return GriCode::kInvalidRequest;
+    case absl::StatusCode::kAborted:
+      return GriCode::kPipelineNotAvailable;
     case absl::StatusCode::kUnavailable:
       return GriCode::kApiNotReachable;
     case absl::StatusCode::kDeadlineExceeded:

@@ -1,5 +1,8 @@
 #include "client/robots/gri_jobs.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 namespace graspdb::client {
@@ -12,8 +15,28 @@ constexpr std::size_t kReady = 1;
 constexpr std::size_t kJobStatus = 1;
 constexpr std::size_t kPrimaryLeft = 1;
 constexpr std::size_t kRelatedLeft = 2;
+// Beyond the documentation, which leaves them zero; see docs/gri.md.
+constexpr std::size_t kGripperOpening = 3;    // millionths of a millimetre
+constexpr std::size_t kApproachDistance = 4;  // the same
+constexpr std::size_t kRetreatDistance = 5;   // the same
+constexpr std::size_t kScore = 6;             // millionths
+constexpr std::size_t kCameraTime = 7;        // microseconds
 
 std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count); }
+
+// As many as fit; what is beyond cannot be meant.
+std::int32_t Millionths(double value) {
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::lround(std::clamp(1e6 * value, 0.0, kMost)));
+}
+
+void DescribeGrasp(const JobPose& primary, GriResponse* response) {
+  response->data[kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
+  response->data[kApproachDistance] = Millionths(1e3 * primary.approach_distance_m);
+  response->data[kRetreatDistance] = Millionths(1e3 * primary.retreat_distance_m);
+  response->data[kScore] = Millionths(primary.score);
+  response->data[kCameraTime] = Millionths(primary.camera_s);
+}
 
 std::optional<Pose> FlangeOf(const GriRequest& request) {
   absl::StatusOr<Pose> pose = FromGriPose(request.pose, request.pose_format);
@@ -26,6 +49,7 @@ void Give(const JobAnswer& answer, GriResponse* response) {
   if (answer.code != GriCode::kNoError) return;
   response->data[kPrimaryLeft] = CountOf(answer.primaries_left);
   response->data[kRelatedLeft] = CountOf(answer.related_left);
+  DescribeGrasp(answer.primary, response);
   const absl::StatusOr<GriPose> sent = ToGriPose(answer.base_pose, response->pose_format);
   if (!sent.ok()) {
     response->code = GriCodeOf(sent.status());

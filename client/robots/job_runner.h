@@ -23,6 +23,7 @@ struct JobPose {
   double gripper_opening_m = 0;
   double approach_distance_m = 0;
   double retreat_distance_m = 0;
+  double camera_s = 0;  // of the job's time, what went by until the camera had its frame
 };
 
 struct JobRequest {
@@ -53,9 +54,12 @@ class JobRunner {
 
   // The poses that the job is set to return, the best first; none where nothing is found. Takes no
   // longer than the job's time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the
-  // robot's pose; UNAVAILABLE when server or camera are not there; DEADLINE_EXCEEDED; others when
-  // the server refuses.
+  // robot's pose; ABORTED when the camera gives no frame; UNAVAILABLE when the server is not there;
+  // DEADLINE_EXCEEDED; others when the server refuses.
   virtual absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) = 0;
+
+  // Whether Run gives poses; false for jobs that store or report something.
+  virtual bool ReturnsPoses(int /*job*/) { return true; }
 
   // The robot was given this pose: what it tells next is about it.
   virtual void Given(const std::string& robot, const JobPose& pose) = 0;

@@ -122,7 +122,7 @@ JobAnswer RobotJobs::Run(const JobRequest& request) {
   Found* found = FoundOf(request.robot, request.job);
   if (!found->Begin()) return StillRunning();
   found->End(runner_.Run(request));
-  return found->NextPrimary();
+  return Next(request.robot, request.job);
 }
 
 JobAnswer RobotJobs::Start(const JobRequest& request) {
@@ -145,7 +145,11 @@ GriJobStatus RobotJobs::StatusOf(const std::string& robot, int job) {
 }
 
 JobAnswer RobotJobs::Next(const std::string& robot, int job) {
-  return FoundOf(robot, job)->NextPrimary();
+  JobAnswer next = FoundOf(robot, job)->NextPrimary();
+  if (next.code == GriCode::kNoPosesFound && !runner_.ReturnsPoses(job)) {
+    return Refusal(GriCode::kNoReturnSpecified, "done; this job gives no poses");
+  }
+  return next;
 }
 
 JobAnswer RobotJobs::NextRelated(const std::string& robot, int job) {

@@ -51,6 +51,7 @@ class RobotJobs {
   GriJobStatus StatusOf(const std::string& robot, int job);
 
   // Takes the next primary pose. NO_POSES_FOUND when none is left, and the job is then inactive;
+  // NO_RETURN_SPECIFIED when it is done and gives none;
   // JOB_STILL_RUNNING; or why the job failed.
   JobAnswer Next(const std::string& robot, int job);
 

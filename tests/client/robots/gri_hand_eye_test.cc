@@ -129,6 +129,9 @@ class NoJobs : public JobRunner {
     return std::vector<JobPose>();
   }
   void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
+  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+    return absl::OkStatus();
+  }
 };
 
 TEST(GriProtocolTest, HandEyeActionsNeedNoJob) {

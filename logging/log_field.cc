@@ -1,9 +1,9 @@
-#include "server/log_field.h"
+#include "logging/log_field.h"
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::server {
+namespace graspdb {
 
 std::string LogField(std::string_view value) {
   constexpr std::string_view kPlain =
@@ -14,4 +14,4 @@ std::string LogField(std::string_view value) {
   return absl::StrCat("\"", absl::Utf8SafeCEscape(std::string(value)), "\"");
 }
 
-}  // namespace graspdb::server
+}  // namespace graspdb

@@ -1,8 +1,8 @@
-#include "server/log_field.h"
+#include "logging/log_field.h"
 
 #include <gtest/gtest.h>
 
-namespace graspdb::server {
+namespace graspdb {
 namespace {
 
 TEST(LogField, PlainValuesStandAsTheyAre) {
@@ -27,4 +27,4 @@ TEST(LogField, NothingForgesALine) {
 TEST(LogField, OtherLettersStayReadable) { EXPECT_EQ(LogField("Größe"), "\"Größe\""); }
 
 }  // namespace
-}  // namespace graspdb::server
+}  // namespace graspdb

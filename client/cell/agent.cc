@@ -1,0 +1,136 @@
+#include "client/cell/agent.h"
+
+#include <spdlog/spdlog.h>
+
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/cell_runner.h"
+#include "client/cell/counters_log.h"
+#include "client/cell/health.h"
+#include "client/robots/gri_protocol.h"
+#include "client/robots/line_protocol.h"
+#include "client/robots/robot_server.h"
+#include "settings/listen_address.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr absl::Duration kHealthPeriod = absl::Milliseconds(200);
+
+std::string CellName(const std::string& id) {
+  return id.starts_with("cells/") ? id : absl::StrCat("cells/", id);
+}
+
+ConnectionOptions ConnectionTo(const AgentOptions& options) {
+  ConnectionOptions out;
+  out.server = options.server;
+  out.timeout = absl::Seconds(options.time_limit_s);
+  out.retry = false;  // the cycle has pauses of its own, within a job's time
+  return out;
+}
+
+CellRunnerOptions RunnerOptions(const AgentOptions& options) {
+  CellRunnerOptions out;
+  out.time_limit = absl::Seconds(options.time_limit_s);
+  out.reach.min_m = options.min_reach_m;
+  out.reach.max_m = options.max_reach_m;
+  return out;
+}
+
+absl::StatusOr<std::unique_ptr<RobotServer>> Listen(RobotProtocol& protocol,
+                                                    const std::string& flag,
+                                                    const std::string& text) {
+  const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
+  if (!address.ok()) return address.status();
+  RobotServerOptions options;
+  options.address = address->host == "localhost" ? "127.0.0.1" : address->host;
+  options.port = address->port;
+  return RobotServer::Start(protocol, options);
+}
+
+std::string AddressOf(const std::string& listen, const RobotServer* server) {
+  if (server == nullptr) return "";
+  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", server->port());
+}
+
+}  // namespace
+
+// In the order in which they need each other; they go in the other one.
+struct Agent::Parts {
+  Parts(const AgentOptions& given, Jobs jobs, std::unique_ptr<DepthSensor> camera)
+      : options(given),
+        sensor(std::move(camera)),
+        client(ConnectionTo(options)),
+        cell(client, CellName(options.cell), absl::Seconds(options.cell_period_s)),
+        cycle(*sensor, client, cell,
+              {CellName(options.cell), absl::Seconds(options.max_frame_age_s)}),
+        gri_runner(jobs, JobProtocol::kGri, RunnerOptions(options), PartsOfRunner()),
+        line_runner(jobs, JobProtocol::kLine, RunnerOptions(options), PartsOfRunner()),
+        gri_jobs(gri_runner),
+        gri_protocol(gri_jobs),
+        line_protocol(line_runner) {}
+
+  CellParts PartsOfRunner() { return {sensor.operator*(), client, cell, cycle, counters}; }
+
+  const AgentOptions options;
+  const std::unique_ptr<DepthSensor> sensor;
+  Client client;
+  Counters counters;
+  CellKeeper cell;
+  Cycle cycle;
+  CellRunner gri_runner;
+  CellRunner line_runner;
+  GriJobs gri_jobs;
+  GriProtocol gri_protocol;
+  LineProtocol line_protocol;
+  std::unique_ptr<RobotServer> gri_server;
+  std::unique_ptr<RobotServer> line_server;
+  std::unique_ptr<Health> health;
+  std::optional<CountersLog> counters_log;
+};
+
+Agent::Agent(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Agent::~Agent() { parts_->cycle.Stop(); }
+
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
+                                                    std::unique_ptr<DepthSensor> sensor) {
+  if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
+  absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
+  if (!jobs.ok()) return jobs.status();
+  auto parts = std::make_unique<Parts>(options, *std::move(jobs), std::move(sensor));
+  if (!options.gri.empty()) {
+    auto server = Listen(parts->gri_protocol, "--gri", options.gri);
+    if (!server.ok()) return server.status();
+    parts->gri_server = *std::move(server);
+  }
+  if (!options.line.empty()) {
+    auto server = Listen(parts->line_protocol, "--line", options.line);
+    if (!server.ok()) return server.status();
+    parts->line_server = *std::move(server);
+  }
+  if (!options.health.empty()) {
+    auto health = Health::Start(
+        options.health, [p = parts.get()] { return p->gri_runner.IsReady(); }, kHealthPeriod);
+    if (!health.ok()) return health.status();
+    parts->health = *std::move(health);
+  }
+  parts->counters_log.emplace(parts->counters, absl::Seconds(options.counters_period_s));
+  return std::unique_ptr<Agent>(new Agent(std::move(parts)));
+}
+
+std::string Agent::gri_address() const {
+  return AddressOf(parts_->options.gri, parts_->gri_server.get());
+}
+
+std::string Agent::line_address() const {
+  return AddressOf(parts_->options.line, parts_->line_server.get());
+}
+
+std::string Agent::health_address() const {
+  return parts_->health == nullptr ? "" : parts_->health->address();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,46 @@
+// The settings of a cell's agent: flags, environment variables, a file.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cell/job_config.h"
+
+namespace graspdb::client {
+
+struct AgentOptions {
+  std::string server = "127.0.0.1:50051";
+  std::string cell;
+  std::string sensor;
+  std::vector<std::string> jobs = {"1 any"};
+  std::string gri = "127.0.0.1:7100";
+  std::string line = "127.0.0.1:7101";
+  std::string health = "127.0.0.1:7102";
+  bool allow_remote_robots = false;
+  double time_limit_s = 5;
+  double max_frame_age_s = 1;
+  double min_reach_m = 0;
+  double max_reach_m = 1000;
+  double cell_period_s = 5;
+  double counters_period_s = 60;
+  std::string log_level = "info";
+};
+
+// What reading the command line came to.
+struct ParsedAgentOptions {
+  AgentOptions options;
+  bool done = false;    // nothing is left to do: help or version was printed
+  int exit_status = 0;  // 2 when the usage is wrong
+};
+
+// Reads the command line, GRASPDB_... variables and the file of --config, in this order of
+// precedence. Prints help, version and errors itself.
+ParsedAgentOptions ParseAgentOptions(int argc, char** argv);
+
+// FAILED_PRECONDITION when robots on other machines could connect without that being allowed;
+// INVALID_ARGUMENT when an address is none, or no robot could.
+absl::Status CheckAddresses(const AgentOptions& options);
+
+}  // namespace graspdb::client

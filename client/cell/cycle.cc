@@ -1,0 +1,92 @@
+#include "client/cell/cycle.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr absl::Duration kFirstPause = absl::Milliseconds(20);
+constexpr absl::Duration kLongestPause = absl::Milliseconds(500);
+
+bool IsPassing(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsUnavailable(status) ||
+         absl::IsResourceExhausted(status);
+}
+
+void SetScan(std::variant<v1::DepthImage, v1::PointCloud> scan, v1::RecognizeRequest* request) {
+  if (auto* image = std::get_if<v1::DepthImage>(&scan)) {
+    *request->mutable_depth_image() = std::move(*image);
+  } else {
+    *request->mutable_cloud() = std::move(std::get<v1::PointCloud>(scan));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<SensorFrame> Cycle::Grab(absl::Time deadline) {
+  absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);
+  if (absl::IsUnavailable(frame.status()) || absl::IsDeadlineExceeded(frame.status())) {
+    return absl::AbortedError(frame.status().message());
+  }
+  if (!frame.ok()) return frame;
+  const absl::Duration age = absl::Now() - frame->time;
+  if (age > options_.max_frame_age) {
+    return absl::AbortedError(absl::StrCat("the frame of ", sensor_.Name(), " is ",
+                                           absl::FormatDuration(age),
+                                           " old; see whether the camera hangs"));
+  }
+  return frame;
+}
+
+absl::Status Cycle::Try(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
+                        Look* look) {
+  const absl::StatusOr<KeptCell> cell = cell_.Get();
+  if (!cell.ok()) return cell.status();
+  look->cell = *cell;
+  const absl::Time start = absl::Now();
+  absl::StatusOr<SensorFrame> frame = Grab(deadline);
+  look->camera_time += absl::Now() - start;
+  if (!frame.ok()) return frame.status();
+  const absl::StatusOr<recognition::Pose> world_sensor =
+      WorldSensor(cell->frames, base_flange, frame->world_sensor);
+  if (!world_sensor.ok()) return world_sensor.status();
+  look->request.set_cell(options_.cell);
+  *look->request.mutable_sensor_pose() = ToMessage(*world_sensor);
+  SetScan(std::move(frame->scan), &look->request);
+  const absl::Time asked = absl::Now();
+  absl::StatusOr<v1::RecognizeResponse> response =
+      client_.Recognize(look->request, deadline - asked);
+  look->server_time += absl::Now() - asked;
+  if (!response.ok()) return response.status();
+  look->response = *std::move(response);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Look> Cycle::Run(const std::optional<recognition::Pose>& base_flange,
+                                absl::Time deadline) {
+  Look look;
+  absl::Duration pause = kFirstPause;
+  for (;;) {
+    const absl::Status status = Try(base_flange, deadline, &look);
+    if (status.ok()) return look;
+    if (absl::IsDeadlineExceeded(status) && absl::IsUnavailable(cell_.state())) {
+      return cell_.state();  // nobody was there to be slow
+    }
+    if (!IsPassing(status)) return status;
+    const bool is_late = absl::Now() + pause >= deadline;
+    if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
+      return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
+    }
+    pause = std::min(2 * pause, kLongestPause);
+  }
+}
+
+void Cycle::Stop() {
+  if (!stopped_.HasBeenNotified()) stopped_.Notify();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,58 @@
+// What the jobs of a cell are, as its config file says.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+
+namespace graspdb::client {
+
+// Who may ask for a job.
+enum class JobProtocol { kAny, kGri, kLine };
+
+// Whose poses are the primary ones; the others are related to them.
+enum class JobPrimary { kGrasp, kObject };
+
+// What a robot tells of a grasp.
+enum class JobKind { kRecognize, kShowGrasp, kPicked, kMissed, kSlipped };
+
+struct JobConfig {
+  int id = 0;
+  JobKind kind = JobKind::kRecognize;
+  std::string object = {};  // resource name; empty: any
+  std::string label = {};   // empty: any
+  JobPrimary primary = JobPrimary::kGrasp;
+  JobProtocol protocol = JobProtocol::kAny;
+  double min_score = 0;                           // besides the server's own limits
+  std::optional<absl::Duration> time_limit = {};  // absent: the cell's
+  std::size_t most_poses = 0;                     // 0: all
+  std::string grasp_id = {};                      // kShowGrasp: what is stored
+  double gripper_opening_m = 0;                   // kShowGrasp
+  double approach_distance_m = 0.1;               // kShowGrasp
+  double retreat_distance_m = 0.1;                // kShowGrasp
+  int priority = 0;                               // kShowGrasp
+};
+
+// By id.
+using Jobs = std::map<int, JobConfig>;
+
+// A job as a line of text: its number, then words.
+//   1 any
+//   2 object=flange primary=object limit=500ms
+//   3 label=brackets min-score=0.8 poses=1
+//   80 show=top opening=0.06 approach=0.1 retreat=0.1 priority=1 object=flange
+//   91 outcome=picked
+// INVALID_ARGUMENT, with the line and what may stand there, where it is none.
+absl::StatusOr<JobConfig> ParseJob(const std::string& line);
+
+// INVALID_ARGUMENT also when two have the same number.
+absl::StatusOr<Jobs> ParseJobs(const std::vector<std::string>& lines);
+
+// How to write them, for --help.
+extern const char kJobHelp[];
+
+}  // namespace graspdb::client

@@ -1,0 +1,64 @@
+// graspdb-cell, the agent of a robot cell.
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+#include "client/cell/agent.h"
+#include "client/cell/agent_options.h"
+#include "client/sensors/open_sensor.h"
+#include "logging/log.h"
+#include "logging/log_field.h"
+#include "settings/version.h"
+
+namespace graspdb::client {
+namespace {
+
+int Fail(const absl::Status& status) {
+  std::fprintf(stderr, "graspdb-cell: %s\n", std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) ? 2 : 1;
+}
+
+void Say(const char* what, const std::string& address) {
+  if (!address.empty()) std::printf("%s on %s\n", what, address.c_str());
+}
+
+int Run(int argc, char** argv) {
+  const ParsedAgentOptions parsed = ParseAgentOptions(argc, argv);
+  if (parsed.done) return parsed.exit_status;
+  const AgentOptions& options = parsed.options;
+
+  // Blocked before any thread starts, so that only the wait below takes them.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  StartLog("graspdb-cell", options.log_level);
+  absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
+      OpenSensor(options.sensor, SensorSettings());
+  if (!sensor.ok()) return Fail(sensor.status());
+  const std::string name = (*sensor)->Name();
+  absl::StatusOr<std::unique_ptr<Agent>> agent = Agent::Start(options, *std::move(sensor));
+  if (!agent.ok()) return Fail(agent.status());
+  spdlog::info("event=start version={} cell={} sensor={} server={}", kVersion,
+               LogField(options.cell), LogField(name), LogField(options.server));
+  Say("line protocol", (*agent)->line_address());
+  Say("health", (*agent)->health_address());
+  Say("GRI", (*agent)->gri_address());
+  std::printf("ready for robots\n");
+  std::fflush(stdout);
+
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("event=stop signal={}", signal);
+  return 0;
+}
+
+}  // namespace
+}  // namespace graspdb::client
+
+int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }

@@ -1,0 +1,150 @@
+#include "client/cell/cycle.h"
+
+#include <gmock/gmock.h>
+
+#include "client/files/pose_message.h"
+#include "tests/client/cell/fake_camera.h"
+#include "tests/client/cell/scripted_server.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::StatusIs;
+using recognition::Pose;
+using ::testing::HasSubstr;
+
+SensorFrame FrameNow() {
+  v1::DepthImage image;
+  image.mutable_intrinsics()->set_width(640);
+  return {.scan = image, .time = absl::Now(), .world_sensor = {}};
+}
+
+Pose At(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
+
+class CycleTest : public ::testing::Test {
+ protected:
+  CycleTest() {
+    server_.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_sensor_pose() = ToMessage(At(0.5));
+      return grpc::Status::OK;
+    };
+    server_.recognize = [this](const v1::RecognizeRequest& request, v1::RecognizeResponse* answer) {
+      ++asked_;
+      *answer->mutable_sensor_pose() = request.sensor_pose();
+      answer->set_catalog_revision(request.depth_image().intrinsics().width());
+      return asked_ <= refused_ ? refusal_ : grpc::Status::OK;
+    };
+  }
+
+  absl::StatusOr<Look> Run(absl::Duration limit = absl::Seconds(60)) {
+    CellKeeper keeper(client_, "cells/press-3", absl::Hours(1));
+    Cycle cycle(camera_, client_, keeper, {.cell = "cells/press-3"});
+    return cycle.Run(base_flange_, absl::Now() + limit);
+  }
+
+  ScriptedServer server_;
+  Client client_ = server_.Connect();
+  std::function<absl::StatusOr<SensorFrame>()> give_ = [] { return FrameNow(); };
+  FakeCamera camera_{[this] { return give_(); }};
+  std::optional<Pose> base_flange_;
+  int asked_ = 0;
+  int refused_ = 0;
+  grpc::Status refusal_;
+};
+
+TEST_F(CycleTest, AFrameIsAskedAboutWithTheCellsCalibration) {
+  const auto look = Run();
+  ASSERT_THAT(look, IsOk());
+  EXPECT_EQ(look->request.cell(), "cells/press-3");
+  EXPECT_EQ(look->response.catalog_revision(), 640);
+  EXPECT_TRUE(FromMessage(look->response.sensor_pose()).isApprox(At(0.5)));
+}
+
+TEST_F(CycleTest, ACameraOnTheRobotIsWhereTheRobotSays) {
+  server_.get_cell = [](v1::Cell* cell) {
+    *cell->mutable_robot_base_pose() = ToMessage(At(-1));
+    *cell->mutable_flange_sensor_pose() = ToMessage(At(0.1));
+    return grpc::Status::OK;
+  };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("flange")));
+  base_flange_ = At(0.7);
+  const auto look = Run();
+  ASSERT_THAT(look, IsOk());
+  EXPECT_TRUE(FromMessage(look->request.sensor_pose()).isApprox(At(-0.2)));
+}
+
+TEST_F(CycleTest, ACellThatNobodyCalibratedOrMadeIsSaidSo) {
+  server_.get_cell = [](v1::Cell*) { return grpc::Status::OK; };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
+  server_.get_cell = [](v1::Cell*) { return grpc::Status(grpc::StatusCode::NOT_FOUND, "none"); };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition,
+                              HasSubstr("graspdb cells set press-3")));
+}
+
+TEST_F(CycleTest, AServerThatIsAwayForAMomentIsAskedAgain) {
+  refused_ = 2;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "restarting"};
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(asked_, 3);
+}
+
+TEST_F(CycleTest, AServerThatIsBusyIsAskedAgain) {
+  refused_ = 1;
+  refusal_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, "queue is full"};
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(asked_, 2);
+}
+
+TEST_F(CycleTest, WithoutAServerTheJobEndsWithinItsTime) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  EXPECT_THAT(Run(absl::Milliseconds(200)), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_GT(asked_, 1);
+}
+
+TEST_F(CycleTest, WhatTheServerRefusesIsNotAskedAgain) {
+  refused_ = 1;
+  refusal_ = {grpc::StatusCode::INVALID_ARGUMENT, "no frame"};
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("no frame")));
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(CycleTest, ACameraThatComesBackIsUsed) {
+  give_ = [this]() -> absl::StatusOr<SensorFrame> {
+    if (camera_.asked < 3) return absl::UnavailableError("unplugged");
+    return FrameNow();
+  };
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(camera_.asked, 3);
+}
+
+TEST_F(CycleTest, ACameraThatStaysAwayIsNotTakenForTheServer) {
+  give_ = [] { return absl::UnavailableError("unplugged; look at the cable"); };
+  EXPECT_THAT(Run(absl::Milliseconds(100)),
+              StatusIs(absl::StatusCode::kAborted, HasSubstr("cable")));
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(CycleTest, AnOldFrameIsNoAnswer) {
+  give_ = []() -> absl::StatusOr<SensorFrame> {
+    SensorFrame frame = FrameNow();
+    frame.time -= absl::Seconds(3);
+    return frame;
+  };
+  EXPECT_THAT(Run(absl::Milliseconds(100)), StatusIs(absl::StatusCode::kAborted, HasSubstr("old")));
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(CycleTest, StoppingEndsTheWait) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  CellKeeper keeper(client_, "cells/press-3", absl::Hours(1));
+  Cycle cycle(camera_, client_, keeper, {.cell = "cells/press-3"});
+  cycle.Stop();
+  EXPECT_THAT(cycle.Run({}, absl::InfiniteFuture()), StatusIs(absl::StatusCode::kUnavailable));
+}
+
+}  // namespace
+}  // namespace graspdb::client
