@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/files/depth_message.h"
 #include "client/files/pose_message.h"
 #include "client/simulation/sample_parts.h"
 #include "client/simulation/simulation.h"
@@ -19,25 +20,6 @@ std::vector<Workpiece> PartsOf(const std::vector<std::string>& ids) {
     return std::find(ids.begin(), ids.end(), part.object_id) == ids.end();
   });
   return parts;
-}
-
-v1::DepthImage ToMessage(const DepthFrame& frame, const recognition::CameraIntrinsics& camera) {
-  v1::DepthImage out;
-  v1::CameraIntrinsics* intrinsics = out.mutable_intrinsics();
-  intrinsics->set_width(camera.width);
-  intrinsics->set_height(camera.height);
-  intrinsics->set_fx(camera.fx);
-  intrinsics->set_fy(camera.fy);
-  intrinsics->set_cx(camera.cx);
-  intrinsics->set_cy(camera.cy);
-  out.set_depth_unit_m(kDepthUnitM);
-  std::string* bytes = out.mutable_data();
-  bytes->reserve(2 * frame.depth_m.size());
-  for (const std::uint16_t counts : ToCounts(frame, kDepthUnitM)) {
-    bytes->push_back(static_cast<char>(counts & 0xFFU));
-    bytes->push_back(static_cast<char>(counts >> 8U));
-  }
-  return out;
 }
 
 }  // namespace
@@ -58,7 +40,8 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const Simulat
                                                       capture.world_sensor, capture.seed);
     if (!frame.ok()) return frame.status();
     v1::RecognizeRequest& request = out.emplace_back();
-    *request.mutable_depth_image() = ToMessage(*frame, frames.camera.intrinsics);
+    *request.mutable_depth_image() =
+        DepthMessage(ToCounts(*frame, kDepthUnitM), frames.camera.intrinsics, kDepthUnitM);
     *request.mutable_sensor_pose() = ToMessage(capture.world_sensor);
     *request.mutable_region_of_interest() = SimulatedRegion();
   }
