@@ -10,6 +10,7 @@
 #include "client/cli/export_command.h"
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
+#include "client/cli/robot_command.h"
 #include "client/eval/eval_command.h"
 #include "client/simulation/simulate_command.h"
 #include "settings/settings_file.h"
@@ -66,6 +67,7 @@ int Run(int argc, char** argv) {
   AddObjectsCommand(app, global, &action);
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
+  AddRobotCommand(app, global, &action);
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
   AddSettingsFile(app);

@@ -1,0 +1,143 @@
+#include "client/cli/robot_command.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cell/cell_frames.h"
+#include "client/load/latency_histogram.h"
+#include "client/simulated_robot/pick_run.h"
+#include "client/simulation/sample_parts.h"
+#include "settings/listen_address.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::chrono::seconds kPatience{60};
+
+struct Options {
+  std::string cell;
+  std::string agent = "127.0.0.1:7100";
+  std::vector<std::string> parts;
+  PickRunOptions run;
+  int picked_job = -1;
+  int missed_job = -1;
+  double least_percent = 0;
+};
+
+constexpr char kFooter[] =
+    R"(For every pick it lays sample parts before the simulated camera of the cell's agent, asks for a
+grasp over the Generic Robot Interface, and says whether a gripper would have held: the tool
+within 3 mm and 2 degrees of a taught grasp, modulo the part's symmetry. Times are from the trigger
+to the pose, without the camera's own.
+
+Example:
+  graspdb-cell --cell demo --sensor simulated:scene=/tmp/table &
+  graspdb robot --cell demo --scene /tmp/table --picks 20)";
+
+std::vector<Workpiece> PartsOf(const std::vector<std::string>& ids) {
+  std::vector<Workpiece> parts = SampleParts();
+  if (ids.empty()) return parts;
+  std::erase_if(parts, [&](const Workpiece& part) {
+    return std::ranges::find(ids, part.object_id) == ids.end();
+  });
+  return parts;
+}
+
+std::string PickText(const Pick& pick) {
+  if (pick.code != GriCode::kNoError) {
+    return absl::StrFormat("%-16s not picked: %s", pick.shown, std::string(GriCodeName(pick.code)));
+  }
+  return absl::StrFormat("%-16s %s: %s, %s, off by %.2f mm, %.2f deg; %.1f ms", pick.shown,
+                         pick.held ? "held" : "LOST", pick.error.object, pick.error.grasp_id,
+                         1000 * pick.error.shift_m, pick.error.turn_rad * 180 / std::numbers::pi,
+                         std::chrono::duration<double, std::milli>(pick.cycle).count());
+}
+
+// Where a cell's robot stands is known to its server.
+absl::Status TakeBase(const GlobalOptions& global, Options* options) {
+  if (options->cell.empty()) return absl::OkStatus();
+  absl::StatusOr<v1::Cell> cell = Connect(global).GetCell(ResourceName("cells", options->cell));
+  if (!cell.ok()) return cell.status();
+  const absl::StatusOr<CellFrames> frames = FramesOf(*cell);
+  if (!frames.ok()) return frames.status();
+  options->run.world_base = frames->world_base;
+  return absl::OkStatus();
+}
+
+absl::Status Summarise(const std::vector<Pick>& picks, double least_percent) {
+  LatencyHistogram times;
+  for (const Pick& pick : picks) {
+    times.Record(std::chrono::duration_cast<LatencyHistogram::Duration>(pick.cycle));
+  }
+  const auto held = std::ranges::count_if(picks, [](const Pick& pick) { return pick.held; });
+  const auto milliseconds = [](LatencyHistogram::Duration time) {
+    return std::chrono::duration<double, std::milli>(time).count();
+  };
+  const double percent = 100.0 * static_cast<double>(held) / static_cast<double>(picks.size());
+  std::printf("%s\n",
+              absl::StrFormat("%d of %d picks would have held (%.1f %%); from trigger to "
+                              "pose, without the camera: p50 %.1f ms, p99 %.1f ms",
+                              held, picks.size(), percent, milliseconds(times.Percentile(50)),
+                              milliseconds(times.Percentile(99)))
+                  .c_str());
+  if (percent >= least_percent) return absl::OkStatus();
+  return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", least_percent));
+}
+
+absl::Status Run(const GlobalOptions& global, Options options) {
+  if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
+  const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
+  if (!agent.ok()) return agent.status();
+  absl::StatusOr<GriClient> robot = GriClient::Connect(agent->host, agent->port, kPatience);
+  if (!robot.ok()) return robot.status();
+  if (options.picked_job >= 0) options.run.picked_job = options.picked_job;
+  if (options.missed_job >= 0) options.run.missed_job = options.missed_job;
+  const auto picks = RunPicks(*robot, PartsOf(options.parts), options.run, [](const Pick& pick) {
+    std::printf("%s\n", PickText(pick).c_str());
+    std::fflush(stdout);
+  });
+  if (!picks.ok()) return picks.status();
+  return Summarise(*picks, options.least_percent);
+}
+
+void AddFlags(CLI::App* command, Options* options) {
+  command->add_option("--agent", options->agent, "HOST:PORT of the agent's GRI")
+      ->capture_default_str();
+  command->add_option("--cell", options->cell, "Id of the cell, for where its robot stands");
+  command
+      ->add_option("--scene", options->run.scene,
+                   "Folder that the agent's camera looks at (--sensor simulated:scene=FOLDER)")
+      ->required();
+  command->add_option("--picks", options->run.picks, "How many")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--objects-per-scene", options->run.objects_per_scene, "Things on the table")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command->add_option("--parts", options->parts, "Sample parts, by a comma list of ids")
+      ->delimiter(',')
+      ->type_name("ID,...");
+  command->add_option("--seed", options->run.seed, "Another seed lays things out otherwise")
+      ->capture_default_str();
+  command->add_option("--job", options->run.job, "Job that gives grasps")->capture_default_str();
+  command->add_option("--picked-job", options->picked_job, "Job that hears of picks that held");
+  command->add_option("--missed-job", options->missed_job, "Job that hears of the others");
+  command->add_option("--least", options->least_percent, "Fail when fewer percent would have held")
+      ->check(CLI::Range(0, 100));
+}
+
+}  // namespace
+
+void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      AddCommand(app, "robot", "A simulated robot picks what a simulated camera sees");
+  AddFlags(command, options.get());
+  command->footer(kFooter);
+  command->callback([=, &global] { *action = [=, &global] { return Run(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,46 @@
+// A simulated robot at work: it lays things out, asks its cell's agent, and judges what it is told.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/robots/gri_client.h"
+#include "client/simulated_robot/pick_judge.h"
+
+namespace graspdb::client {
+
+struct PickRunOptions {
+  std::filesystem::path scene;  // the folder that the agent's simulated camera looks at
+  int picks = 20;
+  int objects_per_scene = 1;
+  std::uint64_t seed = 1;
+  int job = 1;
+  int pose_format = 4;
+  recognition::Pose world_base = recognition::Pose::Identity();  // T_world_base
+  // Jobs by which the agent is told how it went.
+  std::optional<int> picked_job = {};
+  std::optional<int> missed_job = {};
+};
+
+struct Pick {
+  std::string shown;  // id of the object that the scene is about
+  GriCode code = GriCode::kUnknownError;
+  PickError error;  // where a pose was given
+  bool held = false;
+  std::chrono::duration<double>
+      cycle{};  // from the trigger to the pose, without the camera's frame
+};
+
+// Picks; `heard` is told of each. Scenes that show each of `parts` in turn. Errors of
+// PlanRandomScenes, WriteScene and GriClient; INTERNAL when the agent answers what is no pose.
+absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
+                                           const PickRunOptions& options,
+                                           const std::function<void(const Pick&)>& heard);
+
+}  // namespace graspdb::client

@@ -1,0 +1,73 @@
+#include "client/simulation/scene_file.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/files/capture_set.h"
+#include "client/files/pose_message.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+absl::StatusOr<std::size_t> PartOf(const std::vector<Workpiece>& parts,
+                                   const v1::Capture& capture) {
+  const auto found = std::ranges::find_if(parts, [&](const Workpiece& part) {
+    return part.object_id == capture.object_id() && part.stable_pose_id == capture.stable_pose_id();
+  });
+  if (found != parts.end()) return static_cast<std::size_t>(found - parts.begin());
+  return absl::InvalidArgumentError(absl::StrCat("nobody knows what ", capture.object_id(), ", ",
+                                                 capture.stable_pose_id(), " looks like"));
+}
+
+std::uint64_t SeedOf(const v1::CaptureSet& set) {
+  std::uint64_t seed = 0;
+  for (const v1::Capture& capture : set.captures()) {
+    const v1::Pose& pose = capture.object_pose();
+    for (const double number : {pose.position().x(), pose.position().y(), pose.orientation().z()}) {
+      seed = MixBits(seed ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(number * 1e9)));
+    }
+  }
+  return seed;
+}
+
+}  // namespace
+
+absl::Status WriteScene(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
+                        const PlannedCapture& scene) {
+  v1::CaptureSet set;
+  for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
+  *set.mutable_region_of_interest() = SimulatedRegion();
+  for (const Placement& placement : scene.placements) {
+    const Workpiece& part = parts[placement.part];
+    v1::Capture* capture = set.add_captures();
+    capture->set_path(absl::StrCat("thing-", set.captures_size()));
+    capture->set_object_id(part.object_id);
+    capture->set_stable_pose_id(part.stable_pose_id);
+    *capture->mutable_object_pose() = ToMessage(placement.world_object);
+    *capture->mutable_sensor_pose() = ToMessage(scene.world_sensor);
+  }
+  return SaveCaptureSet(folder, set);
+}
+
+absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
+                                         const std::vector<Workpiece>& parts) {
+  const absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(folder);
+  if (absl::IsNotFound(set.status())) return absl::UnavailableError(set.status().message());
+  if (!set.ok()) return set.status();
+  PlannedCapture out;
+  out.path = folder.string();
+  for (const v1::Capture& capture : set->captures()) {
+    const absl::StatusOr<std::size_t> part = PartOf(parts, capture);
+    if (!part.ok()) return part.status();
+    out.placements.push_back({*part, FromMessage(capture.object_pose())});
+    out.world_sensor = FromMessage(capture.sensor_pose());
+  }
+  out.seed = SeedOf(*set);
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,24 @@
+// A simulated scene in a file: whoever writes it moves things about before the simulated camera.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/simulation/capture_plan.h"
+#include "client/simulation/workpiece.h"
+
+namespace graspdb::client {
+
+// Writes what is placed and where the camera stands as a capture set without clouds, one capture
+// for each thing, at once: a reader sees the scene before or the new one. Errors of SaveCaptureSet.
+absl::Status WriteScene(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
+                        const PlannedCapture& scene);
+
+// Reads it. Things are found among `parts` by object and stable pose; the noise follows from the
+// content. UNAVAILABLE when there is no such folder, as a camera that is not plugged in;
+// INVALID_ARGUMENT when it is no scene, or has things that are not among `parts`.
+absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
+                                         const std::vector<Workpiece>& parts);
+
+}  // namespace graspdb::client
