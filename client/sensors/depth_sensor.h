@@ -16,7 +16,8 @@ namespace graspdb::client {
 struct SensorFrame {
   // With the intrinsics and the time of capture.
   std::variant<v1::DepthImage, v1::PointCloud> scan;
-  // When it was taken, by this machine's clock; the time of arrival where the camera does not say.
+  // When its exposure began, by this machine's clock; no later than that, where the camera does not
+  // say it.
   absl::Time time = absl::InfinitePast();
   // T_world_sensor, where the frame itself says it, as a file's VIEWPOINT line does.
   std::optional<recognition::Pose> world_sensor = {};
@@ -39,5 +40,8 @@ class DepthSensor {
   // What a person calls it, e.g. "Kinect v1 (libfreenect) no. 0".
   virtual std::string Name() const = 0;
 };
+
+// Writes `time` into the scan too, as its time of capture.
+void SetTime(absl::Time time, SensorFrame& frame);
 
 }  // namespace graspdb::client

@@ -1,0 +1,214 @@
+#include "client/sensors/open_sensor.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/sensors/file_sensor.h"
+#include "client/sensors/freenect_sensor.h"
+#include "client/sensors/fresh_sensor.h"
+#include "client/sensors/openni2_sensor.h"
+#include "client/sensors/reconnecting_sensor.h"
+#include "client/sensors/sensor_spec.h"
+#include "client/sensors/simulated_sensor.h"
+#include "client/sensors/truth_file.h"
+#include "client/simulation/sample_parts.h"
+#ifdef GRASPDB_WITH_FREENECT2
+#include "client/sensors/freenect2_sensor.h"
+#endif
+
+namespace graspdb::client {
+namespace {
+
+using OpenedSensor = absl::StatusOr<std::unique_ptr<DepthSensor>>;
+
+// Fresh frames of a camera that is found again, each time it is opened.
+OpenedSensor KeepOpen(const std::string& name, const SensorSettings& settings,
+                      const SensorFactory& open) {
+  const SensorFactory open_fresh = [open, max_age = settings.max_age]() -> OpenedSensor {
+    OpenedSensor sensor = open();
+    if (!sensor.ok()) return sensor;
+    return std::make_unique<FreshSensor>(*std::move(sensor), max_age);
+  };
+  return std::make_unique<ReconnectingSensor>(
+      name, open_fresh,
+      ReconnectSettings{.first_pause = settings.first_pause,
+                        .longest_pause = settings.longest_pause});
+}
+
+OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  FilePlayback playback;
+  playback.loop = options.Flag("loop");
+  playback.rate_hz = options.Number("rate", 0, 0, 1000);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  auto sensor = FileSensor::Open(spec.target, playback);
+  if (!sensor.ok()) return sensor.status();
+  return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+}
+
+absl::StatusOr<std::vector<Workpiece>> ChooseParts(const std::vector<std::string>& ids) {
+  std::vector<Workpiece> parts = SampleParts();
+  if (ids.empty()) return parts;
+  std::vector<Workpiece> chosen;
+  for (const std::string& id : ids) {
+    const auto part = std::find_if(parts.begin(), parts.end(),
+                                   [&id](const Workpiece& p) { return p.object_id == id; });
+    if (part == parts.end()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "there is no sample part \"", id, "\"; `graspdb simulate --list-parts` names them"));
+    }
+    chosen.push_back(*part);
+  }
+  return chosen;
+}
+
+OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  const auto parts = ChooseParts(options.List("parts"));
+  const std::string camera_name = options.Text("camera", "v2");
+  RandomSceneOptions scenes;
+  scenes.seed = options.Seed("seed", scenes.seed);
+  scenes.objects_per_scene = static_cast<int>(options.Number("objects-per-scene", 1, 1, 8));
+  scenes.area_half_width_m = options.Number("area", scenes.area_half_width_m, 0, kRegionHalfWidthM);
+  scenes.stand.look_down_deg = {options.Number("look-down", 40, 0, 90)};
+  scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
+  const double noise = options.Number("noise", 1, 0, 10);
+  const std::string truth = options.Text("truth", "");
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  if (!parts.ok()) return parts.status();
+  if (camera_name != "v1" && camera_name != "v2") {
+    return absl::InvalidArgumentError(
+        absl::StrCat("there is no simulated camera \"", camera_name, "\"; v1 and v2 are Kinects"));
+  }
+  DepthCameraModel camera = camera_name == "v1" ? KinectV1() : KinectV2();
+  if (settings.intrinsics) camera.intrinsics = *settings.intrinsics;
+  camera.noise.scale = noise;
+  SceneSource source = RandomScenes(*parts, scenes);
+  if (!truth.empty()) source = WithTruthFile(std::move(source), *parts, truth);
+  auto sensor = SimulatedSensor::Create(camera, *parts, std::move(source));
+  if (!sensor.ok()) return sensor.status();
+  return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+}
+
+OpenedSensor OpenKinectV1(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  return KeepOpen(
+      absl::StrCat("Kinect v1 (libfreenect) no. ", spec.target.empty() ? "0" : spec.target),
+      settings, [which = spec.target, settings] { return OpenFreenect(which, settings); });
+}
+
+OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  const bool loop = options.Flag("loop");
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  if (absl::EndsWithIgnoreCase(spec.target, ".oni")) {
+    // What has ended is not begun again as a camera would be.
+    OpenedSensor sensor = OpenOpenNi2(spec.target, loop, settings);
+    if (!sensor.ok()) return sensor;
+    return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+  }
+  return KeepOpen(
+      absl::StrCat("OpenNI 2 camera ", spec.target), settings,
+      [uri = spec.target, settings] { return OpenOpenNi2(uri, /*loop=*/false, settings); });
+}
+
+OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
+                          [[maybe_unused]] const SensorSettings& settings) {
+#ifdef GRASPDB_WITH_FREENECT2
+  SensorOptions options(spec);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  return KeepOpen(absl::StrCat("Kinect v2 (libfreenect2) ", spec.target), settings,
+                  [serial = spec.target, settings] { return OpenFreenect2(serial, settings); });
+#else
+  return absl::UnimplementedError(
+      "this program is built without libfreenect2; install that library (Debian 12 has no package "
+      "of it, see docs/sensors.md) and build again");
+#endif
+}
+
+#ifdef GRASPDB_WITH_FREENECT2
+constexpr bool kHasFreenect2 = true;
+#else
+constexpr bool kHasFreenect2 = false;
+#endif
+
+struct Kind {
+  const char* name;
+  const char* what;
+  bool is_built;
+  const char* package;
+  OpenedSensor (*open)(const SensorSpec&, const SensorSettings&);
+};
+
+constexpr Kind kKinds[] = {
+    {"files", "point files and depth images of a folder", true, "", OpenFiles},
+    {"simulated", "random scenes of sample parts", true, "", OpenSimulated},
+    {"freenect", "Kinect v1", true, "libfreenect-dev", OpenKinectV1},
+    {"openni2", "cameras and recordings of OpenNI 2", true, "libopenni2-dev", OpenOpenNi2Kind},
+    {"freenect2", "Kinect v2", kHasFreenect2, "libfreenect2, not in Debian 12", OpenKinectV2},
+};
+
+absl::StatusOr<std::vector<std::string>> ConnectedOf(const std::string& kind) {
+  if (kind == "freenect") return ListFreenect();
+  if (kind == "openni2") return ListOpenNi2();
+#ifdef GRASPDB_WITH_FREENECT2
+  if (kind == "freenect2") return ListFreenect2();
+#endif
+  return std::vector<std::string>();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& text,
+                                                        const SensorSettings& settings) {
+  const absl::StatusOr<SensorSpec> spec = ParseSensorSpec(text);
+  if (!spec.ok()) return spec.status();
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) {
+    if (spec->kind == kind.name) return kind.open(*spec, settings);
+    names.push_back(kind.is_built
+                        ? kind.name
+                        : absl::StrCat(kind.name, " (not built; wants ", kind.package, ")"));
+  }
+  return absl::InvalidArgumentError(absl::StrCat("there is no kind of sensor \"", spec->kind,
+                                                 "\"; there are ", absl::StrJoin(names, ", ")));
+}
+
+std::vector<SensorListing> ListSensors() {
+  std::vector<SensorListing> listing;
+  for (const Kind& kind : kKinds) {
+    SensorListing& entry = listing.emplace_back();
+    entry.kind = kind.name;
+    entry.what = kind.what;
+    entry.is_built = kind.is_built;
+    entry.package = kind.package;
+    const absl::StatusOr<std::vector<std::string>> connected = ConnectedOf(kind.name);
+    if (!connected.ok()) {
+      entry.trouble = std::string(connected.status().message());
+      continue;
+    }
+    for (const std::string& camera : *connected) {
+      entry.connected.push_back(absl::StrCat(kind.name, ":", camera));
+    }
+  }
+  return listing;
+}
+
+std::string SensorsText(const std::vector<SensorListing>& listing) {
+  std::string text;
+  for (const SensorListing& kind : listing) {
+    absl::StrAppend(&text, kind.kind, ": ", kind.what);
+    if (!kind.is_built) absl::StrAppend(&text, "; not built, wants ", kind.package);
+    absl::StrAppend(&text, "\n");
+    for (const std::string& camera : kind.connected) absl::StrAppend(&text, "  ", camera, "\n");
+    if (!kind.trouble.empty()) absl::StrAppend(&text, "  ", kind.trouble, "\n");
+  }
+  return text;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,100 @@
+#include "client/sensors/simulated_sensor.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client/files/depth_message.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kDepthUnitM = 0.001;
+constexpr int kFirstScenes = 32;
+constexpr std::uint64_t kStillNoise = 0x7374696c6c;  // a stream of its own
+
+}  // namespace
+
+SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options) {
+  // The first scenes do not depend on how many follow: more are planned when they are at an end.
+  struct Plan {
+    std::vector<Workpiece> parts;
+    RandomSceneOptions options;
+    std::vector<PlannedCapture> scenes;
+    std::size_t next = 0;
+  };
+  const auto plan = std::make_shared<Plan>(
+      Plan{.parts = std::move(parts), .options = options, .scenes = {}, .next = 0});
+  return [plan]() -> absl::StatusOr<PlannedCapture> {
+    if (plan->next == plan->scenes.size()) {
+      plan->options.count = std::max(kFirstScenes, 2 * static_cast<int>(plan->next));
+      auto more = PlanRandomScenes(plan->parts, plan->options);
+      if (!more.ok()) return more.status();
+      plan->scenes = *std::move(more);
+    }
+    return plan->scenes[plan->next++];
+  };
+}
+
+SceneSource StillScene(PlannedCapture scene) {
+  return [scene = std::move(scene), frame = std::uint64_t{0}]() mutable {
+    PlannedCapture shown = scene;
+    shown.seed = RandomBits(scene.seed, kStillNoise, frame++);
+    return absl::StatusOr<PlannedCapture>(std::move(shown));
+  };
+}
+
+SimulatedSensor::SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts,
+                                 SceneSource scenes)
+    : camera_(std::move(camera)), parts_(std::move(parts)), scenes_(std::move(scenes)) {}
+
+absl::StatusOr<std::unique_ptr<SimulatedSensor>> SimulatedSensor::Create(
+    const DepthCameraModel& camera, std::vector<Workpiece> parts, SceneSource scenes) {
+  absl::StatusOr<DepthCamera> created = DepthCamera::Create(camera);
+  if (!created.ok()) return created.status();
+  return std::unique_ptr<SimulatedSensor>(
+      new SimulatedSensor(*std::move(created), std::move(parts), std::move(scenes)));
+}
+
+absl::StatusOr<PlannedCapture> SimulatedSensor::Choose() {
+  const absl::MutexLock lock(&mutex_);
+  absl::StatusOr<PlannedCapture> scene = scenes_();
+  if (!scene.ok()) return scene;
+  for (const Placement& placement : scene->placements) {
+    if (placement.part < parts_.size()) continue;
+    return absl::InvalidArgumentError(absl::StrCat("the scene shows workpiece ", placement.part,
+                                                   " of ", parts_.size(),
+                                                   "; correct what chooses the scenes"));
+  }
+  shown_ = *scene;
+  return scene;
+}
+
+absl::StatusOr<SensorFrame> SimulatedSensor::Next(absl::Time deadline) {
+  const absl::Time time = absl::Now();
+  const absl::StatusOr<PlannedCapture> scene = Choose();
+  if (!scene.ok()) return scene.status();
+  const absl::StatusOr<DepthFrame> frame = camera_.Render(
+      SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
+  if (!frame.ok()) return frame.status();
+  if (absl::Now() > deadline) {
+    return absl::DeadlineExceededError(
+        "the simulated camera was not quick enough; give it a later deadline");
+  }
+  SensorFrame out = {
+      .scan = DepthMessage(ToCounts(*frame, kDepthUnitM), camera_.model().intrinsics, kDepthUnitM),
+      .world_sensor = scene->world_sensor};
+  SetTime(time, out);
+  return out;
+}
+
+PlannedCapture SimulatedSensor::Shown() const {
+  const absl::MutexLock lock(&mutex_);
+  return shown_;
+}
+
+}  // namespace graspdb::client
