@@ -38,8 +38,9 @@ int Run(int argc, char** argv) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   StartLog("graspdb-cell", options.log_level);
-  absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
-      OpenSensor(options.sensor, SensorSettings());
+  SensorSettings settings;
+  settings.max_age = absl::Seconds(options.max_frame_age_s);
+  absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenSensor(options.sensor, settings);
   if (!sensor.ok()) return Fail(sensor.status());
   const std::string name = (*sensor)->Name();
   absl::StatusOr<std::unique_ptr<Agent>> agent = Agent::Start(options, *std::move(sensor));

@@ -14,8 +14,8 @@
 #include "client/sensors/reconnecting_sensor.h"
 #include "client/sensors/sensor_spec.h"
 #include "client/sensors/simulated_sensor.h"
-#include "client/sensors/truth_file.h"
 #include "client/simulation/sample_parts.h"
+#include "client/simulation/scene_file.h"
 #ifdef GRASPDB_WITH_FREENECT2
 #include "client/sensors/freenect2_sensor.h"
 #endif
@@ -77,7 +77,7 @@ OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& setting
   scenes.stand.look_down_deg = {options.Number("look-down", 40, 0, 90)};
   scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
   const double noise = options.Number("noise", 1, 0, 10);
-  const std::string truth = options.Text("truth", "");
+  const std::string scene = options.Text("scene", "");
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   if (!parts.ok()) return parts.status();
   if (camera_name != "v1" && camera_name != "v2") {
@@ -87,9 +87,10 @@ OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& setting
   DepthCameraModel camera = camera_name == "v1" ? KinectV1() : KinectV2();
   if (settings.intrinsics) camera.intrinsics = *settings.intrinsics;
   camera.noise.scale = noise;
-  SceneSource source = RandomScenes(*parts, scenes);
-  if (!truth.empty()) source = WithTruthFile(std::move(source), *parts, truth);
-  auto sensor = SimulatedSensor::Create(camera, *parts, std::move(source));
+  const SceneSource source =
+      scene.empty() ? RandomScenes(*parts, scenes)
+                    : SceneSource([scene, parts = *parts] { return ReadScene(scene, parts); });
+  auto sensor = SimulatedSensor::Create(camera, *parts, source);
   if (!sensor.ok()) return sensor.status();
   return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
 }

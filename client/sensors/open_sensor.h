@@ -16,7 +16,8 @@ namespace graspdb::client {
 //   files:PATH[?loop&rate=HZ]       point files and depth images, see file_sensor.h
 //   simulated[:KEY=VALUE,...]       random scenes of sample parts; parts=ID+ID, camera=v1|v2, seed,
 //                                   objects-per-scene, area, look-down, distance, noise as the
-//                                   flags of `graspdb simulate`; truth=PATH, see truth_file.h
+//                                   flags of `graspdb simulate`; scene=FOLDER: what somebody lays
+//                                   out there instead, see scene_file.h
 //   freenect[:N or SERIAL]          Kinect v1, see freenect_sensor.h
 //   openni2[:URI or FILE.oni[?loop]]  cameras of OpenNI 2 and their recordings
 //   freenect2[:SERIAL]              Kinect v2, where built with libfreenect2

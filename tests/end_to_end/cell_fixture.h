@@ -1,0 +1,48 @@
+// A cell as processes: a server that was taught parts, an agent with a simulated camera, a robot.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/robots/gri_client.h"
+#include "client/simulation/capture_plan.h"
+#include "client/simulation/workpiece.h"
+#include "tests/end_to_end/programs_fixture.h"
+
+namespace graspdb::end_to_end {
+
+class CellProgramsTest : public ProgramsTest {
+ protected:
+  // A server with the parts of Simulate, and the cell "press-3", whose robot stands aside and is
+  // turned.
+  void StartCell();
+  // An agent of it; more flags may follow. Its camera looks at the folder `scene_`.
+  void StartAgent(const std::vector<std::string>& flags = {});
+  void StartAgentWith(const std::string& sensor, const std::vector<std::string>& flags = {});
+  // Lays the parts of a random scene before the camera.
+  const client::PlannedCapture& LayOut(std::size_t scene);
+
+  client::GriClient Robot() const;
+  static client::GriRequest Request(client::GriAction action, int job = 1);
+  client::GriResponse Trigger(client::GriClient& robot, int job = 1) const;
+  // Asks again and again until that code comes; fails after half a minute.
+  void AwaitCode(client::GriCode code, int job = 1) const;
+  // That the answer is a grasp that holds in the scene of LayOut.
+  void ExpectHolds(const client::GriResponse& answer) const;
+
+  static recognition::Pose WorldBase();
+
+  std::string scene_ = "table";
+  std::vector<client::Workpiece> parts_;
+  std::unique_ptr<Process> agent_;
+  std::string gri_;
+  std::string health_;
+
+ private:
+  std::vector<client::PlannedCapture> scenes_;
+  client::PlannedCapture shown_;
+};
+
+}  // namespace graspdb::end_to_end

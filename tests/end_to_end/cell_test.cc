@@ -1,0 +1,157 @@
+// A robot cell end to end: camera, agent, server and robot as processes of their own.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <filesystem>
+
+#include "client/files/pose_message.h"
+#include "tests/end_to_end/cell_fixture.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::end_to_end {
+namespace {
+
+using client::GriAction;
+using client::GriCode;
+using client::GriResponse;
+using ::testing::HasSubstr;
+using testing::IsOk;
+
+TEST_F(CellProgramsTest, ARobotIsToldWhereToGraspWhatTheCameraSees) {
+  StartCell();
+  StartAgent();
+  client::GriClient robot = Robot();
+  for (std::size_t scene = 0; scene < 12; ++scene) {
+    LayOut(scene);
+    ExpectHolds(Trigger(robot));
+  }
+}
+
+TEST_F(CellProgramsTest, TheObjectsPoseBelongsToTheGrasp) {
+  StartCell();
+  StartAgent();
+  client::GriClient robot = Robot();
+  const client::PlannedCapture& scene = LayOut(0);
+  ASSERT_EQ(Trigger(robot).code, GriCode::kNoError);
+  const auto related = robot.Ask(Request(GriAction::kGetRelatedPose));
+  ASSERT_THAT(related, IsOk());
+  const auto base_object = client::FromGriPose(related->pose, related->pose_format);
+  ASSERT_THAT(base_object, IsOk());
+  const Eigen::Vector3d off =
+      (WorldBase() * *base_object).translation() - scene.placements[0].world_object.translation();
+  EXPECT_LT(off.norm(), 0.003);
+}
+
+TEST_F(CellProgramsTest, WithoutThingsNoPoseIsFound) {
+  StartCell();
+  StartAgent();
+  client::GriClient robot = Robot();
+  LayOut(0);
+  Succeed({"objects", "delete", "l-bracket", "--force"});
+  Succeed({"objects", "delete", "flange", "--force"});
+  Succeed({"objects", "delete", "handle", "--force"});
+  EXPECT_EQ(Trigger(robot).code, GriCode::kNoPosesFound);
+}
+
+TEST_F(CellProgramsTest, AServerThatIsKilledIsToldAndFoundAgain) {
+  StartCell();
+  LayOut(0);
+  StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
+  client::GriClient robot = Robot();
+  ExpectHolds(Trigger(robot));
+  const std::string address = address_;
+  server_->Signal(SIGKILL);
+  server_->Wait();
+  EXPECT_EQ(Trigger(robot).code, GriCode::kApiNotReachable);
+  // A job with more time waits for the server, which starts meanwhile.
+  ASSERT_THAT(robot.Ask(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
+  server_ = std::make_unique<Process>(folder_.path(), ServerCommand(Path("db"), address));
+  ASSERT_NE(server_->WaitForLine("listening on "), "") << server_->Errors();
+  GriResponse next;
+  do {
+    next = *robot.Ask(Request(GriAction::kGetNextPose, 2));
+  } while (next.code == GriCode::kJobStillRunning);
+  ExpectHolds(next);
+}
+
+TEST_F(CellProgramsTest, ACameraThatIsUnpluggedIsToldAndFoundAgain) {
+  StartCell();
+  LayOut(0);
+  StartAgent({"--job", "1 any limit=300ms"});
+  client::GriClient robot = Robot();
+  ExpectHolds(Trigger(robot));
+  std::filesystem::remove_all(Path(scene_));
+  EXPECT_EQ(Trigger(robot).code, GriCode::kPipelineNotAvailable);
+  LayOut(1);
+  ExpectHolds(Trigger(robot));
+}
+
+TEST_F(CellProgramsTest, ARobotThatHangsUpInTheMiddleOfAJobDisturbsNobody) {
+  StartCell();
+  StartAgent({"--job", "1 any", "--job", "2 any limit=1s"});
+  {
+    client::GriClient gone = Robot();  // no scene yet: the job waits for the camera
+    ASSERT_THAT(gone.Ask(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
+  }
+  LayOut(2);
+  client::GriClient robot = Robot();
+  ExpectHolds(Trigger(robot));
+}
+
+TEST_F(CellProgramsTest, AnAgentStartsBeforeItsServerAndItsCamera) {
+  StartCell();
+  server_->Signal(SIGTERM);
+  server_->Wait();
+  StartAgent({"--job", "1 any limit=300ms"});
+  client::GriClient robot = Robot();
+  EXPECT_EQ(robot.Ask(Request(GriAction::kStatus))->data[1], 0);
+  EXPECT_EQ(Trigger(robot).code, GriCode::kApiNotReachable);
+  server_ = std::make_unique<Process>(folder_.path(), ServerCommand(Path("db"), address_));
+  ASSERT_NE(server_->WaitForLine("listening on "), "") << server_->Errors();
+  AwaitCode(GriCode::kPipelineNotAvailable);
+  LayOut(0);
+  AwaitCode(GriCode::kNoError);
+}
+
+TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
+  StartCell();
+  LayOut(0);
+  StartAgent();
+  const Finished picks =
+      Graspdb({"robot", "--cell", "press-3", "--agent", gri_, "--scene", Path(scene_), "--parts",
+               "l-bracket,flange,handle", "--picks", "6", "--least", "80"});
+  EXPECT_EQ(picks.exit_status, 0) << picks.out << picks.err;
+  EXPECT_THAT(picks.out, HasSubstr(" of 6 picks would have held"));
+}
+
+TEST_F(CellProgramsTest, AStoppedAgentSaysWhatItCounted) {
+  StartCell();
+  LayOut(0);
+  StartAgent();
+  client::GriClient robot = Robot();
+  ExpectHolds(Trigger(robot));
+  agent_->Signal(SIGTERM);
+  const Finished done = agent_->Wait();
+  EXPECT_EQ(done.exit_status, 0);
+  EXPECT_THAT(done.err, HasSubstr("event=counters jobs=1 with_pose=1"));
+}
+
+TEST_F(CellProgramsTest, WrongSettingsAreSaid) {
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), GRASPDB_CELL_PROGRAM);
+    return RunProgram(folder_.path(), words);
+  };
+  EXPECT_EQ(run({"--cell", "c"}).exit_status, 2);
+  const Finished job = run({"--cell", "c", "--sensor", "simulated", "--job", "1 objekt=mug"});
+  EXPECT_EQ(job.exit_status, 2);
+  EXPECT_THAT(job.err, HasSubstr("objekt"));
+  const Finished remote = run({"--cell", "c", "--sensor", "simulated", "--gri", "0.0.0.0:0"});
+  EXPECT_EQ(remote.exit_status, 1);
+  EXPECT_THAT(remote.err, HasSubstr("--allow-remote-robots"));
+  const Finished sensor = run({"--cell", "c", "--sensor", "polaroid"});
+  EXPECT_NE(sensor.exit_status, 0);
+  EXPECT_THAT(sensor.err, HasSubstr("freenect"));
+}
+
+}  // namespace
+}  // namespace graspdb::end_to_end
