@@ -39,7 +39,32 @@ std::vector<double> TurnsOf(const TaughtGrasp& grasp, int symmetry_order) {
   return out;
 }
 
+constexpr std::int64_t kImaginedPicks = 20;
+constexpr std::int64_t kImaginedSuccesses = 18;
+
+struct Picks {
+  std::int64_t succeeded = 0;
+  std::int64_t tried = 0;
+};
+
+Picks WithImagined(const PickCounts& told) {
+  return {.succeeded = told.picked + kImaginedSuccesses,
+          .tried = told.picked + told.missed + told.slipped + kImaginedPicks};
+}
+
+// Tenths, so that grasps change places for what is no chance: two failures without a success, or
+// twenty successes without a failure.
+std::int64_t SuccessClass(const PickCounts& told) {
+  const Picks picks = WithImagined(told);
+  return (20 * picks.succeeded + picks.tried) / (2 * picks.tried);  // rounded, without a float
+}
+
 }  // namespace
+
+double SuccessRate(const PickCounts& picks) {
+  const Picks all = WithImagined(picks);
+  return static_cast<double>(all.succeeded) / static_cast<double>(all.tried);
+}
 
 std::vector<double> DeclaredTurns(int symmetry_order) {
   const int order = symmetry_order == 0 ? kMostTurns : symmetry_order;
@@ -60,21 +85,24 @@ std::vector<GraspProposal> ProposeGrasps(const TaughtStablePose& stable_pose,
   struct Turned {
     GraspProposal proposal;
     double turn = 0;
+    std::int64_t success = 0;
   };
   std::vector<Turned> found;
   for (const TaughtGrasp& grasp : stable_pose.grasps) {
+    const std::int64_t success = SuccessClass(grasp.picks);
     for (const double turn : TurnsOf(grasp, stable_pose.symmetry_order)) {
       Pose turned = world_object;
       if (turn != 0) turned.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
       const Pose world_tcp = turned * grasp.object_tcp;
       if (workspace && !workspace->Contains(world_tcp.translation())) continue;
-      found.push_back({{grasp, world_tcp}, turn});
+      found.push_back({{grasp, world_tcp}, turn, success});
     }
   }
   std::ranges::stable_sort(found, [](const Turned& a, const Turned& b) {
     if (a.proposal.grasp.priority != b.proposal.grasp.priority) {
       return a.proposal.grasp.priority > b.proposal.grasp.priority;
     }
+    if (a.success != b.success) return a.success > b.success;
     return std::abs(a.turn) < std::abs(b.turn) - kSameTurn;
   });
   std::vector<GraspProposal> out;

@@ -1,6 +1,7 @@
 // What was taught, as the recognition needs it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,14 @@ struct FreeTurn {
   double max_rad = 0;
 };
 
+// How often robots told what became of a grasp.
+struct PickCounts {
+  std::int64_t picked = 0;
+  std::int64_t missed = 0;
+  std::int64_t slipped = 0;
+  bool operator==(const PickCounts&) const = default;
+};
+
 struct TaughtGrasp {
   std::string id;
   Pose object_tcp = Pose::Identity();  // T_object_tcp
@@ -26,6 +35,7 @@ struct TaughtGrasp {
   int priority = 0;  // the higher, the earlier
   double retreat_distance_m = 0;
   std::optional<FreeTurn> free_turn = {};
+  PickCounts picks = {};
 };
 
 struct TaughtView {

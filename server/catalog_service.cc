@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/convert.h"
 #include "server/errors.h"
+#include "server/grasp_outcomes.h"
 #include "server/handle.h"
 #include "server/records.h"
 #include "server/respond.h"
@@ -145,20 +146,28 @@ grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
                                            const v1::GetStablePoseRequest* request,
                                            v1::StablePose* response) {
   return Handle(*context, "GetStablePose", [&] {
-    return Respond("name", context_.catalogue.GetStablePose(request->name()), response);
+    const absl::Status status =
+        Respond("name", context_.catalogue.GetStablePose(request->name()), response);
+    return status.ok() ? AddGraspOutcomes(context_.catalogue, response) : status;
   });
 }
 
 grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
                                              const v1::ListStablePosesRequest* request,
                                              v1::ListStablePosesResponse* response) {
-  return Handle(*context, "ListStablePoses", [&] {
-    return RespondPage(
+  return Handle(*context, "ListStablePoses", [&]() -> absl::Status {
+    const absl::Status status = RespondPage(
         *request, request->parent() + "/stablePoses/",
         [&](std::size_t size, const std::string& after) {
           return context_.catalogue.ListStablePoses(request->parent(), size, after);
         },
         [&](v1::StablePose pose) { *response->add_stable_poses() = std::move(pose); }, response);
+    if (!status.ok()) return status;
+    for (v1::StablePose& pose : *response->mutable_stable_poses()) {
+      const absl::Status added = AddGraspOutcomes(context_.catalogue, &pose);
+      if (!added.ok()) return added;
+    }
+    return absl::OkStatus();
   });
 }
 
@@ -224,6 +233,14 @@ grpc::Status CatalogService::DeleteView(grpc::ServerContext* context,
                 [&] { return AtField("name", context_.catalogue.DeleteView(request->name())); });
 }
 
+grpc::Status CatalogService::ReportGraspOutcome(grpc::ServerContext* context,
+                                                const v1::ReportGraspOutcomeRequest* request,
+                                                v1::ReportGraspOutcomeResponse* response) {
+  return Handle(*context, "ReportGraspOutcome", [&] {
+    return Respond("name", server::ReportGraspOutcome(*request, context_.catalogue), response);
+  });
+}
+
 grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
                                               const v1::GetCatalogStatusRequest* /*request*/,
                                               v1::CatalogStatus* response) {
@@ -240,7 +257,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     response->set_schema_version(context_.catalogue.schema_version());
     *response->mutable_model_cache() = UseToProto(context_.clouds.model_use());
     *response->mutable_cloud_cache() = UseToProto(context_.clouds.cloud_use());
-    return absl::OkStatus();
+    return SumGraspOutcomes(context_.catalogue, response);
   });
 }
 

@@ -57,6 +57,9 @@ class CatalogService final : public v1::CatalogService::Service {
   grpc::Status UploadViews(grpc::ServerContext* context,
                            grpc::ServerReader<v1::UploadViewsRequest>* reader,
                            v1::UploadViewsResponse* response) override;
+  grpc::Status ReportGraspOutcome(grpc::ServerContext* context,
+                                  const v1::ReportGraspOutcomeRequest* request,
+                                  v1::ReportGraspOutcomeResponse* response) override;
   grpc::Status GetCatalogStatus(grpc::ServerContext* context,
                                 const v1::GetCatalogStatusRequest* request,
                                 v1::CatalogStatus* response) override;

@@ -32,31 +32,72 @@ struct Effects {
   TaughtPoseChange poses;
 };
 
-// Reads the after-images in a change. A view that is written again is removed first.
+TaughtOutcomes OutcomesFromRecord(const storage::GraspOutcomesRecord& record) {
+  TaughtOutcomes out = {.stable_pose = record.name(), .picks = {}};
+  for (const v1::GraspOutcomeCounts& counts : record.counts()) {
+    out.picks[counts.grasp_id()] = {counts.picked_count(), counts.missed_count(),
+                                    counts.slipped_count()};
+  }
+  return out;
+}
+
+bool IsPut(const storage::Mutation& mutation) {
+  return mutation.kind() == storage::Mutation::KIND_PUT;
+}
+
+// A view that is written again is removed first.
+absl::Status AddViewEffect(const storage::Mutation& mutation, const TaughtPoses& known,
+                           const recognition::DescriptorParameters& parameters, Effects* out) {
+  if (Knows(known, mutation.key())) out->removed.insert(mutation.key());
+  if (!IsPut(mutation)) return absl::OkStatus();
+  storage::ViewRecord record;
+  if (!record.ParseFromString(mutation.value())) return absl::DataLossError("unreadable view");
+  absl::StatusOr<recognition::IndexedView> view = IndexedViewFromRecord(record, parameters);
+  if (!view.ok()) return view.status();
+  out->added.push_back(*std::move(view));
+  return absl::OkStatus();
+}
+
+absl::Status AddStablePoseEffect(const storage::Mutation& mutation, Effects* out) {
+  if (!IsPut(mutation)) {
+    out->poses.deleted.push_back(mutation.key());
+    return absl::OkStatus();
+  }
+  v1::StablePose record;
+  if (!record.ParseFromString(mutation.value())) {
+    return absl::DataLossError("unreadable stable pose");
+  }
+  auto pose = StablePoseFromProto(record);
+  if (!pose.ok()) return pose.status();
+  out->poses.written.push_back(*std::move(pose));
+  return absl::OkStatus();
+}
+
+absl::Status AddOutcomesEffect(const storage::Mutation& mutation, Effects* out) {
+  storage::GraspOutcomesRecord record;
+  record.set_name(mutation.key());
+  if (IsPut(mutation) && !record.ParseFromString(mutation.value())) {
+    return absl::DataLossError("unreadable outcomes");
+  }
+  out->poses.outcomes.push_back(OutcomesFromRecord(record));
+  return absl::OkStatus();
+}
+
+// Reads the after-images in a change.
 absl::StatusOr<Effects> EffectsOf(const storage::ChangeRecord& change, const TaughtPoses& known,
                                   const recognition::DescriptorParameters& parameters) {
   Effects out;
-  for (const storage::Mutation& m : change.mutations()) {
-    const bool put = m.kind() == storage::Mutation::KIND_PUT;
-    if (m.column_family() == storage::FamilyName(storage::Family::kViews)) {
-      if (Knows(known, m.key())) out.removed.insert(m.key());
-      if (!put) continue;
-      storage::ViewRecord record;
-      if (!record.ParseFromString(m.value())) return absl::DataLossError("unreadable view");
-      absl::StatusOr<recognition::IndexedView> view = IndexedViewFromRecord(record, parameters);
-      if (!view.ok()) return view.status();
-      out.added.push_back(*std::move(view));
-    } else if (m.column_family() == storage::FamilyName(storage::Family::kStablePoses)) {
-      if (!put) {
-        out.poses.deleted.push_back(m.key());
-        continue;
-      }
-      v1::StablePose record;
-      if (!record.ParseFromString(m.value())) return absl::DataLossError("unreadable stable pose");
-      auto pose = StablePoseFromProto(record);
-      if (!pose.ok()) return pose.status();
-      out.poses.written.push_back(*std::move(pose));
+  for (const storage::Mutation& mutation : change.mutations()) {
+    const std::string& family = mutation.column_family();
+    absl::Status status;
+    if (family == storage::FamilyName(storage::Family::kViews)) {
+      status = AddViewEffect(mutation, known, parameters, &out);
+    } else if (family == storage::FamilyName(storage::Family::kStablePoses)) {
+      status = AddStablePoseEffect(mutation, &out);
+    } else if (family == storage::FamilyName(storage::Family::kGraspOutcomes)) {
+      status = AddOutcomesEffect(mutation, &out);
     }
+    if (!status.ok()) return status;
   }
   out.poses.removed_views.assign(out.removed.begin(), out.removed.end());
   for (const auto& added : out.added) out.poses.added_views.push_back(added.view);
@@ -96,6 +137,10 @@ absl::Status LiveCatalogue::Load() {
     auto pose = StablePoseFromProto(record);
     if (!pose.ok()) return pose.status();
     poses.written.push_back(*std::move(pose));
+    return absl::OkStatus();
+  };
+  visitor.grasp_outcomes = [&](const storage::GraspOutcomesRecord& record) {
+    poses.outcomes.push_back(OutcomesFromRecord(record));
     return absl::OkStatus();
   };
   const absl::StatusOr<std::int64_t> revision = catalogue_.ForEach(visitor);

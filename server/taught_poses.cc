@@ -10,6 +10,23 @@ using recognition::TaughtStablePose;
 
 std::string PoseOfView(const std::string& view) { return view.substr(0, view.rfind("/views/")); }
 
+namespace {
+
+std::map<std::string, recognition::PickCounts> PicksOf(const TaughtStablePose& pose) {
+  std::map<std::string, recognition::PickCounts> out;
+  for (const recognition::TaughtGrasp& grasp : pose.grasps) out[grasp.id] = grasp.picks;
+  return out;
+}
+
+void SetPicks(const std::map<std::string, recognition::PickCounts>& picks, TaughtStablePose* pose) {
+  for (recognition::TaughtGrasp& grasp : pose->grasps) {
+    const auto known = picks.find(grasp.id);
+    grasp.picks = known == picks.end() ? recognition::PickCounts() : known->second;
+  }
+}
+
+}  // namespace
+
 TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change) {
   std::map<std::string, TaughtStablePose> edited;
   const auto edit = [&](const std::string& name) -> TaughtStablePose& {
@@ -23,8 +40,10 @@ TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change) {
   for (const TaughtStablePose& written : change.written) {
     TaughtStablePose& pose = edit(written.name);
     auto views = std::move(pose.views);
+    const auto picks = PicksOf(pose);
     pose = written;
     pose.views = std::move(views);
+    SetPicks(picks, &pose);
   }
   for (const std::string& name : change.removed_views) {
     std::erase_if(edit(PoseOfView(name)).views,
@@ -35,6 +54,9 @@ TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change) {
     views.insert(std::ranges::lower_bound(views, view->name, {},
                                           [](const auto& other) { return other->name; }),
                  view);
+  }
+  for (const TaughtOutcomes& outcomes : change.outcomes) {
+    SetPicks(outcomes.picks, &edit(outcomes.stable_pose));
   }
   for (const std::string& name : change.deleted) edited.erase(name);
 

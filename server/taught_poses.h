@@ -1,6 +1,7 @@
 // The stable poses of a snapshot, each with its views.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -16,13 +17,20 @@ using TaughtPoses =
 // The stable pose's name in `{stable pose}/views/{view}`.
 std::string PoseOfView(const std::string& view);
 
+// What is known of the grasps of a stable pose, by their ids; the others have no outcomes.
+struct TaughtOutcomes {
+  std::string stable_pose;  // name
+  std::map<std::string, recognition::PickCounts> picks;
+};
+
 // What one change does to stable poses and their views.
 struct TaughtPoseChange {
-  // Written; their views are taken from what there was.
+  // Written; their views and outcomes are taken from what there was.
   std::vector<recognition::TaughtStablePose> written;
   std::vector<std::string> deleted;  // names
   std::vector<std::shared_ptr<const recognition::TaughtView>> added_views;
   std::vector<std::string> removed_views;  // names
+  std::vector<TaughtOutcomes> outcomes = {};
 };
 
 // `poses` after the change; what does not change is shared. A view that is removed and added is

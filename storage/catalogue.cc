@@ -82,6 +82,8 @@ absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) co
   if (!status.ok()) return status;
   status = VisitRecords<v1::Cell>(*database_, snapshot.get(), visitor.cell);
   if (!status.ok()) return status;
+  status = VisitRecords<GraspOutcomesRecord>(*database_, snapshot.get(), visitor.grasp_outcomes);
+  if (!status.ok()) return status;
   return meta.revision();
 }
 

@@ -49,7 +49,7 @@ struct CatalogueOptions {
   bool create_if_missing = true;
   // Source of create and update times. Called by one writer at a time; must not throw.
   std::function<absl::Time()> clock = absl::Now;
-  // Memory that each of the seven families may fill before it goes to a file, in bytes.
+  // Memory that each of the eight families may fill before it goes to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // How files are reached; not owned, must outlive the catalogue. Null: as the machine
   // does. Tests put a failing disk here.
@@ -94,6 +94,7 @@ struct RecordVisitor {
   std::function<absl::Status(const v1::StablePose&)> stable_pose;
   std::function<absl::Status(const ViewRecord&)> view;
   std::function<absl::Status(const v1::Cell&)> cell;
+  std::function<absl::Status(const GraspOutcomesRecord&)> grasp_outcomes;
 };
 
 // Must not throw.
@@ -184,6 +185,19 @@ class Catalogue {
   // Its change record holds all the views, so give some hundreds at a time. NOT_FOUND
   // when one is missing. Returns the revision; without updates, the current one.
   absl::StatusOr<std::int64_t> ReplaceDescriptors(std::span<const DescriptorUpdate> updates);
+
+  // --- Outcomes of grasps -----------------------------------------------------------
+  // A record for each stable pose of which anything was told. It goes with its stable pose, and
+  // the counts of a grasp go when UpdateStablePose takes the grasp away or changes its tool pose,
+  // opening or free turn. Lists of stable poses and their etags have no part of it.
+
+  // Adds `added` to what is known of a grasp of that stable pose, and returns the sum. NOT_FOUND
+  // without the stable pose or the grasp, INVALID_ARGUMENT unless something is added and nothing
+  // taken away.
+  absl::StatusOr<v1::GraspOutcomeCounts> AddGraspOutcomes(std::string_view stable_pose_name,
+                                                          const v1::GraspOutcomeCounts& added);
+  // NOT_FOUND without the stable pose; without counts where nothing was told.
+  absl::StatusOr<GraspOutcomesRecord> GetGraspOutcomes(std::string_view stable_pose_name) const;
 
   // --- Following --------------------------------------------------------------------
 

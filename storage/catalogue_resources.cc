@@ -5,6 +5,7 @@
 #include "storage/catalogue.h"
 #include "storage/change_log.h"
 #include "storage/database.h"
+#include "storage/grasp_outcomes.h"
 #include "storage/record_kind.h"
 #include "storage/record_list.h"
 #include "storage/resource_writer.h"
@@ -71,7 +72,8 @@ absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::str
     if (status.ok() && !force) {
       status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
     }
-    for (const Family family : {Family::kStablePoses, Family::kViews, Family::kClouds}) {
+    for (const Family family :
+         {Family::kStablePoses, Family::kViews, Family::kClouds, Family::kGraspOutcomes}) {
       if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
     }
     return status;
@@ -79,6 +81,7 @@ absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::str
 }
 
 absl::StatusOr<v1::StablePose> Catalogue::CreateStablePose(v1::StablePose stable_pose) {
+  stable_pose.clear_grasp_outcomes();  // kept in a record of their own
   return CreateRecord(*database_, *log_, std::move(stable_pose));
 }
 
@@ -96,7 +99,16 @@ absl::StatusOr<Page<v1::StablePose>> Catalogue::ListStablePoses(std::string_view
 absl::StatusOr<v1::StablePose> Catalogue::UpdateStablePose(
     std::string_view name, std::string_view etag,
     const std::function<absl::Status(v1::StablePose&)>& change) {
-  return UpdateRecord(*database_, *log_, name, etag, change);
+  const auto clean_change = [&change](v1::StablePose& stable_pose) {
+    absl::Status status = change(stable_pose);
+    stable_pose.clear_grasp_outcomes();
+    return status;
+  };
+  const AlsoChanged<v1::StablePose> also = [this](ChangeBatch& batch, const v1::StablePose& before,
+                                                  const v1::StablePose& after) {
+    return ForgetChangedGrasps(*database_, batch, before, after);
+  };
+  return UpdateRecord<v1::StablePose>(*database_, *log_, name, etag, clean_change, also);
 }
 
 absl::Status Catalogue::DeleteStablePose(std::string_view name, bool force, std::string_view etag) {
@@ -109,7 +121,7 @@ absl::Status Catalogue::DeleteStablePose(std::string_view name, bool force, std:
     for (const Family family : {Family::kViews, Family::kClouds}) {
       if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
     }
-    return status;
+    return status.ok() ? RemoveGraspOutcomes(*database_, batch, name) : status;
   });
 }
 

@@ -21,6 +21,7 @@ void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
     case Family::kMeta:
     case Family::kClouds:  // as many as views
     case Family::kChanges:
+    case Family::kGraspOutcomes:
       return;
   }
 }

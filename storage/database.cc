@@ -133,7 +133,12 @@ bool Database::HasAllFamilies() const {
   return std::find(families_.begin(), families_.end(), nullptr) == families_.end();
 }
 
+bool Database::HasFamily(Family family) const {
+  return families_[static_cast<std::size_t>(family)] != nullptr;
+}
+
 absl::Status Database::CreateMissingFamilies() {
+  if (HasAllFamilies()) return absl::OkStatus();
   std::vector<rocksdb::ColumnFamilyDescriptor> missing;
   for (std::size_t i = 0; i < kFamilyCount; ++i) {
     if (families_[i] != nullptr) continue;

@@ -50,6 +50,7 @@ class Database {
   // Whether nothing was ever written.
   bool IsPristine() const;
   bool HasAllFamilies() const;
+  bool HasFamily(Family family) const;
   // Makes the families that are missing. Before other threads use the database.
   absl::Status CreateMissingFamilies();
 

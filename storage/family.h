@@ -7,13 +7,22 @@
 
 namespace graspdb::storage {
 
-enum class Family { kMeta, kObjects, kStablePoses, kViews, kClouds, kCells, kChanges };
+enum class Family {
+  kMeta,
+  kObjects,
+  kStablePoses,
+  kViews,
+  kClouds,
+  kCells,
+  kChanges,
+  kGraspOutcomes
+};
 
-inline constexpr std::size_t kFamilyCount = 7;
+inline constexpr std::size_t kFamilyCount = 8;
 
 // Names on disk, in the order of the enumerators. They never change their meaning.
 inline constexpr std::array<std::string_view, kFamilyCount> kFamilyNames = {
-    "default", "objects", "stable_poses", "views", "clouds", "cells", "changes"};
+    "default", "objects", "stable_poses", "views", "clouds", "cells", "changes", "grasp_outcomes"};
 
 constexpr std::string_view FamilyName(Family family) {
   return kFamilyNames[static_cast<std::size_t>(family)];

@@ -22,6 +22,11 @@ absl::StatusOr<Parent> Kind<ViewRecord>::ParentOf(std::string_view name) {
                 MakeStablePoseName(parsed->object_id, parsed->stable_pose_id)};
 }
 
+absl::StatusOr<Parent> Kind<GraspOutcomesRecord>::ParentOf(std::string_view name) {
+  if (auto parsed = ParseStablePoseName(name); !parsed.ok()) return parsed.status();
+  return Parent{Family::kStablePoses, std::string(name)};
+}
+
 absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
   if (auto parsed = ParseCellName(name); !parsed.ok()) return parsed.status();
   return Parent{};

@@ -57,6 +57,13 @@ struct Kind<v1::Cell> {
   static absl::StatusOr<Parent> ParentOf(std::string_view name);
 };
 
+template <>
+struct Kind<GraspOutcomesRecord> {
+  static constexpr Family kFamily = Family::kGraspOutcomes;
+  static constexpr std::string_view kWord = "outcomes of the stable pose";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
 absl::Status NotFound(std::string_view word, std::string_view name);
 absl::Status AlreadyExists(std::string_view word, std::string_view name);
 absl::Status DamagedRecord(std::string_view name);

@@ -39,10 +39,16 @@ absl::StatusOr<Record> CreateRecord(const Database& database, ChangeLog& log, Re
   return record;
 }
 
+// What else an update changes, in the same change.
+template <typename Record>
+using AlsoChanged =
+    std::function<absl::Status(ChangeBatch& batch, const Record& before, const Record& after)>;
+
 template <typename Record>
 absl::StatusOr<Record> UpdateRecord(const Database& database, ChangeLog& log, std::string_view name,
                                     std::string_view etag,
-                                    const std::function<absl::Status(Record&)>& change) {
+                                    const std::function<absl::Status(Record&)>& change,
+                                    const AlsoChanged<Record>& also = {}) {
   Record updated;
   const absl::Status status = log.Mutate([&](ChangeBatch& batch) -> absl::Status {
     auto before = ReadRecord<Record>(database, name);
@@ -55,7 +61,7 @@ absl::StatusOr<Record> UpdateRecord(const Database& database, ChangeLog& log, st
     *updated.mutable_update_time() = batch.time();
     updated.set_etag(MakeEtag(batch.Begin()));
     batch.Overwrite(Kind<Record>::kFamily, name, updated.SerializeAsString());
-    return absl::OkStatus();
+    return also ? also(batch, *before, updated) : absl::OkStatus();
   });
   if (!status.ok()) return status;
   return updated;

@@ -1,6 +1,7 @@
 #include "storage/schema.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "google/protobuf/util/time_util.h"
@@ -70,9 +71,23 @@ absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
                           : Damaged(database, "its last change is not its revision");
 }
 
+// Version 2 has a family for the outcomes of grasps, empty at first. It may be there already, where
+// the machine stopped before the version was written.
+absl::Status AddGraspOutcomes(Database& database, rocksdb::WriteBatch& /*batch*/) {
+  for (const Family family : {Family::kMeta, Family::kObjects, Family::kStablePoses, Family::kViews,
+                              Family::kClouds, Family::kCells, Family::kChanges}) {
+    // What version 1 had is not made anew: whoever lost it is to hear of it.
+    if (!database.HasFamily(family)) return Damaged(database, "a column family is missing");
+  }
+  return database.CreateMissingFamilies();
+}
+
 }  // namespace
 
-std::span<const Migration> Migrations() { return {}; }
+std::span<const Migration> Migrations() {
+  static const std::array<Migration, 1> steps = {{{1, AddGraspOutcomes}}};
+  return steps;
+}
 
 absl::StatusOr<MetaRecord> ReadMeta(const Database& database) {
   const auto bytes = database.Get(Family::kMeta, kMetaKey);

@@ -17,7 +17,7 @@
 namespace graspdb::storage {
 
 // Version that this program writes. Version 0 never left development: it is refused.
-inline constexpr int kSchemaVersion = 1;
+inline constexpr int kSchemaVersion = 2;
 
 // Key of the MetaRecord in the family `default`.
 inline constexpr std::string_view kMetaKey = "meta";

@@ -65,6 +65,9 @@ class Client {
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);
   absl::StatusOr<v1::StablePose> UpdateStablePose(const v1::UpdateStablePoseRequest& request);
+  // Once, whatever becomes of the connection: an error may mean that it was counted.
+  absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
+      const v1::ReportGraspOutcomeRequest& request);
   // The view with its cloud.
   absl::StatusOr<v1::View> GetView(const std::string& name);
   absl::Status DeleteView(const std::string& name);

@@ -65,6 +65,12 @@ absl::StatusOr<v1::StablePose> Client::UpdateStablePose(
   return Call<v1::StablePose>(*stubs_->catalog, &Catalog::UpdateStablePose, request);
 }
 
+absl::StatusOr<v1::ReportGraspOutcomeResponse> Client::ReportGraspOutcome(
+    const v1::ReportGraspOutcomeRequest& request) {
+  return Call<v1::ReportGraspOutcomeResponse>(*stubs_->catalog, &Catalog::ReportGraspOutcome,
+                                              request);
+}
+
 absl::StatusOr<v1::StablePose> Client::GetStablePose(const std::string& name) {
   v1::GetStablePoseRequest request;
   request.set_name(name);

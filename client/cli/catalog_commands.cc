@@ -134,6 +134,10 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status->stable_pose_count()),
               static_cast<long long>(status->view_count()));
   std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
+  std::printf("picks       %lld picked, %lld missed, %lld slipped\n",
+              static_cast<long long>(status->picked_count()),
+              static_cast<long long>(status->missed_count()),
+              static_cast<long long>(status->slipped_count()));
   std::printf("descriptor  %s\n", status->descriptor_name().c_str());
   std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
   std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());

@@ -8,6 +8,7 @@
 #include "client/cli/command.h"
 #include "client/cli/describe_command.h"
 #include "client/cli/export_command.h"
+#include "client/cli/grasps_command.h"
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
 #include "client/cli/robot_command.h"
@@ -65,6 +66,7 @@ int Run(int argc, char** argv) {
   AddDescribeCommand(app, global, &action);
   AddExportCommand(app, global, &action);
   AddObjectsCommand(app, global, &action);
+  AddGraspsCommand(app, global, &action);
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
   AddRobotCommand(app, global, &action);

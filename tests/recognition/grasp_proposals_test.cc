@@ -55,6 +55,51 @@ TEST(ProposeGrasps, EveryGraspOnceForEachTurnThePriorityFirst) {
   EXPECT_NEAR(proposals[1].world_tcp.translation().x(), 0.15, 1e-12);
 }
 
+TEST(SuccessRate, BeginsAtNineInTenAndFollowsWhatIsTold) {
+  EXPECT_DOUBLE_EQ(SuccessRate({}), 0.9);
+  EXPECT_LT(SuccessRate({.picked = 0, .missed = 1, .slipped = 0}), 0.9);
+  EXPECT_GT(SuccessRate({.picked = 1, .missed = 0, .slipped = 0}), 0.9);
+  EXPECT_NEAR(SuccessRate({.picked = 30'000, .missed = 10'000, .slipped = 0}), 0.75, 1e-3);
+  EXPECT_NEAR(SuccessRate({.picked = 30'000, .missed = 0, .slipped = 10'000}), 0.75, 1e-3);
+}
+
+TEST(ProposeGrasps, OfOnePriorityThoseThatSucceedComeFirst) {
+  TaughtStablePose pose{"pose", 1, {Grasp("fails", 1), Grasp("holds", 1), Grasp("wanted", 2)}};
+  pose.grasps[0].picks = {.picked = 4, .missed = 3, .slipped = 3};
+  pose.grasps[1].picks = {.picked = 10, .missed = 0, .slipped = 0};
+  pose.grasps[2].picks = {.picked = 0, .missed = 50, .slipped = 0};
+  EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
+              ElementsAre("wanted", "holds", "fails"));
+}
+
+TEST(ProposeGrasps, OneFailureIsChanceAndTwoAreNot) {
+  TaughtStablePose pose{"pose", 1, {Grasp("first", 1), Grasp("second", 1)}};
+  pose.grasps[0].picks.missed = 1;
+  EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
+              ElementsAre("first", "second"));
+  pose.grasps[0].picks.slipped = 1;
+  EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
+              ElementsAre("second", "first"));
+  pose.grasps[1].picks = {.picked = 0, .missed = 2, .slipped = 0};
+  EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
+              ElementsAre("first", "second"));
+}
+
+TEST(ProposeGrasps, NineteenSuccessesChangeNothingAndTwentyDo) {
+  TaughtStablePose pose{"pose", 1, {Grasp("first", 1), Grasp("second", 1)}};
+  pose.grasps[1].picks.picked = 19;
+  EXPECT_EQ(ProposeGrasps(pose, Pose::Identity(), std::nullopt)[0].grasp.id, "first");
+  pose.grasps[1].picks.picked = 20;
+  EXPECT_EQ(ProposeGrasps(pose, Pose::Identity(), std::nullopt)[0].grasp.id, "second");
+}
+
+TEST(ProposeGrasps, SuccessGoesBeforeTheLeastTurn) {
+  TaughtStablePose pose{"pose", 2, {Grasp("fails", 1), Grasp("holds", 1)}};
+  pose.grasps[0].picks.missed = 10;
+  EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
+              ElementsAre("holds", "holds", "fails", "fails"));
+}
+
 TEST(ProposeGrasps, ATurnedOneIsGivenWhereTheTaughtOneIsOutOfReach) {
   TaughtStablePose pose{"pose", 2, {Grasp("side", 1)}};
   const Box left{{-1, -1, -1}, {0, 1, 1}};

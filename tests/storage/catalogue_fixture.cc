@@ -13,6 +13,9 @@
 namespace graspdb::storage {
 namespace {
 
+// The record of the outcomes has the name of its stable pose.
+std::string OutcomesOf(const std::string& stable_pose) { return "outcomes of " + stable_pose; }
+
 // The records that the change records add up to.
 absl::StatusOr<std::map<std::string, std::string>> Replay(const std::vector<ChangeRecord>& changes,
                                                           std::set<std::string>& clouds) {
@@ -23,8 +26,10 @@ absl::StatusOr<std::map<std::string, std::string>> Replay(const std::vector<Chan
       const bool cloud = mutation.column_family() == "clouds";
       if (cloud && put) clouds.insert(mutation.key());
       if (cloud && !put) clouds.erase(mutation.key());
-      if (!cloud && put) records[mutation.key()] = mutation.value();
-      if (!cloud && !put) records.erase(mutation.key());
+      const bool outcomes = mutation.column_family() == "grasp_outcomes";
+      const std::string name = outcomes ? OutcomesOf(mutation.key()) : mutation.key();
+      if (!cloud && put) records[name] = mutation.value();
+      if (!cloud && !put) records.erase(name);
     }
   }
   return records;
@@ -132,6 +137,10 @@ absl::StatusOr<Picture> TakePicture(const Catalogue& catalogue) {
     if (!cloud.ok()) return cloud.status();
     picture.clouds[view.name()] = *std::move(cloud);
     return keep(view, seen.views);
+  };
+  visitor.grasp_outcomes = [&](const GraspOutcomesRecord& outcomes) {
+    picture.records[OutcomesOf(outcomes.name())] = outcomes.SerializeAsString();
+    return absl::OkStatus();
   };
   const auto revision = catalogue.ForEach(visitor);
   if (!revision.ok()) return revision.status();

@@ -139,7 +139,7 @@ TEST_F(OpenTest, ANewerSchemaIsRefusedAndLeftAsItIs) {
     const absl::Status opened = TryOpen();
     EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
     EXPECT_THAT(std::string(opened.message()),
-                AllOf(HasSubstr("has schema version 2, this program knows 1"),
+                AllOf(HasSubstr("has schema version 3, this program knows 2"),
                       HasSubstr("start the newer program")));
   }
 }

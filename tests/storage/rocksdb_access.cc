@@ -89,6 +89,12 @@ void AddFamily(const std::string& directory, const std::string& name) {
   });
 }
 
+void DropFamily(const std::string& directory, const std::string& name) {
+  WithDatabase(directory, [&name](rocksdb::DB& db, const Handles& handles) {
+    Check(db.DropColumnFamily(Find(handles, name)));
+  });
+}
+
 void FlushToFiles(const std::string& directory) {
   WithDatabase(directory, [](rocksdb::DB& db, const Handles& handles) {
     Check(db.Flush(rocksdb::FlushOptions(), handles));

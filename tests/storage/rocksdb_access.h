@@ -17,6 +17,8 @@ void Tamper(const std::string& directory, std::string_view family, std::string_v
             const std::string* value);
 // Adds a column family that this program does not know.
 void AddFamily(const std::string& directory, const std::string& name);
+// Removes a column family with all that is in it.
+void DropFamily(const std::string& directory, const std::string& name);
 // Moves everything from the log to sorted files.
 void FlushToFiles(const std::string& directory);
 

@@ -17,6 +17,15 @@ class SchemaTest : public testing::Test {
   void SetUp() override {
     Reopen();
     ASSERT_TRUE(PrepareSchema(*database_, std::nullopt, absl::UnixEpoch()).ok());
+    SetSchemaVersion(1);
+  }
+
+  void SetSchemaVersion(int version) {
+    MetaRecord meta = *ReadMeta(*database_);
+    meta.set_schema_version(version);
+    rocksdb::WriteBatch batch;
+    ASSERT_TRUE(database_->Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch).ok());
+    ASSERT_TRUE(database_->Write(batch).ok());
   }
 
   void Reopen() {

@@ -1,0 +1,71 @@
+#include "server/grasp_outcomes.h"
+
+#include <utility>
+
+#include "server/errors.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr int kMostAtOnce = 10'000;
+
+absl::StatusOr<v1::GraspOutcomeCounts> CountsFromProto(
+    const v1::ReportGraspOutcomeRequest& request) {
+  const int count = request.has_count() ? request.count() : 1;
+  if (count < 1 || count > kMostAtOnce) return InvalidField("count", "must lie in 1 to 10000");
+  v1::GraspOutcomeCounts out;
+  out.set_grasp_id(request.grasp_id());
+  switch (request.outcome()) {
+    case v1::GRASP_OUTCOME_PICKED:
+      out.set_picked_count(count);
+      return out;
+    case v1::GRASP_OUTCOME_MISSED:
+      out.set_missed_count(count);
+      return out;
+    case v1::GRASP_OUTCOME_SLIPPED:
+      out.set_slipped_count(count);
+      return out;
+    default:
+      return InvalidField("outcome", "must be PICKED, MISSED or SLIPPED");
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
+    const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue) {
+  const absl::StatusOr<v1::GraspOutcomeCounts> added = CountsFromProto(request);
+  if (!added.ok()) return added.status();
+  absl::StatusOr<v1::GraspOutcomeCounts> counts =
+      catalogue.AddGraspOutcomes(request.name(), *added);
+  if (!counts.ok()) return AtField("name", counts.status());
+  v1::ReportGraspOutcomeResponse out;
+  *out.mutable_counts() = *std::move(counts);
+  out.set_catalog_revision(catalogue.revision());
+  return out;
+}
+
+absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose) {
+  absl::StatusOr<storage::GraspOutcomesRecord> record =
+      catalogue.GetGraspOutcomes(stable_pose->name());
+  // Deleted since it was read: it had none then, as far as anybody can tell.
+  if (absl::IsNotFound(record.status())) return absl::OkStatus();
+  if (!record.ok()) return record.status();
+  *stable_pose->mutable_grasp_outcomes() = std::move(*record->mutable_counts());
+  return absl::OkStatus();
+}
+
+absl::Status SumGraspOutcomes(const storage::Catalogue& catalogue, v1::CatalogStatus* status) {
+  storage::RecordVisitor visitor;
+  visitor.grasp_outcomes = [status](const storage::GraspOutcomesRecord& record) {
+    for (const v1::GraspOutcomeCounts& counts : record.counts()) {
+      status->set_picked_count(status->picked_count() + counts.picked_count());
+      status->set_missed_count(status->missed_count() + counts.missed_count());
+      status->set_slipped_count(status->slipped_count() + counts.slipped_count());
+    }
+    return absl::OkStatus();
+  };
+  return catalogue.ForEach(visitor).status();
+}
+
+}  // namespace graspdb::server

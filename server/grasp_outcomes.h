@@ -1,0 +1,22 @@
+// What robots tell of grasps, between the contract and the storage.
+#pragma once
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graspdb/v1/catalog_service.pb.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// Counts what is reported. INVALID_ARGUMENT with the field; NOT_FOUND without the stable pose or
+// the grasp.
+absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
+    const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue);
+
+// Fills in what the stable pose has no part of on disk.
+absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose);
+
+// The sums over all grasps.
+absl::Status SumGraspOutcomes(const storage::Catalogue& catalogue, v1::CatalogStatus* status);
+
+}  // namespace graspdb::server

@@ -1,0 +1,77 @@
+// Outcomes of grasps.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "storage/catalogue.h"
+#include "storage/change_log.h"
+#include "storage/database.h"
+#include "storage/record_kind.h"
+
+namespace graspdb::storage {
+namespace {
+
+// The record of a stable pose, or an empty one.
+absl::StatusOr<GraspOutcomesRecord> ReadOutcomes(const Database& database, std::string_view name) {
+  auto record = ReadRecord<GraspOutcomesRecord>(database, name);
+  if (!absl::IsNotFound(record.status())) return record;
+  GraspOutcomesRecord none;
+  none.set_name(std::string(name));
+  return none;
+}
+
+absl::Status CheckAdded(const v1::GraspOutcomeCounts& added) {
+  const auto [least, most] =
+      std::minmax({added.picked_count(), added.missed_count(), added.slipped_count()});
+  if (least >= 0 && most > 0) return absl::OkStatus();
+  return absl::InvalidArgumentError("tell of at least one outcome, and of no negative number");
+}
+
+absl::Status CheckGrasp(const v1::StablePose& stable_pose, const std::string& grasp_id) {
+  const auto is_it = [&](const v1::Grasp& grasp) { return grasp.grasp_id() == grasp_id; };
+  if (std::ranges::any_of(stable_pose.grasps(), is_it)) return absl::OkStatus();
+  return absl::NotFoundError("the stable pose " + stable_pose.name() + " has no grasp '" +
+                             grasp_id + "'; list those that it has");
+}
+
+v1::GraspOutcomeCounts& CountsOf(GraspOutcomesRecord& record, const std::string& grasp_id) {
+  for (v1::GraspOutcomeCounts& counts : *record.mutable_counts()) {
+    if (counts.grasp_id() == grasp_id) return counts;
+  }
+  v1::GraspOutcomeCounts& added = *record.add_counts();
+  added.set_grasp_id(grasp_id);
+  return added;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::GraspOutcomeCounts> Catalogue::AddGraspOutcomes(
+    std::string_view stable_pose_name, const v1::GraspOutcomeCounts& added) {
+  if (absl::Status valid = CheckAdded(added); !valid.ok()) return valid;
+  v1::GraspOutcomeCounts sum;
+  const absl::Status status = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
+    const auto pose = ReadRecord<v1::StablePose>(*database_, stable_pose_name);
+    if (!pose.ok()) return pose.status();
+    if (auto known = CheckGrasp(*pose, added.grasp_id()); !known.ok()) return known;
+    auto record = ReadOutcomes(*database_, stable_pose_name);
+    if (!record.ok()) return record.status();
+    v1::GraspOutcomeCounts& counts = CountsOf(*record, added.grasp_id());
+    counts.set_picked_count(counts.picked_count() + added.picked_count());
+    counts.set_missed_count(counts.missed_count() + added.missed_count());
+    counts.set_slipped_count(counts.slipped_count() + added.slipped_count());
+    sum = counts;
+    batch.Begin();
+    batch.Overwrite(Family::kGraspOutcomes, stable_pose_name, record->SerializeAsString());
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return sum;
+}
+
+absl::StatusOr<GraspOutcomesRecord> Catalogue::GetGraspOutcomes(
+    std::string_view stable_pose_name) const {
+  if (auto pose = GetStablePose(stable_pose_name); !pose.ok()) return pose.status();
+  return ReadOutcomes(*database_, stable_pose_name);
+}
+
+}  // namespace graspdb::storage
