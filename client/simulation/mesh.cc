@@ -87,7 +87,8 @@ double DiameterOf(const TriangleMesh& mesh) {
   return std::sqrt(static_cast<double>(largest));
 }
 
-recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint64_t seed) {
+recognition::OrientedCloud SampleOrientedSurface(const TriangleMesh& mesh, int count,
+                                                 std::uint64_t seed) {
   std::vector<double> area_up_to;
   double total = 0;
   for (const std::array<int, 3>& t : mesh.triangles) {
@@ -95,8 +96,8 @@ recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint
     total += (k.b - k.a).cross(k.c - k.a).norm() / 2;
     area_up_to.push_back(total);
   }
-  recognition::Points points;
-  if (!(total > 0)) return points;
+  recognition::OrientedCloud out;
+  if (!(total > 0)) return out;
   for (int i = 0; i < count; ++i) {
     const auto n = static_cast<std::uint64_t>(i);
     const double at = RandomUniform(seed, 0, n) * total;
@@ -108,9 +109,14 @@ recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint
     const double r = std::sqrt(RandomUniform(seed, 1, n));
     const double s = RandomUniform(seed, 2, n);
     const Eigen::Vector3d p = (1 - r) * k.a + r * (1 - s) * k.b + r * s * k.c;
-    points.push_back(p.cast<float>());
+    out.points.push_back(p.cast<float>());
+    out.normals.push_back((k.b - k.a).cross(k.c - k.a).normalized().cast<float>());
   }
-  return points;
+  return out;
+}
+
+recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint64_t seed) {
+  return SampleOrientedSurface(mesh, count, seed).points;
 }
 
 absl::StatusOr<Eigen::Vector3d> CenterOfMass(const TriangleMesh& mesh) {

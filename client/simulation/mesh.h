@@ -34,6 +34,10 @@ double DiameterOf(const TriangleMesh& mesh);
 // Faces inside a union of shells are sampled too. None without triangles.
 recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint64_t seed);
 
+// The same points with the normals of their triangles, which point outwards.
+recognition::OrientedCloud SampleOrientedSurface(const TriangleMesh& mesh, int count,
+                                                 std::uint64_t seed);
+
 // Centre of mass of the solid, of constant density; where shells overlap the
 // mass counts twice. FAILED_PRECONDITION when the mesh encloses no volume.
 absl::StatusOr<Eigen::Vector3d> CenterOfMass(const TriangleMesh& mesh);

@@ -1,0 +1,128 @@
+#include "client/teaching/stable_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "client/teaching/mesh_surface.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3d;
+using recognition::Pose;
+
+constexpr double kRollLiftShare = 0.005;  // of the diameter
+constexpr double kTouchingShare = 0.002;  // of the diameter
+constexpr double kSameAttitudeRad = 20 * std::numbers::pi / 180;
+
+// Facets of one basin that are near to each other; `down` and `facet` are of the most probable one.
+struct Attitude {
+  Vector3d down;
+  int basin = 0;
+  double probability = 0;
+  int facet_count = 0;
+  bool rolls = false;
+};
+
+std::vector<Attitude> AttitudesOf(const std::vector<RestingFacet>& facets) {
+  std::vector<Attitude> out;
+  for (const RestingFacet& facet : facets) {
+    const auto same = std::ranges::find_if(out, [&](const Attitude& a) {
+      return a.basin == facet.basin && a.down.dot(facet.down) > std::cos(kSameAttitudeRad);
+    });
+    if (same == out.end()) {
+      out.push_back({facet.down, facet.basin, facet.probability, 1});
+    } else {
+      same->probability += facet.probability;
+      ++same->facet_count;
+    }
+  }
+  for (Attitude& a : out) {
+    a.rolls = std::ranges::count(out, a.basin, &Attitude::basin) > 1;
+  }
+  std::ranges::stable_sort(out, std::greater(), &Attitude::probability);
+  return out;
+}
+
+// An attitude that looks like none before it, with the surface as it then stands.
+struct Look {
+  Attitude attitude;
+  recognition::SurfaceModel model;
+};
+
+bool LooksLike(const recognition::SurfaceModel& a, const recognition::SurfaceModel& b) {
+  const auto likeness = recognition::FindLikeness(a, b);
+  return likeness && likeness->gap.largest_m <= recognition::AlikeM(b);
+}
+
+std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Attitude>& attitudes) {
+  const recognition::OrientedCloud surface = SurfaceOf(mesh);
+  std::vector<Look> out;
+  for (const Attitude& attitude : attitudes) {
+    recognition::SurfaceModel model = Posed(surface, PutDown(mesh, attitude.down));
+    const auto same =
+        std::ranges::find_if(out, [&](const Look& look) { return LooksLike(model, look.model); });
+    if (same == out.end()) {
+      out.push_back({attitude, std::move(model)});
+    } else {
+      same->attitude.probability += attitude.probability;
+      same->attitude.facet_count += attitude.facet_count;
+      same->attitude.rolls = same->attitude.rolls || attitude.rolls;
+    }
+  }
+  std::ranges::stable_sort(out, [](const Look& a, const Look& b) {
+    return a.attitude.probability > b.attitude.probability;
+  });
+  return out;
+}
+
+// With the origin on the axis of the symmetry, where there is one: that leads through the centre
+// of mass.
+Pose OnAxis(Pose object_mesh, const Vector3d& center) {
+  const Vector3d at = object_mesh * center;
+  object_mesh.pretranslate(Vector3d(-at.x(), -at.y(), 0));
+  return object_mesh;
+}
+
+}  // namespace
+
+Pose PutDown(const TriangleMesh& mesh, const Vector3d& down) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond::FromTwoVectors(down, -Vector3d::UnitZ()).toRotationMatrix();
+  const recognition::Box box = BoundsOf(Transformed(mesh, pose));
+  const Vector3d middle = (box.min + box.max) / 2;
+  pose.translation() = Vector3d(-middle.x(), -middle.y(), -box.min.z());
+  return pose;
+}
+
+absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double min_probability) {
+  if (absl::Status checked = CheckMesh(mesh); !checked.ok()) return checked;
+  const absl::StatusOr<ConvexHull> hull = HullOf(mesh.vertices);
+  if (!hull.ok()) return hull.status();
+  MeshStablePoses out;
+  out.mass = CenterOfMass(mesh, *hull);
+  const double diameter = DiameterOf(mesh);
+  const auto facets = RestingFacets(*hull, out.mass.center, kRollLiftShare * diameter);
+  if (!facets.ok()) return facets.status();
+  for (const Look& look : LooksOf(mesh, AttitudesOf(*facets))) {
+    const Attitude& a = look.attitude;
+    if (a.probability < min_probability && !out.poses.empty()) {
+      out.left_out += a.probability;
+      continue;
+    }
+    MeshStablePose pose;
+    pose.object_mesh = PutDown(mesh, a.down);
+    pose.probability = a.probability;
+    pose.tip_angle_rad = TipAngle(*hull, out.mass.center, a.down, kTouchingShare * diameter);
+    pose.rolls = a.rolls;
+    pose.facet_count = a.facet_count;
+    pose.symmetry = recognition::FindSymmetry(look.model);
+    if (pose.symmetry_order() != 1) pose.object_mesh = OnAxis(pose.object_mesh, out.mass.center);
+    out.poses.push_back(pose);
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,57 @@
+// The ways in which a mesh rests on a table, as a catalogue wants them: few, and each looks
+// different from the others.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/simulation/mesh.h"
+#include "client/teaching/convex_hull.h"
+#include "client/teaching/resting.h"
+#include "recognition/likeness.h"
+#include "recognition/types.h"
+
+namespace graspdb::client {
+
+// One stable pose of a mesh.
+struct MeshStablePose {
+  // T_object_mesh: the mesh as it rests. The object's frame has z up and rests on z = 0; its
+  // origin lies below the middle of the bounding box, or on the axis of the symmetry.
+  recognition::Pose object_mesh = recognition::Pose::Identity();
+  // That a dropped thing comes to rest so, or so that it looks the same: 0 to 1.
+  double probability = 0;
+  // By how much the table must be tilted before it tips over, rad.
+  double tip_angle_rad = 0;
+  // On the table it rolls from this attitude on: what lies 20 degrees and more from it, and looks
+  // different, is another stable pose.
+  bool rolls = false;
+  // Facets of the hull that are this pose.
+  int facet_count = 0;
+  // The turns about z that bring it onto itself. Of no more than nearly symmetric things: order 1
+  // is to be declared.
+  recognition::FoundSymmetry symmetry;
+
+  int symmetry_order() const { return symmetry.nearly ? 1 : symmetry.order; }
+};
+
+struct MeshStablePoses {
+  std::vector<MeshStablePose> poses;  // the most probable first
+  double left_out = 0;                // probability of those below the least one
+  MassCenter mass;                    // mesh frame
+};
+
+// All stable poses with at least `min_probability`, see RestingFacets. One pose are facets between
+// which the centre of mass is lifted by less than 0.5 % of the diameter (curved and noisy
+// surfaces) and that are less than 20 degrees apart, and all poses that look the same on the table
+// to a depth camera (recognition::FindLikeness within AlikeM, so 2.5 mm or 2 % of the size): the
+// sides of a cylinder are one, so are the faces of a cube. What has no pose at or above the least
+// probability has its most probable one.
+//
+// Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh and HullOf.
+absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double min_probability);
+
+// T_object_mesh of a mesh that rests with `down` (mesh frame, length one): the lowest point on z =
+// 0, the middle of the bounding box on the z axis, turned as little as possible.
+recognition::Pose PutDown(const TriangleMesh& mesh, const Eigen::Vector3d& down);
+
+}  // namespace graspdb::client
