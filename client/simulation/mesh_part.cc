@@ -7,6 +7,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "client/simulation/length_unit.h"
 #include "client/simulation/mesh_file.h"
 
 namespace graspdb::client {
@@ -17,8 +18,27 @@ constexpr double kLargestSideM = 0.6;
 constexpr double kClearanceM = 0.02;
 constexpr std::size_t kMaxIdLength = 63;
 
+double LargestSideM(const TriangleMesh& mesh) {
+  const recognition::Box box = BoundsOf(mesh);
+  return (box.max - box.min).maxCoeff();
+}
+
+bool IsPartSize(double side_m) { return side_m >= kSmallestSideM && side_m <= kLargestSideM; }
+
+// The units in which the largest side, `units` of the file's, is that of a part.
+std::string FittingUnits(double units) {
+  std::string out;
+  for (const LengthUnit& unit : kLengthUnits) {
+    if (!IsPartSize(units * unit.metres)) continue;
+    out.append(out.empty() ? "" : " or ").append(unit.name);
+  }
+  return out.empty() ? "mm, cm, m or inch" : out;
+}
+
+}  // namespace
+
 // See Object.name in the contract: [a-z0-9_.-], a letter or digit first.
-std::string IdFrom(const std::filesystem::path& path) {
+std::string ObjectIdOf(const std::filesystem::path& path) {
   std::string id = absl::AsciiStrToLower(path.stem().string());
   for (char& c : id) {
     const auto byte = static_cast<unsigned char>(c);
@@ -29,26 +49,29 @@ std::string IdFrom(const std::filesystem::path& path) {
   return id;
 }
 
-}  // namespace
+absl::StatusOr<TriangleMesh> LoadPartMesh(const std::filesystem::path& path, double unit_scale_m) {
+  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path, unit_scale_m);
+  if (!mesh.ok()) return mesh;
+  const double side = LargestSideM(*mesh);
+  if (IsPartSize(side)) return mesh;
+  return absl::InvalidArgumentError(
+      absl::StrCat(path.string(), " is ", side, " m large, and parts have ", kSmallestSideM, " to ",
+                   kLargestSideM, " m; name its unit, ", FittingUnits(side / unit_scale_m)));
+}
 
 absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
                                             double unit_scale_m) {
-  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path, unit_scale_m);
+  absl::StatusOr<TriangleMesh> mesh = LoadPartMesh(path, unit_scale_m);
   if (!mesh.ok()) return mesh.status();
   const recognition::Box box = BoundsOf(*mesh);
   const Eigen::Vector3d sides = box.max - box.min;
-  if (sides.maxCoeff() < kSmallestSideM || sides.maxCoeff() > kLargestSideM) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path.string(), " is ", sides.maxCoeff(), " m large, and parts have ",
-                     kSmallestSideM, " to ", kLargestSideM, " m; name its unit, m, mm or inch"));
-  }
   const Eigen::Vector3d middle = (box.min + box.max) / 2;
   const Eigen::Vector3d origin(middle.x(), middle.y(), box.min.z());
   for (Eigen::Vector3f& v : mesh->vertices) v = (v.cast<double>() - origin).cast<float>();
   const double closing_rad = sides.x() <= sides.y() ? 0 : std::numbers::pi / 2;
   const double opening = std::min(sides.x(), sides.y()) + kClearanceM;
   const Eigen::Vector3d hold(0, 0, sides.z() / 2);
-  return Workpiece{.object_id = IdFrom(path),
+  return Workpiece{.object_id = ObjectIdOf(path),
                    .display_name = path.stem().string(),
                    .stable_pose_id = "resting",
                    .symmetry_order = 1,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/simulation/length_unit.h"
 #include "client/simulation/mesh_part.h"
 #include "client/simulation/progress_line.h"
 #include "client/simulation/sample_parts.h"
@@ -54,11 +55,6 @@ constexpr char kFooter[] =
     "  graspdb simulate bolt.stl --unit mm --out bolt --look-down 35,50\n"
     "Then: graspdb import teach, and graspdb recognize ask.";
 
-double UnitScale(const std::string& unit) {
-  if (unit == "mm") return 0.001;
-  return unit == "inch" ? 0.0254 : 1.0;
-}
-
 void ListParts() {
   for (const Workpiece& part : SampleParts()) {
     std::cout << part.object_id << "\t" << part.display_name << "\n";
@@ -68,7 +64,7 @@ void ListParts() {
 absl::StatusOr<std::vector<Workpiece>> PartsOf(const Arguments& arguments) {
   std::vector<Workpiece> parts;
   for (const std::string& path : arguments.meshes) {
-    absl::StatusOr<Workpiece> part = WorkpieceFromMesh(path, UnitScale(arguments.unit));
+    absl::StatusOr<Workpiece> part = WorkpieceFromMesh(path, MetresOf(arguments.unit).value_or(1));
     if (!part.ok()) return part.status();
     parts.push_back(*std::move(part));
   }
@@ -150,8 +146,8 @@ std::vector<std::string> SamplePartIds() {
 
 void AddObjectOptions(CLI::App& command, Arguments& a) {
   command.add_option("mesh", a.meshes, "Meshes to capture (PLY, OBJ, STL)")->type_name("MESH");
-  command.add_option("--unit", a.unit, "Unit of the meshes: m, mm or inch")
-      ->check(CLI::IsMember({"m", "mm", "inch"}))
+  command.add_option("--unit", a.unit, "Unit of the meshes: mm, cm, m or inch")
+      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
       ->capture_default_str();
   command.add_option("--parts", a.parts, "Sample parts to capture, by a comma list of ids")
       ->delimiter(',')
