@@ -12,6 +12,7 @@
 #include "client/cli/import_command.h"
 #include "client/cli/recognize_command.h"
 #include "client/cli/robot_command.h"
+#include "client/cli/teach_command.h"
 #include "client/eval/eval_command.h"
 #include "client/simulation/simulate_command.h"
 #include "settings/settings_file.h"
@@ -61,6 +62,7 @@ int Run(int argc, char** argv) {
   Action action;
   AddGlobalFlags(app, &global);
   AddImportCommand(app, global, &action);
+  AddTeachCommand(app, global, &action);
   AddRecognizeCommand(app, global, &action);
   AddBenchCommand(app, global, &action);
   AddDescribeCommand(app, global, &action);

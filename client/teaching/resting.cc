@@ -22,8 +22,8 @@ constexpr double kOpenShare = 0.01;
 // or shells lie in each other.
 constexpr double kLeastVolume = 1e-3;
 constexpr double kMostVolume = 1.01;
-// What is below the centre of mass may be so far outside a facet that holds, m: rounding.
-constexpr double kRoundingM = 1e-9;
+// A facet does not hold from which a smaller tilt makes it roll downhill.
+const double kLeastTip = std::tan(1 * std::numbers::pi / 180);
 
 std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
@@ -70,7 +70,7 @@ class Landscape {
       const Vector3d& a = hull_.points[At(edge.from)];
       const Vector3d along = hull_.points[At(edge.to)] - a;
       const double inside = f.normal.cross(along).normalized().dot(foot - a);
-      if (inside >= -kRoundingM || height(edge.neighbor) >= height(facet)) continue;
+      if (inside >= kLeastTip * height(facet) || height(edge.neighbor) >= height(facet)) continue;
       const double t = std::clamp(along.dot(foot - a) / along.squaredNorm(), 0.0, 1.0);
       const double distance = (a + t * along - foot).norm();
       if (distance >= nearest) continue;

@@ -33,7 +33,8 @@ struct RestingFacet {
 // J. Canny, "Part pose statistics: estimators and experiments", IEEE Trans. Robotics and
 // Automation 15(5), 1999: every attitude is as likely, a facet is met with the solid angle under
 // which it is seen from the centre of mass, and from a facet that does not hold it rolls over the
-// edge that is nearest to what is below the centre of mass.
+// edge that is nearest to what is below the centre of mass. From one that holds only up to a tilt
+// of one degree it rolls too, where that is downhill: no drop ends on it.
 //
 // Two facets share a basin where the centre of mass need not be lifted by more than
 // `roll_lift_m` on the way from the higher one to the lower one, over whatever facets. (The lowest

@@ -26,12 +26,28 @@ struct Attitude {
   bool rolls = false;
 };
 
+// A thing rolls where the next facet of another attitude in the basin is near: what lies on its
+// edge and tips over easily has none.
+void MarkRolling(const std::vector<RestingFacet>& facets, const std::vector<std::size_t>& of_facet,
+                 std::vector<Attitude>* attitudes) {
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (of_facet[i] == of_facet[j] || facets[i].basin != facets[j].basin) continue;
+      if (facets[i].down.dot(facets[j].down) < std::cos(kSameAttitudeRad)) continue;
+      (*attitudes)[of_facet[i]].rolls = true;
+      (*attitudes)[of_facet[j]].rolls = true;
+    }
+  }
+}
+
 std::vector<Attitude> AttitudesOf(const std::vector<RestingFacet>& facets) {
   std::vector<Attitude> out;
+  std::vector<std::size_t> of_facet;  // position in `out`
   for (const RestingFacet& facet : facets) {
     const auto same = std::ranges::find_if(out, [&](const Attitude& a) {
       return a.basin == facet.basin && a.down.dot(facet.down) > std::cos(kSameAttitudeRad);
     });
+    of_facet.push_back(static_cast<std::size_t>(same - out.begin()));
     if (same == out.end()) {
       out.push_back({facet.down, facet.basin, facet.probability, 1});
     } else {
@@ -39,9 +55,7 @@ std::vector<Attitude> AttitudesOf(const std::vector<RestingFacet>& facets) {
       ++same->facet_count;
     }
   }
-  for (Attitude& a : out) {
-    a.rolls = std::ranges::count(out, a.basin, &Attitude::basin) > 1;
-  }
+  MarkRolling(facets, of_facet, &out);
   std::ranges::stable_sort(out, std::greater(), &Attitude::probability);
   return out;
 }

@@ -22,8 +22,8 @@ struct MeshStablePose {
   double probability = 0;
   // By how much the table must be tilted before it tips over, rad.
   double tip_angle_rad = 0;
-  // On the table it rolls from this attitude on: what lies 20 degrees and more from it, and looks
-  // different, is another stable pose.
+  // It rolls on over facets that are less than 20 degrees apart: what lies 20 degrees and more from
+  // this attitude, and looks different, is another stable pose.
   bool rolls = false;
   // Facets of the hull that are this pose.
   int facet_count = 0;

@@ -10,7 +10,6 @@
 namespace graspdb::client {
 namespace {
 
-using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
@@ -21,6 +20,9 @@ constexpr double kLeastPlayM = 0.003;  // on each side of the thing when the gri
 constexpr double kPlayM = 0.010;       // on each side, where it can open so far
 constexpr double kTouchDepthM = 0.0015;
 const float kLeastCosine = static_cast<float>(std::cos(20 * std::numbers::pi / 180));
+// As a share of how far the thing reaches from its centre of mass: beyond, it would turn in the
+// grasp.
+constexpr double kMostLever = 0.5;
 constexpr double kLeastTouchM2 = 8e-6;
 constexpr double kOtherGraspRad = 45 * std::numbers::pi / 180;
 
@@ -44,7 +46,8 @@ class Turned {
       points_.push_back(forth * surface.points[i]);
       cosines_.push_back((forth * surface.normals[i]).x());
       top_ = std::max(top_, static_cast<double>(points_.back().z()));
-      reach_ = std::max(reach_, static_cast<double>(std::abs(points_.back().y())));
+      const Eigen::Vector2d arm = points_.back().cast<double>().head<2>() - mass_.head<2>();
+      reach_ = std::max(reach_, arm.norm());
     }
   }
 
@@ -106,6 +109,7 @@ class Turned {
     if (touching < kLeastTouchM2) return std::nullopt;
     const double x = static_cast<double>(span.low + span.high) / 2;
     const double lever = std::hypot(y - mass_.y(), x - mass_.x());
+    if (lever > kMostLever * reach_) return std::nullopt;
     const double pad = gripper_.finger_width_m * gripper_.pad_height_m;
     const double value = std::min(1.0, touching / pad) - 2 * lever / gripper_.max_opening_m -
                          0.5 * width / gripper_.max_opening_m;
@@ -121,7 +125,7 @@ class Turned {
   std::vector<Vector3f> points_;
   std::vector<float> cosines_;  // of the normals to x
   double top_ = 0;
-  double reach_ = 0;
+  double reach_ = 0;  // across the table, from the centre of mass
 };
 
 double AreaOf(const TriangleMesh& mesh) {

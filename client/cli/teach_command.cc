@@ -1,0 +1,187 @@
+#include "client/cli/teach_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/look_alike_notes.h"
+#include "client/cli/stable_pose_table.h"
+#include "client/simulation/length_unit.h"
+#include "client/simulation/mesh_part.h"
+#include "client/simulation/progress_line.h"
+#include "client/teaching/cad_part.h"
+#include "client/teaching/cad_views.h"
+
+namespace graspdb::client {
+namespace {
+
+struct Options {
+  std::string object;
+  std::string display_name;
+  std::string mesh;
+  std::string unit;
+  std::string cell;
+  std::string camera = "v2";
+  double look_down_deg = 40;
+  double distance_m = 0.8;
+  double step_deg = 20;
+  double min_probability = 0.01;
+  double gripper_max_m = ParallelGripper{}.max_opening_m;
+  std::vector<int> poses;
+  bool add = false;
+  bool dry_run = false;
+};
+
+constexpr char kFooter[] =
+    R"(From a mesh: finds the ways in which the object rests on the table, how likely each is, their
+symmetries and top grasps, and teaches views of each as the camera would take them. What is there
+keeps its grasps. A command that was interrupted is run again: nothing is taught twice.
+
+Examples:
+  graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # the stable poses alone
+  graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
+  graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
+
+absl::StatusOr<CadPart> PartOf(const Options& options) {
+  const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
+  if (!mesh.ok()) return mesh.status();
+  CadOptions cad{.min_probability = options.min_probability, .gripper = {}};
+  cad.gripper.max_opening_m = options.gripper_max_m;
+  const std::string& name = options.display_name.empty() ? options.object : options.display_name;
+  absl::StatusOr<CadPart> part = ProposeCadPart(options.object, name, *mesh, cad);
+  if (!part.ok() || options.poses.empty()) return part;
+  return Select(*part, options.poses);
+}
+
+absl::StatusOr<CadViews> ViewsOf(const Options& options, Client& client) {
+  CadViews views;
+  views.camera = options.camera == "v1" ? KinectV1() : KinectV2();
+  views.step_deg = options.step_deg;
+  views.beside_others = options.add;
+  views.world_sensor =
+      LookAt(Eigen::Vector3d::Zero(), options.distance_m, options.look_down_deg, -90);
+  if (options.cell.empty()) return views;
+  const auto cell = client.GetCell(ResourceName("cells", options.cell));
+  if (!cell.ok()) return cell.status();
+  const auto stand = StandOf(*cell);
+  if (!stand.ok()) return stand.status();
+  views.world_sensor = *stand;
+  return views;
+}
+
+// As a capture set would declare it: for programs.
+absl::Status PrintDeclaration(const CadPart& part) {
+  v1::CapturedObject object;
+  for (const Workpiece& workpiece : part.workpieces) {
+    v1::CapturedObject one = DeclarationOf(workpiece);
+    one.clear_mesh_path();
+    object.MergeFrom(one);
+  }
+  return PrintJson(object);
+}
+
+absl::Status Report(const GlobalOptions& global, Client& client, const Options& options,
+                    const UploadCounts& counts) {
+  const absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (global.json) {
+    v1::UploadViewsResponse summary;
+    summary.set_created_count(counts.created);
+    summary.set_existing_count(counts.existing);
+    summary.set_catalog_revision(status->catalog_revision());
+    return PrintJson(summary);
+  }
+  std::printf(
+      "taught %d views, %d were there already; the catalogue has %lld views of %lld objects\n",
+      counts.created, counts.existing, static_cast<long long>(status->view_count()),
+      static_cast<long long>(status->object_count()));
+  if (counts.created == 0) return absl::OkStatus();
+  return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
+}
+
+absl::Status RunTeach(const GlobalOptions& global, const Options& options) {
+  const absl::StatusOr<CadPart> part = PartOf(options);
+  if (!part.ok()) return part.status();
+  if (options.dry_run && global.json) return PrintDeclaration(*part);
+  if (!global.json) std::printf("%s", StablePoseTable(*part).c_str());
+  if (options.dry_run) return absl::OkStatus();
+  Client client = Connect(global);
+  const absl::StatusOr<CadViews> views = ViewsOf(options, client);
+  if (!views.ok()) return views.status();
+  absl::StatusOr<UploadCounts> counts;
+  {
+    ProgressLine progress("views");
+    const auto total = static_cast<int>(CountOf(part->workpieces, *views));
+    counts = TeachCadViews(
+        client, part->workpieces, *views,
+        {.report = [&](std::size_t done) { progress.Report(static_cast<int>(done), total); },
+         .cancelled = Interrupted});
+  }
+  if (!counts.ok()) return counts.status();
+  return Report(global, client, options, *counts);
+}
+
+void AddMeshOptions(CLI::App& command, Options& o) {
+  CLI::Option* mesh = command.add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
+                          ->required()
+                          ->check(CLI::ExistingFile);
+  command.add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
+      ->required()
+      ->needs(mesh)
+      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
+  command.add_option("--display-name", o.display_name, "What people call it");
+  command
+      .add_option("--min-probability", o.min_probability,
+                  "Stable poses in which a dropped object ends less often are left out")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--poses", o.poses, "Only these stable poses, as --dry-run counts them")
+      ->delimiter(',')
+      ->type_name("N,...");
+  command.add_option("--gripper-max", o.gripper_max_m, "How far the gripper opens, m")
+      ->check(CLI::Range(0.005, 0.5))
+      ->capture_default_str();
+  command.add_flag("--dry-run", o.dry_run,
+                   "Print the stable poses and teach nothing; needs no server. With --json as a "
+                   "capture set declares them");
+}
+
+void AddViewOptions(CLI::App& command, Options& o) {
+  CLI::Option* cell = command.add_option(
+      "--cell", o.cell, "The cell whose camera looks at it: its angle and distance are taken");
+  command.add_option("--camera", o.camera, "Kinect v1 (640x480) or v2 (512x424)")
+      ->check(CLI::IsMember({"v1", "v2"}))
+      ->capture_default_str();
+  command
+      .add_option("--look-down", o.look_down_deg, "Angle of the camera below the horizon, degrees")
+      ->excludes(cell)
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  command.add_option("--distance", o.distance_m, "Distance of the camera from the object, m")
+      ->excludes(cell)
+      ->check(CLI::Range(0.1, 5.0))
+      ->capture_default_str();
+  command.add_option("--step", o.step_deg, "Turn between views, degrees")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  command.add_flag("--add", o.add,
+                   "Teach also where a stable pose has views of another mesh or camera");
+}
+
+}  // namespace
+
+void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command = AddCommand(app, "teach", "Teach an object from its CAD model");
+  auto options = std::make_shared<Options>();
+  command->add_option("OBJECT", options->object, "Id of the object, e.g. bracket")->required();
+  AddMeshOptions(*command, *options);
+  AddViewOptions(*command, *options);
+  command->footer(kFooter);
+  command->callback(
+      [=, &global] { *action = [=, &global] { return RunTeach(global, *options); }; });
+}
+
+}  // namespace graspdb::client

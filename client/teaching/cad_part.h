@@ -1,0 +1,36 @@
+// A mesh as what is to be taught of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/simulation/workpiece.h"
+#include "client/teaching/stable_poses.h"
+#include "client/teaching/top_grasps.h"
+
+namespace graspdb::client {
+
+struct CadOptions {
+  double min_probability = 0.01;  // of a stable pose
+  ParallelGripper gripper;
+};
+
+// A mesh with its stable poses. Position by position the same: `workpieces` are one object, whose
+// stable poses are called "resting-1", "resting-2", … by falling probability.
+struct CadPart {
+  std::vector<Workpiece> workpieces;
+  MeshStablePoses found;
+};
+
+// Stable poses, their symmetries and grasps for `mesh` (metres). Deterministic. Errors as
+// FindStablePoses.
+absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
+                                       const std::string& display_name, const TriangleMesh& mesh,
+                                       const CadOptions& options);
+
+// Only the stable poses with these numbers, 1 for the most probable one. INVALID_ARGUMENT for a
+// number that there is not.
+absl::StatusOr<CadPart> Select(const CadPart& part, const std::vector<int>& numbers);
+
+}  // namespace graspdb::client

@@ -1,0 +1,165 @@
+#include "client/teaching/cad_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/files/cloud_message.h"
+#include "client/files/pose_message.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3d;
+using recognition::Pose;
+
+constexpr std::uint64_t kSeed = 1;
+// A camera whose axis falls by less than this a metre does not look at the table.
+constexpr double kLeastFall = 0.05;
+constexpr int kLeastPixels = 30;
+
+bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
+  return p.x() >= box.min().x() && p.x() <= box.max().x() && p.y() >= box.min().y() &&
+         p.y() <= box.max().y();
+}
+
+// Renders views by their number: one stable pose after the other.
+class Turntable {
+ public:
+  static absl::StatusOr<Turntable> Create(const std::vector<Workpiece>& parts,
+                                          const CadViews& views) {
+    auto camera = DepthCamera::Create(views.camera);
+    if (!camera.ok()) return camera.status();
+    return Turntable(parts, views, *std::move(camera));
+  }
+
+  std::size_t steps() const {
+    return static_cast<std::size_t>(std::ceil(360 / views_.step_deg - 1e-9));
+  }
+  std::size_t count() const { return parts_.size() * steps(); }
+
+  absl::Status Make(std::size_t number, v1::UploadViewsRequest* request) const {
+    const Workpiece& part = parts_[number / steps()];
+    const double azimuth_deg = static_cast<double>(number % steps()) * views_.step_deg;
+    Pose world_object = Pose::Identity();
+    world_object.rotate(Eigen::AngleAxisd(azimuth_deg * std::numbers::pi / 180, Vector3d::UnitZ()));
+    Scene scene;
+    scene.objects.push_back({.mesh = &part.mesh, .world_object = world_object});
+    const auto azimuth = static_cast<std::uint64_t>(std::llround(azimuth_deg * 1000));
+    const auto frame =
+        camera_.Render(scene, views_.world_sensor, RandomBits(kSeed, Hash(part), azimuth));
+    if (!frame.ok()) return frame.status();
+    if (std::ranges::count(frame->surface, 0) < kLeastPixels) return OutOfSight(part);
+    request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
+    v1::View* view = request->mutable_view();
+    *view->mutable_cloud() = CloudMessage(ToPoints(*frame, views_.camera.intrinsics), frame->width);
+    *view->mutable_object_pose() = ToMessage(world_object);
+    *view->mutable_sensor_pose() = ToMessage(views_.world_sensor);
+    *request->mutable_region_of_interest() = SimulatedRegion();
+    return absl::OkStatus();
+  }
+
+ private:
+  Turntable(const std::vector<Workpiece>& parts, const CadViews& views, DepthCamera camera)
+      : parts_(parts), views_(views), camera_(std::move(camera)) {}
+
+  // Stable poses have noise of their own (FNV-1a of their names).
+  static std::uint64_t Hash(const Workpiece& part) {
+    std::uint64_t hash = 14695981039346656037ULL;
+    for (const char c : part.object_id + "/" + part.stable_pose_id) {
+      hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    }
+    return hash;
+  }
+
+  absl::Status OutOfSight(const Workpiece& part) const {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nothing of ", part.object_id, " is to be seen in ", part.stable_pose_id,
+        "; the camera measures from ", views_.camera.min_depth_m, " to ", views_.camera.max_depth_m,
+        " m, choose another --distance or check the cell's pose"));
+  }
+
+  const std::vector<Workpiece>& parts_;
+  const CadViews& views_;
+  DepthCamera camera_;
+};
+
+// What is there of a stable pose must be of this mesh, camera and place: its first view is.
+absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t part) {
+  v1::UploadViewsRequest first;
+  absl::Status made = turntable.Make(part * turntable.steps(), &first);
+  if (!made.ok()) return made;
+  const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(first.parent());
+  if (absl::IsNotFound(views.status())) return absl::OkStatus();
+  if (!views.ok()) return views.status();
+  const std::string name = absl::StrCat(first.parent(), "/views/", ContentId(first.view().cloud()));
+  if (views->empty() || std::ranges::find(*views, name, &v1::View::name) != views->end()) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(absl::StrCat(
+      first.parent(), " has ", views->size(),
+      " views that are not of this mesh, camera and place; delete the object, teach another "
+      "name, or teach these views beside them with --add"));
+}
+
+}  // namespace
+
+absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
+  if (!cell.has_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(cell.name(),
+                     " has no sensor pose; calibrate it, or give --look-down and "
+                     "--distance in place of --cell"));
+  }
+  if (absl::Status pose = CheckPose(cell.sensor_pose(), "sensor_pose"); !pose.ok()) return pose;
+  Pose sensor = FromMessage(cell.sensor_pose());
+  const Vector3d axis = sensor.linear().col(2);
+  const double height = sensor.translation().z();
+  const bool looks_down = axis.z() < -kLeastFall && height > 0;
+  Vector3d target = Vector3d::Zero();
+  if (looks_down) target = sensor.translation() - axis * (height / axis.z());
+  const v1::AxisAlignedBox& region = cell.region_of_interest();
+  if (cell.has_region_of_interest() && (!looks_down || !IsWithin(region, target))) {
+    target = Vector3d((region.min().x() + region.max().x()) / 2,
+                      (region.min().y() + region.max().y()) / 2, 0);
+  } else if (!looks_down) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the camera of ", cell.name(), " does not look down at the table; check its sensor pose"));
+  }
+  sensor.translation() -= target;
+  return sensor;
+}
+
+std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views) {
+  return parts.size() * static_cast<std::size_t>(std::ceil(360 / views.step_deg - 1e-9));
+}
+
+absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
+                                           const CadViews& views, const UploadWatch& watch) {
+  if (!(views.step_deg >= 1 && views.step_deg <= 120)) {
+    return absl::InvalidArgumentError("the step of the turntable is not between 1 and 120 degrees");
+  }
+  const absl::StatusOr<Turntable> turntable = Turntable::Create(parts, views);
+  if (!turntable.ok()) return turntable.status();
+  for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
+    absl::Status own = CheckOwn(client, *turntable, part);
+    if (!own.ok()) return own;
+  }
+  std::vector<v1::CapturedObject> declared;
+  declared.reserve(parts.size());
+  for (const Workpiece& part : parts) declared.push_back(DeclarationOf(part));
+  if (absl::Status made = CreateParents(client, declared); !made.ok()) return made;
+  return TeachViews(
+      client,
+      {.count = turntable->count(),
+       .make = [&](std::size_t i,
+                   v1::UploadViewsRequest* request) { return turntable->Make(i, request); }},
+      watch);
+}
+
+}  // namespace graspdb::client
