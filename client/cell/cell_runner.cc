@@ -18,6 +18,11 @@ PickOutcome OutcomeOf(JobKind kind) {
   return kind == JobKind::kMissed ? PickOutcome::kMissed : PickOutcome::kSlipped;
 }
 
+v1::GraspOutcome ToMessage(PickOutcome outcome) {
+  if (outcome == PickOutcome::kPicked) return v1::GRASP_OUTCOME_PICKED;
+  return outcome == PickOutcome::kMissed ? v1::GRASP_OUTCOME_MISSED : v1::GRASP_OUTCOME_SLIPPED;
+}
+
 void Log(const JobRequest& request, const absl::Status& status, std::size_t poses,
          absl::Duration camera, absl::Duration all) {
   spdlog::log(status.ok() ? spdlog::level::info : spdlog::level::warn,
@@ -140,6 +145,14 @@ absl::Status CellRunner::Tell(const std::string& robot, PickOutcome outcome) {
   }
   if (about.grasp_id.empty()) {
     return absl::FailedPreconditionError("the pose that was given has no grasp");
+  }
+  v1::ReportGraspOutcomeRequest report;
+  report.set_name(about.stable_pose);
+  report.set_grasp_id(about.grasp_id);
+  report.set_outcome(ToMessage(outcome));
+  if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
+    Given(robot, about);  // it may be told again
+    return kept;
   }
   parts_.counters.CountOutcome(outcome);
   return absl::OkStatus();

@@ -166,12 +166,37 @@ TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
 }
 
 TEST_F(CellRunnerTest, AnOutcomeIsOfWhatWasGivenLastAndOnce) {
+  v1::ReportGraspOutcomeRequest told;
+  server_.Change([&](ScriptedServer& server) {
+    server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
+      told = request;
+      return grpc::Status::OK;
+    };
+  });
   EXPECT_THAT(Run(90), StatusIs(absl::StatusCode::kFailedPrecondition));
   runner_.Given("r", Run(1)->front());
   EXPECT_THAT(Run(90), IsOk());
+  EXPECT_EQ(told.name(), "objects/mug/stablePoses/upright");
+  EXPECT_EQ(told.grasp_id(), "rim");
+  EXPECT_EQ(told.outcome(), v1::GRASP_OUTCOME_PICKED);
   EXPECT_THAT(counters_.Text(), HasSubstr("picked=1"));
   EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked),
               StatusIs(absl::StatusCode::kFailedPrecondition));
+}
+
+TEST_F(CellRunnerTest, AnOutcomeThatTheServerDidNotKeepMayBeToldAgain) {
+  const auto answer_with = [this](grpc::StatusCode code) {
+    server_.Change([code](ScriptedServer& server) {
+      server.report_outcome = [code](const v1::ReportGraspOutcomeRequest& /*request*/) {
+        return grpc::Status(code, "said so");
+      };
+    });
+  };
+  runner_.Given("r", Run(1)->front());
+  answer_with(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
+  answer_with(grpc::StatusCode::OK);
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), IsOk());
 }
 
 }  // namespace

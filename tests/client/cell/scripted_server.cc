@@ -64,4 +64,11 @@ grpc::Status ScriptedServer::UpdateStablePose(grpc::ServerContext* /*context*/,
   return grpc::Status::OK;
 }
 
+grpc::Status ScriptedServer::ReportGraspOutcome(grpc::ServerContext* /*context*/,
+                                                const v1::ReportGraspOutcomeRequest* request,
+                                                v1::ReportGraspOutcomeResponse* /*response*/) {
+  absl::MutexLock lock(&mutex_);
+  return Play(report_outcome, *request);
+}
+
 }  // namespace graspdb::client

@@ -32,6 +32,7 @@ class ScriptedServer : private v1::RecognitionService::Service,
   std::function<grpc::Status(const v1::RecognizeRequest&, v1::RecognizeResponse*)> recognize;
   std::function<grpc::Status(v1::Cell*)> get_cell;
   std::function<grpc::Status(v1::ListObjectsResponse*)> list_objects;
+  std::function<grpc::Status(const v1::ReportGraspOutcomeRequest&)> report_outcome;
   v1::StablePose stable_pose;  // that GetStablePose gives and UpdateStablePose changes
 
  private:
@@ -48,6 +49,10 @@ class ScriptedServer : private v1::RecognitionService::Service,
   grpc::Status UpdateStablePose(grpc::ServerContext* /*context*/,
                                 const v1::UpdateStablePoseRequest* request,
                                 v1::StablePose* response) override;
+
+  grpc::Status ReportGraspOutcome(grpc::ServerContext* /*context*/,
+                                  const v1::ReportGraspOutcomeRequest* request,
+                                  v1::ReportGraspOutcomeResponse* response) override;
 
   absl::Mutex mutex_;
   std::unique_ptr<grpc::Server> server_;
