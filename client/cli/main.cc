@@ -13,6 +13,7 @@
 #include "client/cli/recognize_command.h"
 #include "client/cli/robot_command.h"
 #include "client/cli/teach_command.h"
+#include "client/cli/sensor_commands.h"
 #include "client/eval/eval_command.h"
 #include "client/simulation/simulate_command.h"
 #include "settings/settings_file.h"
@@ -72,6 +73,7 @@ int Run(int argc, char** argv) {
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
   AddRobotCommand(app, global, &action);
+  AddSensorsCommand(app, global, &action);
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
   AddSettingsFile(app);

@@ -1,6 +1,7 @@
 // The first Kinect through the real libfreenect interface: recordings that fakenect plays to
 // another process.
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 
 #include <cmath>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "client/files/depth_message.h"
 #include "client/files/depth_png.h"
 #include "client/sensors/fakenect_recording.h"
+#include "client/sensors/simulated_recording.h"
 #include "client/simulation/sample_parts.h"
 #include "tests/client/files/temporary_folder.h"
 #include "tests/end_to_end/process.h"
@@ -99,6 +101,20 @@ TEST_F(FakenectTest, TheSensorMeasuresWhatTheSimulatedCameraSaw) {
   EXPECT_GT(measured, 200'000);
   const auto k = ReadIntrinsics(out() / kIntrinsicsFile);
   EXPECT_NEAR(k->intrinsics.fx, camera->model().intrinsics.fx, 1e-9);
+}
+
+TEST_F(FakenectTest, ARecordingOfRandomScenesTellsTheTruth) {
+  const auto parts = SampleParts();
+  const auto plan = PlanRandomScenes(parts, {.stand = {}, .count = 2, .seed = 4});
+  ASSERT_THAT(plan, IsOk());
+  ASSERT_THAT(WriteSimulatedRecording(recording(), parts, *plan, kLongEnough), IsOk());
+  EXPECT_THAT(Play(1, recording()), Contains("frame 0"));
+  v1::CaptureSet truth;
+  ASSERT_TRUE(
+      google::protobuf::util::JsonStringToMessage(BytesOf(recording() / kTruthFile), &truth).ok());
+  ASSERT_EQ(truth.captures_size(), 2);
+  EXPECT_EQ(truth.captures(1).object_id(), parts[(*plan)[1].placements[0].part].object_id);
+  EXPECT_TRUE(truth.captures(1).has_sensor_pose());
 }
 
 TEST_F(FakenectTest, TheEndOfARecordingIsAnUnpluggedCamera) {

@@ -1,0 +1,34 @@
+#include "client/sensors/simulated_recording.h"
+
+#include <algorithm>
+
+#include "client/sensors/fakenect_recording.h"
+#include "client/sensors/kinect_v1_calibration.h"
+#include "client/sensors/truth_file.h"
+#include "client/simulation/simulation.h"
+
+namespace graspdb::client {
+
+absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
+                                     const std::vector<Workpiece>& parts,
+                                     const std::vector<PlannedCapture>& plan, absl::Duration hold) {
+  if (plan.empty()) return absl::InvalidArgumentError("no scenes are planned; plan one at least");
+  const absl::StatusOr<DepthCamera> camera = DepthCamera::Create(SimulatedKinectV1({}));
+  if (!camera.ok()) return camera.status();
+  absl::StatusOr<FakenectRecording> recording = FakenectRecording::Create(folder);
+  if (!recording.ok()) return recording.status();
+  for (const PlannedCapture& scene : plan) {
+    const auto is_there = [&parts](const Placement& p) { return p.part < parts.size(); };
+    if (!std::all_of(scene.placements.begin(), scene.placements.end(), is_there)) {
+      return absl::InvalidArgumentError(scene.path + " is planned with unknown workpieces");
+    }
+    const absl::StatusOr<DepthFrame> frame =
+        camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
+    if (!frame.ok()) return frame.status();
+    if (absl::Status shown = recording->Show(*frame, hold); !shown.ok()) return shown;
+  }
+  if (absl::Status truth = WriteTruth(folder / kTruthFile, parts, plan); !truth.ok()) return truth;
+  return recording->Finish();
+}
+
+}  // namespace graspdb::client
