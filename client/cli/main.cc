@@ -14,6 +14,7 @@
 #include "client/cli/robot_command.h"
 #include "client/cli/teach_command.h"
 #include "client/cli/sensor_commands.h"
+#include "client/cli/replay_command.h"
 #include "client/eval/eval_command.h"
 #include "client/simulation/simulate_command.h"
 #include "settings/settings_file.h"
@@ -65,6 +66,7 @@ int Run(int argc, char** argv) {
   AddImportCommand(app, global, &action);
   AddTeachCommand(app, global, &action);
   AddRecognizeCommand(app, global, &action);
+  AddReplayCommand(app, global, &action);
   AddBenchCommand(app, global, &action);
   AddDescribeCommand(app, global, &action);
   AddExportCommand(app, global, &action);
