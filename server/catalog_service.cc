@@ -156,7 +156,7 @@ grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
                                              const v1::ListStablePosesRequest* request,
                                              v1::ListStablePosesResponse* response) {
   return Handle(*context, "ListStablePoses", [&]() -> absl::Status {
-    const absl::Status status = RespondPage(
+    absl::Status status = RespondPage(
         *request, request->parent() + "/stablePoses/",
         [&](std::size_t size, const std::string& after) {
           return context_.catalogue.ListStablePoses(request->parent(), size, after);
@@ -164,7 +164,7 @@ grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
         [&](v1::StablePose pose) { *response->add_stable_poses() = std::move(pose); }, response);
     if (!status.ok()) return status;
     for (v1::StablePose& pose : *response->mutable_stable_poses()) {
-      const absl::Status added = AddGraspOutcomes(context_.catalogue, &pose);
+      absl::Status added = AddGraspOutcomes(context_.catalogue, &pose);
       if (!added.ok()) return added;
     }
     return absl::OkStatus();

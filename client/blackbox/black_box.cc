@@ -1,6 +1,8 @@
 #include "client/blackbox/black_box.h"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <string>
@@ -12,6 +14,8 @@
 
 namespace graspdb::client {
 namespace {
+
+constexpr int kNiceness = 10;
 
 absl::Time TimeOf(const v1::Bundle& bundle) {
   return absl::FromUnixSeconds(bundle.request_time().seconds()) +
@@ -82,6 +86,9 @@ absl::Status BlackBox::Write(const v1::Bundle& bundle) {
 }
 
 void BlackBox::WriteAll() {
+  // Whoever keeps something goes on before it is written. Linux keeps a niceness for each thread,
+  // and never refuses a higher one.
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
   absl::StatusCode last_failure = absl::StatusCode::kOk;
   for (;;) {
     v1::Bundle next;
