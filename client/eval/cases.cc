@@ -69,6 +69,9 @@ std::vector<ExperimentCase> ExperimentCases() {
   ExperimentCase& everything = add("everything");
   everything.parts = PartChoice::kEverything;
   everything.teach_step_deg = 20;
+  ExperimentCase& cad = add("cad");
+  cad.parts = PartChoice::kFallen;
+  cad.teach_step_deg = 20;
   for (const auto& [name, gap_m] :
        {std::pair("three-objects", 0.03), {"three-objects-2cm", 0.02}}) {
     ExperimentCase& three = add(name);
@@ -112,10 +115,16 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
                                        .area_half_width_m = experiment.area_half_width_m,
                                        .seed = seed});
   }
-  return PlanRandomScenes(set.parts, {.stand = StandOf(experiment.asked),
-                                      .count = count,
-                                      .area_half_width_m = experiment.area_half_width_m,
-                                      .seed = seed});
+  auto plan = PlanRandomScenes(
+      set.parts, {.stand = StandOf(experiment.asked),
+                  .count = set.asked.empty() ? count : static_cast<int>(set.asked.size()),
+                  .area_half_width_m = experiment.area_half_width_m,
+                  .seed = seed});
+  if (!plan.ok()) return plan;
+  for (std::size_t i = 0; i < set.asked.size(); ++i) {
+    (*plan)[i].placements.front().part = set.asked[i];
+  }
+  return plan;
 }
 
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question) {

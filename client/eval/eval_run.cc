@@ -13,6 +13,7 @@
 #include "client/eval/capture_trials.h"
 #include "client/eval/descriptor_comparison.h"
 #include "client/eval/experiment.h"
+#include "client/eval/fallen_parts.h"
 #include "client/eval/gallery.h"
 #include "client/eval/report/match_drawing.h"
 #include "client/eval/report/report_writer.h"
@@ -193,7 +194,13 @@ absl::Status RunMeshes(const EvalArguments& arguments) {
   if (!all.ok()) return all.status();
   if (arguments.list) PrintParts(*all);
   for (const ExperimentCase& experiment : ChosenCases(arguments)) {
-    const auto set = Choose(*all, experiment.parts, arguments.choices);
+    const auto set = experiment.parts == PartChoice::kFallen
+                         ? FallenParts(paths, arguments.unit_m,
+                                       {.min_length_m = arguments.choices.min_length_m,
+                                        .max_length_m = arguments.choices.max_length_m,
+                                        .falls = experiment.trials_per_part,
+                                        .seed = experiment.seed})
+                         : Choose(*all, experiment.parts, arguments.choices);
     if (!set.ok()) return set.status();
     const auto trials = RenderedTrials(experiment, *set);
     if (!trials.ok()) return trials.status();

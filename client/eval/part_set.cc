@@ -4,10 +4,10 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "client/eval/resting_pose.h"
 #include "client/simulation/mesh_file.h"
 #include "client/simulation/mesh_part.h"
 #include "client/simulation/sample_parts.h"
+#include "client/teaching/stable_poses.h"
 
 namespace graspdb::client {
 namespace {
@@ -41,21 +41,28 @@ void PartSet::Add(Workpiece part, const recognition::Pose& mesh_pose) {
   object_mesh.push_back(mesh_pose);
 }
 
+bool PartSet::Knows(std::size_t position) const {
+  const auto taught = parts.begin() + static_cast<std::ptrdiff_t>(taught_count);
+  return std::find_if(parts.begin(), taught, [&](const Workpiece& part) {
+           return part.object_id == parts[position].object_id;
+         }) != taught;
+}
+
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection) {
   PartSet out;
   for (const std::filesystem::path& path : paths) {
     const absl::StatusOr<Workpiece> as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
     if (!as_it_lies.ok()) return as_it_lies.status();
-    auto attitudes = RestingPoses(as_it_lies->mesh, selection.min_probability);
-    if (!attitudes.ok()) return attitudes.status();
-    const auto count = std::min(attitudes->size(), static_cast<std::size_t>(selection.attitudes));
+    const auto found = FindStablePoses(as_it_lies->mesh, selection.min_probability);
+    if (!found.ok()) return found.status();
+    const auto count = std::min(found->poses.size(), static_cast<std::size_t>(selection.attitudes));
     for (std::size_t i = 0; i < count; ++i) {
       Workpiece part = *as_it_lies;
       part.stable_pose_id = absl::StrCat("resting-", i + 1);
-      part.mesh = Transformed(as_it_lies->mesh, (*attitudes)[i].table_mesh);
+      part.mesh = Transformed(as_it_lies->mesh, found->poses[i].object_mesh);
       part.grasps.clear();
-      out.Add(std::move(part), (*attitudes)[i].table_mesh);
+      out.Add(std::move(part), found->poses[i].object_mesh);
     }
   }
   out.taught_count = out.parts.size();

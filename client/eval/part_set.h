@@ -21,21 +21,25 @@ struct PartSet {
   std::vector<recognition::Pose> object_mesh;
   // The first so many are taught; the others are only shown.
   std::size_t taught_count = 0;
+  // Parts that questions are about, by their position, one question each; empty: all parts in turn.
+  std::vector<std::size_t> asked;
 
   void Add(const PartSet& other, std::size_t position);
   // Measures the part with its mesh, where it has one.
   void Add(Workpiece part, const recognition::Pose& mesh_pose);
+  // Whether the part's object was taught, in whatever stable pose.
+  bool Knows(std::size_t position) const;
 };
 
 // Which meshes and attitudes an experiment takes.
 struct MeshSelection {
   int attitudes = 1;              // at most, the most probable first
-  double min_probability = 0.05;  // of an attitude, see RestingPose
+  double min_probability = 0.05;  // of an attitude, see MeshStablePose
 };
 
 // The mesh files `paths` (one unit is `unit_scale_m` metres) as workpieces on the table: the
 // object is named after the file, the stable poses "resting-1", "resting-2", … All count as taught.
-// Errors as LoadMesh and RestingPoses.
+// Errors as LoadMesh and FindStablePoses.
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection);
 
@@ -49,6 +53,7 @@ enum class PartChoice {
   kRound,       // those that look the same from all sides
   kStrangers,   // as kMain; all others are shown, but not taught
   kTwins,       // none of them: TwinParts
+  kFallen,      // all of them, but taught from the meshes: FallenParts
 };
 
 struct Choices {
@@ -59,7 +64,8 @@ struct Choices {
   double max_length_m = 0.30;
 };
 
-// INVALID_ARGUMENT when a named object is not there, FAILED_PRECONDITION when nothing is left.
+// Not for kFallen. INVALID_ARGUMENT when a named object is not there, FAILED_PRECONDITION when
+// nothing is left.
 absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices);
 
 }  // namespace graspdb::client
