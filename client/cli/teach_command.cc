@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/look_alike_notes.h"
+#include "client/cli/stable_pose_pictures.h"
 #include "client/cli/stable_pose_table.h"
 #include "client/simulation/length_unit.h"
 #include "client/simulation/mesh_part.h"
@@ -31,6 +32,7 @@ struct Options {
   double min_probability = 0.01;
   double gripper_max_m = ParallelGripper{}.max_opening_m;
   std::vector<int> poses;
+  std::string pictures;
   bool add = false;
   bool dry_run = false;
 };
@@ -105,6 +107,10 @@ absl::Status Report(const GlobalOptions& global, Client& client, const Options& 
 absl::Status RunTeach(const GlobalOptions& global, const Options& options) {
   const absl::StatusOr<CadPart> part = PartOf(options);
   if (!part.ok()) return part.status();
+  if (!options.pictures.empty()) {
+    absl::Status drawn = WriteStablePosePictures(*part, options.pictures);
+    if (!drawn.ok()) return drawn;
+  }
   if (options.dry_run && global.json) return PrintDeclaration(*part);
   if (!global.json) std::printf("%s", StablePoseTable(*part).c_str());
   if (options.dry_run) return absl::OkStatus();
@@ -144,6 +150,8 @@ void AddMeshOptions(CLI::App& command, Options& o) {
   command.add_option("--gripper-max", o.gripper_max_m, "How far the gripper opens, m")
       ->check(CLI::Range(0.005, 0.5))
       ->capture_default_str();
+  command.add_option("--pictures", o.pictures, "Folder for a picture of each stable pose")
+      ->type_name("FOLDER");
   command.add_flag("--dry-run", o.dry_run,
                    "Print the stable poses and teach nothing; needs no server. With --json as a "
                    "capture set declares them");

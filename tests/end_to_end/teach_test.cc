@@ -1,6 +1,8 @@
 // Teaching from a mesh with real processes.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "client/simulation/mesh_file.h"
 #include "client/simulation/solid.h"
 #include "tests/end_to_end/programs_fixture.h"
@@ -72,10 +74,11 @@ TEST_F(TeachTest, AnotherMeshOfTheSameNameIsNotMixedIn) {
 
 TEST_F(TeachTest, ADryRunNeedsNoServer) {
   WriteAngle();
-  const Finished table = Graspdb(Teach({"--dry-run"}));
+  const Finished table = Graspdb(Teach({"--dry-run", "--pictures", Path("pictures")}));
   EXPECT_EQ(table.exit_status, 0) << table.err;
   EXPECT_THAT(table.out, HasSubstr("resting-1"));
   EXPECT_THAT(table.out, HasSubstr("top (opens"));
+  EXPECT_TRUE(std::filesystem::exists(Path("pictures/angle-resting-1.png")));
   const Finished json = Graspdb(Teach({"--dry-run", "--json", "--poses", "1"}));
   EXPECT_THAT(json.out, HasSubstr("\"stablePoseId\":\"resting-1\""));
   EXPECT_THAT(json.out, Not(HasSubstr("resting-2")));

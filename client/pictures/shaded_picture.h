@@ -1,0 +1,24 @@
+// A thing as a grey picture with a caption.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace graspdb::client {
+
+struct ShadedPicture {
+  std::string caption;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> brightness;  // a pixel each, row by row: 0 black, 255 white
+};
+
+// Writes a PNG, the caption above. INVALID_ARGUMENT when `brightness` has another size,
+// FAILED_PRECONDITION when the file cannot be written.
+absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedPicture& picture);
+
+}  // namespace graspdb::client
