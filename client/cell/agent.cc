@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/blackbox/black_box.h"
 #include "client/cell/cell_runner.h"
 #include "client/cell/counters_log.h"
 #include "client/cell/health.h"
+#include "client/cell/job_bundle.h"
 #include "client/robots/gri_protocol.h"
 #include "client/robots/line_protocol.h"
 #include "client/robots/robot_server.h"
@@ -55,12 +57,22 @@ std::string AddressOf(const std::string& listen, const RobotServer* server) {
   return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", server->port());
 }
 
+absl::StatusOr<std::unique_ptr<BlackBox>> OpenBlackBox(const AgentOptions& options) {
+  if (options.black_box.empty()) return nullptr;
+  BlackBoxOptions box;
+  box.ring.folder = options.black_box;
+  box.ring.byte_limit = static_cast<std::uint64_t>(options.black_box_mib) << 20U;
+  return BlackBox::Open(box);
+}
+
 }  // namespace
 
 // In the order in which they need each other; they go in the other one.
 struct Agent::Parts {
-  Parts(const AgentOptions& given, Jobs jobs, std::unique_ptr<DepthSensor> camera)
+  Parts(const AgentOptions& given, const Jobs& jobs, std::unique_ptr<DepthSensor> camera,
+        std::unique_ptr<BlackBox> box)
       : options(given),
+        black_box(std::move(box)),
         sensor(std::move(camera)),
         client(ConnectionTo(options)),
         cell(client, CellName(options.cell), absl::Seconds(options.cell_period_s)),
@@ -72,9 +84,23 @@ struct Agent::Parts {
         gri_protocol(gri_jobs),
         line_protocol(line_runner) {}
 
-  CellParts PartsOfRunner() { return {sensor.operator*(), client, cell, cycle, counters}; }
+  CellParts PartsOfRunner() {
+    return {*sensor, client,   cell,
+            cycle,   counters, [this](const JobReport& report) {
+              Keep(report); }};
+  }
+
+  void Keep(const JobReport& report) {
+    if (black_box == nullptr) return;
+    std::optional<v1::Bundle> bundle = BundleOf(report);
+    if (!bundle) return;
+    const bool is_kept = options.black_box_all || report.poses.empty() ||
+                         IsTroubled(*bundle, options.black_box_score);
+    if (is_kept) (void)black_box->Keep(*std::move(bundle));  // what it drops it counts
+  }
 
   const AgentOptions options;
+  const std::unique_ptr<BlackBox> black_box;
   const std::unique_ptr<DepthSensor> sensor;
   Client client;
   Counters counters;
@@ -100,7 +126,9 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
   if (!jobs.ok()) return jobs.status();
-  auto parts = std::make_unique<Parts>(options, *std::move(jobs), std::move(sensor));
+  absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
+  if (!box.ok()) return box.status();
+  auto parts = std::make_unique<Parts>(options, *jobs, std::move(sensor), *std::move(box));
   if (!options.gri.empty()) {
     auto server = Listen(parts->gri_protocol, "--gri", options.gri);
     if (!server.ok()) return server.status();

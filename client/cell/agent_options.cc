@@ -57,6 +57,18 @@ void AddLimits(CLI::App& app, AgentOptions* o) {
          86400);
 }
 
+void AddBlackBox(CLI::App& app, AgentOptions* o) {
+  app.add_option("--black-box", o->black_box,
+                 "Folder that keeps requests that came to no good end, for graspdb replay");
+  app.add_option("--black-box-mib", o->black_box_mib, "Its size, MiB; the oldest leave")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+  app.add_flag("--black-box-all", o->black_box_all, "Keep all requests");
+  app.add_option("--black-box-score", o->black_box_score, "Keep answers that score less")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
@@ -79,6 +91,7 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
       ->capture_default_str();
   AddAddresses(app, o);
   AddLimits(app, o);
+  AddBlackBox(app, o);
   app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

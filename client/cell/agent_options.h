@@ -25,6 +25,10 @@ struct AgentOptions {
   double max_reach_m = 1000;
   double cell_period_s = 5;
   double counters_period_s = 60;
+  std::string black_box;  // folder; empty: none
+  int black_box_mib = 2048;
+  bool black_box_all = false;
+  double black_box_score = 0.8;
   std::string log_level = "info";
 };
 

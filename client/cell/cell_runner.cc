@@ -78,22 +78,20 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) 
 
 absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
                                                            const JobRequest& request) {
-  const absl::Time start = absl::Now();
-  JobReport report{request, parts_.cycle.Run(request.base_flange, DeadlineOf(job))};
-  absl::Status status = report.look.status();
-  absl::Duration camera = absl::ZeroDuration();
-  if (status.ok()) {
-    camera = report.look->camera_time;
-    showing_.Remember(request.robot, {report.look->response, report.look->cell.frames, start});
-    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, *report.look);
-    status = poses.status();
+  JobReport report{request, absl::Now()};
+  report.status = parts_.cycle.Run(request.base_flange, DeadlineOf(job), &report.look);
+  if (report.status.ok()) {
+    showing_.Remember(request.robot, {report.look.response, report.look.cell.frames, report.start});
+    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.look);
+    report.status = poses.status();
     if (poses.ok()) report.poses = *std::move(poses);
   }
-  const absl::Duration all = absl::Now() - start;
-  parts_.counters.CountJob(status, report.poses.size(), all - camera);
-  Log(request, status, report.poses.size(), camera, all);
+  report.duration = absl::Now() - report.start;
+  const absl::Duration camera = report.look.camera_time;
+  parts_.counters.CountJob(report.status, report.poses.size(), report.duration - camera);
+  Log(request, report.status, report.poses.size(), camera, report.duration);
   if (parts_.hear) parts_.hear(report);
-  if (!status.ok()) return status;
+  if (!report.status.ok()) return report.status;
   return std::move(report.poses);
 }
 
@@ -121,9 +119,10 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   }
   std::optional<SeenScene> scene = showing_.Recall(request.robot);
   if (!scene) {
-    absl::StatusOr<Look> look = parts_.cycle.Run(request.base_flange, DeadlineOf(job));
-    if (!look.ok()) return look.status();
-    scene = SeenScene{look->response, look->cell.frames, absl::Now()};
+    Look look;
+    absl::Status looked = parts_.cycle.Run(request.base_flange, DeadlineOf(job), &look);
+    if (!looked.ok()) return looked;
+    scene = SeenScene{look.response, look.cell.frames, absl::Now()};
   }
   return showing_.Store(job, *scene, *request.base_flange);
 }

@@ -26,7 +26,10 @@ struct CellRunnerOptions {
 // What a job that looked has come to, for those who keep it.
 struct JobReport {
   JobRequest request;
-  absl::StatusOr<Look> look;
+  absl::Time start;
+  absl::Duration duration = absl::ZeroDuration();
+  absl::Status status = absl::OkStatus();
+  Look look = {};  // as far as it came
   std::vector<JobPose> poses = {};
 };
 using HearJob = std::function<void(const JobReport& report)>;

@@ -44,6 +44,7 @@ absl::StatusOr<SensorFrame> Cycle::Grab(absl::Time deadline) {
 
 absl::Status Cycle::Try(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
                         Look* look) {
+  look->request.Clear();
   const absl::StatusOr<KeptCell> cell = cell_.Get();
   if (!cell.ok()) return cell.status();
   look->cell = *cell;
@@ -66,13 +67,12 @@ absl::Status Cycle::Try(const std::optional<recognition::Pose>& base_flange, abs
   return absl::OkStatus();
 }
 
-absl::StatusOr<Look> Cycle::Run(const std::optional<recognition::Pose>& base_flange,
-                                absl::Time deadline) {
-  Look look;
+absl::Status Cycle::Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
+                        Look* look) {
   absl::Duration pause = kFirstPause;
   for (;;) {
-    const absl::Status status = Try(base_flange, deadline, &look);
-    if (status.ok()) return look;
+    const absl::Status status = Try(base_flange, deadline, look);
+    if (status.ok()) return status;
     if (absl::IsDeadlineExceeded(status) && absl::IsUnavailable(cell_.state())) {
       return cell_.state();  // nobody was there to be slow
     }

@@ -19,7 +19,7 @@ struct CycleOptions {
 };
 
 struct Look {
-  v1::RecognizeRequest request;
+  v1::RecognizeRequest request;  // of the last attempt; without a scan where there was no frame
   v1::RecognizeResponse response;
   KeptCell cell;                                      // that the request was made with
   absl::Duration camera_time = absl::ZeroDuration();  // waiting for the frame
@@ -37,9 +37,9 @@ class Cycle {
   // it; then, or when stopped:
   // ABORTED when the camera gives nothing, UNAVAILABLE when the server is not there or has no time,
   // DEADLINE_EXCEEDED when it took too long. At once: errors of WorldSensor, of CellKeeper::Get and
-  // of the server.
-  absl::StatusOr<Look> Run(const std::optional<recognition::Pose>& base_flange,
-                           absl::Time deadline);
+  // of the server. `look` is filled in as far as it came.
+  absl::Status Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
+                   Look* look);
 
   // Ends what runs, at the next pause.
   void Stop();

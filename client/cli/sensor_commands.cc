@@ -36,7 +36,7 @@ Examples:
 
 constexpr char kFakenectFooter[] =
     R"(What a Kinect v1 sees of random scenes, one after the other, for programs that run on
-libfreenect; truth.json tells what is where.
+libfreenect; captures.json tells what is where.
 
 Example:
   graspdb sensors fakenect --out /tmp/kinect

@@ -4,7 +4,7 @@
 
 #include "client/sensors/fakenect_recording.h"
 #include "client/sensors/kinect_v1_calibration.h"
-#include "client/sensors/truth_file.h"
+#include "client/simulation/scene_file.h"
 #include "client/simulation/simulation.h"
 
 namespace graspdb::client {
@@ -27,7 +27,7 @@ absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
     if (!frame.ok()) return frame.status();
     if (absl::Status shown = recording->Show(*frame, hold); !shown.ok()) return shown;
   }
-  if (absl::Status truth = WriteTruth(folder / kTruthFile, parts, plan); !truth.ok()) return truth;
+  if (absl::Status truth = WriteScenes(folder, parts, plan); !truth.ok()) return truth;
   return recording->Finish();
 }
 

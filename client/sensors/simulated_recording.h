@@ -11,12 +11,9 @@
 
 namespace graspdb::client {
 
-// In the folder of a recording: what its scenes show, see truth_file.h.
-inline constexpr char kTruthFile[] = "truth.json";
-
 // Writes a recording that fakenect plays (see fakenect_recording.h): each scene of `plan` as
-// SimulatedKinectV1 sees it, standing still for `hold`, and the truth. One image a scene is kept;
-// the noise is the same as long as it stands.
+// SimulatedKinectV1 sees it, standing still for `hold`, and what is where (see scene_file.h). One
+// image a scene is kept; the noise is the same as long as it stands.
 //
 // Errors as FakenectRecording and DepthCamera::Render; INVALID_ARGUMENT for a scene with a
 // workpiece that `parts` has not, or without scenes.

@@ -60,7 +60,7 @@ absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<W
   std::vector<Pick> out;
   out.reserve(scenes->size());
   for (const PlannedCapture& scene : *scenes) {
-    absl::Status laid = WriteScene(options.scene, parts, scene);
+    absl::Status laid = WriteScenes(options.scene, parts, {scene});
     if (!laid.ok()) return laid;
     absl::StatusOr<Pick> pick = PickFrom(agent, parts, options, scene);
     if (!pick.ok()) return pick.status();

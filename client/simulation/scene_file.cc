@@ -36,19 +36,25 @@ std::uint64_t SeedOf(const v1::CaptureSet& set) {
 
 }  // namespace
 
-absl::Status WriteScene(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
-                        const PlannedCapture& scene) {
+absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
+                         const std::vector<PlannedCapture>& scenes) {
   v1::CaptureSet set;
   for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
   *set.mutable_region_of_interest() = SimulatedRegion();
-  for (const Placement& placement : scene.placements) {
-    const Workpiece& part = parts[placement.part];
-    v1::Capture* capture = set.add_captures();
-    capture->set_path(absl::StrCat("thing-", set.captures_size()));
-    capture->set_object_id(part.object_id);
-    capture->set_stable_pose_id(part.stable_pose_id);
-    *capture->mutable_object_pose() = ToMessage(placement.world_object);
-    *capture->mutable_sensor_pose() = ToMessage(scene.world_sensor);
+  for (const PlannedCapture& scene : scenes) {
+    for (std::size_t i = 0; i < scene.placements.size(); ++i) {
+      const Placement& placement = scene.placements[i];
+      if (placement.part >= parts.size()) {
+        return absl::InvalidArgumentError(scene.path + " is planned with unknown workpieces");
+      }
+      v1::Capture* capture = set.add_captures();
+      capture->set_path(absl::StrCat(scene.path, "-", i + 1));
+      capture->set_split(scene.split);
+      capture->set_object_id(parts[placement.part].object_id);
+      capture->set_stable_pose_id(parts[placement.part].stable_pose_id);
+      *capture->mutable_object_pose() = ToMessage(placement.world_object);
+      *capture->mutable_sensor_pose() = ToMessage(scene.world_sensor);
+    }
   }
   return SaveCaptureSet(folder, set);
 }

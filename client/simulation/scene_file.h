@@ -11,12 +11,14 @@
 namespace graspdb::client {
 
 // Writes what is placed and where the camera stands as a capture set without clouds, one capture
-// for each thing, at once: a reader sees the scene before or the new one. Errors of SaveCaptureSet.
-absl::Status WriteScene(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
-                        const PlannedCapture& scene);
+// for each thing, whose path is the scene's and its number in it; at once: a reader sees what was
+// there before or all of the new. INVALID_ARGUMENT when a scene has a workpiece that `parts` has
+// not; errors of SaveCaptureSet.
+absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
+                         const std::vector<PlannedCapture>& scenes);
 
-// Reads it. Things are found among `parts` by object and stable pose; the noise follows from the
-// content. UNAVAILABLE when there is no such folder, as a camera that is not plugged in;
+// Reads one scene. Things are found among `parts` by object and stable pose; the noise follows from
+// the content. UNAVAILABLE when there is no such folder, as a camera that is not plugged in;
 // INVALID_ARGUMENT when it is no scene, or has things that are not among `parts`.
 absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
                                          const std::vector<Workpiece>& parts);

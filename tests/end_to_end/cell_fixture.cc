@@ -61,6 +61,10 @@ void CellProgramsTest::StartAgentWith(const std::string& sensor,
       "--sensor",           sensor,     "--gri",       "127.0.0.1:0",   "--line",
       "127.0.0.1:0",        "--health", "127.0.0.1:0", "--cell-period", "0.1"};
   command.insert(command.end(), flags.begin(), flags.end());
+  if (!environment.empty()) {
+    command.insert(command.begin(), environment.begin(), environment.end());
+    command.insert(command.begin(), "/usr/bin/env");
+  }
   agent_ = std::make_unique<Process>(folder_.path(), command);
   gri_ = agent_->WaitForLine("GRI on ");
   ASSERT_NE(gri_, "") << agent_->Errors();
@@ -68,7 +72,7 @@ void CellProgramsTest::StartAgentWith(const std::string& sensor,
 
 const client::PlannedCapture& CellProgramsTest::LayOut(std::size_t scene) {
   shown_ = scenes_.at(scene);
-  EXPECT_THAT(client::WriteScene(Path(scene_), parts_, shown_), IsOk());
+  EXPECT_THAT(client::WriteScenes(Path(scene_), parts_, {shown_}), IsOk());
   return shown_;
 }
 
@@ -104,12 +108,15 @@ void CellProgramsTest::AwaitCode(GriCode code, int job) const {
   ADD_FAILURE() << "the code stays " << static_cast<int>(last) << "\n" << agent_->Errors();
 }
 
-void CellProgramsTest::ExpectHolds(const GriResponse& answer) const {
+void CellProgramsTest::ExpectHolds(const GriResponse& answer) const { ExpectHolds(answer, shown_); }
+
+void CellProgramsTest::ExpectHolds(const GriResponse& answer,
+                                   const client::PlannedCapture& scene) const {
   ASSERT_EQ(answer.code, GriCode::kNoError) << agent_->Errors();
   const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
   ASSERT_THAT(base_tcp, IsOk());
-  const client::PickError error = client::JudgePick(parts_, shown_, WorldBase() * *base_tcp);
-  EXPECT_EQ(error.object, parts_[shown_.placements[0].part].object_id);
+  const client::PickError error = client::JudgePick(parts_, scene, WorldBase() * *base_tcp);
+  EXPECT_EQ(error.object, parts_[scene.placements[0].part].object_id);
   EXPECT_TRUE(client::WouldHold(error))
       << 1000 * error.shift_m << " mm, " << error.turn_rad << " rad";
 }

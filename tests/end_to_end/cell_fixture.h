@@ -20,7 +20,10 @@ class CellProgramsTest : public ProgramsTest {
   void StartCell();
   // An agent of it; more flags may follow. Its camera looks at the folder `scene_`.
   void StartAgent(const std::vector<std::string>& flags = {});
-  void StartAgentWith(const std::string& sensor, const std::vector<std::string>& flags = {});
+  // `environment` as NAME=VALUE.
+  void StartAgentWith(const std::string& sensor, const std::vector<std::string>& flags = {},
+                      const std::vector<std::string>& environment = {});
+  const client::PlannedCapture& SceneNo(std::size_t scene) const { return scenes_.at(scene); }
   // Lays the parts of a random scene before the camera.
   const client::PlannedCapture& LayOut(std::size_t scene);
 
@@ -31,6 +34,7 @@ class CellProgramsTest : public ProgramsTest {
   void AwaitCode(client::GriCode code, int job = 1) const;
   // That the answer is a grasp that holds in the scene of LayOut.
   void ExpectHolds(const client::GriResponse& answer) const;
+  void ExpectHolds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
 
   static recognition::Pose WorldBase();
 

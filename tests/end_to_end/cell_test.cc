@@ -4,7 +4,10 @@
 
 #include <filesystem>
 
-#include "client/files/pose_message.h"
+#include "client/sensors/fakenect_recording.h"
+#include "client/sensors/kinect_v1_calibration.h"
+#include "client/simulation/depth_camera.h"
+#include "client/simulation/simulation.h"
 #include "tests/end_to_end/cell_fixture.h"
 #include "tests/testing/status_matchers.h"
 
@@ -134,6 +137,50 @@ TEST_F(CellProgramsTest, AStoppedAgentSaysWhatItCounted) {
   const Finished done = agent_->Wait();
   EXPECT_EQ(done.exit_status, 0);
   EXPECT_THAT(done.err, HasSubstr("event=counters jobs=1 with_pose=1"));
+}
+
+TEST_F(CellProgramsTest, ARecordedKinectIsSeenThroughLibfreenect) {
+  const std::string library = GRASPDB_FAKENECT_LIBRARY;
+  if (library.empty()) {
+    GTEST_SKIP() << "libfreenect came without fakenect; install Debian's libfreenect-dev";
+  }
+  StartCell();
+  auto recording = client::FakenectRecording::Create(Path("kinect"));
+  ASSERT_THAT(recording, IsOk());
+  const auto camera = client::DepthCamera::Create(client::SimulatedKinectV1({}));
+  ASSERT_THAT(camera, IsOk());
+  const auto frame_of = [&](std::size_t scene) {
+    const client::PlannedCapture& shown = SceneNo(scene);
+    return *camera->Render(client::SceneOf(parts_, shown, /*with_table=*/true), shown.world_sensor,
+                           shown.seed);
+  };
+  ASSERT_THAT(recording->Show(frame_of(0), absl::Seconds(3)), IsOk());
+  ASSERT_THAT(recording->PullOut(), IsOk());
+  ASSERT_THAT(recording->Show(frame_of(1), absl::Seconds(120)), IsOk());
+  ASSERT_THAT(recording->Finish(), IsOk());
+
+  StartAgentWith("freenect", {"--job", "1 any limit=100ms", "--job", "2 any limit=30s"},
+                 {"LD_LIBRARY_PATH=" + std::filesystem::path(library).parent_path().string(),
+                  "FAKENECT_PATH=" + Path("kinect")});
+  client::GriClient robot = Robot();
+  ExpectHolds(Trigger(robot, 2), SceneNo(0));
+  AwaitCode(GriCode::kPipelineNotAvailable);
+  ExpectHolds(Trigger(robot, 2), SceneNo(1));
+}
+
+TEST_F(CellProgramsTest, WhatCameToNoGoodEndIsKeptAndAskedAgain) {
+  StartCell();
+  LayOut(0);
+  StartAgent({"--black-box", Path("box"), "--job", "1 any", "--job", "2 object=no-such-thing"});
+  client::GriClient robot = Robot();
+  EXPECT_EQ(Trigger(robot, 2).code, GriCode::kNoPosesFound);
+  agent_->Signal(SIGTERM);
+  ASSERT_EQ(agent_->Wait().exit_status, 0);
+  const Finished same = Graspdb({"replay", Path("box")});
+  EXPECT_EQ(same.exit_status, 0) << same.out << same.err;
+  Succeed({"objects", "delete", parts_[SceneNo(0).placements[0].part].object_id, "--force"});
+  const Finished different = Graspdb({"replay", Path("box")});
+  EXPECT_EQ(different.exit_status, 1) << different.out << different.err;
 }
 
 TEST_F(CellProgramsTest, WrongSettingsAreSaid) {

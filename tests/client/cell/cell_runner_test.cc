@@ -138,7 +138,8 @@ TEST_F(CellRunnerTest, WhoKeepsJobsHearsOfThem) {
   ASSERT_THAT(Run(1), IsOk());
   ASSERT_THAT(heard_, SizeIs(1));
   EXPECT_EQ(heard_[0].request.robot, "r");
-  EXPECT_THAT(heard_[0].look, IsOk());
+  EXPECT_THAT(heard_[0].status, IsOk());
+  EXPECT_EQ(heard_[0].look.response.catalog_revision(), 7);
   EXPECT_THAT(heard_[0].poses, SizeIs(1));
   EXPECT_THAT(counters_.Text(), HasSubstr("jobs=1 with_pose=1"));
 }

@@ -41,7 +41,10 @@ class CycleTest : public ::testing::Test {
   absl::StatusOr<Look> Run(absl::Duration limit = absl::Seconds(60)) {
     CellKeeper keeper(client_, "cells/press-3", absl::Hours(1));
     Cycle cycle(camera_, client_, keeper, {.cell = "cells/press-3"});
-    return cycle.Run(base_flange_, absl::Now() + limit);
+    Look look;
+    absl::Status status = cycle.Run(base_flange_, absl::Now() + limit, &look);
+    if (!status.ok()) return status;
+    return look;
   }
 
   ScriptedServer server_;
@@ -143,7 +146,9 @@ TEST_F(CycleTest, StoppingEndsTheWait) {
   CellKeeper keeper(client_, "cells/press-3", absl::Hours(1));
   Cycle cycle(camera_, client_, keeper, {.cell = "cells/press-3"});
   cycle.Stop();
-  EXPECT_THAT(cycle.Run({}, absl::InfiniteFuture()), StatusIs(absl::StatusCode::kUnavailable));
+  Look look;
+  EXPECT_THAT(cycle.Run({}, absl::InfiniteFuture(), &look),
+              StatusIs(absl::StatusCode::kUnavailable));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // The first Kinect through the real libfreenect interface: recordings that fakenect plays to
 // another process.
 #include <gmock/gmock.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <cmath>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_split.h"
+#include "client/files/capture_set.h"
 #include "client/files/depth_message.h"
 #include "client/files/depth_png.h"
 #include "client/sensors/fakenect_recording.h"
@@ -109,9 +109,9 @@ TEST_F(FakenectTest, ARecordingOfRandomScenesTellsTheTruth) {
   ASSERT_THAT(plan, IsOk());
   ASSERT_THAT(WriteSimulatedRecording(recording(), parts, *plan, kLongEnough), IsOk());
   EXPECT_THAT(Play(1, recording()), Contains("frame 0"));
-  v1::CaptureSet truth;
-  ASSERT_TRUE(
-      google::protobuf::util::JsonStringToMessage(BytesOf(recording() / kTruthFile), &truth).ok());
+  const auto loaded = LoadCaptureSet(recording());
+  ASSERT_THAT(loaded, IsOk());
+  const v1::CaptureSet& truth = *loaded;
   ASSERT_EQ(truth.captures_size(), 2);
   EXPECT_EQ(truth.captures(1).object_id(), parts[(*plan)[1].placements[0].part].object_id);
   EXPECT_TRUE(truth.captures(1).has_sensor_pose());

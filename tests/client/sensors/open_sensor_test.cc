@@ -13,6 +13,7 @@
 #include "client/sensors/sensor_spec.h"
 #include "client/simulation/capture_plan.h"
 #include "client/simulation/sample_parts.h"
+#include "client/simulation/scene_file.h"
 #include "tests/client/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
@@ -142,38 +143,29 @@ TEST(OpenSensor, ACameraThatIsNotThereIsUnavailableAndLookedFor) {
   EXPECT_FALSE((*sensor)->IsReady());
 }
 
-TEST(OpenSensor, ASimulationWritesDownTheTruth) {
+TEST(OpenSensor, ASimulationShowsWhatSomebodyLaysOut) {
   const TemporaryFolder folder;
-  const auto truth = folder.path() / "truth.json";
+  const auto table = folder.path() / "table";
   SensorSettings settings;
   settings.max_age = absl::Hours(1);
   settings.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
-  const auto sensor = OpenSensor(
-      "simulated:parts=wedge+handle,seed=9,objects-per-scene=2,truth=" + truth.string(), settings);
+  const auto sensor = OpenSensor("simulated:scene=" + table.string(), settings);
   ASSERT_THAT(sensor, IsOk());
-  std::vector<Workpiece> parts;
-  for (const char* id : {"wedge", "handle"}) {
-    for (const Workpiece& part : SampleParts()) {
-      if (part.object_id == id) parts.push_back(part);
-    }
-  }
-  const auto plan =
-      PlanRandomScenes(parts, {.stand = {}, .count = 2, .objects_per_scene = 2, .seed = 9});
+  const auto look = [&] { return (*sensor)->Next(absl::Now() + absl::Seconds(60)); };
+  EXPECT_THAT(look(), StatusIs(absl::StatusCode::kUnavailable));
+  const auto plan = PlanRandomScenes(SampleParts(), {.stand = {}, .count = 2, .seed = 9});
   ASSERT_THAT(plan, IsOk());
-  for (const PlannedCapture& expected : *plan) {
-    ASSERT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)), IsOk());
-    v1::CaptureSet set;
-    ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(BytesOf(truth), &set).ok());
-    ASSERT_EQ(set.captures_size(), 2);
-    EXPECT_EQ(set.objects_size(), 2);
-    for (int i = 0; i < 2; ++i) {
-      const Placement& placement = expected.placements[static_cast<std::size_t>(i)];
-      EXPECT_EQ(set.captures(i).object_id(), parts[placement.part].object_id);
-      EXPECT_EQ(set.captures(i).path(), expected.path);
-      EXPECT_TRUE(
-          FromMessage(set.captures(i).object_pose()).isApprox(placement.world_object, 1e-9));
-    }
+  std::vector<std::string> frames;
+  for (const PlannedCapture& scene : *plan) {
+    ASSERT_THAT(WriteScenes(table, SampleParts(), {scene}), IsOk());
+    const auto frame = look();
+    ASSERT_THAT(frame, IsOk());
+    ASSERT_TRUE(frame->world_sensor);
+    EXPECT_TRUE(frame->world_sensor->isApprox(scene.world_sensor, 1e-9));
+    frames.push_back(std::get<v1::DepthImage>(frame->scan).data());
+    EXPECT_EQ(std::get<v1::DepthImage>(look()->scan).data(), frames.back());
   }
+  EXPECT_NE(frames[0], frames[1]);
 }
 
 TEST(ListSensors, NamesEveryKindOnce) {

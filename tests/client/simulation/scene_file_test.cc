@@ -22,7 +22,7 @@ TEST(SceneFile, IsReadBackAsItWasWritten) {
   ASSERT_THAT(scenes, IsOk());
   std::vector<std::uint64_t> seeds;
   for (const PlannedCapture& scene : *scenes) {
-    ASSERT_THAT(WriteScene(folder.path() / "table", parts, scene), IsOk());
+    ASSERT_THAT(WriteScenes(folder.path() / "table", parts, {scene}), IsOk());
     const auto read = ReadScene(folder.path() / "table", parts);
     ASSERT_THAT(read, IsOk());
     ASSERT_EQ(read->placements.size(), 2U);
@@ -47,7 +47,7 @@ TEST(SceneFile, WithoutAFolderTheCameraIsNotPluggedIn) {
 TEST(SceneFile, ThingsThatNobodyKnowsAreSaid) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
-  ASSERT_THAT(WriteScene(folder.path(), parts, {.path = "p", .placements = {{3, {}}}}), IsOk());
+  ASSERT_THAT(WriteScenes(folder.path(), parts, {{.path = "p", .placements = {{3, {}}}}}), IsOk());
   EXPECT_THAT(ReadScene(folder.path(), {parts[0]}),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr(parts[3].object_id)));
 }
