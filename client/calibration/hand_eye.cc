@@ -39,8 +39,8 @@ Equations EquationsOf(std::span<const HandEyeSample> samples, CameraMount mount)
   out.reserve(samples.size());
   for (const HandEyeSample& sample : samples) {
     const bool fixed = mount == CameraMount::kFixed;
-    out.push_back(
-        {fixed ? sample.base_flange : sample.base_flange.inverse(), sample.camera_target, mount});
+    out.push_back({fixed ? sample.base_flange : sample.base_flange.inverse(), sample.camera_target,
+                   mount, sample.covariance});
   }
   return out;
 }

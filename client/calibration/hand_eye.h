@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/calibration/pose_certainty.h"
 #include "recognition/types.h"
 
 namespace graspdb::client {
@@ -13,6 +14,7 @@ namespace graspdb::client {
 struct HandEyeSample {
   recognition::Pose base_flange = recognition::Pose::Identity();
   recognition::Pose camera_target = recognition::Pose::Identity();
+  Covariance6d covariance = UsualCovariance();  // of camera_target, in the frame of the target
 };
 
 enum class CameraMount {

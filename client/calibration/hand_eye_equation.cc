@@ -12,7 +12,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using recognition::Pose;
 
-// Robots and detections are off by about so much in each direction and about each axis.
+// Robots are off by about so much in each direction and about each axis.
 constexpr double kShiftM = 0.0005;
 constexpr double kTurnRad = 0.2 * std::numbers::pi / 180;
 
@@ -33,7 +33,7 @@ Matrix3d CrossMatrix(const Vector3d& v) {
 
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const auto& [a, b, mount] : equations) {
+  for (const auto& [a, b, mount, covariance] : equations) {
     for (Eigen::Index i = 0; i < 3; ++i) {
       for (Eigen::Index j = 0; j < 3; ++j) {
         sum.block<3, 3>(3 * i, 3 * j) += b.linear()(i, j) * a.linear();
@@ -54,7 +54,7 @@ HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   Eigen::VectorXd right(rows);
   for (std::size_t i = 0; i < equations.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(3 * i);
-    const auto& [a, b, mount] = equations[i];
+    const auto& [a, b, mount, covariance] = equations[i];
     left.block<3, 3>(row, 0) = a.linear();
     left.block<3, 3>(row, 3) = -Matrix3d::Identity();
     right.segment<3>(row) = out.x.linear() * b.translation() - a.translation();
@@ -88,7 +88,7 @@ Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& sol
           .finished();
   const Matrix6d seen = AdjointOf(target_flange);
   Matrix6d covariance = seen * variances.asDiagonal() * seen.transpose();
-  covariance.diagonal() += variances;
+  covariance += equation.covariance;
   const Eigen::LLT<Matrix6d> factor(covariance);
   return factor.matrixL().solve(Matrix6d::Identity());
 }

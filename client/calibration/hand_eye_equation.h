@@ -15,6 +15,7 @@ struct HandEyeEquation {
   recognition::Pose a;  // T_base_flange of a fixed camera, T_flange_base of one on the flange
   recognition::Pose b;  // T_camera_target
   CameraMount mount = CameraMount::kFixed;
+  Matrix6d covariance = UsualCovariance();  // of b, in the frame of the target
 };
 
 struct HandEyeSolution {

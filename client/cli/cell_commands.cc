@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/calibration_commands.h"
 
 namespace graspdb::client {
 namespace {
@@ -166,7 +167,7 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
 }  // namespace
 
 void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* cells = AddCommand(app, "cells", "List, show, set and delete cells");
+  CLI::App* cells = AddCommand(app, "cells", "List, show, set, level, check and delete cells");
   cells->require_subcommand(1);
   AddCommand(*cells, "list", "All cells")->callback([=, &global] {
     *action = [&global] { return ListCells(global); };
@@ -180,6 +181,8 @@ void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action)
     };
   });
   AddSetCommand(*cells, global, action);
+  AddLevelCommand(*cells, global, action);
+  AddCheckCommand(*cells, global, action);
   CLI::App* remove = AddCommand(*cells, "delete", "Forget a cell");
   remove->add_option("CELL", *id, "Id, e.g. press-3")->required();
   remove->callback([=, &global] {

@@ -5,7 +5,7 @@
 
 namespace graspdb::client {
 
-// Adds `cells list|show|set|delete`.
+// Adds `cells list|show|set|level|check|delete`.
 void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action);
 
 }  // namespace graspdb::client

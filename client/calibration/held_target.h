@@ -1,0 +1,21 @@
+// A known thing that a gripper holds before a camera, in all six degrees of freedom.
+#pragma once
+
+#include <optional>
+
+#include "client/calibration/target_scan.h"
+#include "recognition/surface_model.h"
+
+namespace graspdb::client {
+
+// Looks for the model in a scan that is cut out around it and what holds it, without table and
+// background. Every side that was taught is laid on every part of the scan, turned about the line
+// of sight (the world of `scan` is that of its sensor); what fits best is refined. nullopt when
+// nothing does. Deterministic; takes about a second.
+std::optional<TargetFit> FindHeldTarget(const recognition::SurfaceModel& model,
+                                        const TargetScan& scan);
+
+// Whether a fit is one: enough of the target in sight, and that where it should be.
+bool IsFound(const TargetFit& fit);
+
+}  // namespace graspdb::client

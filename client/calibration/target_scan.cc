@@ -1,0 +1,129 @@
+#include "client/calibration/target_scan.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "recognition/refinement.h"
+#include "recognition/segmentation.h"
+#include "recognition/verification.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3f;
+using recognition::Evidence;
+using recognition::OrientedCloud;
+using recognition::Points;
+using recognition::Pose;
+using recognition::RefinementOptions;
+using recognition::SurfaceModel;
+
+// Look-ups over the scan: cells, and how far they reach, m.
+constexpr float kCellM = 0.003F;
+constexpr float kReachM = 0.021F;
+constexpr std::size_t kFewestVoxels = 50;
+constexpr RefinementOptions kRoughSteps = {
+    .iterations = 6, .first_reach_m = 0.02, .last_reach_m = 0.008, .coarse = true};
+constexpr RefinementOptions kLastSteps = {.iterations = 15, .first_reach_m = 0.01};
+constexpr std::size_t kRoughStride = 3;
+constexpr double kRoughToleranceM = 0.006;
+constexpr double kToleranceM = 0.004;
+// The gripper is farther from the target's surface than this, or hides it.
+constexpr float kNearM = 0.008F;
+// What lies on the surface, and faces as it does; what goes on beside it.
+constexpr float kOnM = 0.003F;
+constexpr float kFacing = 0.8F;
+constexpr float kBesideM = 0.02F;
+
+}  // namespace
+
+TargetScan::TargetScan(const Points& points, const Points& scan, const Pose& world_sensor,
+                       bool on_table)
+    : points_(points),
+      scan_(scan),
+      world_sensor_(world_sensor),
+      on_table_(on_table),
+      cloud_(recognition::PrepareCloud(recognition::Transform(world_sensor, points),
+                                       world_sensor.translation(),
+                                       recognition::DescriptorParameters())) {}
+
+recognition::Sight TargetScan::SightOf(const Points& own) const {
+  recognition::Scan all;
+  all.points = own;
+  all.points.insert(all.points.end(), scan_.begin(), scan_.end());
+  recognition::Segment segment;
+  segment.indices.resize(own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) segment.indices[i] = static_cast<std::int32_t>(i);
+  return {all, world_sensor_, segment};
+}
+
+void TargetScan::Count(const SurfaceModel& model, std::size_t stride, TargetFit* fit) const {
+  const Eigen::Isometry3f target_world = fit->world_target.inverse().cast<float>();
+  fit->own = 0;
+  fit->beside = 0;
+  for (std::size_t i = 0; i < cloud_.points.size(); i += stride) {
+    const Vector3f p = target_world * cloud_.points[i];
+    const float distance = model.DistanceTo(p);
+    if (distance >= kBesideM) continue;
+    if (distance >= kNearM) {
+      fit->beside += 1;
+    } else if (distance < kOnM) {
+      const auto at = static_cast<std::size_t>(model.grid.Nearest(p));
+      const Vector3f normal = target_world.linear() * cloud_.normals[i];
+      if (normal.dot(model.fine.cloud.normals[at]) >= kFacing) fit->own += 1;
+    }
+  }
+}
+
+void TargetScan::RefineRoughly(const SurfaceModel& model, TargetFit* guesses,
+                               std::size_t count) const {
+  const recognition::NearestGrid grid(cloud_.points, kCellM, kReachM);
+  const recognition::OrientedColumns columns(cloud_, kRoughStride);
+  const recognition::Sight sight = SightOf(points_);
+  const recognition::RefinementTarget target{cloud_, columns, grid, sight, on_table_, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    TargetFit& guess = guesses[i];
+    guess.world_target =
+        recognition::Refine(model, target, guess.world_target, kRoughSteps).world_object;
+    const Evidence evidence = Verify(model, guess.world_target, columns, sight,
+                                     {.tolerance_m = kRoughToleranceM, .coarse = true});
+    guess.seen = evidence.model_seen;
+    guess.shown = evidence.in_sight;
+    Count(model, kRoughStride, &guess);
+  }
+}
+
+TargetFit TargetScan::RefineOnce(const SurfaceModel& model, const Pose& world_target) const {
+  const Eigen::Isometry3f target_world = world_target.inverse().cast<float>();
+  TargetFit out{.world_target = world_target};
+  OrientedCloud near;
+  for (std::size_t i = 0; i < cloud_.points.size(); ++i) {
+    if (model.DistanceTo(target_world * cloud_.points[i]) >= kNearM) continue;
+    near.points.push_back(cloud_.points[i]);
+    near.normals.push_back(cloud_.normals[i]);
+  }
+  if (near.points.size() < kFewestVoxels) return out;
+  const Eigen::Isometry3f target_sensor = target_world * world_sensor_.cast<float>();
+  Points own;
+  std::ranges::copy_if(points_, std::back_inserter(own), [&](const Vector3f& p) {
+    return model.DistanceTo(target_sensor * p) < kNearM;
+  });
+  const recognition::Sight sight = SightOf(own);
+  const recognition::OrientedColumns columns(near);
+  const recognition::NearestGrid grid(near.points, kCellM, kReachM);
+  recognition::RefinementTarget target{near, columns, grid, sight, on_table_, {}};
+  if (on_table_) target.table = recognition::Plane();
+  out.world_target = recognition::Refine(model, target, world_target, kLastSteps).world_object;
+  const Evidence evidence =
+      Verify(model, out.world_target, columns, sight, {.tolerance_m = kToleranceM});
+  out.seen = evidence.model_seen;
+  out.shown = evidence.in_sight;
+  Count(model, 1, &out);
+  return out;
+}
+
+TargetFit TargetScan::Refine(const SurfaceModel& model, const Pose& world_target) const {
+  return RefineOnce(model, RefineOnce(model, world_target).world_target);
+}
+
+}  // namespace graspdb::client

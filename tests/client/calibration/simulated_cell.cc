@@ -1,0 +1,167 @@
+#include "tests/client/calibration/simulated_cell.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <utility>
+
+#include "client/files/pose_message.h"
+#include "client/robots/rotation_vector.h"
+#include "client/simulation/sample_parts.h"
+#include "client/simulation/scene.h"
+#include "client/simulation/solid.h"
+
+namespace graspdb::testing {
+namespace {
+
+using client::BoxSolid;
+using client::CameraMount;
+using client::FromRotationVector;
+using client::TriangleMesh;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using recognition::Pose;
+
+constexpr double kRadian = std::numbers::pi / 180;
+constexpr double kUnitM = 0.0001;
+constexpr double kToolLengthM = 0.17;  // from the flange to where the fingers hold
+constexpr double kClearanceM = 0.02;   // of open fingers, see TopGrasp
+
+Pose Make(const Vector3d& at, const Vector3d& turn) {
+  Pose out = Pose::Identity();
+  out.translation() = at;
+  out.linear() = FromRotationVector(turn);
+  return out;
+}
+
+// Fingers, palm and wrist around a thing of that width, in the frame of the flange.
+TriangleMesh Gripper(double width_m) {
+  const auto half = static_cast<float>(width_m / 2);
+  const auto tip = static_cast<float>(kToolLengthM) + 0.012F;
+  return client::Union({BoxSolid({half, -0.01F, 0.06F}, {half + 0.012F, 0.01F, tip}),
+                        BoxSolid({-half - 0.012F, -0.01F, 0.06F}, {-half, 0.01F, tip}),
+                        BoxSolid({-half - 0.03F, -0.03F, 0}, {half + 0.03F, 0.03F, 0.06F}),
+                        client::CylinderSolid({0, 0}, 0.045F, -0.3F, 0)});
+}
+
+client::DepthCamera CameraOf(const client::DepthCameraModel& model) {
+  absl::StatusOr<client::DepthCamera> camera = client::DepthCamera::Create(model);
+  if (!camera.ok()) std::abort();
+  return *std::move(camera);
+}
+
+}  // namespace
+
+client::DepthCameraModel SmallKinectV2() {
+  client::DepthCameraModel model = client::KinectV2();
+  model.intrinsics = {
+      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
+  return model;
+}
+
+client::DepthCameraModel SmallKinectV1() {
+  client::DepthCameraModel model = client::KinectV1();
+  model.intrinsics = {.width = 360, .height = 300, .fx = 525, .fy = 525, .cx = 179.5, .cy = 149.5};
+  return model;
+}
+
+const client::Workpiece& PartNamed(const std::string& id) {
+  static const std::vector<client::Workpiece> parts = client::SampleParts();
+  for (const client::Workpiece& part : parts) {
+    if (part.object_id == id) return part;
+  }
+  std::abort();
+}
+
+v1::DepthImage ImageMessage(const client::DepthFrame& frame,
+                            const recognition::CameraIntrinsics& camera) {
+  v1::DepthImage out;
+  out.mutable_intrinsics()->set_width(camera.width);
+  out.mutable_intrinsics()->set_height(camera.height);
+  out.mutable_intrinsics()->set_fx(camera.fx);
+  out.mutable_intrinsics()->set_fy(camera.fy);
+  out.mutable_intrinsics()->set_cx(camera.cx);
+  out.mutable_intrinsics()->set_cy(camera.cy);
+  out.set_depth_unit_m(kUnitM);
+  const std::vector<std::uint16_t> counts = client::ToCounts(frame, kUnitM);
+  out.mutable_data()->assign(reinterpret_cast<const char*>(counts.data()), 2 * counts.size());
+  return out;
+}
+
+SimulatedCell::SimulatedCell(CameraMount mount, const std::string& part,
+                             const client::DepthCameraModel& camera, std::uint64_t seed)
+    : mount_(mount), part_(PartNamed(part)), camera_(CameraOf(camera)), random_(seed) {
+  world_base_ = Make({-0.45, 0.12, 0.03}, {0.004, -0.003, 0.4});
+  world_camera_ = client::LookAt({0.02, 0, 0.3}, 0.75, 40, -85);
+  world_camera_.rotate(Eigen::AngleAxisd(0.05, Vector3d::UnitZ()));
+  flange_camera_ = Make({0.08, 0.01, 0.04}, {0.06, -0.12, 1.5});
+  world_target_ = Make({0.03, -0.02, 0}, {0, 0, std::numbers::pi * Uniform()});
+  const v1::Grasp& grasp = part_.grasps.front();
+  gripper_ = Gripper(grasp.gripper_opening_m() - kClearanceM);
+  // Not quite as it was taught: a target slips as it is gripped.
+  flange_target_ = Make({0, 0, kToolLengthM}, {0, 0, 0}) *
+                   client::FromMessage(grasp.tcp_pose()).inverse() *
+                   Make({0.001 * Uniform(), 0.001 * Uniform(), 0}, {0.01, -0.02, 0.03});
+}
+
+Vector3d SimulatedCell::Normals() {
+  std::normal_distribution<double> normal;
+  const double x = normal(random_);
+  const double y = normal(random_);
+  return {x, y, normal(random_)};
+}
+
+Pose SimulatedCell::Drive(double tilt_rad, double turn_rad) {
+  const double heading = std::numbers::pi * Uniform();
+  const Vector3d tilt = tilt_rad * Uniform() * Vector3d(std::cos(heading), std::sin(heading), 0);
+  const Vector3d turn(0, 0, turn_rad * Uniform());
+  const Vector3d shift(Uniform(), Uniform(), Uniform());
+  Pose world_flange = Pose::Identity();
+  if (mount_ == CameraMount::kFixed) {
+    // The target hangs upright from the tool, but for the tilt.
+    const Pose world_target =
+        Make(Vector3d(0.02, 0, 0.28) + 0.06 * shift, tilt) * Make(Vector3d::Zero(), turn);
+    world_flange = world_target * flange_target_.inverse();
+  } else {
+    const Pose above = client::LookAt({0, 0, 0.02}, 0.65 + 0.06 * shift.z(), 90, -90);
+    const Pose around = Make(0.04 * Vector3d(shift.x(), shift.y(), 0), tilt);
+    world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
+  }
+  const Pose told = world_base_.inverse() * world_flange;
+  base_flange_ = told * Make(noise_.shift_m / std::sqrt(3) * Normals(),
+                             noise_.turn_rad / std::sqrt(3) * Normals());
+  return told;
+}
+
+Pose SimulatedCell::WorldCameraNow() const {
+  return mount_ == CameraMount::kFixed ? world_camera_
+                                       : world_base_ * base_flange_ * flange_camera_;
+}
+
+Pose SimulatedCell::WorldTargetNow() const {
+  return mount_ == CameraMount::kFixed ? world_base_ * base_flange_ * flange_target_
+                                       : world_target_;
+}
+
+Pose SimulatedCell::mount_camera() const {
+  return mount_ == CameraMount::kFixed ? world_base_.inverse() * world_camera_ : flange_camera_;
+}
+
+Pose SimulatedCell::camera_target() const { return WorldCameraNow().inverse() * WorldTargetNow(); }
+
+absl::StatusOr<client::SensorFrame> SimulatedCell::Next(absl::Time /*deadline*/) {
+  client::Scene scene;
+  if (!hidden_) scene.objects.push_back({&part_.mesh, WorldTargetNow()});
+  if (mount_ == CameraMount::kFixed) {
+    scene.objects.push_back({&gripper_, world_base_ * base_flange_});
+  }
+  auto frame = camera_.Render(scene, WorldCameraNow(), random_());
+  if (!frame.ok()) return frame.status();
+  client::SensorFrame out;
+  out.scan = ImageMessage(*frame, camera_.model().intrinsics);
+  out.time = absl::Now();
+  return out;
+}
+
+}  // namespace graspdb::testing
