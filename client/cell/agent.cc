@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/blackbox/black_box.h"
+#include "client/cell/calibrations.h"
 #include "client/cell/cell_runner.h"
 #include "client/cell/counters_log.h"
 #include "client/cell/health.h"
@@ -69,7 +70,8 @@ absl::StatusOr<std::unique_ptr<BlackBox>> OpenBlackBox(const AgentOptions& optio
 
 // In the order in which they need each other; they go in the other one.
 struct Agent::Parts {
-  Parts(const AgentOptions& given, const Jobs& jobs, std::unique_ptr<DepthSensor> camera,
+  Parts(const AgentOptions& given, const Jobs& jobs,
+        const std::vector<CalibrationConfig>& calibrated, std::unique_ptr<DepthSensor> camera,
         std::unique_ptr<BlackBox> box)
       : options(given),
         black_box(std::move(box)),
@@ -81,7 +83,8 @@ struct Agent::Parts {
         gri_runner(jobs, JobProtocol::kGri, RunnerOptions(options), PartsOfRunner()),
         line_runner(jobs, JobProtocol::kLine, RunnerOptions(options), PartsOfRunner()),
         gri_jobs(gri_runner),
-        gri_protocol(gri_jobs),
+        calibrations(calibrated, client, *sensor, cell),
+        gri_protocol(gri_jobs, &calibrations),
         line_protocol(line_runner) {}
 
   CellParts PartsOfRunner() {
@@ -109,6 +112,7 @@ struct Agent::Parts {
   CellRunner gri_runner;
   CellRunner line_runner;
   GriJobs gri_jobs;
+  Calibrations calibrations;
   GriProtocol gri_protocol;
   LineProtocol line_protocol;
   std::unique_ptr<RobotServer> gri_server;
@@ -128,7 +132,10 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   if (!jobs.ok()) return jobs.status();
   absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
   if (!box.ok()) return box.status();
-  auto parts = std::make_unique<Parts>(options, *jobs, std::move(sensor), *std::move(box));
+  const auto calibrations = ParseCalibrations(options.calibrations, CellName(options.cell));
+  if (!calibrations.ok()) return calibrations.status();
+  auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, std::move(sensor),
+                                       *std::move(box));
   if (!options.gri.empty()) {
     auto server = Listen(parts->gri_protocol, "--gri", options.gri);
     if (!server.ok()) return server.status();

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "client/cell/calibrations.h"
 #include "settings/listen_address.h"
 #include "settings/settings_file.h"
 #include "settings/version.h"
@@ -80,7 +81,7 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
       "and tells the robot where to grasp.",
       "graspdb-cell");
   app.set_version_flag("--version", absl::StrCat("graspdb-cell ", kVersion));
-  app.footer(absl::StrCat(kJobHelp, "\n\n", kFooter));
+  app.footer(absl::StrCat(kJobHelp, "\n\n", kCalibrationHelp, "\n\n", kFooter));
   app.add_option("--cell", o->cell, "Id of the cell, as graspdb cells set made it")->required();
   app.add_option("--sensor", o->sensor, "The camera: freenect, openni2, files:FOLDER, simulated")
       ->required();
@@ -89,6 +90,11 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
       ->take_all()
       ->type_name("\"NUMBER WORDS\"")
       ->capture_default_str();
+  app.add_option("--calibrate", o->calibrations,
+                 "A hand-eye calibration that robots may drive, see below; give it once for each")
+      ->expected(1)
+      ->take_all()
+      ->type_name("\"PIPELINE WORDS\"");
   AddAddresses(app, o);
   AddLimits(app, o);
   AddBlackBox(app, o);

@@ -15,6 +15,7 @@ struct AgentOptions {
   std::string cell;
   std::string sensor;
   std::vector<std::string> jobs = {"1 any"};
+  std::vector<std::string> calibrations;
   std::string gri = "127.0.0.1:7100";
   std::string line = "127.0.0.1:7101";
   std::string health = "127.0.0.1:7102";

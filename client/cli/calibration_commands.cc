@@ -11,11 +11,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "client/calibration/calibrated_cell.h"
 #include "client/calibration/table_level.h"
 #include "client/calibration/target.h"
 #include "client/files/point_file.h"
 #include "client/files/pose_message.h"
+#include "client/sensors/open_sensor.h"
 
 namespace graspdb::client {
 namespace {
@@ -24,6 +26,9 @@ using recognition::Pose;
 
 constexpr double kMmPerM = 1000;
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+constexpr int kTableFrames = 5;
+constexpr absl::Duration kSensorPatience = absl::Seconds(10);
+constexpr absl::Duration kSensorPause = absl::Milliseconds(20);
 
 constexpr char kLevelFooter[] =
     R"(Fits the plane of the empty table and sets the cell's sensor pose: its height and level, keeping
@@ -31,7 +36,8 @@ x, y and the turn about the vertical where the cell has a pose, else with the or
 image centre. Makes the cell where there is none.
 
 Example:
-  graspdb cells level press-3 --frame empty-table.pcd)";
+  graspdb cells level press-3 --frame empty-table.pcd
+  graspdb cells level press-3 --sensor freenect)";
 
 constexpr char kCheckFooter[] =
     R"(With --frame: how the table lies against the cell's sensor pose. With --poses and --target: how
@@ -45,6 +51,7 @@ Example:
 struct Options {
   std::string id;
   std::string frame;
+  std::string sensor;
   std::string poses;
   std::string target;
 };
@@ -54,6 +61,17 @@ absl::StatusOr<StillScan> FrameFrom(const std::filesystem::path& path) {
   absl::StatusOr<PointFile> file = ReadPointFile(path);
   if (!file.ok()) return file.status();
   return StillScan{.points = std::move(file->points), .width = file->height > 1 ? file->width : 0};
+}
+
+// The empty table, from a file or as the camera sees it now.
+absl::StatusOr<StillScan> TableFrom(const Options& options) {
+  if (!options.frame.empty()) return FrameFrom(options.frame);
+  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
+      OpenSensor(options.sensor, SensorSettings());
+  if (!sensor.ok()) return sensor.status();
+  const absl::Time deadline = absl::Now() + kSensorPatience;
+  while (!(*sensor)->IsReady() && absl::Now() < deadline) absl::SleepFor(kSensorPause);
+  return TakeStillScan(**sensor, kTableFrames, deadline);
 }
 
 absl::StatusOr<v1::Cell> Save(Client& client, const v1::Cell& cell) {
@@ -70,7 +88,7 @@ absl::StatusOr<v1::Cell> Save(Client& client, const v1::Cell& cell) {
 }
 
 absl::Status Level(const GlobalOptions& global, const Options& options) {
-  const absl::StatusOr<StillScan> scan = FrameFrom(options.frame);
+  const absl::StatusOr<StillScan> scan = TableFrom(options);
   if (!scan.ok()) return scan.status();
   const absl::StatusOr<SeenTable> table = FindTable(scan->points);
   if (!table.ok()) return table.status();
@@ -187,7 +205,7 @@ absl::Status CheckLevel(const v1::Cell& cell, const Options& options) {
     return absl::FailedPreconditionError(
         absl::StrCat(cell.name(), " has no sensor pose; run `graspdb cells level` first"));
   }
-  const absl::StatusOr<StillScan> scan = FrameFrom(options.frame);
+  const absl::StatusOr<StillScan> scan = TableFrom(options);
   if (!scan.ok()) return scan.status();
   const absl::StatusOr<SeenTable> table = FindTable(scan->points);
   if (!table.ok()) return table.status();
@@ -204,12 +222,12 @@ absl::Status Check(const GlobalOptions& global, const Options& options) {
   Client client = Connect(global);
   const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
   if (!cell.ok()) return cell.status();
-  if (options.frame.empty() && options.poses.empty()) {
+  if (options.frame.empty() && options.sensor.empty() && options.poses.empty()) {
     return absl::InvalidArgumentError(
-        "nothing to check; give --frame, or --poses with --target, or both");
+        "nothing to check; give --frame or --sensor, or --poses with --target, or both");
   }
   absl::Status status;
-  if (!options.frame.empty()) status = CheckLevel(*cell, options);
+  if (!options.frame.empty() || !options.sensor.empty()) status = CheckLevel(*cell, options);
   if (status.ok() && !options.poses.empty()) status = CheckHandEyeOf(client, *cell, options);
   return status;
 }
@@ -220,8 +238,10 @@ void AddLevelCommand(CLI::App& cells, const GlobalOptions& global, Action* actio
   auto options = std::make_shared<Options>();
   CLI::App* level = AddCommand(cells, "level", "Find how the camera stands over the table");
   level->add_option("CELL", options->id, "Id, e.g. press-3")->required();
-  level->add_option("--frame", options->frame, "Frame of the empty table, .pcd or .ply")
-      ->required();
+  CLI::Option_group* table = level->add_option_group("table", "The empty table");
+  table->add_option("--frame", options->frame, "A frame of it, .pcd or .ply");
+  table->add_option("--sensor", options->sensor, "The camera that looks at it, e.g. freenect");
+  table->require_option(1);
   level->footer(kLevelFooter);
   level->callback([=, &global] { *action = [=, &global] { return Level(global, *options); }; });
 }
@@ -230,7 +250,10 @@ void AddCheckCommand(CLI::App& cells, const GlobalOptions& global, Action* actio
   auto options = std::make_shared<Options>();
   CLI::App* check = AddCommand(cells, "check", "How far off a calibration is");
   check->add_option("CELL", options->id, "Id, e.g. press-3")->required();
-  check->add_option("--frame", options->frame, "Frame of the empty table, .pcd or .ply");
+  CLI::Option* frame =
+      check->add_option("--frame", options->frame, "Frame of the empty table, .pcd or .ply");
+  check->add_option("--sensor", options->sensor, "The camera that looks at the empty table")
+      ->excludes(frame);
   CLI::Option* poses =
       check->add_option("--poses", options->poses, "File with the robot's poses and frames");
   check->add_option("--target", options->target, "Object that the frames show")->needs(poses);

@@ -1,0 +1,91 @@
+#include "client/cell/calibrations.h"
+
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr int kMostFrames = 100;
+
+absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
+  const std::pair<std::string, std::string> pair = absl::StrSplit(word, absl::MaxSplits('=', 1));
+  const auto& [key, value] = pair;
+  if (key == "target" && !value.empty()) {
+    setup->target = value.starts_with("objects/") ? value : absl::StrCat("objects/", value);
+    return absl::OkStatus();
+  }
+  if (key == "mount" && (value == "fixed" || value == "flange")) {
+    setup->mount = value == "fixed" ? CameraMount::kFixed : CameraMount::kOnFlange;
+    return absl::OkStatus();
+  }
+  if (key == "frames" && absl::SimpleAtoi(value, &setup->frames) && setup->frames >= 1 &&
+      setup->frames <= kMostFrames) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "\"", word, "\" is wrong; give target=OBJECT, mount=fixed or mount=flange, frames=1 to ",
+      kMostFrames));
+}
+
+absl::Status Parse(const std::string& line, CalibrationConfig* config) {
+  const std::vector<std::string> words =
+      absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
+  if (words.empty() || !absl::SimpleAtoi(words[0], &config->pipeline) || config->pipeline < 0) {
+    return absl::InvalidArgumentError("it must begin with the number of a pipeline");
+  }
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (absl::Status status = Apply(words[i], &config->setup); !status.ok()) return status;
+  }
+  if (!config->setup.target.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError("target= is missing; name a taught object");
+}
+
+}  // namespace
+
+const char kCalibrationHelp[] =
+    R"(A calibration is a line: the number of its pipeline, then words.
+  0 target=block mount=fixed               the gripper holds the taught object "block"
+  1 target=block mount=flange frames=10    the camera is on the robot, the block stands on the table)";
+
+absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
+    const std::vector<std::string>& lines, const std::string& cell) {
+  std::vector<CalibrationConfig> out;
+  std::set<int> taken;
+  for (const std::string& line : lines) {
+    CalibrationConfig config;
+    config.setup.cell = cell;
+    absl::Status status = Parse(line, &config);
+    if (status.ok() && !taken.insert(config.pipeline).second) {
+      status = absl::InvalidArgumentError("its number is taken by another one");
+    }
+    if (!status.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("calibration \"", line, "\": ", std::string(status.message())));
+    }
+    out.push_back(std::move(config));
+  }
+  return out;
+}
+
+Calibrations::Calibrations(const std::vector<CalibrationConfig>& configs, Client& client,
+                           DepthSensor& sensor, CellKeeper& cell)
+    : cell_(cell) {
+  for (const CalibrationConfig& config : configs) {
+    sessions_.Add(config.pipeline, std::make_unique<HandEyeSession>(client, sensor, config.setup));
+  }
+}
+
+absl::StatusOr<CalibrationReport> Calibrations::Calibrate(int pipeline) {
+  absl::StatusOr<CalibrationReport> report = sessions_.Calibrate(pipeline);
+  if (!report.ok()) return report;
+  if (absl::Status read = cell_.Refresh(); !read.ok()) return read;
+  return report;
+}
+
+}  // namespace graspdb::client
