@@ -23,7 +23,7 @@ std::vector<double> FreeTurns(const FreeTurn& turn) {
 
 // All turns of a tool, the smallest first, each once.
 std::vector<double> TurnsOf(const TaughtGrasp& grasp, int symmetry_order) {
-  const std::vector<double> declared = DeclaredTurns(symmetry_order);
+  std::vector<double> declared = DeclaredTurns(symmetry_order);
   if (!grasp.free_turn || symmetry_order == 0) return declared;
   std::vector<double> out;
   for (const double free : FreeTurns(*grasp.free_turn)) {

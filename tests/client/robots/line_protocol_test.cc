@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 
+#include "absl/strings/str_cat.h"
 #include "client/robots/line_reply.h"
 #include "tests/client/robots/scripted_runner.h"
 #include "tests/client/robots/socket_robot.h"
@@ -190,7 +191,7 @@ TEST_F(LineProtocolTest, WhatWasPrintedIsReadBackAsThePoseThatItWas) {
     reply >> ok >> primaries >> related;
     std::getline(reply, numbers);
     ASSERT_EQ(ok, "OK");
-    ASSERT_THAT(Ask(name + " RUN 7" + numbers), StartsWith("OK"));
+    ASSERT_THAT(Ask(absl::StrCat(name, " RUN 7", numbers)), StartsWith("OK"));
     const Pose back = *runner_.base_flange();
     EXPECT_LT((back.translation() - found.base_primary.translation()).norm(), 1e-6);
     EXPECT_LT((back.linear() - found.base_primary.linear()).norm(), 5e-6) << format;
