@@ -28,7 +28,7 @@ v1::Bundle Sample() {
 class BundleFileTest : public ::testing::Test {
  protected:
   std::string Write(const std::string& name, const std::string& bytes) const {
-    const std::string path = (folder_.path() / name).string();
+    std::string path = (folder_.path() / name).string();
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }

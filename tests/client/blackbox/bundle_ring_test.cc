@@ -18,7 +18,7 @@ using graspdb::testing::StatusIs;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-const absl::Time kNoon = absl::FromUnixSeconds(1'783'080'000);
+absl::Time Noon() { return absl::FromUnixSeconds(1'783'080'000); }
 
 class BundleRingTest : public ::testing::Test {
  protected:
@@ -44,8 +44,8 @@ class BundleRingTest : public ::testing::Test {
 
 TEST_F(BundleRingTest, FilesAreNumberedAndNamedByTheirTime) {
   BundleRing ring = Open();
-  ASSERT_THAT(ring.Add("one", kNoon), IsOk());
-  ASSERT_THAT(ring.Add("two", kNoon - absl::Hours(1)), IsOk());
+  ASSERT_THAT(ring.Add("one", Noon()), IsOk());
+  ASSERT_THAT(ring.Add("two", Noon() - absl::Hours(1)), IsOk());
   EXPECT_THAT(Names(), ElementsAre("0000000001-20260703T120000Z.bundle",
                                    "0000000002-20260703T110000Z.bundle"));
   EXPECT_EQ(ring.bytes(), 6U);
@@ -54,19 +54,19 @@ TEST_F(BundleRingTest, FilesAreNumberedAndNamedByTheirTime) {
 TEST_F(BundleRingTest, TheOldestLeaveWhereTheLimitIsReached) {
   BundleRing ring = Open(1000);
   for (int i = 0; i < 25; ++i) {
-    ASSERT_THAT(ring.Add(std::string(100, 'x'), kNoon), IsOk());
+    ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
     EXPECT_LE(ring.bytes(), 1000U);
   }
   EXPECT_THAT(Names(), SizeIs(10));
   EXPECT_EQ(Names().front().substr(0, 10), "0000000016");
-  ASSERT_THAT(ring.Add(std::string(950, 'y'), kNoon), IsOk());
+  ASSERT_THAT(ring.Add(std::string(950, 'y'), Noon()), IsOk());
   EXPECT_THAT(Names(), SizeIs(1));
 }
 
 TEST_F(BundleRingTest, OneThatIsLargerThanAllMayBeIsRefusedAndNothingLeaves) {
   BundleRing ring = Open(1000);
-  ASSERT_THAT(ring.Add(std::string(100, 'x'), kNoon), IsOk());
-  EXPECT_THAT(ring.Add(std::string(1001, 'x'), kNoon),
+  ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
+  EXPECT_THAT(ring.Add(std::string(1001, 'x'), Noon()),
               StatusIs(absl::StatusCode::kResourceExhausted));
   EXPECT_EQ(ring.size(), 1U);
 }
@@ -74,12 +74,12 @@ TEST_F(BundleRingTest, OneThatIsLargerThanAllMayBeIsRefusedAndNothingLeaves) {
 TEST_F(BundleRingTest, WhatIsThereIsTakenOver) {
   {
     BundleRing ring = Open();
-    for (int i = 0; i < 5; ++i) ASSERT_THAT(ring.Add(std::string(100, 'x'), kNoon), IsOk());
+    for (int i = 0; i < 5; ++i) ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
   }
   BundleRing ring = Open(350);
   EXPECT_EQ(ring.size(), 3U) << "the limit is smaller now";
   EXPECT_EQ(ring.bytes(), 300U);
-  ASSERT_THAT(ring.Add("x", kNoon), IsOk());
+  ASSERT_THAT(ring.Add("x", Noon()), IsOk());
   EXPECT_EQ(Names().back().substr(0, 10), "0000000006");
   EXPECT_EQ(Names().front().substr(0, 10), "0000000003");
 }
@@ -97,23 +97,23 @@ TEST_F(BundleRingTest, LeftoversOfACrashGoAndOtherFilesStay) {
 
 TEST_F(BundleRingTest, ABundleThatSomebodyElseTookAwayIsNoError) {
   BundleRing ring = Open(200);
-  ASSERT_THAT(ring.Add(std::string(100, 'x'), kNoon), IsOk());
+  ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
   std::filesystem::remove_all(Folder());
-  EXPECT_THAT(ring.Add(std::string(150, 'x'), kNoon), IsOk());
+  EXPECT_THAT(ring.Add(std::string(150, 'x'), Noon()), IsOk());
   EXPECT_THAT(Names(), SizeIs(1));
 }
 
 TEST_F(BundleRingTest, ADiskWithTooLittleRoomIsLeftToOthers) {
   {
     BundleRing ring = Open();
-    ASSERT_THAT(ring.Add("x", kNoon), IsOk());
+    ASSERT_THAT(ring.Add("x", Noon()), IsOk());
   }
   auto ring = BundleRing::Open({.folder = Folder(),
                                 .byte_limit = 1000,
                                 .least_free_bytes = std::numeric_limits<std::uint64_t>::max() / 2});
   ASSERT_THAT(ring, IsOk());
   EXPECT_EQ(ring->size(), 0U);
-  EXPECT_THAT(ring->Add("y", kNoon), StatusIs(absl::StatusCode::kResourceExhausted));
+  EXPECT_THAT(ring->Add("y", Noon()), StatusIs(absl::StatusCode::kResourceExhausted));
 }
 
 TEST_F(BundleRingTest, AFolderThatCannotBeIsAnError) {
