@@ -23,7 +23,7 @@ constexpr double kOpenShare = 0.01;
 constexpr double kLeastVolume = 1e-3;
 constexpr double kMostVolume = 1.01;
 // A facet does not hold from which a smaller tilt makes it roll downhill.
-const double kLeastTip = std::tan(1 * std::numbers::pi / 180);
+constexpr double kLeastTip = 0.017455;  // the tangent of one degree
 
 std::size_t At(int i) { return static_cast<std::size_t>(i); }
 

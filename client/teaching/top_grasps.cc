@@ -19,7 +19,7 @@ constexpr double kOffTableM = 0.002;
 constexpr double kLeastPlayM = 0.003;  // on each side of the thing when the gripper comes down
 constexpr double kPlayM = 0.010;       // on each side, where it can open so far
 constexpr double kTouchDepthM = 0.0015;
-const float kLeastCosine = static_cast<float>(std::cos(20 * std::numbers::pi / 180));
+constexpr float kLeastCosine = 0.9397F;  // of 20 degrees
 // As a share of how far the thing reaches from its centre of mass: beyond, it would turn in the
 // grasp.
 constexpr double kMostLever = 0.5;
