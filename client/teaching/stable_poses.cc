@@ -15,7 +15,10 @@ using recognition::Pose;
 
 constexpr double kRollLiftShare = 0.005;  // of the diameter
 constexpr double kTouchingShare = 0.002;  // of the diameter
-constexpr double kSameAttitudeRad = 20 * std::numbers::pi / 180;
+constexpr double kSameAttitudeRad = 12 * std::numbers::pi / 180;
+constexpr double kNextFacetRad = 20 * std::numbers::pi / 180;  // of a thing that rolls
+// Stricter than recognition::AlikeM: a stable pose too many costs some views, one too few answers.
+constexpr double kSameLookM = 0.0015;
 
 // Facets of one basin that are near to each other; `down` and `facet` are of the most probable one.
 struct Attitude {
@@ -33,7 +36,7 @@ void MarkRolling(const std::vector<RestingFacet>& facets, const std::vector<std:
   for (std::size_t i = 0; i < facets.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (of_facet[i] == of_facet[j] || facets[i].basin != facets[j].basin) continue;
-      if (facets[i].down.dot(facets[j].down) < std::cos(kSameAttitudeRad)) continue;
+      if (facets[i].down.dot(facets[j].down) < std::cos(kNextFacetRad)) continue;
       (*attitudes)[of_facet[i]].rolls = true;
       (*attitudes)[of_facet[j]].rolls = true;
     }
@@ -68,7 +71,7 @@ struct Look {
 
 bool LooksLike(const recognition::SurfaceModel& a, const recognition::SurfaceModel& b) {
   const auto likeness = recognition::FindLikeness(a, b);
-  return likeness && likeness->gap.largest_m <= recognition::AlikeM(b);
+  return likeness && likeness->gap.largest_m <= kSameLookM;
 }
 
 std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Attitude>& attitudes) {

@@ -22,7 +22,7 @@ struct MeshStablePose {
   double probability = 0;
   // By how much the table must be tilted before it tips over, rad.
   double tip_angle_rad = 0;
-  // It rolls on over facets that are less than 20 degrees apart: what lies 20 degrees and more from
+  // It rolls on over facets that are less than 20 degrees apart: what lies 12 degrees and more from
   // this attitude, and looks different, is another stable pose.
   bool rolls = false;
   // Facets of the hull that are this pose.
@@ -42,8 +42,8 @@ struct MeshStablePoses {
 
 // All stable poses with at least `min_probability`, see RestingFacets. One pose are facets between
 // which the centre of mass is lifted by less than 0.5 % of the diameter (curved and noisy
-// surfaces) and that are less than 20 degrees apart, and all poses that look the same on the table
-// to a depth camera (recognition::FindLikeness within AlikeM, so 2.5 mm or 2 % of the size): the
+// surfaces) and that are less than 12 degrees apart, and all poses that look the same on the table
+// to a depth camera (recognition::FindLikeness within 1.5 mm): the
 // sides of a cylinder are one, so are the faces of a cube. What has no pose at or above the least
 // probability has its most probable one.
 //
