@@ -43,9 +43,10 @@ constexpr std::size_t kFinalists = 24;
 // Guesses nearer to each other than this lead to the same place: m, rad.
 constexpr double kSamePlaceM = 0.008;
 constexpr double kSameTurnRad = 0.14;
-// Less of it in sight, or less of that where it should be, is no detection.
-constexpr double kLeastSeen = 0.75;
-constexpr double kLeastShown = 0.3;
+// Less of it in sight, or less of that where it should be, is no detection: an empty gripper looks
+// like many things to nine tenths.
+constexpr double kLeastSeen = 0.96;
+constexpr double kLeastShown = 0.55;
 
 struct Guess {
   Matrix3f rotation = Matrix3f::Identity();  // T_sensor_target

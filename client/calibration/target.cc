@@ -34,6 +34,8 @@ constexpr double kApartM = 0.05;
 // Around a standing target: beyond it, and above the table, m.
 constexpr double kMarginM = 0.03;
 constexpr double kStandsAboveM = 0.006;
+// What the server has found and is refined to less than this share of its surface stays as it was.
+constexpr double kRefinedSeen = 0.75;
 constexpr double kAboveTableM = 0.02;
 constexpr double kHighestM = 1.0;
 constexpr double kAroundM = 1.0;
@@ -123,7 +125,7 @@ SeenTarget RefineStanding(const Target& target, const StillScan& scan, const Pos
   const TargetScan standing(points, scan.points, world_sensor, /*on_table=*/true);
   const TargetFit fit = standing.Refine(*target.model, world_target);
   const Pose sensor_target =
-      world_sensor.inverse() * (IsFound(fit) ? fit.world_target : world_target);
+      world_sensor.inverse() * (fit.seen >= kRefinedSeen ? fit.world_target : world_target);
   return {sensor_target, CovarianceOf(*target.model, points, sensor_target, /*on_table=*/true)};
 }
 

@@ -30,7 +30,7 @@ constexpr char kSetFooter[] =
 cell, as `graspdb cells show NAME --json` prints it; flags go before it.
 
 Example:
-  graspdb cells set press-3 --sensor-pose 0,-0.5,0.6,-0.89,0,0,0.45 \
+  graspdb cells set press-3 --sensor-pose 0,-0.5,0.6,-0.891,0,0,0.454 \
       --region -0.3,-0.3,-0.02,0.3,0.3,0.4)";
 
 void SetVector(const double* values, v1::Vector3* out) {

@@ -122,7 +122,9 @@ TEST_P(HandEyeSessionTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
         static_cast<int>(seed), report->used, report->poses, 1e3 * report->shift_m,
         report->turn_rad / kDegree, 1e3 * off.at_work_m, 1e3 * off.camera_m,
         off.turn_rad / kDegree);
-    EXPECT_LT(off.at_work_m, 0.0015);
+    // What counts is where a fixed camera puts things in the work area: 0.75 m away a tenth of a
+    // degree is a millimetre and a half of the camera's own place. On the flange it is that place.
+    EXPECT_LT(GetParam() == CameraMount::kFixed ? off.at_work_m : off.camera_m, 0.0015);
     EXPECT_LT(off.turn_rad, 0.3 * kDegree);
     EXPECT_GE(report->used, 9U);
     EXPECT_GT(report->shift_m, 0.0001) << "the residuals must not hide the noise";
