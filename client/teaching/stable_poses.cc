@@ -69,9 +69,10 @@ struct Look {
   recognition::SurfaceModel model;
 };
 
-bool LooksLike(const recognition::SurfaceModel& a, const recognition::SurfaceModel& b) {
+bool LooksLike(const recognition::SurfaceModel& a, const recognition::SurfaceModel& b,
+               double limit_m) {
   const auto likeness = recognition::FindLikeness(a, b);
-  return likeness && likeness->gap.largest_m <= kSameLookM;
+  return likeness && likeness->gap.largest_m <= limit_m;
 }
 
 std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Attitude>& attitudes) {
@@ -79,8 +80,10 @@ std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Attitude>&
   std::vector<Look> out;
   for (const Attitude& attitude : attitudes) {
     recognition::SurfaceModel model = Posed(surface, PutDown(mesh, attitude.down));
-    const auto same =
-        std::ranges::find_if(out, [&](const Look& look) { return LooksLike(model, look.model); });
+    const auto same = std::ranges::find_if(out, [&](const Look& look) {
+      const bool both_roll = attitude.rolls && look.attitude.rolls;
+      return LooksLike(model, look.model, both_roll ? recognition::AlikeM(model) : kSameLookM);
+    });
     if (same == out.end()) {
       out.push_back({attitude, std::move(model)});
     } else {

@@ -43,7 +43,7 @@ struct MeshStablePoses {
 // All stable poses with at least `min_probability`, see RestingFacets. One pose are facets between
 // which the centre of mass is lifted by less than 0.5 % of the diameter (curved and noisy
 // surfaces) and that are less than 12 degrees apart, and all poses that look the same on the table
-// to a depth camera (recognition::FindLikeness within 1.5 mm): the
+// to a depth camera (recognition::FindLikeness within 1.5 mm, where both roll within AlikeM): the
 // sides of a cylinder are one, so are the faces of a cube. What has no pose at or above the least
 // probability has its most probable one.
 //
