@@ -58,7 +58,7 @@ absl::StatusOr<FakenectRecording> FakenectRecording::Create(
   }
   const absl::StatusOr<std::string> device = DeviceJson(calibration);
   if (!device.ok()) return device.status();
-  const absl::Status written =
+  absl::Status written =
       WriteFileAtomically(folder / "device.json", *device, Durability::kProcessCrash);
   if (!written.ok()) return written;
   return FakenectRecording(folder, calibration);

@@ -235,6 +235,7 @@ absl::StatusOr<std::vector<std::string>> ListOpenNi2() {
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<std::string> uris;
+  uris.reserve(static_cast<std::size_t>(devices.getSize()));
   for (int i = 0; i < devices.getSize(); ++i) uris.emplace_back(devices[i].getUri());
   return uris;
 }

@@ -18,22 +18,22 @@ using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
 
-const DepthPngCamera kCamera = {
+const DepthPngCamera small_camera = {
     .intrinsics = {.width = 3, .height = 2, .fx = 500.25, .fy = 501, .cx = 1, .cy = 0.5},
     .depth_unit_m = 0.0001};
-const std::vector<std::uint16_t> kCounts = {0, 1, 255, 256, 0x1234, 65535};
+const std::vector<std::uint16_t> some_counts = {0, 1, 255, 256, 0x1234, 65535};
 
 v1::DepthImage SmallImage() {
-  return DepthMessage(kCounts, kCamera.intrinsics, kCamera.depth_unit_m);
+  return DepthMessage(some_counts, small_camera.intrinsics, small_camera.depth_unit_m);
 }
 
 TEST(DepthPng, GivesBackEveryCount) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.png";
   ASSERT_THAT(WriteDepthPng(path, SmallImage()), IsOk());
-  const auto image = ReadDepthPng(path, kCamera);
+  const auto image = ReadDepthPng(path, small_camera);
   ASSERT_THAT(image, IsOk());
-  EXPECT_EQ(*CountsFromMessage(*image), kCounts);
+  EXPECT_EQ(*CountsFromMessage(*image), some_counts);
   EXPECT_EQ(DepthUnit(*image), 0.0001);
   EXPECT_EQ(image->intrinsics().fx(), 500.25);
 }
@@ -62,7 +62,7 @@ TEST(DepthPng, EveryCutShortFileIsRefused) {
   const std::string bytes = BytesOf(folder.path() / "a.png");
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const auto cut = folder.Write("cut.png", bytes.substr(0, size));
-    EXPECT_THAT(ReadDepthPng(cut, kCamera),
+    EXPECT_THAT(ReadDepthPng(cut, small_camera),
                 StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("cut.png")))
         << size;
   }
@@ -75,14 +75,14 @@ TEST(DepthPng, AFlippedByteOfTheBodyIsRefused) {
   const std::size_t data = bytes.find("IDAT");
   ASSERT_NE(data, std::string::npos);
   bytes[data + 8] = static_cast<char>(bytes[data + 8] ^ 0x55);
-  EXPECT_THAT(ReadDepthPng(folder.Write("bad.png", bytes), kCamera),
+  EXPECT_THAT(ReadDepthPng(folder.Write("bad.png", bytes), small_camera),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("damaged")));
 }
 
 TEST(DepthPng, AnotherSizeThanTheCamerasIsRefused) {
   const TemporaryFolder folder;
   ASSERT_THAT(WriteDepthPng(folder.path() / "a.png", SmallImage()), IsOk());
-  DepthPngCamera other = kCamera;
+  DepthPngCamera other = small_camera;
   other.intrinsics.width = 4;
   EXPECT_THAT(
       ReadDepthPng(folder.path() / "a.png", other),
@@ -91,9 +91,9 @@ TEST(DepthPng, AnotherSizeThanTheCamerasIsRefused) {
 
 TEST(DepthPng, WhatIsNoPngIsRefusedAndAMissingFileNamed) {
   const TemporaryFolder folder;
-  EXPECT_THAT(ReadDepthPng(folder.Write("text.png", "no image at all"), kCamera),
+  EXPECT_THAT(ReadDepthPng(folder.Write("text.png", "no image at all"), small_camera),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is no PNG file")));
-  EXPECT_THAT(ReadDepthPng(folder.path() / "none.png", kCamera),
+  EXPECT_THAT(ReadDepthPng(folder.path() / "none.png", small_camera),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none.png")));
 }
 
@@ -109,7 +109,7 @@ TEST(DepthPng, AnImageWithoutAllItsCountsIsNotWritten) {
 TEST(Intrinsics, AreReadAsWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / kIntrinsicsFile;
-  ASSERT_THAT(WriteIntrinsics(path, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(path, small_camera), IsOk());
   const auto camera = ReadIntrinsics(path);
   ASSERT_THAT(camera, IsOk());
   EXPECT_EQ(camera->intrinsics.width, 3);

@@ -20,12 +20,13 @@ using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
 
-const DepthPngCamera kCamera = {
+const DepthPngCamera small_camera = {
     .intrinsics = {.width = 2, .height = 1, .fx = 500, .fy = 500, .cx = 0.5, .cy = 0},
     .depth_unit_m = 0.001};
 
 void WriteImage(const std::filesystem::path& path, std::uint16_t depth) {
-  ASSERT_THAT(WriteDepthPng(path, DepthMessage({depth, 0}, kCamera.intrinsics, 0.001)), IsOk());
+  ASSERT_THAT(WriteDepthPng(path, DepthMessage({depth, 0}, small_camera.intrinsics, 0.001)),
+              IsOk());
 }
 
 PointFile OnePoint(float z) {
@@ -51,7 +52,7 @@ TEST(FileSensor, PlaysAFolderInTheOrderOfNamesAndThenIsUnplugged) {
   WriteImage(folder.path() / "a.png", 1);
   ASSERT_THAT(WritePcd(folder.path() / "c.pcd", OnePoint(0.5F)), IsOk());
   folder.Write("notes.txt", "passed over");
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path());
   EXPECT_EQ(FirstDepth(sensor->Next(absl::InfiniteFuture())), 1);
   EXPECT_EQ(FirstDepth(sensor->Next(absl::InfiniteFuture())), 2);
@@ -67,7 +68,7 @@ TEST(FileSensor, LoopsWhereToldSo) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   WriteImage(folder.path() / "b.png", 2);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path(), {.loop = true});
   for (const int expected : {1, 2, 1, 2, 1}) {
     EXPECT_EQ(FirstDepth(sensor->Next(absl::InfiniteFuture())), expected);
@@ -78,7 +79,7 @@ TEST(FileSensor, LoopsWhereToldSo) {
 TEST(FileSensor, AFrameIsAsYoungAsItsReading) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
   const absl::Time before = absl::Now();
   const auto frame = Play(folder.path() / "a.png")->Next(absl::InfiniteFuture());
   ASSERT_THAT(frame, IsOk());
@@ -91,7 +92,7 @@ TEST(FileSensor, AFrameIsAsYoungAsItsReading) {
 TEST(FileSensor, ARateThatIsNotDueYetIsADeadline) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path(), {.loop = true, .rate_hz = 0.001});
   EXPECT_THAT(sensor->Next(absl::Now() + absl::Seconds(1)), IsOk());
   EXPECT_THAT(sensor->Next(absl::Now() + absl::Seconds(1)),
@@ -102,7 +103,7 @@ TEST(FileSensor, ABadFileIsNamedAndTheNextOneFollows) {
   const TemporaryFolder folder;
   folder.Write("a.png", "rubbish");
   WriteImage(folder.path() / "b.png", 2);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, kCamera), IsOk());
+  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path());
   EXPECT_THAT(sensor->Next(absl::InfiniteFuture()),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("a.png")));

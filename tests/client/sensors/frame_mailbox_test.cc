@@ -17,29 +17,29 @@ using testing::IsOk;
 using testing::StatusIs;
 
 constexpr absl::Duration kLong = absl::Seconds(60);
-const absl::Time kThen = absl::FromUnixSeconds(1'700'000'000);
+const absl::Time then = absl::FromUnixSeconds(1'700'000'000);
 
 TEST(FrameMailbox, GivesNoFrameFromBeforeTheQuestion) {
   FrameMailbox box(kLong);
-  box.Put(NumberedFrame(1, kThen));
-  EXPECT_THAT(box.Wait(kThen + absl::Nanoseconds(1), absl::Now()),
+  box.Put(NumberedFrame(1, then));
+  EXPECT_THAT(box.Wait(then + absl::Nanoseconds(1), absl::Now()),
               StatusIs(absl::StatusCode::kDeadlineExceeded));
-  const auto frame = box.Wait(kThen, absl::Now());
+  const auto frame = box.Wait(then, absl::Now());
   ASSERT_THAT(frame, IsOk());
   EXPECT_EQ(DataOf(*frame), "1");
 }
 
 TEST(FrameMailbox, KeepsTheNewestAlone) {
   FrameMailbox box(kLong);
-  box.Put(NumberedFrame(1, kThen));
-  box.Put(NumberedFrame(2, kThen));
-  EXPECT_EQ(DataOf(*box.Wait(kThen, absl::Now())), "2");
+  box.Put(NumberedFrame(1, then));
+  box.Put(NumberedFrame(2, then));
+  EXPECT_EQ(DataOf(*box.Wait(then, absl::Now())), "2");
 }
 
 TEST(FrameMailbox, AFrameWakesWhoWaits) {
   FrameMailbox box(kLong);
-  std::thread camera([&box] { box.Put(NumberedFrame(7, kThen)); });
-  const auto frame = box.Wait(kThen, absl::Now() + kLong);
+  std::thread camera([&box] { box.Put(NumberedFrame(7, then)); });
+  const auto frame = box.Wait(then, absl::Now() + kLong);
   camera.join();
   ASSERT_THAT(frame, IsOk());
   EXPECT_EQ(DataOf(*frame), "7");
@@ -48,11 +48,11 @@ TEST(FrameMailbox, AFrameWakesWhoWaits) {
 TEST(FrameMailbox, AFailureWakesWhoWaitsAndStays) {
   FrameMailbox box(kLong);
   std::thread camera([&box] { box.Fail(absl::UnavailableError("pulled out")); });
-  EXPECT_THAT(box.Wait(kThen, absl::Now() + kLong),
+  EXPECT_THAT(box.Wait(then, absl::Now() + kLong),
               StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
   camera.join();
   box.Fail(absl::InternalError("a later reason"));
-  EXPECT_THAT(box.Wait(kThen, absl::Now()), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(box.Wait(then, absl::Now()), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_FALSE(box.IsAlive());
 }
 
@@ -62,7 +62,7 @@ TEST(FrameMailbox, ASilentCameraIsGone) {
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("no frame for 5ms")));
   EXPECT_FALSE(box.IsAlive());
   box.Put(NumberedFrame(1));
-  EXPECT_THAT(box.Wait(kThen, absl::Now() + kLong), IsOk());
+  EXPECT_THAT(box.Wait(then, absl::Now() + kLong), IsOk());
 }
 
 // Gives one frame of a certain age.

@@ -171,6 +171,7 @@ TEST(OpenSensor, ASimulationShowsWhatSomebodyLaysOut) {
 TEST(ListSensors, NamesEveryKindOnce) {
   const auto listing = ListSensors();
   std::vector<std::string> kinds;
+  kinds.reserve(listing.size());
   for (const SensorListing& kind : listing) kinds.push_back(kind.kind);
   EXPECT_THAT(kinds, ElementsAre("files", "simulated", "freenect", "openni2", "freenect2"));
   for (const SensorListing& kind : listing) {

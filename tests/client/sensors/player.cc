@@ -20,7 +20,7 @@ absl::Status Keep(const std::string& folder, int number, const SensorFrame& fram
   const auto& image = std::get<v1::DepthImage>(frame.scan);
   const DepthPngCamera camera = {.intrinsics = FromMessage(image.intrinsics()),
                                  .depth_unit_m = DepthUnit(image)};
-  const absl::Status sidecar = WriteIntrinsics(folder + "/" + kIntrinsicsFile, camera);
+  absl::Status sidecar = WriteIntrinsics(folder + "/" + kIntrinsicsFile, camera);
   if (!sidecar.ok()) return sidecar;
   return WriteDepthPng(folder + "/" + std::to_string(number) + ".png", image);
 }

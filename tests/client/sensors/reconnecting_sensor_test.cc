@@ -135,6 +135,7 @@ TEST(ReconnectingSensor, NeverHasTwoSensorsAtOnceWhileManyAskAndTheCableShakes) 
   std::atomic<int> frames = 0;
   std::atomic<bool> asking = true;
   std::vector<std::thread> callers;
+  callers.reserve(4);
   for (int i = 0; i < 4; ++i) {
     callers.emplace_back([&] {
       while (asking) frames += rig.sensor().Next(Soon()).ok() ? 1 : 0;
