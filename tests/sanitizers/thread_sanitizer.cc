@@ -21,12 +21,17 @@ Function* Real(const char* symbol) {
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
-         "race:libgrpc\n"      // hands calls over through atomics that are not seen
+         "mutex:libOniFile\n"  // its player of recordings, too
+         "deadlock:libOpenNI2\n"
+         "deadlock:libOniFile\n"
+         "race:libOniFile\n"
+         "race:libgrpc\n"  // hands calls over through atomics that are not seen
          "race:libgpr\n"
          "race:libupb\n"
          "race:libabsl_cord\n"
          "race:libabsl_status\n"
          "race:absl::debian3::status_internal\n"  // its inline part, in our programs
+         "race:absl::debian3::Status::Unref\n"    // texts that two threads have copies of
          "race:libabsl_time_zone\n"
          "race:librocksdb\n"
          "race:libtbb\n"

@@ -172,10 +172,6 @@ class Driver : public oni::driver::DriverBase {
     const char* frames = std::getenv("GRASPDB_TEST_CAMERA_FRAMES");
     frames_left_ = frames == nullptr ? -1 : std::stoi(frames);
   }
-  ~Driver() override {
-    if (hand_.joinable()) hand_.join();
-  }
-
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
@@ -196,19 +192,20 @@ class Driver : public oni::driver::DriverBase {
     if (!plugged_) return false;
     if (frames_left_ < 0 || frames_left_-- > 0) return true;
     plugged_ = false;
-    hand_ = std::thread([this] {
+    // It runs as long as it likes: the library and its drivers stay until the program ends.
+    std::thread hand([this] {
       deviceDisconnected(&info_);
       std::this_thread::sleep_for(kUnpluggedTime);
       plugged_ = true;
       deviceConnected(&info_);
     });
+    hand.detach();
     return false;
   }
 
   OniDeviceInfo info_ = {};
   std::atomic<int> frames_left_ = -1;  // below 0: as many as are wanted
   std::atomic<bool> plugged_ = true;
-  std::thread hand_;  // that pulls the cable
 };
 
 }  // namespace
