@@ -55,7 +55,8 @@ void CellProgramsTest::StartAgent(const std::vector<std::string>& flags) {
 }
 
 void CellProgramsTest::StartAgentWith(const std::string& sensor,
-                                      const std::vector<std::string>& flags) {
+                                      const std::vector<std::string>& flags,
+                                      const std::vector<std::string>& environment) {
   std::vector<std::string> command = {
       GRASPDB_CELL_PROGRAM, "--cell",   "press-3",     "--server",      address_,
       "--sensor",           sensor,     "--gri",       "127.0.0.1:0",   "--line",
