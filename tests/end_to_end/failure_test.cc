@@ -53,7 +53,7 @@ TEST_F(FailureTest, InterruptedImportGoesOnWhereItWas) {
   import->Signal(SIGINT);
   const Finished broken = import->Wait();
   EXPECT_EQ(broken.exit_status, 1);
-  EXPECT_THAT(broken.err, HasSubstr("run the same import again"));
+  EXPECT_THAT(broken.err, HasSubstr("run the same command again"));
   ASSERT_EQ(Graspdb({"import", Path("set")}).exit_status, 0);
   EXPECT_EQ(Status().view_count(), 72);
 }

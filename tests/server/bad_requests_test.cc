@@ -13,7 +13,6 @@ namespace graspdb::testing {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr auto kInvalid = grpc::StatusCode::INVALID_ARGUMENT;
 constexpr auto kNotFound = grpc::StatusCode::NOT_FOUND;
 
@@ -71,18 +70,6 @@ BadRequest StablePose(const std::string& name, const std::function<void(v1::Stab
         fill(*request.mutable_stable_pose());
       },
       kInvalid, "stable_pose." + field, words);
-}
-
-BadRequest Cell(const std::string& name, const std::function<void(v1::Cell&)>& fill,
-                const std::string& field, const std::string& words) {
-  return {name,
-          [=](Test& test) {
-            v1::CreateCellRequest request;
-            request.set_cell_id("new");
-            fill(*request.mutable_cell());
-            return test.Send(&Cells::CreateCell, request);
-          },
-          kInvalid, "cell." + field, words};
 }
 
 TEST_P(BadRequestTest, IsRefusedWithASentenceAndChangesNothing) {
@@ -282,35 +269,6 @@ std::vector<BadRequest> ContentCases() {
             p.mutable_grasps(0)->mutable_free_turn()->set_max_deg(-90);
           },
           "grasps[0].free_turn", "min_deg"),
-      Cell(
-          "CellWithInfinitePosition",
-          [](v1::Cell& c) {
-            c.mutable_sensor_pose()->mutable_orientation()->set_w(1);
-            c.mutable_sensor_pose()->mutable_position()->set_x(kInfinity);
-          },
-          "sensor_pose.position", "finite"),
-      Cell(
-          "CellWithUnnormalisedRotation",
-          [](v1::Cell& c) { c.mutable_sensor_pose()->mutable_orientation()->set_w(0.99); },
-          "sensor_pose.orientation", "0.99"),
-      Cell(
-          "CellWithUnnormalisedBase",
-          [](v1::Cell& c) { c.mutable_robot_base_pose()->mutable_orientation()->set_w(2); },
-          "robot_base_pose.orientation", "2"),
-      Cell(
-          "CellWithUnnormalisedMount",
-          [](v1::Cell& c) { c.mutable_flange_sensor_pose()->mutable_orientation()->set_w(2); },
-          "flange_sensor_pose.orientation", "2"),
-      Cell(
-          "CellWithRegionUpsideDown",
-          [](v1::Cell& c) {
-            *c.mutable_region_of_interest() = BoxMessage({0, 0, 1}, {1, 1, 0});
-          },
-          "region_of_interest", "is empty"),
-      Cell(
-          "CellWithPipelineOutOfRange",
-          [](v1::Cell& c) { c.mutable_pipeline()->set_verified_view_count(0); },
-          "pipeline.verified_view_count", "1 to 100"),
   };
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 using recognition::Pose;
 
-enum Job { kEcho = 1, kTwoGrasps = 2, kNothing = 3, kSlow = 4, kGoOn = 5, kFar = 6 };
+enum Job { kEcho = 1, kTwoGrasps = 2, kNothing = 3, kSlow = 4, kGoOn = 5, kFar = 6, kStores = 20 };
 
 Pose At(double x_m) {
   const auto turn = [](double degrees, const Eigen::Vector3d& axis) {
@@ -50,7 +50,11 @@ class Jobs : public ScriptedRunner {
     Set(16, absl::DeadlineExceededError(""));
     Refuse(17, absl::PermissionDeniedError(""));
     Refuse(18, absl::FailedPreconditionError(""));
+    Set(19, absl::AbortedError(""));
+    Set(kStores, std::vector<JobPose>());
   }
+
+  bool ReturnsPoses(int job) override { return job != kStores; }
 
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     if (request.job == kEcho) {
