@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/cell_text.h"
 #include "client/cli/calibration_commands.h"
 
 namespace graspdb::client {
@@ -110,7 +111,7 @@ absl::StatusOr<v1::Cell> CreateOrUpdate(Client& client, const v1::UpdateCellRequ
 absl::Status PrintCell(const GlobalOptions& global, const absl::StatusOr<v1::Cell>& cell) {
   if (!cell.ok()) return cell.status();
   if (global.json) return PrintJson(*cell);
-  std::printf("%s", cell->DebugString().c_str());
+  std::printf("%s", CellText(*cell).c_str());
   return absl::OkStatus();
 }
 
