@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "client/cli/look_alikes_text.h"
+#include "client/teaching/look_alikes_text.h"
 
 namespace graspdb::client {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/guided_teach.h"
 #include "client/cli/look_alike_notes.h"
 #include "client/cli/stable_pose_pictures.h"
 #include "client/cli/stable_pose_table.h"
@@ -35,14 +36,20 @@ struct Options {
   std::string pictures;
   bool add = false;
   bool dry_run = false;
+  GuidedTeachOptions guided;
 };
 
 constexpr char kFooter[] =
-    R"(From a mesh: finds the ways in which the object rests on the table, how likely each is, their
+    R"(With a camera: leads you through the stable poses and the steps of a turntable, says how well each
+view was seen and what may be confused with it. The cell says where the camera is, its region where
+the turntable is. Ctrl-D ends it, nothing is lost: the same command again goes on with what is missing.
+
+From a mesh: finds the ways in which the object rests on the table, how likely each is, their
 symmetries and top grasps, and teaches views of each as the camera would take them. What is there
 keeps its grasps. A command that was interrupted is run again: nothing is taught twice.
 
 Examples:
+  graspdb teach bracket --sensor freenect --cell press-3         # guided
   graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # the stable poses alone
   graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
   graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
@@ -104,7 +111,16 @@ absl::Status Report(const GlobalOptions& global, Client& client, const Options& 
   return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
 }
 
-absl::Status RunTeach(const GlobalOptions& global, const Options& options) {
+absl::Status TeachByCamera(const GlobalOptions& global, const Options& options) {
+  GuidedTeachOptions guided = options.guided;
+  guided.object = options.object;
+  guided.display_name = options.display_name;
+  guided.cell = options.cell;
+  guided.step_deg = options.step_deg;
+  return RunGuidedTeach(global, guided);
+}
+
+absl::Status TeachByMesh(const GlobalOptions& global, const Options& options) {
   const absl::StatusOr<CadPart> part = PartOf(options);
   if (!part.ok()) return part.status();
   if (!options.pictures.empty()) {
@@ -130,66 +146,124 @@ absl::Status RunTeach(const GlobalOptions& global, const Options& options) {
   return Report(global, client, options, *counts);
 }
 
-void AddMeshOptions(CLI::App& command, Options& o) {
-  CLI::Option* mesh = command.add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
-                          ->required()
-                          ->check(CLI::ExistingFile);
-  command.add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
-      ->required()
-      ->needs(mesh)
-      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
-  command.add_option("--display-name", o.display_name, "What people call it");
+// Either of them says how it is taught.
+struct Ways {
+  CLI::Option* mesh = nullptr;
+  CLI::Option* sensor = nullptr;
+};
+
+Ways AddWays(CLI::App& command, Options& o) {
+  Ways ways;
+  CLI::Option_group* way = command.add_option_group("way", "From what it is taught");
+  ways.mesh = way->add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
+                  ->check(CLI::ExistingFile);
+  ways.sensor = way->add_option("--sensor", o.guided.sensor,
+                                "The depth camera that sees it, e.g. freenect; see "
+                                "`graspdb sensors list`");
+  way->require_option(1);
+  return ways;
+}
+
+void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
+  mesh->needs(
+      command
+          .add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
+          ->needs(mesh)
+          ->check(CLI::IsMember({"mm", "cm", "m", "inch"})));
   command
       .add_option("--min-probability", o.min_probability,
                   "Stable poses in which a dropped object ends less often are left out")
+      ->needs(mesh)
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--poses", o.poses, "Only these stable poses, as --dry-run counts them")
+      ->needs(mesh)
       ->delimiter(',')
       ->type_name("N,...");
   command.add_option("--gripper-max", o.gripper_max_m, "How far the gripper opens, m")
+      ->needs(mesh)
       ->check(CLI::Range(0.005, 0.5))
       ->capture_default_str();
   command.add_option("--pictures", o.pictures, "Folder for a picture of each stable pose")
+      ->needs(mesh)
       ->type_name("FOLDER");
-  command.add_flag("--dry-run", o.dry_run,
-                   "Print the stable poses and teach nothing; needs no server. With --json as a "
-                   "capture set declares them");
+  command
+      .add_flag("--dry-run", o.dry_run,
+                "Print the stable poses and teach nothing; needs no server. With --json as a "
+                "capture set declares them")
+      ->needs(mesh);
+  command
+      .add_flag("--add", o.add,
+                "Teach also where a stable pose has views of another mesh or camera")
+      ->needs(mesh);
 }
 
-void AddViewOptions(CLI::App& command, Options& o) {
-  CLI::Option* cell = command.add_option(
-      "--cell", o.cell, "The cell whose camera looks at it: its angle and distance are taken");
+void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Options& o) {
   command.add_option("--camera", o.camera, "Kinect v1 (640x480) or v2 (512x424)")
+      ->needs(mesh)
       ->check(CLI::IsMember({"v1", "v2"}))
       ->capture_default_str();
   command
       .add_option("--look-down", o.look_down_deg, "Angle of the camera below the horizon, degrees")
+      ->needs(mesh)
       ->excludes(cell)
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
   command.add_option("--distance", o.distance_m, "Distance of the camera from the object, m")
+      ->needs(mesh)
       ->excludes(cell)
       ->check(CLI::Range(0.1, 5.0))
       ->capture_default_str();
-  command.add_option("--step", o.step_deg, "Turn between views, degrees")
-      ->check(CLI::Range(1.0, 120.0))
+}
+
+void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
+  command
+      .add_option(
+          "--axis", o.guided.axis,
+          "Where the turntable's axis is in the world frame, m; without it in the middle of "
+          "the cell's region")
+      ->needs(sensor)
+      ->delimiter(',')
+      ->expected(2)
+      ->type_name("X,Y");
+  command
+      .add_option("--plate-height", o.guided.plate_height_m,
+                  "How high the turntable's plate is above the table, m")
+      ->needs(sensor)
+      ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command.add_flag("--add", o.add,
-                   "Teach also where a stable pose has views of another mesh or camera");
+  command
+      .add_flag("--clockwise", o.guided.clockwise,
+                "The turntable turns clockwise as seen from above")
+      ->needs(sensor);
 }
 
 }  // namespace
 
 void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "teach", "Teach an object from its CAD model");
+  CLI::App* command =
+      AddCommand(app, "teach", "Teach an object before a camera or from its CAD model");
   auto options = std::make_shared<Options>();
   command->add_option("OBJECT", options->object, "Id of the object, e.g. bracket")->required();
-  AddMeshOptions(*command, *options);
-  AddViewOptions(*command, *options);
+  const Ways ways = AddWays(*command, *options);
+  CLI::Option* cell = command->add_option(
+      "--cell", options->cell,
+      "The cell whose camera looks at it; without --sensor its angle and distance are taken");
+  ways.sensor->needs(cell);
+  command->add_option("--display-name", options->display_name, "What people call it");
+  command->add_option("--step", options->step_deg, "Turn between views, degrees")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  AddMeshOptions(*command, ways.mesh, *options);
+  AddViewOptions(*command, ways.mesh, cell, *options);
+  AddGuidedOptions(*command, ways.sensor, *options);
   command->footer(kFooter);
-  command->callback(
-      [=, &global] { *action = [=, &global] { return RunTeach(global, *options); }; });
+  command->callback([=, &global] {
+    *action = [=, &global] {
+      return options->mesh.empty() ? TeachByCamera(global, *options)
+                                   : TeachByMesh(global, *options);
+    };
+  });
 }
 
 }  // namespace graspdb::client

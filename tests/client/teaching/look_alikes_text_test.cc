@@ -1,4 +1,4 @@
-#include "client/cli/look_alikes_text.h"
+#include "client/teaching/look_alikes_text.h"
 
 #include <gmock/gmock.h>
 

@@ -1,0 +1,62 @@
+#include "client/cli/guided_teach.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/console_prompt.h"
+#include "client/sensors/open_sensor.h"
+#include "client/teaching/guided_teaching.h"
+
+namespace graspdb::client {
+namespace {
+
+absl::Status Report(const GlobalOptions& global, const GuidedCounts& counts, Client& client) {
+  const absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (global.json) {
+    v1::UploadViewsResponse summary;
+    summary.set_created_count(counts.taught);
+    summary.set_catalog_revision(status->catalog_revision());
+    return PrintJson(summary);
+  }
+  std::printf("taught %d views; the catalogue has %lld views of %lld objects%s\n", counts.taught,
+              static_cast<long long>(status->view_count()),
+              static_cast<long long>(status->object_count()),
+              counts.stopped ? "; run the same command again to go on" : "");
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOptions& options) {
+  Client client = Connect(global);
+  const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.cell));
+  if (absl::IsNotFound(cell.status())) {
+    return absl::NotFoundError(
+        absl::StrCat("there is no cell ", options.cell,
+                     " that says where the camera is; empty the table and run "
+                     "`graspdb cells level ",
+                     options.cell, " --sensor ", options.sensor, "`"));
+  }
+  if (!cell.ok()) return cell.status();
+  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
+      OpenSensor(options.sensor, SensorSettings());
+  if (!sensor.ok()) return sensor.status();
+  GuidedOptions guided{
+      .object_id = options.object,
+      .display_name = options.display_name.empty() ? options.object : options.display_name,
+      .cell = *cell,
+      .axis = {},
+      .plate_height_m = options.plate_height_m,
+      .step_deg = options.step_deg,
+      .clockwise = options.clockwise};
+  if (!options.axis.empty()) guided.axis = Eigen::Vector2d(options.axis[0], options.axis[1]);
+  ConsolePrompt prompt(stdin, global.json ? stderr : stdout);
+  const absl::StatusOr<GuidedCounts> counts =
+      GuidedTeaching(**sensor, client, prompt, guided).Run();
+  if (!counts.ok()) return counts.status();
+  return Report(global, *counts, client);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,27 @@
+// `graspdb teach OBJECT --sensor SPEC`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/cli/command.h"
+
+namespace graspdb::client {
+
+struct GuidedTeachOptions {
+  std::string object;
+  std::string display_name;
+  std::string cell;          // id
+  std::string sensor;        // see OpenSensor
+  std::vector<double> axis;  // X, Y, m; or none
+  double plate_height_m = 0;
+  double step_deg = 20;
+  bool clockwise = false;
+};
+
+// Leads the person at the terminal through it (on stderr with --json) and prints what came of it.
+// NOT_FOUND, with what to do, when there is no such cell; errors of OpenSensor and GuidedTeaching.
+absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOptions& options);
+
+}  // namespace graspdb::client

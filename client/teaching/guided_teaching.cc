@@ -1,0 +1,213 @@
+#include "client/teaching/guided_teaching.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "client/teaching/look_alikes_text.h"
+#include "client/teaching/view_upload.h"
+
+namespace graspdb::client {
+namespace {
+
+// So many stable poses are compared with each other without being asked to.
+constexpr int kComparedStablePoses = 100;
+constexpr int kHighestOrder = 360;
+// The region ends so far below the plate: its top is the table of what stands on it.
+constexpr double kBelowPlateM = 0.01;
+
+// The cell's region, cut off below the plate.
+std::optional<v1::AxisAlignedBox> RegionOf(const GuidedOptions& options) {
+  if (!options.cell.has_region_of_interest()) return std::nullopt;
+  v1::AxisAlignedBox region = options.cell.region_of_interest();
+  if (options.plate_height_m > 0) {
+    const double bottom = options.plate_height_m - kBelowPlateM;
+    region.mutable_min()->set_z(std::max(region.min().z(), bottom));
+  }
+  return region;
+}
+
+absl::StatusOr<Eigen::Vector2d> AxisOf(const GuidedOptions& options) {
+  if (options.axis) return *options.axis;
+  if (!options.cell.has_region_of_interest()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nobody knows where the turntable's axis is; give --axis X,Y, or a region around the "
+        "turntable with `graspdb cells set ",
+        options.cell.name().substr(options.cell.name().find('/') + 1), " --region`"));
+  }
+  const v1::AxisAlignedBox& region = options.cell.region_of_interest();
+  return Eigen::Vector2d((region.min().x() + region.max().x()) / 2,
+                         (region.min().y() + region.max().y()) / 2);
+}
+
+// -1 when it is none.
+int SymmetryOrder(const std::string& answer) {
+  if (answer.empty()) return 1;
+  if (answer == "any") return 0;
+  int order = -1;
+  if (!absl::SimpleAtoi(answer, &order)) return -1;
+  return order >= 0 && order <= kHighestOrder ? order : -1;
+}
+
+}  // namespace
+
+GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingPrompt& prompt,
+                               GuidedOptions options)
+    : client_(client),
+      prompt_(prompt),
+      options_(std::move(options)),
+      taker_(sensor, client,
+             {.cell = options_.cell,
+              .region = RegionOf(options_),
+              .frames = options_.frames,
+              .patience = options_.patience}) {}
+
+absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
+  if (absl::Status begun = Begin(); !begun.ok()) return begun;
+  while (!counts_.stopped) {
+    const absl::StatusOr<std::string> id = AskStablePose();
+    if (!id.ok()) return id.status();
+    if (id->empty()) break;
+    const absl::StatusOr<bool> made = MakeStablePose(*id);
+    if (absl::IsInvalidArgument(made.status())) {
+      prompt_.Say(std::string(made.status().message()));
+      continue;
+    }
+    if (!made.ok()) return made.status();
+    if (!*made) {
+      Stop();
+      break;
+    }
+    absl::Status taught = TeachStablePose(*id);
+    if (absl::IsFailedPrecondition(taught)) {
+      prompt_.Say(std::string(taught.message()));
+      continue;
+    }
+    if (!taught.ok()) return taught;
+  }
+  return counts_;
+}
+
+absl::Status GuidedTeaching::Begin() {
+  if (auto step = TurntableCoverage::Create(options_.step_deg); !step.ok()) return step.status();
+  const absl::StatusOr<Eigen::Vector2d> axis = AxisOf(options_);
+  if (!axis.ok()) return axis.status();
+  origin_ = Eigen::Vector3d(axis->x(), axis->y(), options_.plate_height_m);
+  if (absl::Status camera = taker_.Check(); !camera.ok()) return camera;
+  v1::CapturedObject object;
+  object.set_object_id(options_.object_id);
+  object.set_display_name(options_.display_name);
+  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  prompt_.Say(absl::StrCat("put the object on the middle of the turntable, whose axis is at x ",
+                           axis->x(), ", y ", axis->y(), " m, and turn it ",
+                           options_.clockwise ? "clockwise" : "counter-clockwise",
+                           " as seen from above"));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<TurntableCoverage> GuidedTeaching::CoverageOf(const std::string& stable_pose_id) {
+  const auto views = client_.ListViews(StablePoseName(options_.object_id, stable_pose_id));
+  if (!views.ok()) return views.status();
+  absl::StatusOr<TurntableCoverage> coverage = TurntableCoverage::Create(options_.step_deg);
+  if (!coverage.ok()) return coverage;
+  absl::Status added = coverage->Add(*views, origin_, options_.clockwise);
+  if (!added.ok()) return added;
+  return coverage;
+}
+
+absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
+  const auto poses = client_.ListStablePoses("objects/" + options_.object_id);
+  if (!poses.ok()) return poses.status();
+  std::set<std::string> ids;
+  std::string unfinished;
+  for (const v1::StablePose& pose : *poses) {
+    const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
+    ids.insert(id);
+    const absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
+    if (absl::IsFailedPrecondition(coverage.status())) continue;  // taught in another way
+    if (!coverage.ok()) return coverage.status();
+    if (!visited_.contains(id)) prompt_.Say(absl::StrCat(id, " ", coverage->Ring()));
+    if (unfinished.empty() && !visited_.contains(id) && !coverage->Missing().empty()) {
+      unfinished = id;
+    }
+  }
+  if (!unfinished.empty()) return unfinished;
+  int number = 1;
+  while (ids.contains(absl::StrCat("pose-", number))) ++number;
+  return absl::StrCat("pose-", number);
+}
+
+absl::StatusOr<std::string> GuidedTeaching::AskStablePose() {
+  const absl::StatusOr<std::string> proposed = ProposeStablePose();
+  if (!proposed.ok()) return proposed;
+  const std::optional<std::string> answer = prompt_.Ask(
+      absl::StrCat("id of the stable pose (Enter: ", *proposed, ", done: that was all) "));
+  if (!answer) Stop();
+  if (!answer) return "";
+  const std::string word(absl::StripAsciiWhitespace(*answer));
+  if (word == "q") Stop();
+  if (word == "q" || word == "done") return "";
+  return word.empty() ? *proposed : word;
+}
+
+absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
+  const auto there = client_.GetStablePose(StablePoseName(options_.object_id, id));
+  if (there.ok()) return true;
+  if (!absl::IsNotFound(there.status())) return there.status();
+  int order = -1;
+  while (order < 0) {
+    const std::optional<std::string> answer = prompt_.Ask(
+        "after which turns about the vertical does it look the same? (Enter: none, 2: half a turn, "
+        "4: a quarter, …, any: any turn) ");
+    if (!answer || *answer == "q") return false;
+    order = SymmetryOrder(std::string(absl::StripAsciiWhitespace(*answer)));
+    if (order < 0) prompt_.Say("answer Enter, \"any\" or a number of 2 to 360");
+  }
+  if (order != 1) {
+    prompt_.Say(
+        "put its axis of symmetry on the axis of the turntable, within a millimetre or two");
+  }
+  v1::CapturedObject object;
+  object.set_object_id(options_.object_id);
+  v1::CapturedStablePose* pose = object.add_stable_poses();
+  pose->set_stable_pose_id(id);
+  pose->set_symmetry_order(order);
+  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  return true;
+}
+
+absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
+  absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
+  if (!coverage.ok()) return coverage.status();
+  visited_.insert(id);
+  TurnDialogue turn(taker_, client_, prompt_, *coverage,
+                    {.stable_pose = StablePoseName(options_.object_id, id),
+                     .origin = origin_,
+                     .clockwise = options_.clockwise});
+  if (!turn.Run()) Stop();
+  counts_.taught += turn.taught();
+  const std::string missing = coverage->MissingText();
+  prompt_.Say(absl::StrCat(id, " ", coverage->Ring(),
+                           missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
+  return turn.taught() > 0 ? WarnOfLookAlikes() : absl::OkStatus();
+}
+
+absl::Status GuidedTeaching::WarnOfLookAlikes() {
+  const absl::StatusOr<v1::CatalogStatus> status = client_.GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (status->stable_pose_count() > kComparedStablePoses) {
+    prompt_.Say("see what it may be confused with: graspdb objects check");
+    return absl::OkStatus();
+  }
+  const auto found = client_.FindLookAlikes("objects/" + options_.object_id);
+  if (!found.ok()) return found.status();
+  for (const std::string& text : LookAlikesText(*found, /*nearly_too=*/true)) {
+    prompt_.Say(absl::StrCat("note: ", text));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,330 @@
+#include "client/teaching/guided_teaching.h"
+
+#include <gmock/gmock.h>
+#include <spdlog/spdlog.h>
+
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/files/pose_message.h"
+#include "client/sensors/simulated_sensor.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/sample_parts.h"
+#include "client/simulation/solid.h"
+#include "server/server.h"
+#include "tests/client/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+using recognition::Pose;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+constexpr double kRadian = std::numbers::pi / 180;
+const Eigen::Vector2d kAxis(0.05, -0.03);
+
+DepthCameraModel SmallCamera() {
+  DepthCameraModel model = KinectV2();
+  model.intrinsics = {
+      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
+  return model;
+}
+
+Workpiece PartNamed(const std::string& id) {
+  for (Workpiece& part : SampleParts()) {
+    if (part.object_id == id) return std::move(part);
+  }
+  ADD_FAILURE() << "no sample part " << id;
+  return {};
+}
+
+// A turntable with a part that stands a little beside its axis.
+struct Turntable {
+  double turned_deg = 0;
+  Eigen::Vector3d beside = {0.008, -0.005, 0};  // where the part stands on the plate, m
+  bool is_empty = false;
+  bool is_hidden = false;  // all but a corner of it
+  bool is_frozen = false;  // the camera
+  std::uint64_t frame = 0;
+
+  Pose World() const {
+    return OnTurntable(kAxis, 0, turned_deg) * Pose(Eigen::Translation3d(beside));
+  }
+  absl::StatusOr<PlannedCapture> Scene() {
+    PlannedCapture scene;
+    scene.world_sensor = LookAt({kAxis.x(), kAxis.y(), 0}, 0.7, 40, -90);
+    scene.seed = RandomBits(7, 8, is_frozen ? 0 : frame++);
+    if (!is_empty) scene.placements.push_back({.part = 0, .world_object = World()});
+    if (is_hidden) {
+      Pose wall = Pose::Identity();  // between camera and part, out of the region
+      wall.translation() = Eigen::Vector3d(kAxis.x(), -0.36, 0.25);
+      scene.placements.push_back({.part = 1, .world_object = wall});
+    }
+    return scene;
+  }
+};
+
+// Answers the questions in turn, and turns the table as told; has gone when they are at an end.
+class Person : public TeachingPrompt {
+ public:
+  explicit Person(Turntable& table) : table_(table) {}
+
+  Person& Answers(const std::string& answer, int times = 1) {
+    for (int i = 0; i < times; ++i) script_.push_back({.answer = answer, .first = {}});
+    return *this;
+  }
+  // Answers after having done something.
+  Person& Does(std::function<void()> first, const std::string& answer = "") {
+    script_.push_back({.answer = answer, .first = std::move(first)});
+    return *this;
+  }
+
+  void Say(const std::string& text) override { heard_.push_back(text); }
+  std::optional<std::string> Ask(const std::string& question) override {
+    asked_.push_back(question);
+    if (next_ == script_.size()) return std::nullopt;
+    const std::string order = "turn the object to ";
+    if (question.starts_with(order)) table_.turned_deg = std::stod(question.substr(order.size()));
+    const Step& step = script_[next_++];
+    if (step.first) step.first();
+    return step.answer;
+  }
+
+  const std::vector<std::string>& heard() const { return heard_; }
+  const std::vector<std::string>& asked() const { return asked_; }
+  bool IsDone() const { return next_ == script_.size(); }
+
+ private:
+  struct Step {
+    std::string answer;
+    std::function<void()> first;
+  };
+  Turntable& table_;
+  std::vector<Step> script_;
+  std::size_t next_ = 0;
+  std::vector<std::string> heard_;
+  std::vector<std::string> asked_;
+};
+
+class GuidedTeachingTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    spdlog::set_level(spdlog::level::off);
+    server::ServerOptions options;
+    options.database = (folder_.path() / "db").string();
+    options.listen = "127.0.0.1:0";
+    auto started = server::Server::Start(options);
+    ASSERT_THAT(started, IsOk());
+    server_ = *std::move(started);
+    client_ = std::make_unique<Client>(server_->InProcessChannel(), ConnectionOptions());
+    ShowPart("bracket-right");
+    options_.cell = CellAround(kAxis);
+    options_.frames = 2;
+  }
+
+  // Puts the part on the turntable.
+  void ShowPart(const std::string& id) {
+    part_ = PartNamed(id);
+    Workpiece wall = part_;
+    wall.mesh = BoxSolid({-0.1F, 0, -0.05F}, {0.006F, 0.002F, 0.4F});
+    wall.object_id = "wall";
+    auto sensor =
+        SimulatedSensor::Create(SmallCamera(), {part_, wall}, [this] { return table_.Scene(); });
+    ASSERT_THAT(sensor, IsOk());
+    sensor_ = *std::move(sensor);
+    options_.object_id = part_.object_id;
+  }
+
+  static v1::Cell CellAround(const Eigen::Vector2d& middle) {
+    v1::Cell cell;
+    cell.set_name("cells/press");
+    v1::AxisAlignedBox* region = cell.mutable_region_of_interest();
+    region->mutable_min()->set_x(middle.x() - 0.2);
+    region->mutable_min()->set_y(middle.y() - 0.2);
+    region->mutable_min()->set_z(-0.02);
+    region->mutable_max()->set_x(middle.x() + 0.2);
+    region->mutable_max()->set_y(middle.y() + 0.2);
+    region->mutable_max()->set_z(0.3);
+    return cell;
+  }
+  absl::StatusOr<GuidedCounts> Teach(Person& person) {
+    return GuidedTeaching(*sensor_, *client_, person, options_).Run();
+  }
+  std::size_t ViewCount(const std::string& stable_pose = "pose-1") {
+    const auto views =
+        client_->ListViews("objects/" + part_.object_id + "/stablePoses/" + stable_pose);
+    return views.ok() ? views->size() : 0;
+  }
+
+  TemporaryFolder folder_;
+  Workpiece part_;
+  Turntable table_;
+  GuidedOptions options_;
+  std::unique_ptr<server::Server> server_;
+  std::unique_ptr<Client> client_;
+  std::unique_ptr<SimulatedSensor> sensor_;
+};
+
+TEST_F(GuidedTeachingTest, WhatWasTaughtInATurnIsRecognisedAtAnotherAzimuth) {
+  Person person(table_);
+  person.Answers("").Answers("").Answers("", 18).Answers("done");
+  const auto counts = Teach(person);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_TRUE(person.IsDone());
+  EXPECT_EQ(counts->taught, 18);
+  EXPECT_FALSE(counts->stopped);
+  EXPECT_EQ(ViewCount(), 18U);
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("[###.")));
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("[##################]  taught 18 of 18")));
+  EXPECT_THAT(person.heard(), Contains(AllOf(HasSubstr("40 degrees: "), HasSubstr(" points"),
+                                             HasSubstr("of its outline measured"))));
+
+  table_.turned_deg = 130;
+  auto frame = sensor_->Next(absl::InfiniteFuture());
+  ASSERT_THAT(frame, IsOk());
+  v1::RecognizeRequest ask;
+  *ask.mutable_depth_image() = std::get<v1::DepthImage>(frame->scan);
+  *ask.mutable_sensor_pose() = ToMessage(*frame->world_sensor);
+  *ask.mutable_region_of_interest() = options_.cell.region_of_interest();
+  const auto answer = client_->Recognize(ask);
+  ASSERT_THAT(answer, IsOk());
+  ASSERT_EQ(answer->detections_size(), 1);
+  EXPECT_EQ(answer->detections(0).object(), "objects/" + part_.object_id);
+  const Pose found = FromMessage(answer->detections(0).refined_pose());
+  const Pose off = found.inverse() * OnTurntable(kAxis, 0, table_.turned_deg);
+  EXPECT_LT(off.translation().norm(), 0.003);
+  EXPECT_LT(Eigen::AngleAxisd(off.linear()).angle(), 2 * kRadian);
+}
+
+TEST_F(GuidedTeachingTest, ViewsAreSkippedAndRepeatedAndTheRestIsTaughtTheNextTime) {
+  options_.step_deg = 60;
+  Person first(table_);
+  // 0, not 60, 120; 120 again; then the person goes.
+  first.Answers("upright").Answers("2").Answers("").Answers("s").Answers("").Answers("r").Answers(
+      "");
+  const auto counts = Teach(first);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_EQ(counts->taught, 3);
+  EXPECT_TRUE(counts->stopped);
+  EXPECT_EQ(ViewCount("upright"), 2U);  // the repeated one took the place of the other
+  EXPECT_THAT(first.asked().at(6), HasSubstr("to 120 degrees"));
+  EXPECT_THAT(first.heard(), Contains(HasSubstr("missing: 60, 180 to 300 degrees")));
+  const auto pose = client_->GetStablePose("objects/bracket-right/stablePoses/upright");
+  ASSERT_THAT(pose, IsOk());
+  EXPECT_EQ(pose->symmetry_order(), 2);
+
+  Person second(table_);
+  second.Answers("").Answers("", 4).Answers("done");
+  const auto rest = Teach(second);
+  ASSERT_THAT(rest, IsOk());
+  EXPECT_THAT(second.asked().at(0), HasSubstr("Enter: upright"));
+  EXPECT_THAT(second.asked().at(1), HasSubstr("to 60 degrees"));
+  EXPECT_EQ(rest->taught, 4);
+  EXPECT_EQ(ViewCount("upright"), 6U);
+  EXPECT_THAT(second.asked().back(), HasSubstr("Enter: pose-1"));
+}
+
+TEST_F(GuidedTeachingTest, AnEmptyTableAndAFrozenCameraAreToldAndNotTaught) {
+  options_.step_deg = 120;
+  Person person(table_);
+  person.Answers("").Answers("");
+  person.Does([&] { table_.is_empty = true; });
+  person.Does([&] { table_.is_empty = false, table_.is_frozen = true; });
+  person.Does([&] { table_.turned_deg = 0; });  // told 120, and nothing moves
+  person.Answers("q");
+  const auto counts = Teach(person);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_TRUE(counts->stopped);
+  EXPECT_EQ(counts->taught, 1);
+  EXPECT_EQ(ViewCount(), 1U);
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("not taught: ")).Times(2));
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("nothing stands on the table")));
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("frozen")));
+}
+
+TEST_F(GuidedTeachingTest, AViewWithFarFewerPointsIsKeptOnlyWhenThePersonSaysSo) {
+  options_.step_deg = 40;
+  Person person(table_);
+  person.Answers("").Answers("").Answers("");
+  person.Does([&] { table_.is_hidden = true; }).Answers("");  // taken again, as hidden:
+  person.Answers("").Answers("k");
+  person.Answers("q");
+  const auto counts = Teach(person);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_TRUE(person.IsDone());
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("where the views beside it have")).Times(2));
+  EXPECT_EQ(counts->taught, 2);
+  EXPECT_EQ(ViewCount(), 2U);
+}
+
+TEST_F(GuidedTeachingTest, AQuestionThatIsNotAnsweredEndsItCleanly) {
+  Person person(table_);
+  const auto counts = Teach(person);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_TRUE(counts->stopped);
+  EXPECT_EQ(counts->taught, 0);
+}
+
+TEST_F(GuidedTeachingTest, WordsThatMeanNothingAreAskedAgain) {
+  Person person(table_);
+  person.Answers("no id!").Answers("side").Answers("half").Answers("any");
+  person.Answers("r").Answers("what").Answers("q");
+  ASSERT_THAT(Teach(person), IsOk());
+  EXPECT_TRUE(person.IsDone());
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("1 to 63 characters")));
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("none to repeat")));
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("\"what\" means nothing")));
+  const auto pose = client_->GetStablePose("objects/bracket-right/stablePoses/side");
+  ASSERT_THAT(pose, IsOk());
+  EXPECT_EQ(pose->symmetry_order(), 0);
+}
+
+TEST_F(GuidedTeachingTest, AStablePoseThatLooksTheSameWhenTurnedIsToldAtOnce) {
+  options_.step_deg = 30;
+  ShowPart("z-bar");
+  table_.beside = Eigen::Vector3d::Zero();
+  Person person(table_);
+  person.Answers("").Answers("", 13);  // no symmetry, it says
+  ASSERT_THAT(Teach(person), IsOk());
+  EXPECT_THAT(person.heard(), Contains(AllOf(HasSubstr("note: "), HasSubstr("half a turn"))));
+}
+
+TEST_F(GuidedTeachingTest, ViewsAboutAnotherAxisAreNotMixedIn) {
+  options_.step_deg = 120;
+  Person first(table_);
+  first.Answers("").Answers("").Answers("").Answers("q");
+  ASSERT_THAT(Teach(first), IsOk());
+  options_.axis = kAxis + Eigen::Vector2d(0.02, 0);
+  Person second(table_);
+  second.Answers("pose-1");
+  const auto counts = Teach(second);
+  ASSERT_THAT(counts, IsOk());
+  EXPECT_THAT(second.asked().front(), HasSubstr("Enter: pose-2"));
+  EXPECT_THAT(second.heard(), Contains(HasSubstr("--axis")));
+  EXPECT_EQ(ViewCount(), 1U);
+}
+
+TEST_F(GuidedTeachingTest, WithoutAnAxisOrAStepThatIsOneItSaysWhatToDo) {
+  Person person(table_);
+  options_.step_deg = 0;
+  EXPECT_THAT(Teach(person), StatusIs(absl::StatusCode::kInvalidArgument));
+  options_.step_deg = 20;
+  options_.cell.clear_region_of_interest();
+  EXPECT_THAT(Teach(person),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--axis X,Y")));
+  EXPECT_THAT(person.asked(), SizeIs(0));
+}
+
+}  // namespace
+}  // namespace graspdb::client
