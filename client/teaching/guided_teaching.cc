@@ -7,7 +7,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client/teaching/look_alikes_text.h"
+#include "client/teaching/turntable_axis.h"
 #include "client/teaching/view_upload.h"
 
 namespace graspdb::client {
@@ -15,6 +17,10 @@ namespace {
 
 // So many stable poses are compared with each other without being asked to.
 constexpr int kComparedStablePoses = 100;
+// An axis that is farther off shows in the models.
+constexpr double kAxisOffM = 0.002;
+// So much more of the views lies on each other then.
+constexpr double kTurnedTheOtherWay = 0.15;
 constexpr int kHighestOrder = 360;
 // The region ends so far below the plate: its top is the table of what stands on it.
 constexpr double kBelowPlateM = 0.01;
@@ -141,7 +147,7 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
 }
 
 absl::StatusOr<std::string> GuidedTeaching::AskStablePose() {
-  const absl::StatusOr<std::string> proposed = ProposeStablePose();
+  absl::StatusOr<std::string> proposed = ProposeStablePose();
   if (!proposed.ok()) return proposed;
   const std::optional<std::string> answer = prompt_.Ask(
       absl::StrCat("id of the stable pose (Enter: ", *proposed, ", done: that was all) "));
@@ -192,7 +198,32 @@ absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
   const std::string missing = coverage->MissingText();
   prompt_.Say(absl::StrCat(id, " ", coverage->Ring(),
                            missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
-  return turn.taught() > 0 ? WarnOfLookAlikes() : absl::OkStatus();
+  if (turn.taught() == 0) return absl::OkStatus();
+  if (absl::Status axis = WarnOfAxis(id); !axis.ok()) return axis;
+  return WarnOfLookAlikes();
+}
+
+absl::Status GuidedTeaching::WarnOfAxis(const std::string& id) {
+  auto views = TaughtTurn(client_, StablePoseName(options_.object_id, id));
+  if (!views.ok()) return views.status();
+  const Eigen::Vector2d given = origin_.head<2>();
+  const absl::StatusOr<SeenAxis> seen = FindAxis(*views, given);
+  for (TurnedCloud& view : *views) view.azimuth_rad = -view.azimuth_rad;
+  const absl::StatusOr<SeenAxis> mirrored = FindAxis(*views, given);
+  if (mirrored.ok() && mirrored->share > kTurnedTheOtherWay + (seen.ok() ? seen->share : 0)) {
+    prompt_.Say(absl::StrCat("note: it was turned the other way, as it seems; delete ", id,
+                             " and teach it again ", options_.clockwise ? "without" : "with",
+                             " --clockwise"));
+    return absl::OkStatus();
+  }
+  if (!seen.ok()) return absl::OkStatus();  // too little was seen to say anything
+  const double off = (seen->axis - given).norm();
+  if (off < kAxisOffM) return absl::OkStatus();
+  prompt_.Say(absl::StrFormat(
+      "note: the views fit together about the axis %.4f,%.4f, %.1f mm from where it is said to be; "
+      "teach it as another stable pose with --axis %.4f,%.4f, and delete %s",
+      seen->axis.x(), seen->axis.y(), 1000 * off, seen->axis.x(), seen->axis.y(), id));
+  return absl::OkStatus();
 }
 
 absl::Status GuidedTeaching::WarnOfLookAlikes() {

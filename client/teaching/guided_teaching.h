@@ -67,6 +67,7 @@ class GuidedTeaching {
   // Makes it where it is not there. False when nobody answers.
   absl::StatusOr<bool> MakeStablePose(const std::string& id);
   absl::Status TeachStablePose(const std::string& id);
+  absl::Status WarnOfAxis(const std::string& id);
   absl::Status WarnOfLookAlikes();
   void Stop() { counts_.stopped = true; }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -186,6 +187,7 @@ TEST_F(GuidedTeachingTest, WhatWasTaughtInATurnIsRecognisedAtAnotherAzimuth) {
   EXPECT_FALSE(counts->stopped);
   EXPECT_EQ(ViewCount(), 18U);
   EXPECT_THAT(person.heard(), Contains(HasSubstr("[###.")));
+  EXPECT_THAT(person.heard(), Not(Contains(HasSubstr("note: the views fit"))));
   EXPECT_THAT(person.heard(), Contains(HasSubstr("[##################]  taught 18 of 18")));
   EXPECT_THAT(person.heard(), Contains(AllOf(HasSubstr("40 degrees: "), HasSubstr(" points"),
                                              HasSubstr("of its outline measured"))));
@@ -313,6 +315,30 @@ TEST_F(GuidedTeachingTest, ViewsAboutAnotherAxisAreNotMixedIn) {
   EXPECT_THAT(second.asked().front(), HasSubstr("Enter: pose-2"));
   EXPECT_THAT(second.heard(), Contains(HasSubstr("--axis")));
   EXPECT_EQ(ViewCount(), 1U);
+}
+
+TEST_F(GuidedTeachingTest, AnAxisThatIsWrongIsToldWithTheRightOne) {
+  options_.step_deg = 30;
+  options_.axis = kAxis + Eigen::Vector2d(0.008, -0.009);
+  Person person(table_);
+  person.Answers("").Answers("", 13);
+  ASSERT_THAT(Teach(person), IsOk());
+  double x = 0;
+  double y = 0;
+  for (const std::string& text : person.heard()) {
+    std::sscanf(text.c_str(), "note: the views fit together about the axis %lf,%lf", &x, &y);
+  }
+  EXPECT_NEAR(x, kAxis.x(), 0.0015);
+  EXPECT_NEAR(y, kAxis.y(), 0.0015);
+}
+
+TEST_F(GuidedTeachingTest, ATurnTheOtherWayIsTold) {
+  options_.step_deg = 30;
+  options_.clockwise = true;  // and the table turns counter-clockwise
+  Person person(table_);
+  person.Answers("").Answers("", 13);
+  ASSERT_THAT(Teach(person), IsOk());
+  EXPECT_THAT(person.heard(), Contains(HasSubstr("without --clockwise")));
 }
 
 TEST_F(GuidedTeachingTest, WithoutAnAxisOrAStepThatIsOneItSaysWhatToDo) {
