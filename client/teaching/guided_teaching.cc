@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/teaching/look_alikes_text.h"
+#include "client/teaching/turn_moving.h"
 #include "client/teaching/turntable_axis.h"
 #include "client/teaching/view_upload.h"
 
@@ -199,11 +200,11 @@ absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
   prompt_.Say(absl::StrCat(id, " ", coverage->Ring(),
                            missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
   if (turn.taught() == 0) return absl::OkStatus();
-  if (absl::Status axis = WarnOfAxis(id); !axis.ok()) return axis;
+  if (absl::Status axis = CheckAxis(id); !axis.ok()) return axis;
   return WarnOfLookAlikes();
 }
 
-absl::Status GuidedTeaching::WarnOfAxis(const std::string& id) {
+absl::Status GuidedTeaching::CheckAxis(const std::string& id) {
   auto views = TaughtTurn(client_, StablePoseName(options_.object_id, id));
   if (!views.ok()) return views.status();
   const Eigen::Vector2d given = origin_.head<2>();
@@ -217,12 +218,26 @@ absl::Status GuidedTeaching::WarnOfAxis(const std::string& id) {
     return absl::OkStatus();
   }
   if (!seen.ok()) return absl::OkStatus();  // too little was seen to say anything
-  const double off = (seen->axis - given).norm();
-  if (off < kAxisOffM) return absl::OkStatus();
+  return (seen->axis - given).norm() < kAxisOffM ? absl::OkStatus() : OfferAxis(id, seen->axis);
+}
+
+absl::Status GuidedTeaching::OfferAxis(const std::string& id, const Eigen::Vector2d& axis) {
+  const std::string text = absl::StrFormat("%.4f,%.4f", axis.x(), axis.y());
   prompt_.Say(absl::StrFormat(
-      "note: the views fit together about the axis %.4f,%.4f, %.1f mm from where it is said to be; "
-      "teach it as another stable pose with --axis %.4f,%.4f, and delete %s",
-      seen->axis.x(), seen->axis.y(), 1000 * off, seen->axis.x(), seen->axis.y(), id));
+      "note: the views fit together about the axis %s, %.1f mm from where it is said to be", text,
+      1000 * (axis - origin_.head<2>()).norm()));
+  const std::optional<std::string> answer =
+      prompt_.Ask("put them about that axis, and those to come? (Enter: yes, n: no) ");
+  if (!answer) Stop();
+  if (!answer || !absl::StripAsciiWhitespace(*answer).empty()) {
+    prompt_.Say(absl::StrCat(id, " stays as it is; its views do not fit together"));
+    return absl::OkStatus();
+  }
+  absl::Status moved =
+      MoveTurn(client_, StablePoseName(options_.object_id, id), axis, RegionOf(options_));
+  if (!moved.ok()) return moved;
+  origin_.head<2>() = axis;
+  prompt_.Say(absl::StrCat("done; when you teach on this turntable again, give --axis ", text));
   return absl::OkStatus();
 }
 

@@ -24,9 +24,9 @@ struct GuidedOptions {
   // turntable is.
   v1::Cell cell = {};
   // Where the turntable's axis meets the table, world frame, m; absent: the middle of the cell's
-  // region, on which the turntable then has to stand. It is not taken from what the camera sees:
-  // of a thing only the side towards the camera is seen, so that the middle of its points is
-  // centimetres before the axis, and its views would not fit together.
+  // region. At the end of a turn it is computed from the views, see FindAxis. It is not taken from
+  // what the camera sees: of a thing only the side towards the camera is seen, so that the middle
+  // of its points is centimetres before the axis, and its views would not fit together.
   std::optional<Eigen::Vector2d> axis = {};
   double plate_height_m = 0;  // of the turntable above the table z = 0
   double step_deg = 20;       // as the paper's turntable
@@ -67,7 +67,9 @@ class GuidedTeaching {
   // Makes it where it is not there. False when nobody answers.
   absl::StatusOr<bool> MakeStablePose(const std::string& id);
   absl::Status TeachStablePose(const std::string& id);
-  absl::Status WarnOfAxis(const std::string& id);
+  // Computes the axis from the views, and asks whether they are to be moved there.
+  absl::Status CheckAxis(const std::string& id);
+  absl::Status OfferAxis(const std::string& id, const Eigen::Vector2d& axis);
   absl::Status WarnOfLookAlikes();
   void Stop() { counts_.stopped = true; }
 

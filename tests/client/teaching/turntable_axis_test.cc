@@ -17,19 +17,19 @@ using ::graspdb::testing::IsOk;
 using ::graspdb::testing::StatusIs;
 using recognition::Pose;
 
-const Eigen::Vector2d kAxis(0.02, -0.04);
+Eigen::Vector2d Axis() { return {0.02, -0.04}; }
 
 // A part that stands 12 mm beside the axis, seen every 30 degrees with the camera's noise.
 std::vector<TurnedCloud> Turn(const Workpiece& part, int count) {
   const auto camera = DepthCamera::Create(KinectV2());
   EXPECT_THAT(camera, IsOk());
-  const Pose world_sensor = LookAt({kAxis.x(), kAxis.y(), 0}, 0.8, 40, -90);
+  const Pose world_sensor = LookAt({Axis().x(), Axis().y(), 0}, 0.8, 40, -90);
   std::vector<TurnedCloud> views;
   for (int i = 0; i < count; ++i) {
     Scene scene;
     const Pose beside(Eigen::Translation3d(0.010, 0.006, 0));
     scene.objects.push_back(
-        {.mesh = &part.mesh, .world_object = OnTurntable(kAxis, 0, 30.0 * i) * beside});
+        {.mesh = &part.mesh, .world_object = OnTurntable(Axis(), 0, 30.0 * i) * beside});
     const auto frame = camera->Render(scene, world_sensor, static_cast<std::uint64_t>(i));
     EXPECT_THAT(frame, IsOk());
     const recognition::Points points = ToPoints(*frame, KinectV2().intrinsics);
@@ -52,18 +52,18 @@ std::vector<TurnedCloud> Turn(const Workpiece& part, int count) {
 TEST(FindAxis, ItIsFoundWithinHalfAMillimetreFromTwoCentimetresAway) {
   for (const Workpiece& part : SampleParts()) {
     if (part.object_id != "flange" && part.object_id != "l-bracket") continue;
-    const auto seen = FindAxis(Turn(part, 12), kAxis + Eigen::Vector2d(0.012, -0.016));
+    const auto seen = FindAxis(Turn(part, 12), Axis() + Eigen::Vector2d(0.012, -0.016));
     ASSERT_THAT(seen, IsOk()) << part.object_id;
-    EXPECT_LT((seen->axis - kAxis).norm(), 0.0005) << part.object_id;
+    EXPECT_LT((seen->axis - Axis()).norm(), 0.0005) << part.object_id;
     EXPECT_GT(seen->share, 0.6);
     EXPECT_LT(seen->rms_m, 0.002);
   }
 }
 
 TEST(FindAxis, TwoViewsDoNotSay) {
-  EXPECT_THAT(FindAxis(Turn(SampleParts().front(), 2), kAxis),
+  EXPECT_THAT(FindAxis(Turn(SampleParts().front(), 2), Axis()),
               StatusIs(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(FindAxis({}, kAxis), StatusIs(absl::StatusCode::kFailedPrecondition));
+  EXPECT_THAT(FindAxis({}, Axis()), StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ using ::graspdb::testing::StatusIs;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const Eigen::Vector2d kAxis(0.1, -0.2);
-const Eigen::Vector3d kOrigin(0.1, -0.2, 0.03);
+Eigen::Vector2d Axis() { return {0.1, -0.2}; }
+Eigen::Vector3d Origin() { return {0.1, -0.2, 0.03}; }
 
 std::vector<v1::View> ViewsAt(const std::vector<double>& azimuths_deg, double height_m = 0.03) {
   std::vector<v1::View> views;
@@ -23,26 +23,26 @@ std::vector<v1::View> ViewsAt(const std::vector<double>& azimuths_deg, double he
     v1::View view;
     view.set_name("view at " + std::to_string(azimuth));
     view.set_point_count(100 + static_cast<int>(azimuth));
-    *view.mutable_object_pose() = ToMessage(OnTurntable(kAxis, height_m, azimuth));
+    *view.mutable_object_pose() = ToMessage(OnTurntable(Axis(), height_m, azimuth));
     views.push_back(view);
   }
   return views;
 }
 
 TEST(OnTurntable, ThePointOnTheAxisStaysAndTheOthersGoRoundCounterClockwise) {
-  const auto start = OnTurntable(kAxis, 0.03, 0);
-  const auto quarter = OnTurntable(kAxis, 0.03, 90);
-  EXPECT_TRUE((quarter * Eigen::Vector3d::Zero()).isApprox(kOrigin, 1e-12));
+  const auto start = OnTurntable(Axis(), 0.03, 0);
+  const auto quarter = OnTurntable(Axis(), 0.03, 90);
+  EXPECT_TRUE((quarter * Eigen::Vector3d::Zero()).isApprox(Origin(), 1e-12));
   EXPECT_TRUE(
-      (start * Eigen::Vector3d(1, 0, 0)).isApprox(kOrigin + Eigen::Vector3d(1, 0, 0), 1e-12));
+      (start * Eigen::Vector3d(1, 0, 0)).isApprox(Origin() + Eigen::Vector3d(1, 0, 0), 1e-12));
   EXPECT_TRUE(
-      (quarter * Eigen::Vector3d(1, 0, 0)).isApprox(kOrigin + Eigen::Vector3d(0, 1, 0), 1e-12));
+      (quarter * Eigen::Vector3d(1, 0, 0)).isApprox(Origin() + Eigen::Vector3d(0, 1, 0), 1e-12));
 }
 
 TEST(TurntableCoverage, ViewsAreFoundAgainByTheirAzimuth) {
   auto coverage = TurntableCoverage::Create(60);
   ASSERT_THAT(coverage, IsOk());
-  ASSERT_THAT(coverage->Add(ViewsAt({0, 120, 300, 20}), kOrigin, false), IsOk());
+  ASSERT_THAT(coverage->Add(ViewsAt({0, 120, 300, 20}), Origin(), false), IsOk());
   EXPECT_THAT(coverage->Missing(), ElementsAre(1, 3, 4));
   EXPECT_EQ(coverage->Ring(), "[#.#..#]  taught 3 of 6, and 1 between these steps");
   EXPECT_EQ(coverage->MissingText(), "60, 180, 240 degrees");
@@ -51,7 +51,7 @@ TEST(TurntableCoverage, ViewsAreFoundAgainByTheirAzimuth) {
 TEST(TurntableCoverage, OfATableThatTurnsClockwiseToo) {
   auto coverage = TurntableCoverage::Create(60);
   ASSERT_THAT(coverage, IsOk());
-  ASSERT_THAT(coverage->Add(ViewsAt({0, -60, -300}), kOrigin, true), IsOk());
+  ASSERT_THAT(coverage->Add(ViewsAt({0, -60, -300}), Origin(), true), IsOk());
   EXPECT_THAT(coverage->Missing(), ElementsAre(2, 3, 4));
 }
 
@@ -80,7 +80,7 @@ TEST(TurntableCoverage, ViewsOfAnotherPlaceAreRefusedWithTheirAxis) {
   ASSERT_THAT(coverage, IsOk());
   EXPECT_THAT(coverage->Add(ViewsAt({0}), Eigen::Vector3d(0.1, -0.19, 0.03), false),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("0.1000,-0.2000")));
-  EXPECT_THAT(coverage->Add(ViewsAt({0}, 0), kOrigin, false),
+  EXPECT_THAT(coverage->Add(ViewsAt({0}, 0), Origin(), false),
               StatusIs(absl::StatusCode::kFailedPrecondition));
   EXPECT_THAT(TurntableCoverage::Create(0.5), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(TurntableCoverage::Create(121), StatusIs(absl::StatusCode::kInvalidArgument));

@@ -33,8 +33,9 @@ recognition::Points ObjectPoints() {
   recognition::Points out;
   for (std::size_t i = 0; i < 200; ++i) {
     if (!IsObject(i)) continue;
+    const std::size_t row_number = i / 20;
     const auto column = static_cast<float>(i % 20);
-    const auto row = static_cast<float>(i / 20);
+    const auto row = static_cast<float>(row_number);
     out.emplace_back(0.8F * (column - 9.5F) / 100, 0.8F * (row - 4.5F) / 100, 0.8F);
   }
   return out;
