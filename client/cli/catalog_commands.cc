@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/teaching/look_alikes_text.h"
 #include "client/cli/thresholds_command.h"
 #include "client/load/cache_text.h"
+#include "client/teaching/look_alikes_text.h"
 
 namespace graspdb::client {
 namespace {

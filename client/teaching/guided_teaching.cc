@@ -23,17 +23,16 @@ constexpr double kAxisOffM = 0.002;
 // So much more of the views lies on each other then.
 constexpr double kTurnedTheOtherWay = 0.15;
 constexpr int kHighestOrder = 360;
-// The region ends so far below the plate: its top is the table of what stands on it.
+// The region ends so far below the plate: the table is not to be seen.
 constexpr double kBelowPlateM = 0.01;
 
-// The cell's region, cut off below the plate.
+// The cell's region in the world of the plate, cut off below it.
 std::optional<v1::AxisAlignedBox> RegionOf(const GuidedOptions& options) {
   if (!options.cell.has_region_of_interest()) return std::nullopt;
   v1::AxisAlignedBox region = options.cell.region_of_interest();
-  if (options.plate_height_m > 0) {
-    const double bottom = options.plate_height_m - kBelowPlateM;
-    region.mutable_min()->set_z(std::max(region.min().z(), bottom));
-  }
+  if (options.plate_height_m == 0) return region;
+  region.mutable_max()->set_z(region.max().z() - options.plate_height_m);
+  region.mutable_min()->set_z(std::max(region.min().z() - options.plate_height_m, -kBelowPlateM));
   return region;
 }
 
@@ -69,6 +68,7 @@ GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingProm
       taker_(sensor, client,
              {.cell = options_.cell,
               .region = RegionOf(options_),
+              .plate_height_m = options_.plate_height_m,
               .frames = options_.frames,
               .patience = options_.patience}) {}
 
@@ -102,7 +102,7 @@ absl::Status GuidedTeaching::Begin() {
   if (auto step = TurntableCoverage::Create(options_.step_deg); !step.ok()) return step.status();
   const absl::StatusOr<Eigen::Vector2d> axis = AxisOf(options_);
   if (!axis.ok()) return axis.status();
-  origin_ = Eigen::Vector3d(axis->x(), axis->y(), options_.plate_height_m);
+  origin_ = Eigen::Vector3d(axis->x(), axis->y(), 0);
   if (absl::Status camera = taker_.Check(); !camera.ok()) return camera;
   v1::CapturedObject object;
   object.set_object_id(options_.object_id);

