@@ -112,7 +112,6 @@ TEST_F(GuidedTeachingTest, WhatWasTaughtInATurnIsRecognisedAtAnotherAzimuth) {
   EXPECT_EQ(counts->taught, 18);
   EXPECT_FALSE(counts->stopped);
   EXPECT_EQ(ViewCount(), 18U);
-  EXPECT_THAT(person.heard(), Contains(HasSubstr("[###.")));
   EXPECT_THAT(person.heard(), Not(Contains(HasSubstr("note: the views fit"))));
   EXPECT_THAT(person.heard(), Contains(HasSubstr("[##################]  taught 18 of 18")));
   EXPECT_THAT(person.heard(), Contains(AllOf(HasSubstr("40 degrees: "), HasSubstr(" points"),
@@ -260,8 +259,7 @@ TEST_F(GuidedTeachingTest, WhatStandsOnAHighPlateIsTaughtWithoutThePlate) {
     raised_points += view.point_count();
     EXPECT_NEAR(view.object_pose().position().z(), 0, 1e-9);
   }
-  // Nearer to the camera there are some more.
-  EXPECT_GT(raised_points, flat_points);
+  EXPECT_GT(raised_points, flat_points);  // it is nearer to the camera
   EXPECT_LT(raised_points, 1.3 * flat_points);
 }
 
