@@ -134,8 +134,8 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   if (!box.ok()) return box.status();
   const auto calibrations = ParseCalibrations(options.calibrations, CellName(options.cell));
   if (!calibrations.ok()) return calibrations.status();
-  auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, std::move(sensor),
-                                       *std::move(box));
+  auto parts =
+      std::make_unique<Parts>(options, *jobs, *calibrations, std::move(sensor), *std::move(box));
   if (!options.gri.empty()) {
     auto server = Listen(parts->gri_protocol, "--gri", options.gri);
     if (!server.ok()) return server.status();

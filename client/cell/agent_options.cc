@@ -81,7 +81,7 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
       "and tells the robot where to grasp.",
       "graspdb-cell");
   app.set_version_flag("--version", absl::StrCat("graspdb-cell ", kVersion));
-  app.footer(absl::StrCat(kJobHelp, "\n\n", kCalibrationHelp, "\n\n", kFooter));
+  app.footer(absl::StrCat(JobHelp(), "\n\n", CalibrationHelp(), "\n\n", kFooter));
   app.add_option("--cell", o->cell, "Id of the cell, as graspdb cells set made it")->required();
   app.add_option("--sensor", o->sensor, "The camera: freenect, openni2, files:FOLDER, simulated")
       ->required();

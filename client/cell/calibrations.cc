@@ -46,12 +46,14 @@ absl::Status Parse(const std::string& line, CalibrationConfig* config) {
   return absl::InvalidArgumentError("target= is missing; name a taught object");
 }
 
-}  // namespace
-
-const char kCalibrationHelp[] =
+constexpr char kHelp[] =
     R"(A calibration is a line: the number of its pipeline, then words.
   0 target=block mount=fixed               the gripper holds the taught object "block"
   1 target=block mount=flange frames=10    the camera is on the robot, the block stands on the table)";
+
+}  // namespace
+
+std::string CalibrationHelp() { return kHelp; }
 
 absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
     const std::vector<std::string>& lines, const std::string& cell) {

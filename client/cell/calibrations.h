@@ -25,9 +25,10 @@ absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
     const std::vector<std::string>& lines, const std::string& cell);
 
 // How to write them, for --help.
-extern const char kCalibrationHelp[];
+std::string CalibrationHelp();
 
-// Calibrates over the cell's camera and server; what was found is used by the next job. Thread-safe.
+// Calibrates over the cell's camera and server; what was found is used by the next job.
+// Thread-safe.
 class Calibrations : public RobotCalibrator {
  public:
   // All references must outlive this.

@@ -71,7 +71,7 @@ absl::Status Cycle::Run(const std::optional<recognition::Pose>& base_flange, abs
                         Look* look) {
   absl::Duration pause = kFirstPause;
   for (;;) {
-    const absl::Status status = Try(base_flange, deadline, look);
+    absl::Status status = Try(base_flange, deadline, look);
     if (status.ok()) return status;
     if (absl::IsDeadlineExceeded(status) && absl::IsUnavailable(cell_.state())) {
       return cell_.state();  // nobody was there to be slow

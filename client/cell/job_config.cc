@@ -139,9 +139,7 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-const char kJobHelp[] =
+constexpr char kHelp[] =
     R"(A job is a line: its number (0 to 65535), then words.
   1 any                                     whatever is recognised
   2 object=flange primary=object            one object; its pose first, grasps related
@@ -150,6 +148,10 @@ const char kJobHelp[] =
   80 show=top opening=0.06 object=flange    store where the tool is as the grasp "top"
   91 outcome=picked                         the pose given last was picked (missed, slipped)
 In the config file: job=["1 any","2 object=flange"])";
+
+}  // namespace
+
+std::string JobHelp() { return kHelp; }
 
 absl::StatusOr<JobConfig> ParseJob(const std::string& line) {
   JobConfig job;

@@ -53,6 +53,6 @@ absl::StatusOr<JobConfig> ParseJob(const std::string& line);
 absl::StatusOr<Jobs> ParseJobs(const std::vector<std::string>& lines);
 
 // How to write them, for --help.
-extern const char kJobHelp[];
+std::string JobHelp();
 
 }  // namespace graspdb::client

@@ -122,4 +122,11 @@ void CellProgramsTest::ExpectHolds(const GriResponse& answer,
       << 1000 * error.shift_m << " mm, " << error.turn_rad << " rad";
 }
 
+bool CellProgramsTest::Holds(const GriResponse& answer, const client::PlannedCapture& scene) const {
+  if (answer.code != GriCode::kNoError) return false;
+  const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
+  return base_tcp.ok() &&
+         client::WouldHold(client::JudgePick(parts_, scene, WorldBase() * *base_tcp));
+}
+
 }  // namespace graspdb::end_to_end

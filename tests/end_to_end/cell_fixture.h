@@ -35,6 +35,7 @@ class CellProgramsTest : public ProgramsTest {
   // That the answer is a grasp that holds in the scene of LayOut.
   void ExpectHolds(const client::GriResponse& answer) const;
   void ExpectHolds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
+  bool Holds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
 
   static recognition::Pose WorldBase();
 
