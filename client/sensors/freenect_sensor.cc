@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -198,16 +199,16 @@ class FreenectSensor : public DepthSensor {
   }
 
   static void OnDepth(freenect_device* device, void* depth, std::uint32_t /*ticks*/) {
-    static_cast<FreenectSensor*>(freenect_get_user(device))
-        ->Take(static_cast<const std::uint16_t*>(depth));
+    static_cast<FreenectSensor*>(freenect_get_user(device))->Take(depth);
   }
 
-  void Take(const std::uint16_t* raw) {
+  // `raw`: kPixels disparities of 16 bits; fakenect puts them anywhere, also at odd addresses.
+  void Take(const void* raw) {
     const absl::Time time = absl::Now() - kExposureToArrival;
-    std::vector<std::uint16_t> counts;
-    counts.reserve(kPixels);
-    for (std::size_t i = 0; i < kPixels; ++i) {
-      counts.push_back(raw[i] < kKinectV1RawValues ? depths_[raw[i]] : std::uint16_t{0});
+    std::vector<std::uint16_t> counts(kPixels);
+    std::memcpy(counts.data(), raw, kPixels * sizeof(std::uint16_t));
+    for (std::uint16_t& count : counts) {
+      count = count < kKinectV1RawValues ? depths_[count] : std::uint16_t{0};
     }
     SensorFrame frame = {.scan = DepthMessage(counts, intrinsics_, kKinectV1DepthUnitM)};
     SetTime(time, frame);
