@@ -156,7 +156,7 @@ absl::Status WriteFakenect(const FakenectOptions& options) {
                                              .objects_per_scene = options.objects_per_scene,
                                              .seed = options.seed});
   if (!plan.ok()) return plan.status();
-  const absl::Status written =
+  absl::Status written =
       WriteSimulatedRecording(options.out, parts, *plan, absl::Seconds(options.hold_s));
   if (!written.ok()) return written;
   std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",

@@ -94,7 +94,7 @@ absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
         absl::StrCat("a Kinect v1 has 640 x 480 pixels and not ", raw.size()));
   }
   const std::string first = NextName();
-  const absl::Status written =
+  absl::Status written =
       WriteFileAtomically(folder_ / first, PgmOf(raw), Durability::kProcessCrash);
   if (!written.ok()) return written;
   const double count = std::round(absl::ToDoubleSeconds(duration) * kFramesPerSecond);

@@ -20,6 +20,8 @@ preprocessed() {
 
 failed=0
 for file in "$@"; do
+  # What needs a library that is not there, such as a camera's, is not compiled.
+  grep -q "^  \"file\": \"$PWD/$file\"" "$build/compile_commands.json" || continue
   key=$( (clang-tidy --version; echo "${CHECKS-}"; cat .clang-tidy tests/.clang-tidy; cat "$file"; preprocessed "$file") |
     sha256sum | cut -d' ' -f1)
   [ -e "$cache/$key" ] && continue
