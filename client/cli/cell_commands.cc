@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "client/cli/cell_text.h"
 #include "client/cli/calibration_commands.h"
+#include "client/cli/cell_text.h"
 
 namespace graspdb::client {
 namespace {

@@ -31,8 +31,8 @@ TEST(ParseCalibrations, EveryWordIsHeard) {
 }
 
 TEST(ParseCalibrations, WhatIsNoneIsRefusedWithTheLine) {
-  for (const char* line : {"", "block", "-1 target=block", "0 mount=fixed", "0 target=",
-                           "0 target=block mount=wall", "0 target=block frames=0"}) {
+  for (const char* line : {"", "block", "-1 target=block", "0 mount=fixed",
+                           "0 target=", "0 target=block mount=wall", "0 target=block frames=0"}) {
     EXPECT_THAT(ParseCalibrations({line}, kCell),
                 StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr(line)))
         << line;
