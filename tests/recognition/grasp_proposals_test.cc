@@ -115,6 +115,7 @@ TEST(ProposeGrasps, AFreeTurnIsTriedEveryThirtyDegreesAndAtItsEnds) {
   pose.grasps[0].free_turn = FreeTurn{-kPi / 4, kPi / 6};
   const auto proposals = ProposeGrasps(pose, Pose::Identity(), std::nullopt);
   std::vector<double> turns;
+  turns.reserve(proposals.size());
   for (const GraspProposal& p : proposals) {
     turns.push_back(std::atan2(p.world_tcp.translation().y(), p.world_tcp.translation().x()));
   }

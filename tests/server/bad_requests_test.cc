@@ -113,21 +113,6 @@ std::vector<BadRequest> NameCases() {
       Catalogue<v1::DeleteObjectRequest>(
           "DeleteWithoutName", &Catalog::DeleteObject, [](auto&) {}, kInvalid, "name",
           "objects/{object}"),
-      Catalogue<v1::CreateObjectRequest>(
-          "LabelWithASpace", &Catalog::CreateObject,
-          [](auto& r) {
-            r.set_object_id("mug");
-            r.mutable_object()->add_labels("hot drinks");
-          },
-          kInvalid, "object.labels[0]", "hot drinks"),
-      Catalogue<v1::CreateObjectRequest>(
-          "LabelGivenTwice", &Catalog::CreateObject,
-          [](auto& r) {
-            r.set_object_id("mug");
-            r.mutable_object()->add_labels("cup");
-            r.mutable_object()->add_labels("cup");
-          },
-          kInvalid, "object.labels[1]", "twice"),
       Catalogue<v1::CreateStablePoseRequest>(
           "StablePoseWithoutParent", &Catalog::CreateStablePose, [](auto&) {}, kInvalid, "parent",
           "objects/{object}"),
@@ -269,6 +254,21 @@ std::vector<BadRequest> ContentCases() {
             p.mutable_grasps(0)->mutable_free_turn()->set_max_deg(-90);
           },
           "grasps[0].free_turn", "min_deg"),
+      Catalogue<v1::CreateObjectRequest>(
+          "LabelWithASpace", &Catalog::CreateObject,
+          [](auto& r) {
+            r.set_object_id("mug");
+            r.mutable_object()->add_labels("hot drinks");
+          },
+          kInvalid, "object.labels[0]", "hot drinks"),
+      Catalogue<v1::CreateObjectRequest>(
+          "LabelGivenTwice", &Catalog::CreateObject,
+          [](auto& r) {
+            r.set_object_id("mug");
+            r.mutable_object()->add_labels("cup");
+            r.mutable_object()->add_labels("cup");
+          },
+          kInvalid, "object.labels[1]", "twice"),
   };
 }
 

@@ -56,20 +56,20 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
  protected:
   // One for all tests; its folder is named after the first.
   void SetUp() override {
-    if (server_ != nullptr) return;
-    server_ = new CalibrationServer;
-    server_->Teach(kPart, graspdb::testing::SmallKinectV2());
+    if (shared_server != nullptr) return;
+    shared_server = new CalibrationServer;
+    shared_server->Teach(kPart, graspdb::testing::SmallKinectV2());
   }
   static void TearDownTestSuite() {
-    delete server_;
-    server_ = nullptr;
+    delete shared_server;
+    shared_server = nullptr;
   }
   void TearDown() override { client().DeleteCell(kCell).IgnoreError(); }
 
-  static Client& client() { return server_->client(); }
+  static Client& client() { return shared_server->client(); }
   static void MakeCell(const SimulatedCell& cell) {
     const Pose world_camera = cell.world_camera();
-    server_->MakeCell("press-1", GetParam() == CameraMount::kFixed ? &world_camera : nullptr);
+    shared_server->MakeCell("press-1", GetParam() == CameraMount::kFixed ? &world_camera : nullptr);
   }
 
   // Calibrates with `poses` good poses; `off`, against what is in the cell then.
@@ -98,10 +98,10 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
     return report;
   }
 
-  static CalibrationServer* server_;
+  static CalibrationServer* shared_server;
 };
 
-CalibrationServer* HandEyeSessionTest::server_ = nullptr;
+CalibrationServer* HandEyeSessionTest::shared_server = nullptr;
 
 // More seeds, for the figures of docs/calibration.md.
 std::uint64_t Seeds() {
@@ -180,7 +180,7 @@ TEST_P(HandEyeSessionTest, ASetupThatCannotBeUsedIsRefusedAtOnce) {
   EXPECT_THAT(init(setup), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("teach")));
   if (GetParam() == CameraMount::kOnFlange) return;
   ASSERT_THAT(client().DeleteCell(kCell), IsOk());
-  server_->MakeCell("press-1", nullptr);
+  shared_server->MakeCell("press-1", nullptr);
   EXPECT_THAT(init(SetupFor(GetParam())),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
 }

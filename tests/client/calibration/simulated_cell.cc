@@ -23,7 +23,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using recognition::Pose;
 
-constexpr double kRadian = std::numbers::pi / 180;
 constexpr double kUnitM = 0.0001;
 constexpr double kToolLengthM = 0.17;  // from the flange to where the fingers hold
 constexpr double kClearanceM = 0.02;   // of open fingers, see TopGrasp
@@ -128,7 +127,7 @@ Pose SimulatedCell::Drive(double tilt_rad, double turn_rad) {
     const Pose around = Make(0.04 * Vector3d(shift.x(), shift.y(), 0), tilt);
     world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
   }
-  const Pose told = world_base_.inverse() * world_flange;
+  Pose told = world_base_.inverse() * world_flange;
   base_flange_ = told * Make(noise_.shift_m / std::sqrt(3) * Normals(),
                              noise_.turn_rad / std::sqrt(3) * Normals());
   return told;

@@ -104,6 +104,7 @@ TEST(StablePoses, AnAngleRestsOnItsBackOnItsSideAndOnBothEnds) {
   ASSERT_EQ(poses.size(), 3U);
   for (const MeshStablePose& pose : poses) ExpectStanding(bracket, pose);
   std::vector<double> heights;
+  heights.reserve(poses.size());
   for (const MeshStablePose& pose : poses) heights.push_back(HeightOf(bracket, pose));
   EXPECT_THAT(heights, ::testing::UnorderedElementsAre(
                            ::testing::DoubleNear(0.1, 1e-5), ::testing::DoubleNear(0.03, 1e-5),

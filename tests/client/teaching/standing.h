@@ -42,6 +42,7 @@ inline Eigen::Vector3d WeighedCenter(const TriangleMesh& mesh) {
 // the foot is among the points, rad.
 inline double LargestGap(const Eigen::Vector3d& foot, const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> angles;
+  angles.reserve(points.size());
   for (const Eigen::Vector3d& p : points) {
     angles.push_back(std::atan2(p.y() - foot.y(), p.x() - foot.x()));
   }
