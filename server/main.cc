@@ -1,8 +1,6 @@
 // graspdb-server.
-#include <pthread.h>
 #include <spdlog/spdlog.h>
 
-#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -10,6 +8,7 @@
 #include "logging/log_field.h"
 #include "server/options.h"
 #include "server/server.h"
+#include "settings/stop_signal.h"
 #include "settings/version.h"
 
 namespace graspdb::server {
@@ -25,13 +24,7 @@ int Run(int argc, char** argv) {
   if (parsed.done) return parsed.exit_status;
   const ServerOptions& options = parsed.options;
 
-  // Blocked before any thread starts, so that only the wait below takes them.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-
+  const StopSignal stop;
   StartLog("graspdb", options.log_level);
   absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(options);
   if (!server.ok()) return Fail(server.status());
@@ -40,8 +33,7 @@ int Run(int argc, char** argv) {
   std::printf("listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
 
-  int signal = 0;
-  sigwait(&signals, &signal);
+  const int signal = stop.Wait();
   spdlog::info("event=drain signal={} seconds={}", signal, options.drain_s);
   (*server)->Drain();
   spdlog::info("event=stop");

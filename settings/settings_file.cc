@@ -56,4 +56,13 @@ void AddSettingsFile(CLI::App& app) {
   NameVariables(app);
 }
 
+std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return std::nullopt;
+}
+
 }  // namespace graspdb

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 
 namespace graspdb {
 
@@ -9,5 +10,9 @@ namespace graspdb {
 // --area-m is GRASPDB_AREA_M. A flag goes before its variable, and both go before the file; a
 // key that is no flag is an error.
 void AddSettingsFile(CLI::App& app);
+
+// Parses what a program was started with, and prints what there is to say: help, a version, or what
+// is wrong. The exit status where the program is to end by that, 0 or 2.
+std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv);
 
 }  // namespace graspdb

@@ -102,12 +102,9 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
   AddSettingsFile(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    out.done = true;
-    out.exit_status = app.exit(e) == 0 ? 0 : 2;
-  }
+  const std::optional<int> end = ParseArguments(app, argc, argv);
+  out.done = end.has_value();
+  out.exit_status = end.value_or(0);
   return out;
 }
 

@@ -1,8 +1,6 @@
 // graspdb-cell, the agent of a robot cell.
-#include <pthread.h>
 #include <spdlog/spdlog.h>
 
-#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -11,6 +9,7 @@
 #include "client/sensors/open_sensor.h"
 #include "logging/log.h"
 #include "logging/log_field.h"
+#include "settings/stop_signal.h"
 #include "settings/version.h"
 
 namespace graspdb::client {
@@ -30,13 +29,7 @@ int Run(int argc, char** argv) {
   if (parsed.done) return parsed.exit_status;
   const AgentOptions& options = parsed.options;
 
-  // Blocked before any thread starts, so that only the wait below takes them.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-
+  const StopSignal stop;
   StartLog("graspdb-cell", options.log_level);
   SensorSettings settings;
   settings.max_age = absl::Seconds(options.max_frame_age_s);
@@ -53,8 +46,7 @@ int Run(int argc, char** argv) {
   std::printf("ready for robots\n");
   std::fflush(stdout);
 
-  int signal = 0;
-  sigwait(&signals, &signal);
+  const int signal = stop.Wait();
   spdlog::info("event=stop signal={}", signal);
   return 0;
 }

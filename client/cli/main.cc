@@ -79,11 +79,7 @@ int Run(int argc, char** argv) {
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
   AddSettingsFile(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kDone : kWrongUsage;
-  }
+  if (const std::optional<int> end = ParseArguments(app, argc, argv)) return *end;
   if (!action) {  // asked here, so that CLI11 names a command that it does not know
     std::fprintf(stderr, "A subcommand is required\nRun with --help for more information.\n");
     return kWrongUsage;
