@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/api/resource_name.h"
 
 namespace graspdb::client {
 namespace {
@@ -17,7 +18,7 @@ absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
   const std::pair<std::string, std::string> pair = absl::StrSplit(word, absl::MaxSplits('=', 1));
   const auto& [key, value] = pair;
   if (key == "target" && !value.empty()) {
-    setup->target = value.starts_with("objects/") ? value : absl::StrCat("objects/", value);
+    setup->target = ResourceName("objects", value);
     return absl::OkStatus();
   }
   if (key == "mount" && (value == "fixed" || value == "flange")) {

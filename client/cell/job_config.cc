@@ -3,12 +3,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/api/resource_name.h"
 
 namespace graspdb::client {
 namespace {
@@ -72,7 +74,7 @@ absl::Status SetId(const std::string& text, std::string* out) {
 
 absl::Status SetObject(const std::string& text, std::string* out) {
   if (text.empty()) return Wrong("an empty object", "its id");
-  *out = text.starts_with("objects/") ? text : absl::StrCat("objects/", text);
+  *out = ResourceName("objects", text);
   return absl::OkStatus();
 }
 
@@ -126,12 +128,20 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
       absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
   if (words.size() < 2) return Wrong("it", "a number and what to do, such as \"1 any\"");
   if (absl::Status id = ParseWhole<int>(words[0], 0, 65535, &job->id); !id.ok()) return id;
+  std::set<std::string> said;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i] == "any") continue;
     const std::pair<std::string, std::string> word =
         absl::StrSplit(words[i], absl::MaxSplits('=', 1));
     absl::Status status = ApplyWord(word.first, word.second, job);
     if (!status.ok()) return status;
+    if (!said.insert(word.first).second) {
+      return absl::InvalidArgumentError(absl::StrCat("\"", word.first, "=\" stands there twice"));
+    }
+  }
+  if (said.contains("show") && said.contains("outcome")) {
+    return absl::InvalidArgumentError(
+        "showing a grasp and telling an outcome are two different jobs");
   }
   if (!job->object.empty() && !job->label.empty()) {
     return absl::InvalidArgumentError("an object and a label are two different jobs");

@@ -1,7 +1,5 @@
 #include "client/cli/bench_frames.h"
 
-#include <algorithm>
-
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/scan_source.h"
@@ -12,12 +10,6 @@ namespace graspdb::client {
 namespace {
 
 constexpr double kMegabyte = 1e6;
-
-std::vector<std::string> SamplePartIds() {
-  std::vector<std::string> ids;
-  for (const Workpiece& part : SampleParts()) ids.push_back(part.object_id);
-  return ids;
-}
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames& frames) {
   absl::StatusOr<ScanTasks> scans = ListScans(frames.inputs, frames.split);

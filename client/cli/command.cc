@@ -27,11 +27,6 @@ CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::strin
   return command;
 }
 
-std::string ResourceName(const std::string& collection, const std::string& id) {
-  const std::string prefix = collection + "/";
-  return id.starts_with(prefix) ? id : prefix + id;
-}
-
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {
   std::string text;
   const auto status = google::protobuf::util::MessageToJsonString(message, &text);

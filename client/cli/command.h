@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "client/api/client.h"
+#include "client/api/resource_name.h"
 
 namespace graspdb::client {
 
@@ -25,9 +26,6 @@ Client Connect(const GlobalOptions& options);
 
 // A command with the given name under `parent`; global flags may follow it.
 CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description);
-
-// `id` as a resource name: "objects/mug" for "mug" and for "objects/mug".
-std::string ResourceName(const std::string& collection, const std::string& id);
 
 // Prints a message as one line of canonical JSON on stdout.
 absl::Status PrintJson(const google::protobuf::Message& message);

@@ -37,15 +37,6 @@ Example:
   graspdb-cell --cell demo --sensor simulated:scene=/tmp/table &
   graspdb robot --cell demo --scene /tmp/table --picks 20)";
 
-std::vector<Workpiece> PartsOf(const std::vector<std::string>& ids) {
-  std::vector<Workpiece> parts = SampleParts();
-  if (ids.empty()) return parts;
-  std::erase_if(parts, [&](const Workpiece& part) {
-    return std::ranges::find(ids, part.object_id) == ids.end();
-  });
-  return parts;
-}
-
 std::string PickText(const Pick& pick) {
   if (pick.code != GriCode::kNoError) {
     return absl::StrFormat("%-16s not picked: %s", pick.shown, std::string(GriCodeName(pick.code)));
@@ -88,6 +79,8 @@ absl::Status Summarise(const std::vector<Pick>& picks, double least_percent) {
 }
 
 absl::Status Run(const GlobalOptions& global, Options options) {
+  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  if (!parts.ok()) return parts.status();
   if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
   const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
   if (!agent.ok()) return agent.status();
@@ -95,7 +88,7 @@ absl::Status Run(const GlobalOptions& global, Options options) {
   if (!robot.ok()) return robot.status();
   if (options.picked_job >= 0) options.run.picked_job = options.picked_job;
   if (options.missed_job >= 0) options.run.missed_job = options.missed_job;
-  const auto picks = RunPicks(*robot, PartsOf(options.parts), options.run, [](const Pick& pick) {
+  const auto picks = RunPicks(*robot, *parts, options.run, [](const Pick& pick) {
     std::printf("%s\n", PickText(pick).c_str());
     std::fflush(stdout);
   });

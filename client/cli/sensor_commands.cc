@@ -4,7 +4,6 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -137,27 +136,16 @@ absl::Status Grab(const GrabOptions& options) {
   return absl::OkStatus();
 }
 
-std::vector<std::string> SamplePartIds() {
-  std::vector<std::string> ids;
-  for (const Workpiece& part : SampleParts()) ids.push_back(part.object_id);
-  return ids;
-}
-
 absl::Status WriteFakenect(const FakenectOptions& options) {
-  std::vector<Workpiece> parts = SampleParts();
-  if (!options.parts.empty()) {
-    std::erase_if(parts, [&options](const Workpiece& part) {
-      return std::find(options.parts.begin(), options.parts.end(), part.object_id) ==
-             options.parts.end();
-    });
-  }
-  const auto plan = PlanRandomScenes(parts, {.stand = {},
-                                             .count = options.scenes,
-                                             .objects_per_scene = options.objects_per_scene,
-                                             .seed = options.seed});
+  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  if (!parts.ok()) return parts.status();
+  const auto plan = PlanRandomScenes(*parts, {.stand = {},
+                                              .count = options.scenes,
+                                              .objects_per_scene = options.objects_per_scene,
+                                              .seed = options.seed});
   if (!plan.ok()) return plan.status();
   absl::Status written =
-      WriteSimulatedRecording(options.out, parts, *plan, absl::Seconds(options.hold_s));
+      WriteSimulatedRecording(options.out, *parts, *plan, absl::Seconds(options.hold_s));
   if (!written.ok()) return written;
   std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",
               options.scenes, options.hold_s, options.out.c_str(), options.out.c_str());

@@ -1,6 +1,5 @@
 #include "client/load/simulated_frames.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "client/files/depth_message.h"
@@ -13,30 +12,22 @@ namespace {
 
 constexpr double kDepthUnitM = 0.001;
 
-std::vector<Workpiece> PartsOf(const std::vector<std::string>& ids) {
-  std::vector<Workpiece> parts = SampleParts();
-  if (ids.empty()) return parts;
-  std::erase_if(parts, [&](const Workpiece& part) {
-    return std::find(ids.begin(), ids.end(), part.object_id) == ids.end();
-  });
-  return parts;
-}
-
 }  // namespace
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const SimulatedFrames& frames) {
-  const std::vector<Workpiece> parts = PartsOf(frames.parts);
+  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(frames.parts);
+  if (!parts.ok()) return parts.status();
   RandomSceneOptions scenes;
   scenes.count = frames.count;
   scenes.objects_per_scene = frames.objects_per_scene;
   scenes.seed = frames.seed;
-  absl::StatusOr<std::vector<PlannedCapture>> plan = PlanRandomScenes(parts, scenes);
+  absl::StatusOr<std::vector<PlannedCapture>> plan = PlanRandomScenes(*parts, scenes);
   if (!plan.ok()) return plan.status();
   absl::StatusOr<DepthCamera> camera = DepthCamera::Create(frames.camera);
   if (!camera.ok()) return camera.status();
   std::vector<v1::RecognizeRequest> out;
   for (const PlannedCapture& capture : *plan) {
-    absl::StatusOr<DepthFrame> frame = camera->Render(SceneOf(parts, capture, /*with_table=*/true),
+    absl::StatusOr<DepthFrame> frame = camera->Render(SceneOf(*parts, capture, /*with_table=*/true),
                                                       capture.world_sensor, capture.seed);
     if (!frame.ok()) return frame.status();
     v1::RecognizeRequest& request = out.emplace_back();

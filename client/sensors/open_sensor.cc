@@ -1,6 +1,5 @@
 #include "client/sensors/open_sensor.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -50,25 +49,9 @@ OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
   return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
 }
 
-absl::StatusOr<std::vector<Workpiece>> ChooseParts(const std::vector<std::string>& ids) {
-  std::vector<Workpiece> parts = SampleParts();
-  if (ids.empty()) return parts;
-  std::vector<Workpiece> chosen;
-  for (const std::string& id : ids) {
-    const auto part = std::find_if(parts.begin(), parts.end(),
-                                   [&id](const Workpiece& p) { return p.object_id == id; });
-    if (part == parts.end()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "there is no sample part \"", id, "\"; `graspdb simulate --list-parts` names them"));
-    }
-    chosen.push_back(*part);
-  }
-  return chosen;
-}
-
 OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& settings) {
   SensorOptions options(spec);
-  const auto parts = ChooseParts(options.List("parts"));
+  const auto parts = SampleParts(options.List("parts"));
   const std::string camera_name = options.Text("camera", "v2");
   RandomSceneOptions scenes;
   scenes.seed = options.Seed("seed", scenes.seed);

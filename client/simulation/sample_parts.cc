@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/simulation/solid.h"
 
 namespace graspdb::client {
@@ -231,6 +233,27 @@ std::vector<Workpiece> SampleParts() {
                           BracketRight, Wedge, TPiece, SteppedShaft, HexNut, PostPlate, ZBar}) {
     parts.push_back(Finish(draw()));
   }
+  return parts;
+}
+
+std::vector<std::string> SamplePartIds() {
+  std::vector<std::string> ids;
+  for (const Workpiece& part : SampleParts()) ids.push_back(part.object_id);
+  return ids;
+}
+
+absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string>& ids) {
+  const std::vector<std::string> known = SamplePartIds();
+  for (const std::string& id : ids) {
+    if (std::ranges::find(known, id) != known.end()) continue;
+    return absl::InvalidArgumentError(absl::StrCat("there is no sample part \"", id,
+                                                   "\"; there are ", absl::StrJoin(known, ", ")));
+  }
+  std::vector<Workpiece> parts = SampleParts();
+  if (ids.empty()) return parts;
+  std::erase_if(parts, [&](const Workpiece& part) {
+    return std::ranges::find(ids, part.object_id) == ids.end();
+  });
   return parts;
 }
 

@@ -1,8 +1,10 @@
 // Workpieces made by code, for simulations that need no files.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "client/simulation/workpiece.h"
 
 namespace graspdb::client {
@@ -13,5 +15,12 @@ namespace graspdb::client {
 // z-bar (2-fold) and a shaft (any turn) are symmetric; bracket-left and
 // bracket-right are mirror images of each other.
 std::vector<Workpiece> SampleParts();
+
+// Their object ids, in that order.
+std::vector<std::string> SamplePartIds();
+
+// Those of these ids, in the same order; all where `ids` is empty. INVALID_ARGUMENT where there is
+// none of an id.
+absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string>& ids);
 
 }  // namespace graspdb::client

@@ -68,12 +68,10 @@ absl::StatusOr<std::vector<Workpiece>> PartsOf(const Arguments& arguments) {
     if (!part.ok()) return part.status();
     parts.push_back(*std::move(part));
   }
-  const bool all = arguments.meshes.empty() && arguments.parts.empty();
-  for (Workpiece& part : SampleParts()) {
-    const bool chosen = std::find(arguments.parts.begin(), arguments.parts.end(), part.object_id) !=
-                        arguments.parts.end();
-    if (all || chosen) parts.push_back(std::move(part));
-  }
+  if (!arguments.meshes.empty() && arguments.parts.empty()) return parts;
+  absl::StatusOr<std::vector<Workpiece>> samples = SampleParts(arguments.parts);
+  if (!samples.ok()) return samples.status();
+  std::ranges::move(*samples, std::back_inserter(parts));
   return parts;
 }
 
@@ -136,12 +134,6 @@ absl::Status Run(const Arguments& arguments) {
   std::cout << "wrote " << plan->size() << " captures of " << parts->size() << " objects to "
             << arguments.out << "\n";
   return absl::OkStatus();
-}
-
-std::vector<std::string> SamplePartIds() {
-  std::vector<std::string> ids;
-  for (const Workpiece& part : SampleParts()) ids.push_back(part.object_id);
-  return ids;
 }
 
 void AddObjectOptions(CLI::App& command, Arguments& a) {

@@ -78,7 +78,9 @@ INSTANTIATE_TEST_SUITE_P(
                       BadJob{"1 min-score=nan", "0 to 1"}, BadJob{"1 poses=0", "1 to 10000"},
                       BadJob{"1 outcome=lost", "picked, missed, slipped"},
                       BadJob{"1 object=", "its id"},
-                      BadJob{"1 object=mug label=cups", "two different jobs"}));
+                      BadJob{"1 object=mug label=cups", "two different jobs"},
+                      BadJob{"1 show=top outcome=picked", "two different jobs"},
+                      BadJob{"1 object=mug object=cup", "twice"}));
 
 TEST(ParseJobs, TwoOfOneNumberAreRefused) {
   EXPECT_THAT(ParseJobs({"1 any", "1 label=x"}),

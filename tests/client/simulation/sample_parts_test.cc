@@ -12,9 +12,15 @@
 #include "client/files/pose_message.h"
 #include "client/simulation/solid.h"
 #include "tests/client/simulation/mesh_measure.h"
+#include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
 namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::StatusIs;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 const std::vector<Workpiece>& Parts() {
   static const std::vector<Workpiece> parts = SampleParts();
@@ -152,6 +158,21 @@ TEST(SampleParts, GraspsHoldThePart) {
       }
     }
   }
+}
+
+TEST(SampleParts, AreChosenByIdInTheirOwnOrder) {
+  const auto chosen = SampleParts({"z-bar", "flange"});
+  ASSERT_THAT(chosen, IsOk());
+  ASSERT_EQ(chosen->size(), 2);
+  EXPECT_EQ((*chosen)[0].object_id, "flange");
+  EXPECT_EQ((*chosen)[1].object_id, "z-bar");
+  EXPECT_EQ(SampleParts({})->size(), SampleParts().size());
+}
+
+TEST(SampleParts, AnUnknownIdIsAnsweredWithTheKnownOnes) {
+  EXPECT_THAT(SampleParts({"flange", "teapot"}),
+              StatusIs(absl::StatusCode::kInvalidArgument,
+                       AllOf(HasSubstr("teapot"), HasSubstr("post-plate"))));
 }
 
 }  // namespace
