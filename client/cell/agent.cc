@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/api/resource_name.h"
 #include "client/blackbox/black_box.h"
 #include "client/cell/calibrations.h"
 #include "client/cell/cell_runner.h"
@@ -21,10 +22,6 @@ namespace graspdb::client {
 namespace {
 
 constexpr absl::Duration kHealthPeriod = absl::Milliseconds(200);
-
-std::string CellName(const std::string& id) {
-  return id.starts_with("cells/") ? id : absl::StrCat("cells/", id);
-}
 
 ConnectionOptions ConnectionTo(const AgentOptions& options) {
   ConnectionOptions out;
@@ -77,9 +74,8 @@ struct Agent::Parts {
         black_box(std::move(box)),
         sensor(std::move(camera)),
         client(ConnectionTo(options)),
-        cell(client, CellName(options.cell), absl::Seconds(options.cell_period_s)),
-        cycle(*sensor, client, cell,
-              {CellName(options.cell), absl::Seconds(options.max_frame_age_s)}),
+        cell(client, ResourceName("cells", options.cell), absl::Seconds(options.cell_period_s)),
+        cycle(*sensor, client, cell, ResourceName("cells", options.cell)),
         gri_runner(jobs, JobProtocol::kGri, RunnerOptions(options), PartsOfRunner()),
         line_runner(jobs, JobProtocol::kLine, RunnerOptions(options), PartsOfRunner()),
         gri_jobs(gri_runner),
@@ -100,6 +96,12 @@ struct Agent::Parts {
     const bool is_kept = options.black_box_all || report.poses.empty() ||
                          IsTroubled(*bundle, options.black_box_score);
     if (is_kept) (void)black_box->Keep(*std::move(bundle));  // what it drops it counts
+  }
+
+  std::string CountersText() const {
+    const BlackBoxCounts kept = black_box == nullptr ? BlackBoxCounts() : black_box->counts();
+    return absl::StrCat(counters.Text(), " bundles=", kept.kept, " bundles_dropped=", kept.dropped,
+                        " bundles_failed=", kept.failed);
   }
 
   const AgentOptions options;
@@ -130,10 +132,11 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
   if (!jobs.ok()) return jobs.status();
+  const auto calibrations =
+      ParseCalibrations(options.calibrations, ResourceName("cells", options.cell));
+  if (!calibrations.ok()) return calibrations.status();
   absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
   if (!box.ok()) return box.status();
-  const auto calibrations = ParseCalibrations(options.calibrations, CellName(options.cell));
-  if (!calibrations.ok()) return calibrations.status();
   auto parts =
       std::make_unique<Parts>(options, *jobs, *calibrations, std::move(sensor), *std::move(box));
   if (!options.gri.empty()) {
@@ -152,7 +155,8 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
     if (!health.ok()) return health.status();
     parts->health = *std::move(health);
   }
-  parts->counters_log.emplace(parts->counters, absl::Seconds(options.counters_period_s));
+  parts->counters_log.emplace([p = parts.get()] { return p->CountersText(); },
+                              absl::Seconds(options.counters_period_s));
   return std::unique_ptr<Agent>(new Agent(std::move(parts)));
 }
 

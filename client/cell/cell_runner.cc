@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/job_answer.h"
+#include "client/cell/refusal.h"
 #include "logging/log_field.h"
 
 namespace graspdb::client {
@@ -100,7 +101,7 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job, c
   if (!job.label.empty()) {
     absl::StatusOr<std::shared_ptr<const LabelledObjects>> found =
         labels_.At(look.response.catalog_revision());
-    if (!found.ok()) return found.status();
+    if (!found.ok()) return Refusal(found.status());
     labelled = *std::move(found);
   }
   const auto has_label = [&](const std::string& object, const std::string& label) {
@@ -124,7 +125,10 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
     if (!looked.ok()) return looked;
     scene = SeenScene{look.response, look.cell.frames, absl::Now()};
   }
-  return showing_.Store(job, *scene, *request.base_flange);
+  absl::Status stored = showing_.Store(job, *scene, *request.base_flange);
+  // It is the place of the tool, which came with the request, that is wrong.
+  const bool is_misplaced = absl::IsNotFound(stored) || absl::IsOutOfRange(stored);
+  return is_misplaced ? absl::InvalidArgumentError(stored.message()) : stored;
 }
 
 void CellRunner::Given(const std::string& robot, const JobPose& pose) {
@@ -150,8 +154,9 @@ absl::Status CellRunner::Tell(const std::string& robot, PickOutcome outcome) {
   report.set_grasp_id(about.grasp_id);
   report.set_outcome(ToMessage(outcome));
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
-    Given(robot, about);  // it may be told again
-    return kept;
+    absl::MutexLock lock(&mutex_);
+    given_.try_emplace(robot, about);  // it may be told again, unless another was given meanwhile
+    return Refusal(kept);
   }
   parts_.counters.CountOutcome(outcome);
   return absl::OkStatus();

@@ -2,10 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 namespace graspdb::client {
 
-CountersLog::CountersLog(const Counters& counters, absl::Duration period)
-    : counters_(counters), period_(period), thread_([this] { Run(); }) {}
+CountersLog::CountersLog(std::function<std::string()> text, absl::Duration period)
+    : text_(std::move(text)), period_(period), thread_([this] { Run(); }) {}
 
 CountersLog::~CountersLog() {
   {
@@ -21,7 +23,7 @@ void CountersLog::Run() {
       absl::MutexLock lock(&mutex_);
       last = mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_);
     }
-    spdlog::info("event=counters {}", counters_.Text());
+    spdlog::info("event=counters {}", text_());
   }
 }
 

@@ -1,19 +1,20 @@
 // Counters in the log, from time to time.
 #pragma once
 
+#include <functional>
+#include <string>
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "client/cell/counters.h"
+#include "absl/time/time.h"
 
 namespace graspdb::client {
 
-// Logs `counters` every `period`, and once more at its end.
+// Logs what `text` says every `period`, and once more at its end; on a thread of its own.
 class CountersLog {
  public:
-  // `counters` must outlive this.
-  CountersLog(const Counters& counters, absl::Duration period);
+  CountersLog(std::function<std::string()> text, absl::Duration period);
   ~CountersLog();
   CountersLog(const CountersLog&) = delete;
   CountersLog& operator=(const CountersLog&) = delete;
@@ -21,7 +22,7 @@ class CountersLog {
  private:
   void Run();
 
-  const Counters& counters_;
+  const std::function<std::string()> text_;
   const absl::Duration period_;
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "client/cell/refusal.h"
 #include "client/files/pose_message.h"
 
 namespace graspdb::client {
@@ -32,13 +32,6 @@ absl::StatusOr<SensorFrame> Cycle::Grab(absl::Time deadline) {
   if (absl::IsUnavailable(frame.status()) || absl::IsDeadlineExceeded(frame.status())) {
     return absl::AbortedError(frame.status().message());
   }
-  if (!frame.ok()) return frame;
-  const absl::Duration age = absl::Now() - frame->time;
-  if (age > options_.max_frame_age) {
-    return absl::AbortedError(absl::StrCat("the frame of ", sensor_.Name(), " is ",
-                                           absl::FormatDuration(age),
-                                           " old; see whether the camera hangs"));
-  }
   return frame;
 }
 
@@ -55,14 +48,12 @@ absl::Status Cycle::Try(const std::optional<recognition::Pose>& base_flange, abs
   const absl::StatusOr<recognition::Pose> world_sensor =
       WorldSensor(cell->frames, base_flange, frame->world_sensor);
   if (!world_sensor.ok()) return world_sensor.status();
-  look->request.set_cell(options_.cell);
+  look->request.set_cell(name_);
   *look->request.mutable_sensor_pose() = ToMessage(*world_sensor);
   SetScan(std::move(frame->scan), &look->request);
-  const absl::Time asked = absl::Now();
   absl::StatusOr<v1::RecognizeResponse> response =
-      client_.Recognize(look->request, deadline - asked);
-  look->server_time += absl::Now() - asked;
-  if (!response.ok()) return response.status();
+      client_.Recognize(look->request, deadline - absl::Now());
+  if (!response.ok()) return Refusal(response.status());
   look->response = *std::move(response);
   return absl::OkStatus();
 }

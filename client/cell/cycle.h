@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "absl/synchronization/notification.h"
@@ -13,31 +15,25 @@
 
 namespace graspdb::client {
 
-struct CycleOptions {
-  std::string cell;                                 // resource name
-  absl::Duration max_frame_age = absl::Seconds(1);  // older ones are no answer
-};
-
 struct Look {
   v1::RecognizeRequest request;  // of the last attempt; without a scan where there was no frame
   v1::RecognizeResponse response;
   KeptCell cell;                                      // that the request was made with
   absl::Duration camera_time = absl::ZeroDuration();  // waiting for the frame
-  absl::Duration server_time = absl::ZeroDuration();  // asking, all attempts
 };
 
 // Looks. Thread-safe.
 class Cycle {
  public:
-  // All must outlive this.
-  Cycle(DepthSensor& sensor, Client& client, CellKeeper& cell, CycleOptions options)
-      : sensor_(sensor), client_(client), cell_(cell), options_(std::move(options)) {}
+  // All must outlive this. `name` is the cell's resource name.
+  Cycle(DepthSensor& sensor, Client& client, CellKeeper& cell, std::string name)
+      : sensor_(sensor), client_(client), cell_(cell), name_(std::move(name)) {}
 
   // Tries again, with longer and longer pauses, while camera or server are away and `deadline` lets
   // it; then, or when stopped:
   // ABORTED when the camera gives nothing, UNAVAILABLE when the server is not there or has no time,
-  // DEADLINE_EXCEEDED when it took too long. At once: errors of WorldSensor, of CellKeeper::Get and
-  // of the server. `look` is filled in as far as it came.
+  // DEADLINE_EXCEEDED when it took too long. At once: errors of WorldSensor and of CellKeeper::Get;
+  // DATA_LOSS when the server refuses (see Refusal). `look` is filled in as far as it came.
   absl::Status Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
                    Look* look);
 
@@ -52,7 +48,7 @@ class Cycle {
   DepthSensor& sensor_;
   Client& client_;
   CellKeeper& cell_;
-  const CycleOptions options_;
+  const std::string name_;
   absl::Notification stopped_;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/cell/refusal.h"
 #include "client/files/pose_message.h"
 
 namespace graspdb::client {
@@ -81,7 +82,7 @@ absl::Status GraspShowing::Store(const JobConfig& job, const SeenScene& scene,
   absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
   if (!above.ok()) return above;
   absl::StatusOr<v1::StablePose> pose = client_.GetStablePose(thing->stable_pose());
-  if (!pose.ok()) return pose.status();
+  if (!pose.ok()) return Refusal(pose.status());
   v1::UpdateStablePoseRequest update;
   *update.mutable_stable_pose() = *pose;  // with its etag: nobody else's change is lost
   auto* grasps = update.mutable_stable_pose()->mutable_grasps();
@@ -89,7 +90,7 @@ absl::Status GraspShowing::Store(const JobConfig& job, const SeenScene& scene,
   const auto existing = std::ranges::find_if(*grasps, is_it);
   (existing == grasps->end() ? *grasps->Add() : *existing) = GraspOf(job, object_tcp);
   update.mutable_update_mask()->add_paths("grasps");
-  absl::Status stored = client_.UpdateStablePose(update).status();
+  absl::Status stored = Refusal(client_.UpdateStablePose(update).status());
   if (stored.ok()) {
     spdlog::info("event=grasp_shown stable_pose={} grasp={}", thing->stable_pose(), job.grasp_id);
   }

@@ -39,7 +39,8 @@ class GraspShowing {
   // nearest to the tool centre point `base_tcp` (T_base_tcp), and of the object that the job names,
   // if it names one. Its T_object_tcp follows every pose in which the thing will be seen.
   // NOT_FOUND when no such thing is within 0.3 m; OUT_OF_RANGE when the tool or the beginning of
-  // its approach is below the table; errors of the server.
+  // its approach is below the table; DATA_LOSS when the server refuses (see Refusal); UNAVAILABLE
+  // and DEADLINE_EXCEEDED.
   absl::Status Store(const JobConfig& job, const SeenScene& scene,
                      const recognition::Pose& base_tcp);
 

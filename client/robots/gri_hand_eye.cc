@@ -8,14 +8,10 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "client/robots/gri_data.h"
 
 namespace graspdb::client {
 namespace {
-
-// Of GriResponse::data, counted from 0 where the documentation counts from 1.
-constexpr std::size_t kShift = 1;
-constexpr std::size_t kTurn = 2;
-constexpr std::size_t kUsed = 3;
 
 constexpr double kMillionthsOfMmPerM = 1e9;
 constexpr double kMillionthsOfDegreePerRadian = 1e6 * 180 / std::numbers::pi;
@@ -74,9 +70,9 @@ absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
   }
   const absl::StatusOr<CalibrationReport> report = calibrator_->Calibrate(pipeline);
   if (!report.ok()) return report.status();
-  out->data[kShift] = Saturated(report->shift_m * kMillionthsOfMmPerM);
-  out->data[kTurn] = Saturated(report->turn_rad * kMillionthsOfDegreePerRadian);
-  out->data[kUsed] = static_cast<std::int32_t>(report->used);
+  out->data[gri_data::kShift] = Saturated(report->shift_m * kMillionthsOfMmPerM);
+  out->data[gri_data::kTurn] = Saturated(report->turn_rad * kMillionthsOfDegreePerRadian);
+  out->data[gri_data::kUsed] = static_cast<std::int32_t>(report->used);
   return absl::OkStatus();
 }
 

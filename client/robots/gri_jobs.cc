@@ -5,22 +5,12 @@
 #include <limits>
 #include <optional>
 
+#include "client/robots/gri_data.h"
+
 namespace graspdb::client {
 namespace {
 
 using recognition::Pose;
-
-// Of GriResponse::data, counted from 0 where the documentation counts from 1.
-constexpr std::size_t kReady = 1;
-constexpr std::size_t kJobStatus = 1;
-constexpr std::size_t kPrimaryLeft = 1;
-constexpr std::size_t kRelatedLeft = 2;
-// Beyond the documentation, which leaves them zero; see docs/gri.md.
-constexpr std::size_t kGripperOpening = 3;    // millionths of a millimetre
-constexpr std::size_t kApproachDistance = 4;  // the same
-constexpr std::size_t kRetreatDistance = 5;   // the same
-constexpr std::size_t kScore = 6;             // millionths
-constexpr std::size_t kCameraTime = 7;        // microseconds
 
 std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count); }
 
@@ -31,11 +21,11 @@ std::int32_t Millionths(double value) {
 }
 
 void DescribeGrasp(const JobPose& primary, GriResponse* response) {
-  response->data[kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
-  response->data[kApproachDistance] = Millionths(1e3 * primary.approach_distance_m);
-  response->data[kRetreatDistance] = Millionths(1e3 * primary.retreat_distance_m);
-  response->data[kScore] = Millionths(primary.score);
-  response->data[kCameraTime] = Millionths(primary.camera_s);
+  response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
+  response->data[gri_data::kApproachDistance] = Millionths(1e3 * primary.approach_distance_m);
+  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * primary.retreat_distance_m);
+  response->data[gri_data::kScore] = Millionths(primary.score);
+  response->data[gri_data::kCameraTime] = Millionths(primary.camera_s);
 }
 
 std::optional<Pose> FlangeOf(const GriRequest& request) {
@@ -47,8 +37,8 @@ std::optional<Pose> FlangeOf(const GriRequest& request) {
 void Give(const JobAnswer& answer, GriResponse* response) {
   response->code = answer.code;
   if (answer.code != GriCode::kNoError) return;
-  response->data[kPrimaryLeft] = CountOf(answer.primaries_left);
-  response->data[kRelatedLeft] = CountOf(answer.related_left);
+  response->data[gri_data::kPrimaryLeft] = CountOf(answer.primaries_left);
+  response->data[gri_data::kRelatedLeft] = CountOf(answer.related_left);
   DescribeGrasp(answer.primary, response);
   const absl::StatusOr<GriPose> sent = ToGriPose(answer.base_pose, response->pose_format);
   if (!sent.ok()) {
@@ -79,7 +69,7 @@ void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
       response->code = jobs_.Start(asked).code;
       return;
     case GriAction::kGetJobStatus:
-      response->data[kJobStatus] = static_cast<std::int32_t>(jobs_.StatusOf(robot, job));
+      response->data[gri_data::kJobStatus] = static_cast<std::int32_t>(jobs_.StatusOf(robot, job));
       return;
     case GriAction::kGetNextPose:
       return GivePrimary(robot, jobs_.Next(robot, job), response);
@@ -96,7 +86,7 @@ GriResponse GriJobs::Answer(const std::string& robot, const GriRequest& request)
   out.action = request.action;
   out.job_id = request.job_id;
   if (static_cast<GriAction>(request.action) == GriAction::kStatus) {
-    out.data[kReady] = jobs_.runner().IsReady() ? 1 : 0;
+    out.data[gri_data::kReady] = jobs_.runner().IsReady() ? 1 : 0;
   } else {
     AnswerJob(robot, request, &out);
   }

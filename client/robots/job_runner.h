@@ -55,7 +55,7 @@ class JobRunner {
   // The poses that the job is set to return, the best first; none where nothing is found. Takes no
   // longer than the job's time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the
   // robot's pose; ABORTED when the camera gives no frame; UNAVAILABLE when the server is not there;
-  // DEADLINE_EXCEEDED; others when the server refuses.
+  // DEADLINE_EXCEEDED; DATA_LOSS when the server refuses.
   virtual absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) = 0;
 
   // Whether Run gives poses; false for jobs that store or report something.
@@ -65,9 +65,9 @@ class JobRunner {
   virtual void Given(const std::string& robot, const JobPose& pose) = 0;
 
   // What became of the pose that this robot was given last; only once for each that was given.
-  // FAILED_PRECONDITION when it was given none since then. Other errors where the outcome cannot be
-  // kept. A protocol that has no words for outcomes has jobs that tell them: see
-  // docs/line-protocol.md.
+  // FAILED_PRECONDITION when it was given none since then; where the outcome cannot be kept, the
+  // server's errors as Run has them. A protocol that has no words for outcomes has jobs that tell
+  // them: see docs/line-protocol.md.
   virtual absl::Status Tell(const std::string& robot, PickOutcome outcome) = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "client/robots/gri_data.h"
 #include "client/simulation/scene_file.h"
 
 namespace graspdb::client {
@@ -9,8 +10,6 @@ namespace {
 
 using recognition::Pose;
 using Clock = std::chrono::steady_clock;
-
-constexpr std::size_t kCameraTime = 7;  // of GriResponse::data, microseconds
 
 GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) {
   GriRequest out;
@@ -35,7 +34,7 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& pa
   const Clock::duration spent = Clock::now() - asked;
   if (!answer.ok()) return answer.status();
   out.code = answer->code;
-  out.cycle = spent - std::chrono::microseconds(answer->data[kCameraTime]);
+  out.cycle = spent - std::chrono::microseconds(answer->data[gri_data::kCameraTime]);
   if (answer->code != GriCode::kNoError) return out;
   const absl::StatusOr<Pose> base_tcp = FromGriPose(answer->pose, answer->pose_format);
   if (!base_tcp.ok()) return absl::InternalError(base_tcp.status().message());

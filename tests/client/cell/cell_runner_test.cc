@@ -72,7 +72,7 @@ class CellRunnerTest : public ::testing::Test {
     return SensorFrame{.scan = v1::DepthImage(), .time = absl::Now(), .world_sensor = {}};
   }};
   CellKeeper keeper_{client_, "cells/press-3", absl::Hours(1)};
-  Cycle cycle_{camera_, client_, keeper_, {.cell = "cells/press-3"}};
+  Cycle cycle_{camera_, client_, keeper_, "cells/press-3"};
   Counters counters_;
   std::vector<JobReport> heard_;
   CellRunner runner_{*ParseJobs({"1 any", "2 label=cups", "3 label=plates", "4 any protocol=line",
@@ -164,6 +164,51 @@ TEST_F(CellRunnerTest, AShownGraspFollowsTheThingThatTheRobotsJobSaw) {
 
 TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
   EXPECT_THAT(Run(80, std::nullopt), StatusIs(absl::StatusCode::kInvalidArgument));
+}
+
+TEST_F(CellRunnerTest, AToolThatIsNearNothingIsAWrongRequestNotAWrongJob) {
+  EXPECT_THAT(Run(80, At(9)), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
+  EXPECT_THAT(Run(80, At(1.2, -0.1)),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("below the table")));
+}
+
+TEST_F(CellRunnerTest, WhatTheServerRefusesIsNoErrorOfJobOrCamera) {
+  ASSERT_THAT(Run(1), IsOk());
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  server_.Change([](ScriptedServer& server) {
+    server.stable_pose.set_name("objects/mug/stablePoses/another");
+    server.report_outcome = [](const v1::ReportGraspOutcomeRequest& /*request*/) {
+      return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such grasp");
+    };
+    server.list_objects = [](v1::ListObjectsResponse* /*response*/) {
+      return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
+    };
+  });
+  EXPECT_THAT(Run(80, At(1.25, 0.05) * down),
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such pose")));
+  EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("PERMISSION_DENIED")));
+  runner_.Given("r", Run(1)->front());
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed),
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such grasp")));
+}
+
+TEST_F(CellRunnerTest, APoseGivenWhileAnOutcomeFailsIsTheOneToldOfNext) {
+  const auto given = *Run(1);
+  JobPose newer = given.front();
+  newer.grasp_id = "handle";
+  std::string told;
+  server_.Change([&](ScriptedServer& server) {
+    server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
+      told = request.grasp_id();
+      if (told == "handle") return grpc::Status::OK;
+      runner_.Given("r", newer);
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+    };
+  });
+  runner_.Given("r", given.front());
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked), IsOk());
+  EXPECT_EQ(told, "handle");
 }
 
 TEST_F(CellRunnerTest, AnOutcomeIsOfWhatWasGivenLastAndOnce) {

@@ -101,6 +101,31 @@ TEST_F(GriJobsTest, ATriggerIsAnsweredWithTheFirstPoseAndWhatIsLeft) {
   EXPECT_TRUE(runner_.base_flange->isApprox(At(0.25)));
 }
 
+TEST_F(GriJobsTest, APoseComesWithWhatTheGripperNeedsAndWhatTheCameraTook) {
+  JobPose grasp = {At(0.1), {At(0.11)}};
+  grasp.gripper_opening_m = 0.0625;
+  grasp.approach_distance_m = 0.05;
+  grasp.retreat_distance_m = 0.1;
+  grasp.score = 0.75;
+  grasp.camera_s = 0.033;
+  runner_.found = std::vector<JobPose>{grasp};
+  for (const GriAction action : {GriAction::kTriggerJobSync, GriAction::kGetRelatedPose}) {
+    const GriResponse answer = Ask(action);
+    EXPECT_EQ(answer.data[3], 62'500'000);
+    EXPECT_EQ(answer.data[4], 50'000'000);
+    EXPECT_EQ(answer.data[5], 100'000'000);
+    EXPECT_EQ(answer.data[6], 750'000);
+    EXPECT_EQ(answer.data[7], 33'000);
+  }
+}
+
+TEST_F(GriJobsTest, NumbersThatDoNotFitAreTheLargestThatDo) {
+  JobPose grasp = {At(0.1), {}};
+  grasp.approach_distance_m = 5;
+  runner_.found = std::vector<JobPose>{grasp};
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
+}
+
 TEST_F(GriJobsTest, TheRunnerIsToldWhatARobotWasGiven) {
   FindTwo();
   Ask(GriAction::kTriggerJobSync, "left");
