@@ -30,7 +30,7 @@ constexpr int kMostLabels = 32;
 
 absl::Status CheckLabels(const v1::Object& object) {
   if (object.labels_size() > kMostLabels) {
-    return InvalidField("object.labels", "has more than 32 labels");
+    return InvalidField("object.labels", absl::StrCat("has more than ", kMostLabels, " labels"));
   }
   std::set<std::string_view> labels;
   for (int i = 0; i < object.labels_size(); ++i) {

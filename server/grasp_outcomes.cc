@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/errors.h"
 
 namespace graspdb::server {
@@ -12,7 +13,9 @@ constexpr int kMostAtOnce = 10'000;
 absl::StatusOr<v1::GraspOutcomeCounts> CountsFromProto(
     const v1::ReportGraspOutcomeRequest& request) {
   const int count = request.has_count() ? request.count() : 1;
-  if (count < 1 || count > kMostAtOnce) return InvalidField("count", "must lie in 1 to 10000");
+  if (count < 1 || count > kMostAtOnce) {
+    return InvalidField("count", absl::StrCat("must lie in 1 to ", kMostAtOnce));
+  }
   v1::GraspOutcomeCounts out;
   out.set_grasp_id(request.grasp_id());
   switch (request.outcome()) {
@@ -36,12 +39,11 @@ absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
     const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue) {
   const absl::StatusOr<v1::GraspOutcomeCounts> added = CountsFromProto(request);
   if (!added.ok()) return added.status();
-  absl::StatusOr<v1::GraspOutcomeCounts> counts =
-      catalogue.AddGraspOutcomes(request.name(), *added);
-  if (!counts.ok()) return AtField("name", counts.status());
+  absl::StatusOr<storage::AddedOutcomes> told = catalogue.AddGraspOutcomes(request.name(), *added);
+  if (!told.ok()) return AtField("name", told.status());
   v1::ReportGraspOutcomeResponse out;
-  *out.mutable_counts() = *std::move(counts);
-  out.set_catalog_revision(catalogue.revision());
+  *out.mutable_counts() = std::move(told->counts);
+  out.set_catalog_revision(told->revision);
   return out;
 }
 

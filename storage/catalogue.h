@@ -81,6 +81,12 @@ enum class PutViewOutcome {
   kExisting,  // a view of that name and digest is there; nothing changed
 };
 
+// What is known of a grasp after an outcome was added, and the revision that this made.
+struct AddedOutcomes {
+  v1::GraspOutcomeCounts counts;
+  std::int64_t revision = 0;
+};
+
 // The descriptors that a view is to have instead of those it has.
 struct DescriptorUpdate {
   std::string view_name;
@@ -191,11 +197,10 @@ class Catalogue {
   // the counts of a grasp go when UpdateStablePose takes the grasp away or changes its tool pose,
   // opening or free turn. Lists of stable poses and their etags have no part of it.
 
-  // Adds `added` to what is known of a grasp of that stable pose, and returns the sum. NOT_FOUND
-  // without the stable pose or the grasp, INVALID_ARGUMENT unless something is added and nothing
-  // taken away.
-  absl::StatusOr<v1::GraspOutcomeCounts> AddGraspOutcomes(std::string_view stable_pose_name,
-                                                          const v1::GraspOutcomeCounts& added);
+  // Adds `added` to what is known of a grasp of that stable pose. NOT_FOUND without the stable pose
+  // or the grasp, INVALID_ARGUMENT unless something is added and nothing taken away.
+  absl::StatusOr<AddedOutcomes> AddGraspOutcomes(std::string_view stable_pose_name,
+                                                 const v1::GraspOutcomeCounts& added);
   // NOT_FOUND without the stable pose; without counts where nothing was told.
   absl::StatusOr<GraspOutcomesRecord> GetGraspOutcomes(std::string_view stable_pose_name) const;
 

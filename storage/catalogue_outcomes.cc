@@ -45,10 +45,10 @@ v1::GraspOutcomeCounts& CountsOf(GraspOutcomesRecord& record, const std::string&
 
 }  // namespace
 
-absl::StatusOr<v1::GraspOutcomeCounts> Catalogue::AddGraspOutcomes(
-    std::string_view stable_pose_name, const v1::GraspOutcomeCounts& added) {
+absl::StatusOr<AddedOutcomes> Catalogue::AddGraspOutcomes(std::string_view stable_pose_name,
+                                                          const v1::GraspOutcomeCounts& added) {
   if (absl::Status valid = CheckAdded(added); !valid.ok()) return valid;
-  v1::GraspOutcomeCounts sum;
+  AddedOutcomes out;
   const absl::Status status = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
     const auto pose = ReadRecord<v1::StablePose>(*database_, stable_pose_name);
     if (!pose.ok()) return pose.status();
@@ -59,13 +59,12 @@ absl::StatusOr<v1::GraspOutcomeCounts> Catalogue::AddGraspOutcomes(
     counts.set_picked_count(counts.picked_count() + added.picked_count());
     counts.set_missed_count(counts.missed_count() + added.missed_count());
     counts.set_slipped_count(counts.slipped_count() + added.slipped_count());
-    sum = counts;
-    batch.Begin();
+    out = {counts, batch.Begin()};
     batch.Overwrite(Family::kGraspOutcomes, stable_pose_name, record->SerializeAsString());
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
-  return sum;
+  return out;
 }
 
 absl::StatusOr<GraspOutcomesRecord> Catalogue::GetGraspOutcomes(

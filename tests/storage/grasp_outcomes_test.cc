@@ -60,7 +60,8 @@ TEST_F(GraspOutcomesTest, AreAddedUpAndKept) {
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("side", 0, 1, 0)).ok());
   const auto sum = catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 2));
   ASSERT_TRUE(sum.ok());
-  EXPECT_EQ(sum->SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
+  EXPECT_EQ(sum->revision, catalogue_->revision());
+  EXPECT_EQ(sum->counts.SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
   Reopen();
   ASSERT_EQ(Told().counts_size(), 2);
   EXPECT_EQ(Told().counts(0).SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
@@ -125,6 +126,7 @@ TEST_F(GraspOutcomesTest, StayWhereAGraspKeepsItsHold) {
                 pose.set_symmetry_order(4);
                 pose.mutable_grasps(0)->set_priority(3);
                 pose.mutable_grasps(0)->set_approach_distance_m(0.2);
+                pose.mutable_grasps(0)->set_retreat_distance_m(0.3);
                 pose.mutable_grasps()->SwapElements(0, 1);
               }).ok());
   ASSERT_EQ(Told().counts_size(), 1);
@@ -142,6 +144,19 @@ TEST_F(GraspOutcomesTest, OfAGraspThatIsAnotherNowAreForgotten) {
   ASSERT_TRUE(Change([](v1::StablePose& pose) { pose.clear_grasps(); }).ok());
   EXPECT_EQ(Told().counts_size(), 0);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
+}
+
+TEST_F(GraspOutcomesTest, OfAnotherOpeningOrFreeTurnAreForgotten) {
+  const std::vector<std::function<void(v1::Grasp*)>> changes = {
+      [](v1::Grasp* top) { top->set_gripper_opening_m(0.077); },
+      [](v1::Grasp* top) { top->mutable_free_turn()->set_max_deg(60); },
+      [](v1::Grasp* top) { top->mutable_free_turn()->set_max_deg(30); },
+  };
+  for (const auto& change : changes) {
+    ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
+    ASSERT_TRUE(Change([&](v1::StablePose& pose) { change(pose.mutable_grasps(0)); }).ok());
+    EXPECT_EQ(Told().counts_size(), 0);
+  }
 }
 
 TEST_F(GraspOutcomesTest, AreNoPartOfWhatIsStoredOfAStablePose) {
