@@ -68,8 +68,8 @@ absl::StatusOr<std::unique_ptr<BlackBox>> OpenBlackBox(const AgentOptions& optio
 // In the order in which they need each other; they go in the other one.
 struct Agent::Parts {
   Parts(const AgentOptions& given, const Jobs& jobs,
-        const std::vector<CalibrationConfig>& calibrated, std::unique_ptr<DepthSensor> camera,
-        std::unique_ptr<BlackBox> box)
+        const std::vector<CalibrationConfig>& calibrated, const LineProtocolOptions& line,
+        std::unique_ptr<DepthSensor> camera, std::unique_ptr<BlackBox> box)
       : options(given),
         black_box(std::move(box)),
         sensor(std::move(camera)),
@@ -81,7 +81,7 @@ struct Agent::Parts {
         gri_jobs(gri_runner),
         calibrations(calibrated, client, *sensor, cell),
         gri_protocol(gri_jobs, &calibrations),
-        line_protocol(line_runner) {}
+        line_protocol(line_runner, line) {}
 
   CellParts PartsOfRunner() {
     return {*sensor, client,   cell,
@@ -135,10 +135,12 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   const auto calibrations =
       ParseCalibrations(options.calibrations, ResourceName("cells", options.cell));
   if (!calibrations.ok()) return calibrations.status();
+  const absl::StatusOr<LineProtocolOptions> line = LineOptions(options);
+  if (!line.ok()) return line.status();
   absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
   if (!box.ok()) return box.status();
-  auto parts =
-      std::make_unique<Parts>(options, *jobs, *calibrations, std::move(sensor), *std::move(box));
+  auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, *line, std::move(sensor),
+                                       *std::move(box));
   if (!options.gri.empty()) {
     auto server = Listen(parts->gri_protocol, "--gri", options.gri);
     if (!server.ok()) return server.status();

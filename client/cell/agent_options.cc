@@ -33,6 +33,9 @@ void AddAddresses(CLI::App& app, AgentOptions* o) {
       ->capture_default_str();
   app.add_option("--line", o->line, "HOST:PORT for the line protocol; \"\" for none")
       ->capture_default_str();
+  app.add_option("--line-format", o->line_format,
+                 "How poses are written on the line protocol for robots that say no FORMAT: a "
+                 "vendor's name or a number from 1 to 51");
   app.add_option("--health", o->health, "HOST:PORT of the health service (gRPC); \"\" for none")
       ->capture_default_str();
   app.add_flag("--allow-remote-robots", o->allow_remote_robots,
@@ -106,6 +109,15 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
   out.done = end.has_value();
   out.exit_status = end.value_or(0);
   return out;
+}
+
+absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options) {
+  if (options.line_format.empty()) return LineProtocolOptions();
+  const absl::StatusOr<int> code = PoseFormatNamed(options.line_format);
+  if (!code.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat("--line-format: ", code.status().message()));
+  }
+  return LineProtocolOptions{.pose_format = *code};
 }
 
 absl::Status CheckAddresses(const AgentOptions& options) {

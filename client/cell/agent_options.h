@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cell/job_config.h"
+#include "client/robots/line_protocol.h"
 
 namespace graspdb::client {
 
@@ -18,6 +19,7 @@ struct AgentOptions {
   std::vector<std::string> calibrations;
   std::string gri = "127.0.0.1:7100";
   std::string line = "127.0.0.1:7101";
+  std::string line_format;  // a name that PoseFormatNamed knows; empty: robots must say FORMAT
   std::string health = "127.0.0.1:7102";
   bool allow_remote_robots = false;
   double time_limit_s = 5;
@@ -43,6 +45,9 @@ struct ParsedAgentOptions {
 // Reads the command line, GRASPDB_... variables and the file of --config, in this order of
 // precedence. Prints help, version and errors itself.
 ParsedAgentOptions ParseAgentOptions(int argc, char** argv);
+
+// How the line protocol writes poses where a robot does not say. INVALID_ARGUMENT when it is none.
+absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options);
 
 // FAILED_PRECONDITION when robots on other machines could connect without that being allowed;
 // INVALID_ARGUMENT when an address is none, or no robot could.

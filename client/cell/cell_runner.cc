@@ -120,6 +120,12 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   }
   std::optional<SeenScene> scene = showing_.Recall(request.robot);
   if (!scene) {
+    const absl::StatusOr<KeptCell> cell = parts_.cell.Get();
+    if (cell.ok() && cell->frames.flange_sensor) {
+      return absl::InvalidArgumentError(
+          "the camera is on the robot, and this request says where the tool is, not the flange; "
+          "run a recognising job first");
+    }
     Look look;
     absl::Status looked = parts_.cycle.Run(request.base_flange, DeadlineOf(job), &look);
     if (!looked.ok()) return looked;

@@ -155,7 +155,7 @@ constexpr char kHelp[] =
   2 object=flange primary=object            one object; its pose first, grasps related
   3 label=brackets min-score=0.8 poses=1    objects with that label, surely, the best pose
   4 any limit=500ms protocol=line           no longer than that; only over the line protocol
-  80 show=top opening=0.06 object=flange    store where the tool is as the grasp "top"
+  80 show=top opening=0.06 object=flange    store where the tool (its centre point) is as "top"
   91 outcome=picked                         the pose given last was picked (missed, slipped)
 In the config file: job=["1 any","2 object=flange"])";
 

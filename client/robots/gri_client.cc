@@ -19,7 +19,8 @@ absl::StatusOr<GriClient> GriClient::Connect(const std::string& host, std::uint1
     return absl::UnavailableError(absl::StrCat("nobody answers robots at ", host, ":", port, " (",
                                                stream.error().message(), "); start graspdb-cell"));
   }
-  stream.socket().set_option(asio::ip::tcp::no_delay(true));
+  asio::error_code refused;  // then answers only take longer
+  stream.socket().set_option(asio::ip::tcp::no_delay(true), refused);
   return GriClient(std::move(stream), timeout);
 }
 

@@ -19,6 +19,7 @@ class GriClient {
                                            std::chrono::milliseconds timeout);
 
   // UNAVAILABLE when the connection is lost or the answer does not come in time: then connect anew.
+  // INVALID_ARGUMENT when the answer is none.
   absl::StatusOr<GriResponse> Ask(const GriRequest& request);
 
  private:

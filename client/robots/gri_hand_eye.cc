@@ -2,25 +2,17 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "client/robots/gri_data.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 namespace {
 
 constexpr double kMillionthsOfMmPerM = 1e9;
 constexpr double kMillionthsOfDegreePerRadian = 1e6 * 180 / std::numbers::pi;
-
-// Residuals beyond the message are as bad as the largest number in it.
-std::int32_t Saturated(double number) {
-  constexpr double kLargest = std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(std::min(std::round(number), kLargest));
-}
 
 GriCode CodeOfAction(GriAction action) {
   switch (action) {
@@ -33,8 +25,8 @@ GriCode CodeOfAction(GriAction action) {
   }
 }
 
-}  // namespace
-
+// The code by which a robot is told of an error of a RobotCalibrator: where nothing more exact can
+// be said, that of the action.
 GriCode HecCodeOf(const absl::Status& status, GriAction action) {
   switch (status.code()) {
     case absl::StatusCode::kOk:
@@ -53,6 +45,8 @@ GriCode HecCodeOf(const absl::Status& status, GriAction action) {
       return CodeOfAction(action);
   }
 }
+
+}  // namespace
 
 absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
   const int pipeline = request.data[0];
@@ -77,10 +71,7 @@ absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
 }
 
 GriResponse GriHandEye::Answer(const GriRequest& request) {
-  GriResponse out;
-  out.pose_format = request.pose_format;
-  out.action = request.action;
-  out.job_id = request.job_id;
+  GriResponse out = ResponseTo(request);
   const int pipeline = request.data[0];
   if (calibrator_ == nullptr || !calibrator_->Check(pipeline).ok()) {
     spdlog::warn("event=no_calibration_pipeline pipeline={}", pipeline);
@@ -90,8 +81,8 @@ GriResponse GriHandEye::Answer(const GriRequest& request) {
   const absl::Status status = Do(request, &out);
   out.code = HecCodeOf(status, static_cast<GriAction>(request.action));
   if (!status.ok()) {
-    spdlog::warn("event=calibration_failed pipeline={} code={} error=\"{}\"", pipeline,
-                 static_cast<int>(out.code), std::string(status.message()));
+    spdlog::warn("event=calibration_failed pipeline={} code={} error={}", pipeline,
+                 static_cast<int>(out.code), LogField(std::string(status.message())));
   }
   return out;
 }

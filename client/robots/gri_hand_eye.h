@@ -9,10 +9,6 @@ namespace graspdb::client {
 // Slots that a robot may name: the documentation says 0 to 7, programs send 1 to 8.
 inline constexpr int kLastHecSlot = 8;
 
-// The code by which a robot is told of an error of a RobotCalibrator: where nothing more exact can
-// be said, that of the action.
-GriCode HecCodeOf(const absl::Status& status, GriAction action);
-
 // Answers HEC_INIT, HEC_SET_POSE and HEC_CALIBRATE; data_1 of the request is the pipeline, data_2
 // of HEC_SET_POSE the slot. The answer to HEC_CALIBRATE has the root mean square residuals: data_2
 // the shift in 10^-6 mm, data_3 the turn in 10^-6 degrees, data_4 how many poses were used. The log

@@ -1,8 +1,5 @@
 #include "client/robots/gri_jobs.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 
 #include "client/robots/gri_data.h"
@@ -14,11 +11,7 @@ using recognition::Pose;
 
 std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count); }
 
-// As many as fit; what is beyond cannot be meant.
-std::int32_t Millionths(double value) {
-  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(std::lround(std::clamp(1e6 * value, 0.0, kMost)));
-}
+std::int32_t Millionths(double value) { return Saturated(1e6 * value); }
 
 void DescribeGrasp(const JobPose& primary, GriResponse* response) {
   response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
@@ -53,7 +46,11 @@ void Give(const JobAnswer& answer, GriResponse* response) {
 void GriJobs::GivePrimary(const std::string& robot, const JobAnswer& answer,
                           GriResponse* response) {
   Give(answer, response);
-  if (response->code == GriCode::kNoError) jobs_.runner().Given(robot, answer.primary);
+  if (response->code == GriCode::kNoError) {
+    jobs_.runner().Given(robot, answer.primary);
+  } else if (answer.code == GriCode::kNoError) {
+    jobs_.PassOver(robot, response->job_id);
+  }
 }
 
 void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
@@ -81,10 +78,7 @@ void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
 }
 
 GriResponse GriJobs::Answer(const std::string& robot, const GriRequest& request) {
-  GriResponse out;
-  out.pose_format = request.pose_format;
-  out.action = request.action;
-  out.job_id = request.job_id;
+  GriResponse out = ResponseTo(request);
   if (static_cast<GriAction>(request.action) == GriAction::kStatus) {
     out.data[gri_data::kReady] = jobs_.runner().IsReady() ? 1 : 0;
   } else {

@@ -85,6 +85,21 @@ absl::Status ToMillionths(const std::array<double, kCount>& numbers,
 
 }  // namespace
 
+GriResponse ResponseTo(const GriRequest& request) {
+  GriResponse out;
+  out.pose_format = request.pose_format;
+  out.action = request.action;
+  out.job_id = request.job_id;
+  return out;
+}
+
+std::int32_t Saturated(double number) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  if (std::isnan(number)) return Limits::max();
+  const double fitting = std::clamp<double>(number, Limits::min(), Limits::max());
+  return static_cast<std::int32_t>(std::lround(fitting));
+}
+
 absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriRequestBytes> bytes) {
   Reader reader(bytes);
   std::array<std::uint8_t, 4> magic = {};

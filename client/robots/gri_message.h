@@ -55,9 +55,18 @@ struct GriResponse {
   std::array<std::int32_t, 10> data = {};
 };
 
+// An answer to `request` that says nothing yet.
+GriResponse ResponseTo(const GriRequest& request);
+
+// A number as the messages have it. Numbers that do not fit are the nearest that do; no number is
+// the largest.
+std::int32_t Saturated(double number);
+
 // INVALID_ARGUMENT when the magic bytes are not there: then nobody knows where the next message
 // begins, and the connection is to be closed.
 absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriRequestBytes> bytes);
+
+// INVALID_ARGUMENT when the magic bytes are not there, and when version or length is another.
 absl::StatusOr<GriResponse> ParseGriResponse(
     std::span<const std::uint8_t, kGriResponseBytes> bytes);
 

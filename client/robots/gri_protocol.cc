@@ -6,6 +6,7 @@ namespace graspdb::client {
 namespace {
 
 constexpr std::string_view kMagic("GRI\0", 4);
+constexpr std::size_t kVersionAt = 4;
 constexpr std::size_t kLengthAt = 5;
 
 bool MayBeGri(std::string_view received) {
@@ -31,7 +32,9 @@ RobotReply Refuse(std::string_view message) {
   }
   out.pose_format = static_cast<std::uint8_t>(message[kLengthAt + 1]);
   out.action = static_cast<std::uint8_t>(message[kLengthAt + 2]);
-  out.code = GriCode::kInvalidRequestLength;
+  // What another version means by its length nobody knows.
+  const bool is_known = static_cast<std::uint8_t>(message[kVersionAt]) == kGriVersion;
+  out.code = is_known ? GriCode::kInvalidRequestLength : GriCode::kUnknownProtocolVersion;
   return Encode(out, /*hang_up=*/true);
 }
 
@@ -56,17 +59,14 @@ GriResponse GriProtocol::Dispatch(const std::string& robot, const GriRequest& re
 }
 
 RobotReply GriProtocol::Answer(const std::string& robot, std::string_view message) {
-  if (message.size() != kGriRequestBytes || !MayBeGri(message)) return Refuse(message);
+  if (message.size() != kGriRequestBytes) return Refuse(message);
   std::array<std::uint8_t, kGriRequestBytes> bytes = {};
   std::ranges::copy(message, bytes.begin());
   const absl::StatusOr<GriRequest> request = ParseGriRequest(bytes);
   if (!request.ok()) return Refuse(message);
   const GriCode fault = CheckGriRequest(*request);
   if (fault == GriCode::kNoError) return Encode(Dispatch(robot, *request), /*hang_up=*/false);
-  GriResponse out;
-  out.pose_format = request->pose_format;
-  out.action = request->action;
-  out.job_id = request->job_id;
+  GriResponse out = ResponseTo(*request);
   out.code = fault;
   return Encode(out, /*hang_up=*/false);
 }

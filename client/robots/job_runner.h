@@ -29,7 +29,8 @@ struct JobPose {
 struct JobRequest {
   int job = 0;
   std::string robot;  // who asks, such as its address
-  // Where the robot says that its flange is, if that was readable.
+  // Where the robot says that its flange is, if that was readable; jobs that show a grasp take it
+  // for the tool centre point.
   std::optional<recognition::Pose> base_flange = {};
 };
 

@@ -1,6 +1,5 @@
 #include "client/robots/line_protocol.h"
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "client/robots/line_reply.h"
 
@@ -60,7 +59,8 @@ std::size_t LineProtocol::MessageBytes(std::string_view received) const {
 RobotReply LineProtocol::Answer(const std::string& robot, std::string_view message) {
   if (message.size() > kLongestRequest || !message.ends_with('\n')) {
     return {.bytes = client::ErrorLine(GriCode::kInvalidRequestLength,
-                                       "a line is of at most 256 characters, its end included"),
+                                       absl::StrCat("a line is of at most ", kLongestRequest,
+                                                    " characters, its end included")),
             .hang_up = true};
   }
   const absl::StatusOr<LineRequest> request =
@@ -105,20 +105,23 @@ std::string LineProtocol::AnswerJob(const std::string& robot, const LineRequest&
   // All others give a pose, and take none where it could not be said.
   const std::optional<int> format = request.format ? request.format : FormatOf(robot);
   if (!format) {
-    return client::ErrorLine(GriCode::kInvalidRequest,
-                             "say how poses are written first, such as FORMAT STAUBLI");
+    return client::ErrorLine(GriCode::kInvalidRequest, kNoFormat);
   }
   if (request.command == LineCommand::kRelated) {
     return PoseLineOf(jobs_.NextRelated(robot, job), *format);
   }
   const bool runs = request.command == LineCommand::kRun;
-  return GivePrimary(robot, runs ? jobs_.Run(asked) : jobs_.Next(robot, job), *format);
+  return GivePrimary(robot, job, runs ? jobs_.Run(asked) : jobs_.Next(robot, job), *format);
 }
 
-std::string LineProtocol::GivePrimary(const std::string& robot, const JobAnswer& answer,
+std::string LineProtocol::GivePrimary(const std::string& robot, int job, const JobAnswer& answer,
                                       int format) {
   std::string line = PoseLineOf(answer, format);
-  if (line.starts_with("OK")) jobs_.runner().Given(robot, answer.primary);
+  if (line.starts_with("OK")) {
+    jobs_.runner().Given(robot, answer.primary);
+  } else if (answer.code == GriCode::kNoError) {
+    jobs_.PassOver(robot, job);
+  }
   return line;
 }
 

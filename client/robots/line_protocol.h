@@ -37,7 +37,7 @@ class LineProtocol : public RobotProtocol {
  private:
   std::string AnswerLine(const std::string& robot, const LineRequest& request);
   std::string AnswerJob(const std::string& robot, const LineRequest& request);
-  std::string GivePrimary(const std::string& robot, const JobAnswer& answer, int format);
+  std::string GivePrimary(const std::string& robot, int job, const JobAnswer& answer, int format);
   std::string AnswerGrasp(const std::string& robot, int job);
   std::string Tell(const std::string& robot, PickOutcome outcome);
   std::optional<int> FormatOf(const std::string& robot) ABSL_LOCKS_EXCLUDED(mutex_);

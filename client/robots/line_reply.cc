@@ -20,8 +20,7 @@ constexpr int kRadianDecimals = 6;
 constexpr int kScoreDecimals = 4;
 
 int DecimalsOfRotation(int format) {
-  const bool in_degrees = format > kRotationVector && format % 2 == 0;
-  return in_degrees ? kDegreeDecimals : kRadianDecimals;
+  return RotationUnitOf(format) == RotationUnit::kDegrees ? kDegreeDecimals : kRadianDecimals;
 }
 
 // Never "-0.000".

@@ -29,6 +29,7 @@ constexpr int kLastJob = std::numeric_limits<std::uint16_t>::max();
 // Angles beyond a turn are of another unit, or of a counter that has run over.
 constexpr double kMostDegrees = 360;
 constexpr double kMostRadians = 6.2832;
+constexpr double kMostOfQuaternion = 1.01;
 
 struct Command {
   absl::string_view word;
@@ -86,16 +87,19 @@ absl::StatusOr<double> NumberWithin(absl::string_view word, double most) {
 }
 
 double MostOfRotation(int format) {
-  if (format == kQuaternionWxyz || format == kQuaternionXyzw) return 1.01;
-  if (format == kRotationVector) return kMostRadians;
-  return format % 2 == 1 ? kMostRadians : kMostDegrees;
+  switch (RotationUnitOf(format)) {
+    case RotationUnit::kQuaternion:
+      return kMostOfQuaternion;
+    case RotationUnit::kRadians:
+      return kMostRadians;
+    default:
+      return kMostDegrees;
+  }
 }
 
 // x y z and three or four numbers of the rotation.
 absl::StatusOr<Pose> PoseOf(Words words, std::optional<int> format) {
-  if (!format) {
-    return absl::InvalidArgumentError("say how poses are written first, such as FORMAT STAUBLI");
-  }
+  if (!format) return absl::InvalidArgumentError(kNoFormat);
   if (words.size() != kShortPose && words.size() != kLongPose) {
     return absl::InvalidArgumentError(
         absl::StrCat("a pose is x y z and 3 or 4 numbers of the rotation, not ", words.size()));
@@ -107,7 +111,7 @@ absl::StatusOr<Pose> PoseOf(Words words, std::optional<int> format) {
     if (!number.ok()) return number.status();
     (i < 3 ? numbers.position_mm[i] : numbers.rotation[i - 3]) = *number;
   }
-  const bool uses_all = *format == kQuaternionWxyz || *format == kQuaternionXyzw;
+  const bool uses_all = RotationUnitOf(*format) == RotationUnit::kQuaternion;
   if (!uses_all && numbers.rotation[3] != 0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "pose format ", *format, " has three numbers of the rotation; the fourth is 0"));

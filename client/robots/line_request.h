@@ -36,6 +36,9 @@ struct LineRequest {
 // A position farther out than this, in either direction of the wire, is an error.
 inline constexpr double kFarthestMm = 100'000;
 
+// To a robot whose line needs a pose format and that never said one.
+inline constexpr char kNoFormat[] = "say how poses are written first, such as FORMAT STAUBLI";
+
 // Words are parted by blanks and tabs, capital letters are as small ones. `usual_format` is how
 // poses are written where the line does not say: a code, or nothing when the robot never said.
 // INVALID_ARGUMENT with a sentence for the robot's programmer; UNIMPLEMENTED when the first word is

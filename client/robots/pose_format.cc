@@ -52,7 +52,7 @@ EulerFormat EulerFormatOf(int code) {
   const int place = code - kFirstEulerFormat;
   return {.axes = kSequences[static_cast<std::size_t>(place / 4)],
           .backward = place % 4 >= 2,
-          .radians = place % 2 == 1};
+          .radians = RotationUnitOf(code) == RotationUnit::kRadians};
 }
 
 absl::Status NoSuchFormat(int code) {
@@ -126,6 +126,11 @@ absl::StatusOr<Matrix3d> RotationOf(const std::array<double, 4>& numbers, int co
 }
 
 }  // namespace
+
+RotationUnit RotationUnitOf(int code) {
+  if (code == kQuaternionWxyz || code == kQuaternionXyzw) return RotationUnit::kQuaternion;
+  return code % 2 == 1 ? RotationUnit::kRadians : RotationUnit::kDegrees;
+}
 
 absl::StatusOr<RobotPose> ToRobotPose(const Pose& pose, int code) {
   if (!IsFormat(code)) return NoSuchFormat(code);

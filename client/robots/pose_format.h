@@ -15,6 +15,14 @@ inline constexpr int kQuaternionXyzw = 2;
 inline constexpr int kRotationVector = 3;  // axis times angle, radians; Universal Robots
 inline constexpr int kLastPoseFormat = 51;
 
+// What the numbers of a rotation are.
+enum class RotationUnit {
+  kQuaternion,  // four, without a unit
+  kRadians,     // three
+  kDegrees,     // three
+};
+RotationUnit RotationUnitOf(int code);
+
 // A pose as numbers: millimetres, and up to four numbers of the format's unit, 0 where unused.
 struct RobotPose {
   std::array<double, 3> position_mm = {};

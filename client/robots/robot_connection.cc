@@ -26,8 +26,8 @@ RobotConnection::RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool
       message_time_(message_time),
       robot_(AddressOf(socket_)),
       deadline_(socket_.get_executor()) {
-  // Answers are small and waited for; a robot whose cable was pulled is found out in time. Where
-  // the system refuses, things only take longer.
+  // Answers are small and waited for; a robot whose cable was pulled is found out when the
+  // system's keep-alive time is over. Where the system refuses, things only take longer.
   asio::error_code refused;
   socket_.set_option(asio::ip::tcp::no_delay(true), refused);
   socket_.set_option(asio::socket_base::keep_alive(true), refused);

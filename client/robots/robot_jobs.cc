@@ -3,6 +3,7 @@
 #include <deque>
 #include <future>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace graspdb::client {
@@ -46,13 +47,16 @@ class RobotJobs::Found {
     return status_;
   }
 
-  JobAnswer NextPrimary() {
+  JobAnswer NextPrimary(bool returns_poses) {
     absl::MutexLock lock(&mutex_);
     if (status_ == GriJobStatus::kRunning) return StillRunning();
     if (status_ == GriJobStatus::kFailed) return Refusal(failure_);
     if (left_.empty()) {
-      status_ = GriJobStatus::kInactive;
+      const bool is_done = std::exchange(status_, GriJobStatus::kInactive) == GriJobStatus::kDone;
       related_.clear();
+      if (is_done && !returns_poses) {
+        return Refusal(GriCode::kNoReturnSpecified, "done; this job gives no poses");
+      }
       return Refusal(GriCode::kNoPosesFound, "the job has no pose left; run it again");
     }
     primary_ = std::move(left_.front());
@@ -78,10 +82,20 @@ class RobotJobs::Found {
     return primary_;
   }
 
+  void PassOver() {
+    absl::MutexLock lock(&mutex_);
+    primary_.reset();
+    related_.clear();
+  }
+
   // Done in the background until the next run, or until this goes.
   void Keep(std::future<void> work) {
-    absl::MutexLock lock(&mutex_);
-    work_ = std::move(work);
+    {
+      absl::MutexLock lock(&mutex_);
+      std::swap(work_, work);
+    }
+    // The work before ends here: its End needs the lock.
+    work = {};
   }
 
  private:
@@ -145,11 +159,7 @@ GriJobStatus RobotJobs::StatusOf(const std::string& robot, int job) {
 }
 
 JobAnswer RobotJobs::Next(const std::string& robot, int job) {
-  JobAnswer next = FoundOf(robot, job)->NextPrimary();
-  if (next.code == GriCode::kNoPosesFound && !runner_.ReturnsPoses(job)) {
-    return Refusal(GriCode::kNoReturnSpecified, "done; this job gives no poses");
-  }
-  return next;
+  return FoundOf(robot, job)->NextPrimary(runner_.ReturnsPoses(job));
 }
 
 JobAnswer RobotJobs::NextRelated(const std::string& robot, int job) {
@@ -159,5 +169,7 @@ JobAnswer RobotJobs::NextRelated(const std::string& robot, int job) {
 std::optional<JobPose> RobotJobs::LastPrimary(const std::string& robot, int job) {
   return FoundOf(robot, job)->last_primary();
 }
+
+void RobotJobs::PassOver(const std::string& robot, int job) { FoundOf(robot, job)->PassOver(); }
 
 }  // namespace graspdb::client

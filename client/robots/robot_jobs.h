@@ -62,6 +62,10 @@ class RobotJobs {
   // The primary that was taken last; none before the first and after a new run.
   std::optional<JobPose> LastPrimary(const std::string& robot, int job);
 
+  // The primary that was taken last could not be said: there is no last primary then, and nothing
+  // related to it.
+  void PassOver(const std::string& robot, int job);
+
  private:
   class Found;
 

@@ -61,5 +61,15 @@ TEST(AgentOptions, RobotsOfOtherMachinesMustBeAllowed) {
   EXPECT_THAT(CheckAddresses(options), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
+TEST(AgentOptions, APoseFormatOfTheLineProtocolMayBeSetForTheCell) {
+  AgentOptions options;
+  EXPECT_FALSE(LineOptions(options)->pose_format);
+  options.line_format = "kuka";
+  EXPECT_EQ(LineOptions(options)->pose_format, 24);
+  options.line_format = "52";
+  EXPECT_THAT(LineOptions(options),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("--line-format")));
+}
+
 }  // namespace
 }  // namespace graspdb::client

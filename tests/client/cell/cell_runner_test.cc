@@ -162,6 +162,21 @@ TEST_F(CellRunnerTest, AShownGraspFollowsTheThingThatTheRobotsJobSaw) {
   EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(At(0.05, 0.05) * down, 1e-9));
 }
 
+TEST_F(CellRunnerTest, WithACameraOnTheRobotAGraspIsShownAfterALook) {
+  server_.Change([](ScriptedServer& server) {
+    server.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_flange_sensor_pose() = ToMessage(At(0));
+      return grpc::Status::OK;
+    };
+  });
+  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  EXPECT_THAT(Run(80, At(0.25, 0.05) * down),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("recognising job first")));
+  ASSERT_THAT(Run(1), IsOk());
+  EXPECT_THAT(Run(80, At(0.25, 0.05) * down), IsOk());
+}
+
 TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
   EXPECT_THAT(Run(80, std::nullopt), StatusIs(absl::StatusCode::kInvalidArgument));
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/robots/gri_protocol.h"
+#include "tests/client/robots/scripted_runner.h"
 
 namespace graspdb::client {
 namespace {
@@ -120,22 +121,8 @@ TEST_F(GriHandEyeTest, EveryErrorHasItsCode) {
             GriCode::kHecCalibrateError);
 }
 
-// There are jobs, and nothing that calibrates.
-class NoJobs : public JobRunner {
- public:
-  bool IsReady() override { return true; }
-  absl::Status Check(int /*job*/) override { return absl::NotFoundError("no such job"); }
-  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& /*request*/) override {
-    return std::vector<JobPose>();
-  }
-  void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
-  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
-    return absl::OkStatus();
-  }
-};
-
 TEST(GriProtocolTest, HandEyeActionsNeedNoJob) {
-  NoJobs runner;
+  ScriptedRunner runner;  // without jobs
   GriJobs jobs(runner);
   FakeCalibrator calibrator;
   GriProtocol with(jobs, &calibrator);

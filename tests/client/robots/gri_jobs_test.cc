@@ -42,7 +42,10 @@ class FakeRunner : public JobRunner {
     return absl::OkStatus();
   }
 
+  bool ReturnsPoses(int /*job*/) override { return returns_poses; }
+
   bool ready = true;
+  bool returns_poses = true;
   absl::Notification* go_on = nullptr;
   std::optional<Pose> base_flange;
   std::vector<std::pair<std::string, double>> given;
@@ -124,6 +127,21 @@ TEST_F(GriJobsTest, NumbersThatDoNotFitAreTheLargestThatDo) {
   grasp.approach_distance_m = 5;
   runner_.found = std::vector<JobPose>{grasp};
   EXPECT_EQ(Ask(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
+}
+
+TEST_F(GriJobsTest, AJobThatGivesNoPosesSaysThatItIsDoneOnce) {
+  runner_.returns_poses = false;
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound) << "it never ran";
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoReturnSpecified);
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+}
+
+TEST_F(GriJobsTest, APoseThatCannotBeSaidIsPassedOverWithWhatIsRelated) {
+  runner_.found = std::vector<JobPose>{{At(3), {At(0.1)}}, {At(0.2), {At(0.3)}}};
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kApiResponseError);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 200);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetRelatedPose)), 300);
 }
 
 TEST_F(GriJobsTest, TheRunnerIsToldWhatARobotWasGiven) {
@@ -249,11 +267,13 @@ TEST(GriCodeTest, EveryErrorOfAJobHasItsCode) {
   EXPECT_EQ(GriCodeOf(absl::FailedPreconditionError("")), GriCode::kMisconfiguredJob);
   EXPECT_EQ(GriCodeOf(absl::PermissionDeniedError("")), GriCode::kWrongProtocolForJob);
   EXPECT_EQ(GriCodeOf(absl::InvalidArgumentError("")), GriCode::kInvalidRequest);
+  EXPECT_EQ(GriCodeOf(absl::AbortedError("")), GriCode::kPipelineNotAvailable);
   EXPECT_EQ(GriCodeOf(absl::UnavailableError("")), GriCode::kApiNotReachable);
   EXPECT_EQ(GriCodeOf(absl::DeadlineExceededError("")), GriCode::kProcessingTimeout);
   EXPECT_EQ(GriCodeOf(absl::InternalError("")), GriCode::kInternalError);
   EXPECT_EQ(GriCodeOf(absl::UnknownError("")), GriCode::kUnknownError);
   EXPECT_EQ(GriCodeOf(absl::ResourceExhaustedError("")), GriCode::kApiResponseError);
+  EXPECT_EQ(GriCodeOf(absl::DataLossError("")), GriCode::kApiResponseError);
 }
 
 }  // namespace

@@ -125,6 +125,15 @@ TEST(GriMessageTest, WithoutTheMagicNothingIsRead) {
   }
 }
 
+TEST(GriMessageTest, AnAnswerOfAnotherProtocolVersionOrLengthIsNone) {
+  const auto good = GriBytes(GriResponse());
+  for (std::size_t at = 0; at < 6; ++at) {
+    auto wrong = good;
+    wrong[at] ^= 2U;
+    EXPECT_THAT(ParseGriResponse(wrong), StatusIs(absl::StatusCode::kInvalidArgument)) << at;
+  }
+}
+
 TEST(GriMessageTest, EachFaultOfAHeaderHasItsCode) {
   GriRequest good;
   good.action = 1;

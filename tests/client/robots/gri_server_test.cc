@@ -135,6 +135,15 @@ TEST_F(GriServerTest, AfterAWrongLengthItHangsUp) {
   EXPECT_TRUE(IsServing());
 }
 
+TEST_F(GriServerTest, AnotherVersionIsSaidToBeOneWhateverItsLength) {
+  SocketRobot robot(server_->port());
+  std::string request = RequestBytes(GriAction::kStatus);
+  request[4] = 2;
+  request[5] = 53;
+  EXPECT_EQ(Ask(robot, request).code, GriCode::kUnknownProtocolVersion);
+  EXPECT_TRUE(robot.IsHungUpOn());
+}
+
 TEST_F(GriServerTest, GarbageIsAnsweredOnceAndHungUpOn) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 100; ++i) {

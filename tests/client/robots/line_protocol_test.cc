@@ -152,6 +152,8 @@ TEST_F(LineProtocolTest, APoseOutOfRangeIsAnErrorIsNotGivenAndTheNextOneIs) {
     runner_.Set(7, std::vector<JobPose>{Grasp(x, "far"), Grasp(0.5, "near")});
     EXPECT_THAT(Ask("FORMAT 4 RUN 7"), StartsWith("ERR -4 API_RESPONSE_ERROR: ")) << x;
     EXPECT_THAT(Ask("PICKED"), StartsWith("ERR -6 "));
+    EXPECT_THAT(Ask("GRASP 7"), StartsWith("ERR 1 "));
+    EXPECT_THAT(Ask("FORMAT 4 RELATED 7"), StartsWith("ERR 2 "));
     EXPECT_THAT(Ask("FORMAT 4 NEXT 7"), StartsWith("OK 0 0 500.000 "));
     EXPECT_EQ(Ask("PICKED"), "OK\n");
   }
