@@ -16,6 +16,10 @@ using recognition::Pose;
 constexpr double kRollLiftShare = 0.005;  // of the diameter
 constexpr double kTouchingShare = 0.002;  // of the diameter
 constexpr double kSameAttitudeRad = 12 * std::numbers::pi / 180;
+// A thing that rocks between two facets on which it often comes to rest lies in two ways: a few
+// degrees are some millimetres at its ends, which a pose upright on the table cannot follow.
+constexpr double kCommon = 0.05;
+constexpr double kRockingRad = 1 * std::numbers::pi / 180;
 constexpr double kNextFacetRad = 20 * std::numbers::pi / 180;  // of a thing that rolls
 // Stricter than recognition::AlikeM: a stable pose too many costs some views, one too few answers.
 constexpr double kSameLookM = 0.0015;
@@ -25,9 +29,14 @@ struct Attitude {
   Vector3d down;
   int basin = 0;
   double probability = 0;
+  double facet_probability = 0;  // of that facet alone
   int facet_count = 0;
   bool rolls = false;
 };
+
+bool IsRocking(double probability_of_one, double of_the_other) {
+  return std::min(probability_of_one, of_the_other) >= kCommon;
+}
 
 // A thing rolls where the next facet of another attitude in the basin is near: what lies on its
 // edge and tips over easily has none.
@@ -37,6 +46,7 @@ void MarkRolling(const std::vector<RestingFacet>& facets, const std::vector<std:
     for (std::size_t j = 0; j < i; ++j) {
       if (of_facet[i] == of_facet[j] || facets[i].basin != facets[j].basin) continue;
       if (facets[i].down.dot(facets[j].down) < std::cos(kNextFacetRad)) continue;
+      if (IsRocking(facets[i].probability, facets[j].probability)) continue;
       (*attitudes)[of_facet[i]].rolls = true;
       (*attitudes)[of_facet[j]].rolls = true;
     }
@@ -48,11 +58,13 @@ std::vector<Attitude> AttitudesOf(const std::vector<RestingFacet>& facets) {
   std::vector<std::size_t> of_facet;  // position in `out`
   for (const RestingFacet& facet : facets) {
     const auto same = std::ranges::find_if(out, [&](const Attitude& a) {
-      return a.basin == facet.basin && a.down.dot(facet.down) > std::cos(kSameAttitudeRad);
+      const double angle_rad =
+          IsRocking(a.facet_probability, facet.probability) ? kRockingRad : kSameAttitudeRad;
+      return a.basin == facet.basin && a.down.dot(facet.down) > std::cos(angle_rad);
     });
     of_facet.push_back(static_cast<std::size_t>(same - out.begin()));
     if (same == out.end()) {
-      out.push_back({facet.down, facet.basin, facet.probability, 1});
+      out.push_back({facet.down, facet.basin, facet.probability, facet.probability, 1});
     } else {
       same->probability += facet.probability;
       ++same->facet_count;

@@ -19,6 +19,8 @@ using ::graspdb::testing::IsOk;
 using ::graspdb::testing::SharedData;
 using ::graspdb::testing::SharedDataMissing;
 using ::graspdb::testing::StatusIs;
+using ::testing::DoubleNear;
+using ::testing::UnorderedElementsAre;
 
 std::vector<MeshStablePose> PosesOf(const TriangleMesh& mesh, double min_probability = 0) {
   const auto found = FindStablePoses(mesh, min_probability);
@@ -145,6 +147,23 @@ TEST(StablePoses, ATetrahedronHasOneOfThreeTurnsAboutItsCentre) {
   const Eigen::Vector3d center = poses[0].object_mesh * Eigen::Vector3d(0, 0, 0);
   EXPECT_NEAR(center.head<2>().norm(), 0, 1e-6) << "the axis of the turns is the z axis";
   ExpectStanding(mesh, poses[0]);
+}
+
+// A bar, higher at one end, with a knee of 4 degrees below its centre of mass.
+TEST(StablePoses, AThingThatRocksLiesInTwoWays) {
+  const auto slope = static_cast<float>(std::tan(2 * std::numbers::pi / 180));
+  const float knee = 0.1091F;
+  const TriangleMesh bar = ExtrudeAlongY(
+      {{0, slope * knee}, {knee, 0}, {0.2F, slope * (0.2F - knee)}, {0.2F, 0.05F}, {0, 0.03F}}, 0,
+      0.04F);
+  std::vector<double> tilts;  // of those that lie on the knee, degrees
+  for (const MeshStablePose& pose : PosesOf(bar)) {
+    const Eigen::Vector3d down = -pose.object_mesh.linear().row(2).transpose();
+    if (down.z() > -0.9) continue;
+    tilts.push_back(std::atan2(down.x(), -down.z()) * 180 / std::numbers::pi);
+    EXPECT_FALSE(pose.rolls);
+  }
+  EXPECT_THAT(tilts, UnorderedElementsAre(DoubleNear(-2, 0.01), DoubleNear(2, 0.01)));
 }
 
 TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
