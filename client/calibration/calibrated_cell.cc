@@ -1,10 +1,10 @@
 #include "client/calibration/calibrated_cell.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/calibration/hand_eye_equation.h"
 #include "client/files/pose_message.h"
 
 namespace graspdb::client {
@@ -48,10 +48,14 @@ absl::StatusOr<v1::UpdateCellRequest> CalibratedCell(const v1::Cell& cell, const
     *out.mutable_cell()->mutable_robot_base_pose() =
         ToMessage(FromMessage(cell.sensor_pose()) * hand_eye.mount_camera.inverse());
     out.mutable_update_mask()->add_paths("robot_base_pose");
+    // Masked and not set is cleared: that of a camera on the flange would go before.
+    out.mutable_update_mask()->add_paths("flange_sensor_pose");
     return out;
   }
   *out.mutable_cell()->mutable_flange_sensor_pose() = ToMessage(hand_eye.mount_camera);
   out.mutable_update_mask()->add_paths("flange_sensor_pose");
+  out.mutable_update_mask()->add_paths(
+      "sensor_pose");  // cleared: the camera no longer stands there
   if (cell.has_robot_base_pose()) return out;
   const absl::StatusOr<Pose> base_world = WorldUnder(hand_eye.mount_target);
   if (!base_world.ok()) return base_world.status();
@@ -86,10 +90,8 @@ Pose MeanTarget(const std::vector<HandEyeSample>& samples, CameraMount mount,
     rotation += target.linear();
     place += target.translation();
   }
-  // The rotation that is nearest to all of them.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Pose out = Pose::Identity();
-  out.linear() = svd.matrixU() * svd.matrixV().transpose();
+  out.linear() = NearestRotation(rotation);
   out.translation() = place / static_cast<double>(samples.size());
   return out;
 }

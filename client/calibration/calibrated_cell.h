@@ -16,7 +16,8 @@ namespace graspdb::client {
 // table, the origin on it under the robot's base, x as the robot's.
 // FAILED_PRECONDITION when a fixed camera's cell has no sensor pose, or when the target did not
 // stand upright within reach of a robot (its z axis lies in the direction of the base's x).
-// The request changes nothing else, and only the cell as it was read.
+// What the cell says of a camera on the other mount is cleared, for it would be believed. The
+// request changes nothing else, and only the cell as it was read.
 absl::StatusOr<v1::UpdateCellRequest> CalibratedCell(const v1::Cell& cell, const HandEye& hand_eye,
                                                      CameraMount mount);
 

@@ -16,11 +16,10 @@ using recognition::Pose;
 constexpr double kShiftM = 0.0005;
 constexpr double kTurnRad = 0.2 * std::numbers::pi / 180;
 
-// The rotation that is nearest to a multiple of `m`.
-Matrix3d NearestRotation(const Matrix3d& m) {
-  const Matrix3d turned = m.determinant() < 0 ? Matrix3d(-m) : m;
-  const Eigen::JacobiSVD<Matrix3d> svd(turned, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
+// Of a singular vector, whose sign says nothing.
+Matrix3d RotationIn(const Eigen::Matrix<double, 9, 1>& vector) {
+  const Matrix3d m = Eigen::Map<const Matrix3d>(vector.data());  // column by column
+  return NearestRotation(m.determinant() < 0 ? Matrix3d(-m) : m);
 }
 
 Matrix3d CrossMatrix(const Vector3d& v) {
@@ -30,6 +29,13 @@ Matrix3d CrossMatrix(const Vector3d& v) {
 }
 
 }  // namespace
+
+Matrix3d NearestRotation(const Matrix3d& m) {
+  const Eigen::JacobiSVD<Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
+  return u * svd.matrixV().transpose();
+}
 
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
@@ -43,11 +49,8 @@ HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations) {
   const Eigen::JacobiSVD<Eigen::Matrix<double, 9, 9>> svd(
       sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
   HandEyeSolution out;
-  // Matrices come column by column. Both singular vectors may have turned their signs.
-  const Eigen::Matrix<double, 9, 1> u = svd.matrixU().col(0);
-  const Eigen::Matrix<double, 9, 1> v = svd.matrixV().col(0);
-  out.x.linear() = NearestRotation(Eigen::Map<const Matrix3d>(u.data()));
-  out.y.linear() = NearestRotation(Eigen::Map<const Matrix3d>(v.data()));
+  out.x.linear() = RotationIn(svd.matrixU().col(0));
+  out.y.linear() = RotationIn(svd.matrixV().col(0));
 
   const auto rows = static_cast<Eigen::Index>(3 * equations.size());
   Eigen::MatrixXd left(rows, 6);

@@ -23,6 +23,9 @@ struct HandEyeSolution {
   recognition::Pose y = recognition::Pose::Identity();  // HandEye::mount_target
 };
 
+// The rotation that is nearest to `m`; no mirror image, whatever the sign of its determinant.
+Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m);
+
 // Of at least three equations: rotations, then translations, see SolveHandEye.
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations);
 
