@@ -122,12 +122,7 @@ double SecondTurn(const Equations& equations) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(moments / pairs).eigenvalues()[1]);
 }
 
-absl::Status CheckMotions(const Equations& equations) {
-  if (equations.size() < kLeastHandEyeSamples) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("there are ", equations.size(), " poses with the target in view, at least ",
-                     kLeastHandEyeSamples, " are needed; drive to more"));
-  }
+absl::Status CheckTurns(const Equations& equations) {
   const double turn = SecondTurn(equations);
   if (turn >= kLeastTurnRad) return absl::OkStatus();
   return absl::FailedPreconditionError(
@@ -154,7 +149,12 @@ std::vector<HandEyeResidual> ResidualsOf(const Equations& equations,
 
 absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, CameraMount mount) {
   const Equations all = EquationsOf(samples, mount);
-  if (absl::Status status = CheckMotions(all); !status.ok()) return status;
+  if (all.size() < kLeastHandEyeSamples) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("there are ", all.size(), " poses with the target in view, at least ",
+                     kLeastHandEyeSamples, " are needed; drive to more"));
+  }
+  if (absl::Status status = CheckTurns(all); !status.ok()) return status;
   const HandEyeSolution solution = Refine(all, SolveRobustly(all));
   HandEye out;
   out.mount_camera = solution.x;
@@ -174,7 +174,12 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
                      " poses agree with each other; does the target sit firmly, and is it always "
                      "recognised?"));
   }
-  if (absl::Status status = CheckMotions(used); !status.ok()) return status;
+  if (used.size() < kLeastHandEyeSamples) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "only ", used.size(), " of ", all.size(), " poses agree with each other, at least ",
+        kLeastHandEyeSamples, " are needed; drive to more, and see that the target sits firmly"));
+  }
+  if (absl::Status status = CheckTurns(used); !status.ok()) return status;
   const auto count = static_cast<double>(used.size());
   out.shift_m = std::sqrt(out.shift_m / count);
   out.turn_rad = std::sqrt(out.turn_rad / count);

@@ -48,7 +48,7 @@ inline constexpr std::size_t kLeastHandEyeSamples = 6;
 // 2013; of many small subsets of the samples, for some may be wrong, and then by Gauss and Newton's
 // method over all that agree. Deterministic.
 // FAILED_PRECONDITION when there are too few samples, when the robot turned about one axis only or
-// hardly at all, or when fewer than half of the samples agree.
+// hardly at all, or when fewer than half of the samples, or too few, agree.
 absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, CameraMount mount);
 
 // How far samples that were not used for it are off a calibration: that of its camera and target.
