@@ -19,7 +19,8 @@ constexpr double kLowest = -0.2;
 // Far enough that the side is seen as a whole, m.
 constexpr float kDistanceM = 0.7F;
 constexpr std::size_t kPoints = 60;
-constexpr std::size_t kStep = 37;  // a prime
+// A prime above kPoints, so that no point of a side is taken twice; of 60 points every 37th.
+constexpr std::size_t kStep = 877;
 constexpr std::size_t kAnchors = 4;
 
 // The k-th of directions spread evenly over the sphere (a Fibonacci lattice).

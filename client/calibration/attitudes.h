@@ -12,7 +12,7 @@ namespace graspdb::client {
 // One side of a model, as a camera sees it that looks along z.
 struct Side {
   Eigen::Matrix3f look_object = Eigen::Matrix3f::Identity();  // z: the line of sight
-  recognition::Points points;    // some of what is seen, object frame, m
+  recognition::Points points;    // some of what is seen, each once, object frame, m
   recognition::Normals normals;  // object frame
   // Points, far from each other, that are laid on a scan to try this side there.
   std::vector<std::size_t> anchors;
