@@ -162,6 +162,11 @@ std::vector<TargetFit> Finalists(const SurfaceModel& model, const TargetScan& sc
   return out;
 }
 
+// Enough of the target is in sight, and that is where it should be.
+bool IsFound(const TargetFit& fit) {
+  return fit.value() > 0 && fit.seen >= kLeastSeen && fit.shown >= kLeastShown;
+}
+
 }  // namespace
 
 std::optional<TargetFit> FindHeldTarget(const SurfaceModel& model, const TargetScan& scan) {
@@ -172,10 +177,6 @@ std::optional<TargetFit> FindHeldTarget(const SurfaceModel& model, const TargetS
   }
   if (!IsFound(best)) return std::nullopt;
   return best;
-}
-
-bool IsFound(const TargetFit& fit) {
-  return fit.value() > 0 && fit.seen >= kLeastSeen && fit.shown >= kLeastShown;
 }
 
 }  // namespace graspdb::client

@@ -15,7 +15,4 @@ namespace graspdb::client {
 std::optional<TargetFit> FindHeldTarget(const recognition::SurfaceModel& model,
                                         const TargetScan& scan);
 
-// Whether a fit is one: enough of the target in sight, and that where it should be.
-bool IsFound(const TargetFit& fit);
-
 }  // namespace graspdb::client

@@ -31,7 +31,6 @@ class TargetScan {
 
   // Voxels of `points`, world frame, normals towards the sensor.
   const recognition::OrientedCloud& cloud() const { return cloud_; }
-  const recognition::Pose& world_sensor() const { return world_sensor_; }
 
   // Refines `count` guesses in place, quickly and among all points; each within 2 cm.
   void RefineRoughly(const recognition::SurfaceModel& model, TargetFit* guesses,
