@@ -14,7 +14,7 @@ namespace graspdb::client {
 struct HandEyeSample {
   recognition::Pose base_flange = recognition::Pose::Identity();
   recognition::Pose camera_target = recognition::Pose::Identity();
-  Covariance6d covariance = UsualCovariance();  // of camera_target, in the frame of the target
+  Matrix6d covariance = UsualCovariance();  // of camera_target, in the frame of the target
 };
 
 enum class CameraMount {

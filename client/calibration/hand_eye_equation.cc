@@ -1,7 +1,6 @@
 #include "client/calibration/hand_eye_equation.h"
 
 #include <Eigen/Dense>
-#include <numbers>
 
 #include "client/robots/rotation_vector.h"
 
@@ -11,10 +10,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using recognition::Pose;
-
-// Robots are off by about so much in each direction and about each axis.
-constexpr double kShiftM = 0.0005;
-constexpr double kTurnRad = 0.2 * std::numbers::pi / 180;
 
 // Of a singular vector, whose sign says nothing.
 Matrix3d RotationIn(const Eigen::Matrix<double, 9, 1>& vector) {
@@ -86,12 +81,8 @@ Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& sol
   const Pose target_flange = equation.mount == CameraMount::kFixed
                                  ? solution.y.inverse()
                                  : (solution.x * equation.b).inverse();
-  const Vector6d variances =
-      (Vector6d() << Vector3d::Constant(kTurnRad * kTurnRad), Vector3d::Constant(kShiftM * kShiftM))
-          .finished();
   const Matrix6d seen = AdjointOf(target_flange);
-  Matrix6d covariance = seen * variances.asDiagonal() * seen.transpose();
-  covariance += equation.covariance;
+  const Matrix6d covariance = seen * UsualCovariance() * seen.transpose() + equation.covariance;
   const Eigen::LLT<Matrix6d> factor(covariance);
   return factor.matrixL().solve(Matrix6d::Identity());
 }

@@ -8,9 +8,6 @@
 
 namespace graspdb::client {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;  // a small turn and a small shift
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 struct HandEyeEquation {
   recognition::Pose a;  // T_base_flange of a fixed camera, T_flange_base of one on the flange
   recognition::Pose b;  // T_camera_target

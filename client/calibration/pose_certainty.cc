@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kVoxelM = 0.003;
@@ -28,8 +27,11 @@ constexpr double kTableTiltRad = 0.1 * kDegree;
 // What is never better: the model, and the camera.
 constexpr double kLeastShiftM = 0.0002;
 constexpr double kLeastTurnRad = 0.1 * kDegree;
+// What is usual of detections and of robots.
+constexpr double kUsualShiftM = 0.0005;
+constexpr double kUsualTurnRad = 0.2 * kDegree;
 
-Covariance6d Diagonal(double turn_rad, double shift_m) {
+Matrix6d Diagonal(double turn_rad, double shift_m) {
   Vector6d variances;
   variances << Vector3d::Constant(turn_rad * turn_rad), Vector3d::Constant(shift_m * shift_m);
   return variances.asDiagonal();
@@ -37,8 +39,8 @@ Covariance6d Diagonal(double turn_rad, double shift_m) {
 
 }  // namespace
 
-Covariance6d CovarianceOf(const recognition::SurfaceModel& model, const recognition::Points& points,
-                          const recognition::Pose& sensor_target, bool on_table) {
+Matrix6d CovarianceOf(const recognition::SurfaceModel& model, const recognition::Points& points,
+                      const recognition::Pose& sensor_target, bool on_table) {
   const Eigen::Isometry3f target_sensor = sensor_target.inverse().cast<float>();
   recognition::Points own;
   for (const Vector3f& p : points) {
@@ -46,7 +48,7 @@ Covariance6d CovarianceOf(const recognition::SurfaceModel& model, const recognit
     if (q.allFinite() && model.DistanceTo(q) < kOwnM) own.push_back(q);
   }
   // Information about the target's frame, of which the origin is not far from its middle.
-  Covariance6d information = Diagonal(1 / kEdgeTurnRad, 1 / kEdgeShiftM);
+  Matrix6d information = Diagonal(1 / kEdgeTurnRad, 1 / kEdgeShiftM);
   const double weight = 1 / (kPointDeviationM * kPointDeviationM * kPointsThatErrTogether);
   for (const Vector3f& p : recognition::DownsampleToVoxels(own, kVoxelM).points) {
     const int nearest = model.grid.Nearest(p);
@@ -62,10 +64,10 @@ Covariance6d CovarianceOf(const recognition::SurfaceModel& model, const recognit
     information(1, 1) += 1 / (kTableTiltRad * kTableTiltRad);
     information(5, 5) += 1 / (kTableHeightM * kTableHeightM);
   }
-  return Covariance6d(information.ldlt().solve(Covariance6d::Identity())) +
+  return Matrix6d(information.ldlt().solve(Matrix6d::Identity())) +
          Diagonal(kLeastTurnRad, kLeastShiftM);
 }
 
-Covariance6d UsualCovariance() { return Diagonal(0.2 * kDegree, 0.0005); }
+Matrix6d UsualCovariance() { return Diagonal(kUsualTurnRad, kUsualShiftM); }
 
 }  // namespace graspdb::client

@@ -29,7 +29,7 @@ absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name);
 // Where a target was seen.
 struct SeenTarget {
   recognition::Pose sensor_target = recognition::Pose::Identity();  // T_sensor_target
-  Covariance6d covariance = UsualCovariance();                      // frame of the target
+  Matrix6d covariance = UsualCovariance();                          // frame of the target
 };
 
 // A target that stands on the table before the camera, as the server recognises
