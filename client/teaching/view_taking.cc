@@ -64,6 +64,18 @@ absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
 
 absl::Status ViewTaker::Check() { return Shoot(1).status(); }
 
+absl::StatusOr<TakenView> ViewTaker::LookAtTaught(const std::string& name, const Shot& shot) {
+  const absl::StatusOr<v1::View> view = client_.GetView(name);
+  if (!view.ok()) return view.status();
+  const absl::StatusOr<recognition::Points> object = PointsFromMessage(view->cloud());
+  if (!object.ok()) return object.status();
+  const absl::StatusOr<ViewSharpness> sharpness = SharpnessOf(shot.frames, *object);
+  if (!sharpness.ok()) return sharpness.status();
+  return TakenView{.view = {.name = name, .point_count = view->point_count()},
+                   .sharpness = *sharpness,
+                   .center = CenterOf(*object, shot.world_sensor)};
+}
+
 absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
                                           const Pose& world_object) {
   const absl::StatusOr<Shot> shot = Shoot(how_.frames);
@@ -89,15 +101,15 @@ absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
         "this very frame is taught already; turn the object, and check that the camera is not "
         "frozen");
   }
-  const absl::StatusOr<v1::View> view = client_.GetView(name);
-  if (!view.ok()) return view.status();
-  const absl::StatusOr<recognition::Points> object = PointsFromMessage(view->cloud());
-  if (!object.ok()) return object.status();
-  const absl::StatusOr<ViewSharpness> sharpness = SharpnessOf(shot->frames, *object);
-  if (!sharpness.ok()) return sharpness.status();
-  return TakenView{.view = {.name = name, .point_count = view->point_count()},
-                   .sharpness = *sharpness,
-                   .center = CenterOf(*object, shot->world_sensor)};
+  absl::StatusOr<TakenView> taken = LookAtTaught(name, *shot);
+  if (taken.ok()) return taken;
+  // Whoever is told of an error takes the view again, and it would be there twice.
+  const absl::Status gone = client_.DeleteView(name);
+  if (gone.ok() || absl::IsNotFound(gone)) return taken;
+  return absl::Status(
+      taken.status().code(),
+      absl::StrCat(std::string(taken.status().message()), "; ", name,
+                   " is taught all the same and cannot be deleted: ", std::string(gone.message())));
 }
 
 }  // namespace graspdb::client

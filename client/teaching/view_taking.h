@@ -46,13 +46,16 @@ class ViewTaker {
 
   // Teaches what is to be seen now as a view of `stable_pose` (a resource name) at `world_object`.
   // FAILED_PRECONDITION when nothing stands there; ALREADY_EXISTS when the very same frame was
-  // taught before; errors of the sensor and of the server. Nothing is taught then.
+  // taught before; errors of the sensor and of the server. Nothing is taught then; where
+  // the server does not let go of the view any more, the message names it.
   absl::StatusOr<TakenView> Take(const std::string& stable_pose,
                                  const recognition::Pose& world_object);
 
  private:
   struct Shot;
   absl::StatusOr<Shot> Shoot(int frames);
+  // What the server has kept of the view `name`.
+  absl::StatusOr<TakenView> LookAtTaught(const std::string& name, const Shot& shot);
 
   DepthSensor& sensor_;
   Client& client_;
