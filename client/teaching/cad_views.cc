@@ -22,10 +22,30 @@ constexpr std::uint64_t kSeed = 1;
 // A camera whose axis falls by less than this a metre does not look at the table.
 constexpr double kLeastFall = 0.05;
 constexpr int kLeastPixels = 30;
+// Around what turns: noise, and flying pixels.
+constexpr double kMarginM = 0.05;
 
 bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
   return p.x() >= box.min().x() && p.x() <= box.max().x() && p.y() >= box.min().y() &&
          p.y() <= box.max().y();
+}
+
+// Where it turns about z, as a whole.
+v1::AxisAlignedBox RegionOf(const TriangleMesh& mesh) {
+  double radius = 0;
+  double height = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    radius = std::max(radius, static_cast<double>(v.head<2>().norm()));
+    height = std::max(height, static_cast<double>(v.z()));
+  }
+  v1::AxisAlignedBox region = SimulatedRegion();
+  const double half_width = std::max(region.max().x(), radius + kMarginM);
+  region.mutable_min()->set_x(-half_width);
+  region.mutable_min()->set_y(-half_width);
+  region.mutable_max()->set_x(half_width);
+  region.mutable_max()->set_y(half_width);
+  region.mutable_max()->set_z(std::max(region.max().z(), height + kMarginM));
+  return region;
 }
 
 // Renders views by their number: one stable pose after the other.
@@ -60,7 +80,7 @@ class Turntable {
     *view->mutable_cloud() = CloudMessage(ToPoints(*frame, views_.camera.intrinsics), frame->width);
     *view->mutable_object_pose() = ToMessage(world_object);
     *view->mutable_sensor_pose() = ToMessage(views_.world_sensor);
-    *request->mutable_region_of_interest() = SimulatedRegion();
+    *request->mutable_region_of_interest() = RegionOf(part.mesh);
     return absl::OkStatus();
   }
 

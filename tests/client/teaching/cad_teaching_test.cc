@@ -1,0 +1,84 @@
+// Views of meshes in a real catalogue.
+#include <gmock/gmock.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+
+#include "client/files/cloud_message.h"
+#include "client/files/pose_message.h"
+#include "client/simulation/solid.h"
+#include "client/teaching/cad_views.h"
+#include "server/server.h"
+#include "tests/client/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using recognition::Pose;
+
+class CadTeachingTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    spdlog::set_level(spdlog::level::off);
+    server::ServerOptions options;
+    options.database = (folder_.path() / "db").string();
+    options.listen = "127.0.0.1:0";
+    auto started = server::Server::Start(options);
+    ASSERT_THAT(started, IsOk());
+    server_ = *std::move(started);
+    client_ = std::make_unique<Client>(server_->InProcessChannel(), ConnectionOptions());
+  }
+
+  // What every view has of a box with these half widths and this height, in the object's frame.
+  recognition::Box KeptOf(float x, float y, float height) {
+    Workpiece part{.object_id = "box",
+                   .display_name = "",
+                   .stable_pose_id = "resting-1",
+                   .grasps = {},
+                   .mesh = BoxSolid({-x, -y, 0}, {x, y, height})};
+    CadViews views;
+    views.world_sensor = LookAt({0, 0, 0.1}, 1.4, 40, -90);
+    views.step_deg = 30;
+    EXPECT_THAT(TeachCadViews(*client_, {part}, views, {}), IsOk());
+    recognition::Box common{{-1, -1, -1}, {1, 1, 1}};
+    const auto listed = client_->ListViews("objects/box/stablePoses/resting-1");
+    EXPECT_THAT(listed, IsOk());
+    EXPECT_EQ(listed->size(), 12U);
+    for (const v1::View& one : *listed) {
+      const auto view = client_->GetView(one.name());
+      EXPECT_THAT(view, IsOk());
+      const auto points = PointsFromMessage(view->cloud());
+      EXPECT_THAT(points, IsOk());
+      const Pose object_sensor =
+          FromMessage(view->object_pose()).inverse() * FromMessage(view->sensor_pose());
+      recognition::Box box;
+      for (const Eigen::Vector3f& p : *points) {
+        const Eigen::Vector3d q = object_sensor * p.cast<double>();
+        box.min = box.min.cwiseMin(q);
+        box.max = box.max.cwiseMax(q);
+      }
+      common.min = common.min.cwiseMax(box.min);
+      common.max = common.max.cwiseMin(box.max);
+    }
+    return common;
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<server::Server> server_;
+  std::unique_ptr<Client> client_;
+};
+
+TEST_F(CadTeachingTest, ATallThingIsKeptUpToItsTop) {
+  EXPECT_GT(KeptOf(0.05F, 0.04F, 0.55F).max.z(), 0.54);
+}
+
+TEST_F(CadTeachingTest, ALongThingIsKeptToItsEndsAtEveryAzimuth) {
+  const recognition::Box kept = KeptOf(0.04F, 0.33F, 0.06F);
+  EXPECT_GT(kept.max.y(), 0.32);
+  EXPECT_LT(kept.min.y(), -0.32);
+}
+
+}  // namespace
+}  // namespace graspdb::client
