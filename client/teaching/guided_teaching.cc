@@ -133,6 +133,12 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
   for (const v1::StablePose& pose : *poses) {
     const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
     ids.insert(id);
+    const auto left = LeftByMove(client_, pose.name(), origin_);
+    if (!left.ok()) return left.status();
+    if (!left->empty() && !visited_.contains(id)) {
+      prompt_.Say(absl::StrCat(id, " has views about two axes"));
+      if (unfinished.empty()) unfinished = id;
+    }
     const absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
     if (absl::IsFailedPrecondition(coverage.status())) continue;  // taught in another way
     if (!coverage.ok()) return coverage.status();
@@ -169,8 +175,10 @@ absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
     const std::optional<std::string> answer = prompt_.Ask(
         "after which turns about the vertical does it look the same? (Enter: none, 2: half a turn, "
         "4: a quarter, …, any: any turn) ");
-    if (!answer || *answer == "q") return false;
-    order = SymmetryOrder(std::string(absl::StripAsciiWhitespace(*answer)));
+    if (!answer) return false;
+    const std::string word(absl::StripAsciiWhitespace(*answer));
+    if (word == "q") return false;
+    order = SymmetryOrder(word);
     if (order < 0) prompt_.Say("answer Enter, \"any\" or a number of 2 to 360");
   }
   if (order != 1) {
@@ -187,9 +195,12 @@ absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
 }
 
 absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
+  visited_.insert(id);
+  absl::Status whole =
+      OfferToEndMove(client_, prompt_, StablePoseName(options_.object_id, id), origin_);
+  if (!whole.ok()) return whole;
   absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
   if (!coverage.ok()) return coverage.status();
-  visited_.insert(id);
   TurnDialogue turn(taker_, client_, prompt_, *coverage,
                     {.stable_pose = StablePoseName(options_.object_id, id),
                      .origin = origin_,

@@ -44,7 +44,8 @@ struct GuidedCounts {
 //
 // Views are at T_world_object = OnTurntable(axis, 0, azimuth), in a world whose table is the plate
 // of the turntable. Every one is in the catalogue once its line is told, so whatever ends this, the
-// same again goes on with what is missing.
+// same again goes on with what is missing. Where a move to another axis was broken off, it asks
+// first whether the views about that one are to be deleted.
 class GuidedTeaching {
  public:
   // All must outlive this.

@@ -2,9 +2,11 @@
 
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/files/cloud_message.h"
+#include "client/teaching/turntable_coverage.h"
 #include "client/teaching/view_upload.h"
 
 namespace graspdb::client {
@@ -13,6 +15,14 @@ namespace {
 // The cloud stays what it is, so that the axis makes the difference (in hundredths of millimetres).
 std::string MovedId(const v1::View& view, const Eigen::Vector2d& axis) {
   return absl::StrFormat("%s_%.0f_%.0f", ContentId(view.cloud()), 1e5 * axis.x(), 1e5 * axis.y());
+}
+
+absl::Status Delete(Client& client, const std::vector<std::string>& views) {
+  for (const std::string& view : views) {
+    absl::Status gone = client.DeleteView(view);
+    if (!gone.ok() && !absl::IsNotFound(gone)) return gone;
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -42,11 +52,35 @@ absl::Status MoveTurn(Client& client, const std::string& stable_pose, const Eige
   };
   const auto taught = TeachViews(client, {.count = before->size(), .make = make}, {});
   if (!taught.ok()) return taught.status();
-  for (const std::string& view : replaced) {
-    absl::Status gone = client.DeleteView(view);
-    if (!gone.ok() && !absl::IsNotFound(gone)) return gone;
-  }
-  return absl::OkStatus();
+  return Delete(client, replaced);
+}
+
+absl::StatusOr<std::vector<v1::View>> LeftByMove(Client& client, const std::string& stable_pose,
+                                                 const Eigen::Vector3d& origin) {
+  auto views = client.ListViews(stable_pose);
+  if (!views.ok()) return views;
+  const std::size_t all = views->size();
+  std::erase_if(*views, [&](const v1::View& view) { return IsOfTurn(view, origin); });
+  if (views->size() == all) views->clear();
+  return views;
+}
+
+absl::Status OfferToEndMove(Client& client, TeachingPrompt& prompt, const std::string& stable_pose,
+                            const Eigen::Vector3d& origin) {
+  const auto left = LeftByMove(client, stable_pose, origin);
+  if (!left.ok()) return left.status();
+  if (left->empty()) return absl::OkStatus();
+  const v1::Vector3& at = left->front().object_pose().position();
+  prompt.Say(
+      absl::StrFormat("%d of the views are about another axis, %.4f,%.4f, as a move that was "
+                      "broken off leaves them",
+                      left->size(), at.x(), at.y()));
+  const std::optional<std::string> answer =
+      prompt.Ask("delete those, and go on with the others? (y: yes, Enter: no) ");
+  if (!answer || absl::StripAsciiWhitespace(*answer) != "y") return absl::OkStatus();
+  std::vector<std::string> names;
+  for (const v1::View& view : *left) names.push_back(view.name());
+  return Delete(client, names);
 }
 
 }  // namespace graspdb::client

@@ -4,9 +4,12 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/api/client.h"
+#include "client/teaching/teaching_prompt.h"
 
 namespace graspdb::client {
 
@@ -16,5 +19,16 @@ namespace graspdb::client {
 // is that of the cell. Errors of the server.
 absl::Status MoveTurn(Client& client, const std::string& stable_pose, const Eigen::Vector2d& axis,
                       const std::optional<v1::AxisAlignedBox>& region);
+
+// The views of a stable pose (a resource name) that are not of the turn at `origin` (world frame,
+// m), as a move that was broken off leaves them; none where all are of that turn, or none is.
+// Errors of the server.
+absl::StatusOr<std::vector<v1::View>> LeftByMove(Client& client, const std::string& stable_pose,
+                                                 const Eigen::Vector3d& origin);
+
+// Asks whether the views that are LeftByMove are to be deleted, and does that. Errors of the
+// server.
+absl::Status OfferToEndMove(Client& client, TeachingPrompt& prompt, const std::string& stable_pose,
+                            const Eigen::Vector3d& origin);
 
 }  // namespace graspdb::client

@@ -23,9 +23,8 @@ constexpr double kUpright = 0.9999;  // cosine of 0.8 degrees
 constexpr double kNeighborDeg = 45;
 constexpr int kWidestRing = 72;
 
-absl::Status CheckTurn(const v1::View& view, const Pose& pose, const Vector3d& origin) {
-  const Vector3d& at = pose.translation();
-  if (pose.linear()(2, 2) > kUpright && (at - origin).norm() < kSameAxisM) return absl::OkStatus();
+absl::Status AnotherTurn(const v1::View& view) {
+  const Vector3d at = FromMessage(view.object_pose()).translation();
   return absl::FailedPreconditionError(absl::StrFormat(
       "%s was not taught about this axis: its object stands at %.4f,%.4f, %.4f m high; give --axis "
       "%.4f,%.4f if that is where the turntable is, or teach another stable pose id",
@@ -41,6 +40,11 @@ Pose OnTurntable(const Eigen::Vector2d& axis, double height_m, double azimuth_de
   return pose;
 }
 
+bool IsOfTurn(const v1::View& view, const Vector3d& origin) {
+  const Pose pose = FromMessage(view.object_pose());
+  return pose.linear()(2, 2) > kUpright && (pose.translation() - origin).norm() < kSameAxisM;
+}
+
 absl::StatusOr<TurntableCoverage> TurntableCoverage::Create(double step_deg) {
   if (!(step_deg >= 1 && step_deg <= 120)) {
     return absl::InvalidArgumentError(
@@ -52,8 +56,8 @@ absl::StatusOr<TurntableCoverage> TurntableCoverage::Create(double step_deg) {
 absl::Status TurntableCoverage::Add(const std::vector<v1::View>& views, const Vector3d& origin,
                                     bool clockwise) {
   for (const v1::View& view : views) {
+    if (!IsOfTurn(view, origin)) return AnotherTurn(view);
     const Pose pose = FromMessage(view.object_pose());
-    if (absl::Status status = CheckTurn(view, pose, origin); !status.ok()) return status;
     double azimuth = std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)) / kRadian;
     if (clockwise) azimuth = -azimuth;
     if (azimuth < -kSameAzimuthDeg) azimuth += 360;

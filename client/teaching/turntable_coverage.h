@@ -18,6 +18,9 @@ namespace graspdb::client {
 // one frame wherever the thing stands on the plate.
 recognition::Pose OnTurntable(const Eigen::Vector2d& axis, double height_m, double azimuth_deg);
 
+// Whether the view's pose is of a turn at `origin` (world frame, m): upright, and within 1 mm.
+bool IsOfTurn(const v1::View& view, const Eigen::Vector3d& origin);
+
 // A view of a turn.
 struct TurnView {
   std::string name;     // resource name
@@ -31,9 +34,9 @@ class TurntableCoverage {
   static absl::StatusOr<TurntableCoverage> Create(double step_deg);
 
   // Counts the views whose poses are of the turn at `origin` (world frame, m), `clockwise` as seen
-  // from above. Those between the
-  // steps count as others. FAILED_PRECONDITION, with the axis that would fit, for a view that turns
-  // about another axis by more than 1 mm, stands at another height, or is tilted.
+  // from above. Those between the steps count as others. FAILED_PRECONDITION, with the axis that
+  // would fit, for a view that turns about another axis by more than 1 mm, stands at another
+  // height, or is tilted.
   absl::Status Add(const std::vector<v1::View>& views, const Eigen::Vector3d& origin,
                    bool clockwise);
 

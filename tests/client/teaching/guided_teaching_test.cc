@@ -1,18 +1,10 @@
 #include "client/teaching/guided_teaching.h"
 
 #include <gmock/gmock.h>
-#include <spdlog/spdlog.h>
 
-#include <memory>
-#include <numbers>
 #include <string>
-#include <utility>
 
-#include "client/files/pose_message.h"
-#include "client/sensors/simulated_sensor.h"
-#include "server/server.h"
-#include "tests/client/files/temporary_folder.h"
-#include "tests/client/teaching/turntable_and_person.h"
+#include "tests/client/teaching/guided_teaching_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -20,88 +12,11 @@ namespace {
 
 using ::graspdb::testing::IsOk;
 using ::graspdb::testing::StatusIs;
-using recognition::Pose;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
-
-constexpr double kRadian = std::numbers::pi / 180;
-
-class GuidedTeachingTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    spdlog::set_level(spdlog::level::off);
-    server::ServerOptions options;
-    options.database = (folder_.path() / "db").string();
-    options.listen = "127.0.0.1:0";
-    auto started = server::Server::Start(options);
-    ASSERT_THAT(started, IsOk());
-    server_ = *std::move(started);
-    client_ = std::make_unique<Client>(server_->InProcessChannel(), ConnectionOptions());
-    ShowPart("bracket-right");
-    options_.cell = CellAround(Axis());
-    options_.frames = 2;
-  }
-
-  // Puts the part on the turntable.
-  void ShowPart(const std::string& id) {
-    part_ = PartNamed(id);
-    auto sensor = SimulatedSensor::Create(SmallCamera(), WithScenery(part_),
-                                          [this] { return table_.Scene(); });
-    ASSERT_THAT(sensor, IsOk());
-    sensor_ = *std::move(sensor);
-    options_.object_id = part_.object_id;
-  }
-
-  static v1::Cell CellAround(const Eigen::Vector2d& middle) {
-    v1::Cell cell;
-    cell.set_name("cells/press");
-    v1::AxisAlignedBox* region = cell.mutable_region_of_interest();
-    region->mutable_min()->set_x(middle.x() - 0.2);
-    region->mutable_min()->set_y(middle.y() - 0.2);
-    region->mutable_min()->set_z(-0.02);
-    region->mutable_max()->set_x(middle.x() + 0.2);
-    region->mutable_max()->set_y(middle.y() + 0.2);
-    region->mutable_max()->set_z(0.3);
-    return cell;
-  }
-  absl::StatusOr<GuidedCounts> Teach(Person& person) {
-    return GuidedTeaching(*sensor_, *client_, person, options_).Run();
-  }
-  // A new frame of the turned part, in the frame of the turntable's axis.
-  void ExpectRecognisedAt(double azimuth_deg) {
-    table_.turned_deg = azimuth_deg;
-    auto frame = sensor_->Next(absl::InfiniteFuture());
-    ASSERT_THAT(frame, IsOk());
-    v1::RecognizeRequest ask;
-    *ask.mutable_depth_image() = std::get<v1::DepthImage>(frame->scan);
-    *ask.mutable_sensor_pose() = ToMessage(*frame->world_sensor);
-    *ask.mutable_region_of_interest() = options_.cell.region_of_interest();
-    const auto answer = client_->Recognize(ask);
-    ASSERT_THAT(answer, IsOk());
-    ASSERT_EQ(answer->detections_size(), 1);
-    EXPECT_EQ(answer->detections(0).object(), "objects/" + part_.object_id);
-    const Pose found = FromMessage(answer->detections(0).refined_pose());
-    const Pose off = found.inverse() * OnTurntable(Axis(), 0, table_.turned_deg);
-    EXPECT_LT(off.translation().norm(), 0.003);
-    EXPECT_LT(Eigen::AngleAxisd(off.linear()).angle(), 2 * kRadian);
-  }
-  std::size_t ViewCount(const std::string& stable_pose = "pose-1") {
-    const auto views =
-        client_->ListViews("objects/" + part_.object_id + "/stablePoses/" + stable_pose);
-    return views.ok() ? views->size() : 0;
-  }
-
-  TemporaryFolder folder_;
-  Workpiece part_;
-  Turntable table_;
-  GuidedOptions options_;
-  std::unique_ptr<server::Server> server_;
-  std::unique_ptr<Client> client_;
-  std::unique_ptr<SimulatedSensor> sensor_;
-};
 
 TEST_F(GuidedTeachingTest, WhatWasTaughtInATurnIsRecognisedAtAnotherAzimuth) {
   Person person(table_);
