@@ -11,6 +11,7 @@
 #include "client/files/pose_message.h"
 #include "client/simulation/counter_random.h"
 #include "client/simulation/simulation.h"
+#include "client/teaching/turn_steps.h"
 
 namespace graspdb::client {
 namespace {
@@ -58,9 +59,7 @@ class Turntable {
     return Turntable(parts, views, *std::move(camera));
   }
 
-  std::size_t steps() const {
-    return static_cast<std::size_t>(std::ceil(360 / views_.step_deg - 1e-9));
-  }
+  std::size_t steps() const { return static_cast<std::size_t>(StepsOf(views_.step_deg)); }
   std::size_t count() const { return parts_.size() * steps(); }
 
   absl::Status Make(std::size_t number, v1::UploadViewsRequest* request) const {
@@ -156,14 +155,12 @@ absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
 }
 
 std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views) {
-  return parts.size() * static_cast<std::size_t>(std::ceil(360 / views.step_deg - 1e-9));
+  return parts.size() * static_cast<std::size_t>(StepsOf(views.step_deg));
 }
 
 absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch) {
-  if (!(views.step_deg >= 1 && views.step_deg <= 120)) {
-    return absl::InvalidArgumentError("the step of the turntable is not between 1 and 120 degrees");
-  }
+  if (absl::Status step = CheckStep(views.step_deg); !step.ok()) return step;
   const absl::StatusOr<Turntable> turntable = Turntable::Create(parts, views);
   if (!turntable.ok()) return turntable.status();
   for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {

@@ -37,7 +37,7 @@ struct CadViews {
 absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch);
 
-// How many views that are.
+// How many views that are; 0 for a step that is none.
 std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views);
 
 }  // namespace graspdb::client

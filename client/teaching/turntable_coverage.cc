@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/files/pose_message.h"
+#include "client/teaching/turn_steps.h"
 
 namespace graspdb::client {
 namespace {
@@ -46,11 +47,8 @@ bool IsOfTurn(const v1::View& view, const Vector3d& origin) {
 }
 
 absl::StatusOr<TurntableCoverage> TurntableCoverage::Create(double step_deg) {
-  if (!(step_deg >= 1 && step_deg <= 120)) {
-    return absl::InvalidArgumentError(
-        "the step of the turntable is not between 1 and 120 degrees; the usual one is 20");
-  }
-  return TurntableCoverage(step_deg, static_cast<int>(std::ceil(360 / step_deg - 1e-9)));
+  if (absl::Status step = CheckStep(step_deg); !step.ok()) return step;
+  return TurntableCoverage(step_deg, StepsOf(step_deg));
 }
 
 absl::Status TurntableCoverage::Add(const std::vector<v1::View>& views, const Vector3d& origin,

@@ -66,5 +66,13 @@ TEST(CadPart, StablePosesAreChosenByNumber) {
   EXPECT_THAT(Select(*part, {0}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
+TEST(CountOf, IsOfAllStepsBelowAWholeTurnAndZeroWhereThereIsNone) {
+  const std::vector<Workpiece> parts(2);
+  EXPECT_EQ(CountOf(parts, {.step_deg = 20}), 36U);
+  EXPECT_EQ(CountOf(parts, {.step_deg = 7}), 104U);
+  EXPECT_EQ(CountOf(parts, {.step_deg = 0}), 0U);
+  EXPECT_EQ(CountOf(parts, {.step_deg = -20}), 0U);
+}
+
 }  // namespace
 }  // namespace graspdb::client
