@@ -45,6 +45,8 @@ Corners CornersOf(const TriangleMesh& mesh, const std::array<int, 3>& t) {
   return {at(t[0]), at(t[1]), at(t[2])};
 }
 
+double AreaOf(const Corners& k) { return (k.b - k.a).cross(k.c - k.a).norm() / 2; }
+
 }  // namespace
 
 absl::Status CheckMesh(const TriangleMesh& mesh) {
@@ -87,13 +89,18 @@ double DiameterOf(const TriangleMesh& mesh) {
   return std::sqrt(static_cast<double>(largest));
 }
 
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const std::array<int, 3>& t : mesh.triangles) area += AreaOf(CornersOf(mesh, t));
+  return area;
+}
+
 recognition::OrientedCloud SampleOrientedSurface(const TriangleMesh& mesh, int count,
                                                  std::uint64_t seed) {
   std::vector<double> area_up_to;
   double total = 0;
   for (const std::array<int, 3>& t : mesh.triangles) {
-    const Corners k = CornersOf(mesh, t);
-    total += (k.b - k.a).cross(k.c - k.a).norm() / 2;
+    total += AreaOf(CornersOf(mesh, t));
     area_up_to.push_back(total);
   }
   recognition::OrientedCloud out;

@@ -30,6 +30,9 @@ recognition::Box BoundsOf(const TriangleMesh& mesh);
 // up to 4096 vertices, otherwise at most 0.2 % too small. Deterministic.
 double DiameterOf(const TriangleMesh& mesh);
 
+// Of all triangles, also those inside a union of shells, m^2.
+double AreaOf(const TriangleMesh& mesh);
+
 // `count` points on the surface, uniform by area, the same for the same seed.
 // Faces inside a union of shells are sampled too. None without triangles.
 recognition::Points SampleSurface(const TriangleMesh& mesh, int count, std::uint64_t seed);

@@ -14,17 +14,6 @@ constexpr double kLeastSamples = 2000;
 constexpr double kMostSamples = 60'000;
 constexpr std::uint64_t kSeed = 1;
 
-double AreaOf(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const auto at = [&](int i) {
-      return mesh.vertices[static_cast<std::size_t>(i)].cast<double>();
-    };
-    area += (at(b) - at(a)).cross(at(c) - at(a)).norm() / 2;
-  }
-  return area;
-}
-
 }  // namespace
 
 recognition::OrientedCloud SurfaceOf(const TriangleMesh& mesh) {

@@ -128,15 +128,6 @@ class Turned {
   double reach_ = 0;  // across the table, from the centre of mass
 };
 
-double AreaOf(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const auto at = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
-    area += static_cast<double>((at(b) - at(a)).cross(at(c) - at(a)).norm()) / 2;
-  }
-  return area;
-}
-
 v1::Grasp GraspOf(const Candidate& found, const char* id, int priority,
                   const ParallelGripper& gripper) {
   const double opening = std::min(found.width_m + 2 * kPlayM, gripper.max_opening_m);

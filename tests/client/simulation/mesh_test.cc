@@ -21,6 +21,11 @@ TEST(Mesh, BoundsDiameterAndCentreOfABox) {
   EXPECT_TRUE(CenterOfMass(box)->isApprox(Eigen::Vector3d(2, 3.5, 6), 1e-6));
 }
 
+TEST(Mesh, AreaOfABoxAndOfNothing) {
+  EXPECT_NEAR(AreaOf(BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F})), 0.22, 1e-6);
+  EXPECT_EQ(AreaOf({}), 0);
+}
+
 TEST(Mesh, DiameterOfManyVerticesIsAlmostExact) {
   TriangleMesh cigar;
   for (int i = 0; i < 300; ++i) {
