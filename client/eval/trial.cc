@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/simulation/simulation.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -15,8 +17,9 @@ using Eigen::Vector3f;
 constexpr double kPlateNearness = 0.4;
 
 recognition::Box RegionOfTrials() {
-  return {{-kRegionHalfWidthM, -kRegionHalfWidthM, -0.02},
-          {kRegionHalfWidthM, kRegionHalfWidthM, 0.40}};
+  const v1::AxisAlignedBox box = SimulatedRegion();
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {box.max().x(), box.max().y(), box.max().z()}};
 }
 
 // A large plate across the view at `depth_m` (sensor frame), that covers all directions
