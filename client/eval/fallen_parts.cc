@@ -16,18 +16,21 @@ enum Stream : std::uint64_t { kFalls = 200 };
 
 struct Mesh {
   Workpiece as_it_lies;
-  CadPart taught;
   std::vector<RestingFacet> facets;
 };
 
-absl::StatusOr<Mesh> Look(Workpiece as_it_lies) {
+// Adds what is taught of it to `out`.
+absl::StatusOr<Mesh> Teach(Workpiece as_it_lies, PartSet* out) {
   auto taught = ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
   if (!taught.ok()) return taught.status();
   const auto hull = HullOf(as_it_lies.mesh.vertices);
   if (!hull.ok()) return hull.status();
   auto facets = RestingFacets(*hull, taught->found.mass.center, 0);
   if (!facets.ok()) return facets.status();
-  return Mesh{std::move(as_it_lies), *std::move(taught), *std::move(facets)};
+  for (std::size_t i = 0; i < taught->workpieces.size(); ++i) {
+    out->Add(std::move(taught->workpieces[i]), taught->found.poses[i].object_mesh);
+  }
+  return Mesh{std::move(as_it_lies), *std::move(facets)};
 }
 
 // The facet at which the probabilities add up to `share`.
@@ -69,11 +72,8 @@ absl::StatusOr<PartSet> FallenParts(const std::vector<std::filesystem::path>& pa
     if (!as_it_lies.ok()) return as_it_lies.status();
     const double length = DiameterOf(as_it_lies->mesh);
     if (length < selection.min_length_m || length > selection.max_length_m) continue;
-    auto mesh = Look(*std::move(as_it_lies));
+    auto mesh = Teach(*std::move(as_it_lies), &out);
     if (!mesh.ok()) return mesh.status();
-    for (std::size_t i = 0; i < mesh->taught.workpieces.size(); ++i) {
-      out.Add(std::move(mesh->taught.workpieces[i]), mesh->taught.found.poses[i].object_mesh);
-    }
     meshes.push_back(*std::move(mesh));
   }
   if (meshes.empty()) return absl::FailedPreconditionError("no mesh is left; name some");
