@@ -50,8 +50,10 @@ std::vector<TurnedCloud> Turn(const Workpiece& part, int count) {
 }
 
 TEST(FindAxis, ItIsFoundWithinHalfAMillimetreFromTwoCentimetresAway) {
-  for (const Workpiece& part : SampleParts()) {
-    if (part.object_id != "flange" && part.object_id != "l-bracket") continue;
+  const auto parts = SampleParts({"flange", "l-bracket"});
+  ASSERT_THAT(parts, IsOk());
+  ASSERT_EQ(parts->size(), 2U);
+  for (const Workpiece& part : *parts) {
     const auto seen = FindAxis(Turn(part, 12), Axis() + Eigen::Vector2d(0.012, -0.016));
     ASSERT_THAT(seen, IsOk()) << part.object_id;
     EXPECT_LT((seen->axis - Axis()).norm(), 0.0005) << part.object_id;
