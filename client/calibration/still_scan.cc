@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "client/files/cloud_message.h"
+#include "client/files/depth_message.h"
 #include "recognition/depth_image.h"
 
 namespace graspdb::client {
@@ -19,31 +20,24 @@ using Eigen::Vector3f;
 
 // Depths farther from the median than this share of it are of another surface.
 constexpr float kSameSurface = 0.01F;
-// A depth image in millimetres says nothing of its unit.
-constexpr double kDefaultUnitM = 0.001;
+constexpr absl::Duration kPause = absl::Milliseconds(20);  // between looks whether frames come
 
 absl::StatusOr<StillScan> FromImage(const v1::DepthImage& message) {
-  const v1::CameraIntrinsics& camera = message.intrinsics();
-  recognition::DepthImage image;
-  image.camera = {.width = camera.width(),
-                  .height = camera.height(),
-                  .fx = camera.fx(),
-                  .fy = camera.fy(),
-                  .cx = camera.cx(),
-                  .cy = camera.cy()};
-  image.unit_m = message.depth_unit_m() > 0 ? message.depth_unit_m() : kDefaultUnitM;
-  const auto pixels = static_cast<std::size_t>(std::max(0, camera.width())) *
-                      static_cast<std::size_t>(std::max(0, camera.height()));
-  if (pixels == 0 || message.data().size() != 2 * pixels || !(camera.fx() > 0 && camera.fy() > 0)) {
-    return absl::InvalidArgumentError(absl::StrCat("the depth image has ", message.data().size(),
-                                                   " bytes and claims ", camera.width(), " x ",
-                                                   camera.height(), " pixels; check the camera"));
+  recognition::DepthImage image{
+      .depth = {}, .camera = FromMessage(message.intrinsics()), .unit_m = DepthUnit(message)};
+  absl::StatusOr<std::vector<std::uint16_t>> counts = CountsFromMessage(message);
+  if (!counts.ok()) return counts.status();
+  if (!(image.camera.fx > 0 && image.camera.fy > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("the focal lengths of the depth image are ",
+                                                   image.camera.fx, " and ", image.camera.fy,
+                                                   " pixels; check the camera"));
   }
-  image.depth.resize(pixels);
-  std::memcpy(image.depth.data(), message.data().data(), message.data().size());
-  StillScan out{.points = {}, .width = camera.width()};
-  out.points.reserve(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) out.points.push_back(recognition::PointAt(image, i));
+  image.depth = *std::move(counts);
+  StillScan out{.points = {}, .width = image.camera.width};
+  out.points.reserve(image.depth.size());
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    out.points.push_back(recognition::PointAt(image, i));
+  }
   return out;
 }
 
@@ -112,14 +106,25 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
   return out;
 }
 
-absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline) {
+void AwaitFrames(DepthSensor& sensor, absl::Time deadline) {
+  while (!sensor.IsReady() && absl::Now() < deadline) absl::SleepFor(kPause);
+}
+
+absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int count,
+                                                    absl::Time deadline) {
   std::vector<SensorFrame> frames;
   for (int i = 0; i < count; ++i) {
     absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
     if (!frame.ok()) return frame.status();
     frames.push_back(*std::move(frame));
   }
-  return Averaged(frames);
+  return frames;
+}
+
+absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline) {
+  const absl::StatusOr<std::vector<SensorFrame>> frames = TakeFrames(sensor, count, deadline);
+  if (!frames.ok()) return frames.status();
+  return Averaged(*frames);
 }
 
 }  // namespace graspdb::client

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "client/sensors/depth_sensor.h"
 #include "recognition/types.h"
 
@@ -25,7 +27,15 @@ absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame);
 // one. Errors as ScanOf; INVALID_ARGUMENT without frames.
 absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames);
 
-// Takes `count` frames one after the other. Errors of the sensor, and of Averaged.
+// Waits until the sensor is ready, as one that was just opened is not at once, or until `deadline`:
+// the next frame says then what is wrong. Thread-safe, as all here.
+void AwaitFrames(DepthSensor& sensor, absl::Time deadline);
+
+// Takes `count` frames one after the other. Errors of the sensor.
+absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int count,
+                                                    absl::Time deadline);
+
+// Averaged of TakeFrames. Errors of both.
 absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline);
 
 }  // namespace graspdb::client

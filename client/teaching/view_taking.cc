@@ -18,8 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using recognition::Pose;
 
-constexpr absl::Duration kPause = absl::Milliseconds(20);
-
 absl::StatusOr<Pose> CameraOf(const v1::Cell& cell, const SensorFrame& frame) {
   const absl::StatusOr<CellFrames> frames = FramesOf(cell);
   if (!frames.ok()) return frames.status();
@@ -48,13 +46,11 @@ struct ViewTaker::Shot {
 
 absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
   const absl::Time deadline = absl::Now() + how_.patience;
-  while (!sensor_.IsReady() && absl::Now() < deadline) absl::SleepFor(kPause);
+  AwaitFrames(sensor_, deadline);
+  absl::StatusOr<std::vector<SensorFrame>> taken = TakeFrames(sensor_, frames, deadline);
+  if (!taken.ok()) return taken.status();
   Shot shot;
-  for (int i = 0; i < frames; ++i) {
-    absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);
-    if (!frame.ok()) return frame.status();
-    shot.frames.push_back(*std::move(frame));
-  }
+  shot.frames = *std::move(taken);
   const absl::StatusOr<Pose> camera = CameraOf(how_.cell, shot.frames.front());
   if (!camera.ok()) return camera.status();
   shot.world_sensor = *camera;
