@@ -1,7 +1,7 @@
 #include "client/calibration/target_scan.h"
 
-#include <algorithm>
-#include <iterator>
+#include <numeric>
+#include <utility>
 
 #include "recognition/refinement.h"
 #include "recognition/segmentation.h"
@@ -39,22 +39,20 @@ constexpr float kBesideM = 0.02F;
 
 TargetScan::TargetScan(const Points& points, const Points& scan, const Pose& world_sensor,
                        bool on_table)
-    : points_(points),
-      scan_(scan),
+    : point_count_(points.size()),
       world_sensor_(world_sensor),
       on_table_(on_table),
       cloud_(recognition::PrepareCloud(recognition::Transform(world_sensor, points),
                                        world_sensor.translation(),
-                                       recognition::DescriptorParameters())) {}
+                                       recognition::DescriptorParameters())) {
+  frame_.points = points;
+  frame_.points.insert(frame_.points.end(), scan.begin(), scan.end());
+}
 
-recognition::Sight TargetScan::SightOf(const Points& own) const {
-  recognition::Scan all;
-  all.points = own;
-  all.points.insert(all.points.end(), scan_.begin(), scan_.end());
+recognition::Sight TargetScan::SightOf(recognition::Indices own) const {
   recognition::Segment segment;
-  segment.indices.resize(own.size());
-  for (std::size_t i = 0; i < own.size(); ++i) segment.indices[i] = static_cast<std::int32_t>(i);
-  return {all, world_sensor_, segment};
+  segment.indices = std::move(own);
+  return {frame_, world_sensor_, segment};
 }
 
 void TargetScan::Count(const SurfaceModel& model, std::size_t stride, TargetFit* fit) const {
@@ -79,7 +77,9 @@ void TargetScan::RefineRoughly(const SurfaceModel& model, TargetFit* guesses,
                                std::size_t count) const {
   const recognition::NearestGrid grid(cloud_.points, kCellM, kReachM);
   const recognition::OrientedColumns columns(cloud_, kRoughStride);
-  const recognition::Sight sight = SightOf(points_);
+  recognition::Indices all(point_count_);
+  std::iota(all.begin(), all.end(), 0);
+  const recognition::Sight sight = SightOf(std::move(all));
   const recognition::RefinementTarget target{cloud_, columns, grid, sight, on_table_, {}};
   for (std::size_t i = 0; i < count; ++i) {
     TargetFit& guess = guesses[i];
@@ -104,11 +104,12 @@ TargetFit TargetScan::RefineOnce(const SurfaceModel& model, const Pose& world_ta
   }
   if (near.points.size() < kFewestVoxels) return out;
   const Eigen::Isometry3f target_sensor = target_world * world_sensor_.cast<float>();
-  Points own;
-  std::ranges::copy_if(points_, std::back_inserter(own), [&](const Vector3f& p) {
-    return model.DistanceTo(target_sensor * p) < kNearM;
-  });
-  const recognition::Sight sight = SightOf(own);
+  recognition::Indices own;
+  for (std::size_t i = 0; i < point_count_; ++i) {
+    if (model.DistanceTo(target_sensor * frame_.points[i]) >= kNearM) continue;
+    own.push_back(static_cast<std::int32_t>(i));
+  }
+  const recognition::Sight sight = SightOf(std::move(own));
   const recognition::OrientedColumns columns(near);
   const recognition::NearestGrid grid(near.points, kCellM, kReachM);
   recognition::RefinementTarget target{near, columns, grid, sight, on_table_, {}};

@@ -1,6 +1,7 @@
 // A scan in which a target is, laid on its model.
 #pragma once
 
+#include "recognition/segmentation.h"
 #include "recognition/sight.h"
 #include "recognition/surface_model.h"
 #include "recognition/types.h"
@@ -20,12 +21,12 @@ struct TargetFit {
   double value() const { return own > beside ? seen * seen * (own - beside) : 0; }
 };
 
-// Immutable.
+// Immutable; safe for concurrent reads.
 class TargetScan {
  public:
-  // `points` (sensor frame, m, no NaN): the target and what is near it; `scan`, which must outlive
-  // this, the whole frame: what the camera looked through is free. `world_sensor`: with the table
-  // at z = 0 where the target stands `on_table`, else any.
+  // `points` (sensor frame, m, no NaN): the target and what is near it; `scan`: the whole frame,
+  // for what the camera looked through is free. `world_sensor`: with the table at z = 0 where the
+  // target stands `on_table`, else any.
   TargetScan(const recognition::Points& points, const recognition::Points& scan,
              const recognition::Pose& world_sensor, bool on_table);
 
@@ -45,10 +46,11 @@ class TargetScan {
   void Count(const recognition::SurfaceModel& model, std::size_t stride, TargetFit* fit) const;
   TargetFit RefineOnce(const recognition::SurfaceModel& model,
                        const recognition::Pose& world_target) const;
-  recognition::Sight SightOf(const recognition::Points& own) const;
+  // As the target's own points, of `points`, are seen: all others may hide it.
+  recognition::Sight SightOf(recognition::Indices own) const;
 
-  recognition::Points points_;
-  const recognition::Points& scan_;
+  recognition::Scan frame_;  // `points`, and then all of the frame
+  std::size_t point_count_;  // of `points`
   recognition::Pose world_sensor_;
   bool on_table_;
   recognition::OrientedCloud cloud_;
