@@ -27,8 +27,6 @@ using recognition::Pose;
 // Views that were taught apart from each other by more than this, m, were not told where the object
 // was.
 constexpr float kLargestDeviationM = 0.004F;
-// Where a gripper may hold a target: above the table, so that its plane is out, and around the
-// world's origin.
 // Two detections that are nearer to each other, m, are of one thing.
 constexpr double kApartM = 0.05;
 // Around a standing target: beyond it, and above the table, m.
@@ -36,9 +34,14 @@ constexpr double kMarginM = 0.03;
 constexpr double kStandsAboveM = 0.006;
 // What the server has found and is refined to less than this share of its surface stays as it was.
 constexpr double kRefinedSeen = 0.75;
+// Where a gripper may hold a target, unless the caller knows better: above the table, so that its
+// plane is out, and around the world's origin.
 constexpr double kAboveTableM = 0.02;
 constexpr double kHighestM = 1.0;
 constexpr double kAroundM = 1.0;
+// Heights of HeldRegion, m.
+constexpr double kHeldAboveM = 0.06;
+constexpr double kHeldBelowM = 0.5;
 
 absl::StatusOr<std::string> StablePoseNamed(Client& client, const std::string& name) {
   if (absl::StrContains(name, "/stablePoses/")) return name;
@@ -180,6 +183,10 @@ absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& targ
   }
   return RefineStanding(target, scan, FromMessage(response->sensor_pose()),
                         FromMessage(found->refined_pose()));
+}
+
+Box HeldRegion(double half_width_m) {
+  return {{-half_width_m, -half_width_m, kHeldAboveM}, {half_width_m, half_width_m, kHeldBelowM}};
 }
 
 absl::StatusOr<SeenTarget> FindGrippedTarget(const Target& target, const StillScan& scan,

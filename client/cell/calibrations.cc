@@ -13,6 +13,9 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kMostFrames = 100;
+// Of a region's half width, m.
+constexpr double kNarrowestM = 0.05;
+constexpr double kWidestM = 1;
 
 absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
   const std::pair<std::string, std::string> pair = absl::StrSplit(word, absl::MaxSplits('=', 1));
@@ -29,9 +32,15 @@ absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
       setup->frames <= kMostFrames) {
     return absl::OkStatus();
   }
+  double half_width_m = 0;
+  if (key == "region" && absl::SimpleAtod(value, &half_width_m) && half_width_m >= kNarrowestM &&
+      half_width_m <= kWidestM) {
+    setup->region = HeldRegion(half_width_m);
+    return absl::OkStatus();
+  }
   return absl::InvalidArgumentError(absl::StrCat(
       "\"", word, "\" is wrong; give target=OBJECT, mount=fixed or mount=flange, frames=1 to ",
-      kMostFrames));
+      kMostFrames, ", region=", kNarrowestM, " to ", kWidestM, " (metres)"));
 }
 
 absl::Status Parse(const std::string& line, CalibrationConfig* config) {
@@ -43,13 +52,21 @@ absl::Status Parse(const std::string& line, CalibrationConfig* config) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (absl::Status status = Apply(words[i], &config->setup); !status.ok()) return status;
   }
-  if (!config->setup.target.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError("target= is missing; name a taught object");
+  if (config->setup.target.empty()) {
+    return absl::InvalidArgumentError("target= is missing; name a taught object");
+  }
+  if (config->setup.region && config->setup.mount == CameraMount::kOnFlange) {
+    return absl::InvalidArgumentError(
+        "region= is where the gripper holds the target, and means nothing with mount=flange");
+  }
+  return absl::OkStatus();
 }
 
 constexpr char kHelp[] =
     R"(A calibration is a line: the number of its pipeline, then words.
   0 target=block mount=fixed               the gripper holds the taught object "block"
+  0 target=block mount=fixed region=0.3    and that within 0.3 m of the world's origin in x and y, 6
+                                           to 50 cm above the table: found quicker, and surer
   1 target=block mount=flange frames=10    the camera is on the robot, the block stands on the table)";
 
 }  // namespace

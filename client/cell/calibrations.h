@@ -17,7 +17,7 @@ struct CalibrationConfig {
 };
 
 // A calibration as a line of text: its pipeline's number, then words.
-//   0 target=calibration-block mount=fixed
+//   0 target=calibration-block mount=fixed region=0.3
 //   1 target=calibration-block mount=flange frames=10
 // `cell` is a resource name. INVALID_ARGUMENT, with the line and what may stand there, where it is
 // none, or where two have the same number.
