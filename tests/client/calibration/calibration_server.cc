@@ -8,7 +8,7 @@
 #include "client/files/pose_message.h"
 #include "client/simulation/capture_plan.h"
 #include "client/simulation/simulation.h"
-#include "tests/client/calibration/simulated_cell.h"
+#include "tests/client/simulation/small_kinect.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::testing {

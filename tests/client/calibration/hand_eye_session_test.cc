@@ -14,6 +14,7 @@
 #include "client/robots/rotation_vector.h"
 #include "tests/client/calibration/calibration_server.h"
 #include "tests/client/calibration/simulated_cell.h"
+#include "tests/client/simulation/small_kinect.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -6,11 +6,12 @@
 #include <numbers>
 #include <utility>
 
+#include "client/files/depth_message.h"
 #include "client/files/pose_message.h"
 #include "client/robots/rotation_vector.h"
-#include "client/simulation/sample_parts.h"
 #include "client/simulation/scene.h"
 #include "client/simulation/solid.h"
+#include "tests/client/simulation/small_kinect.h"
 
 namespace graspdb::testing {
 namespace {
@@ -24,8 +25,11 @@ using Eigen::Vector3f;
 using recognition::Pose;
 
 constexpr double kUnitM = 0.0001;
-constexpr double kToolLengthM = 0.17;  // from the flange to where the fingers hold
-constexpr double kClearanceM = 0.02;   // of open fingers, see TopGrasp
+// Standard deviations of a robot's pose against what it says, in all directions together.
+constexpr double kShiftNoiseM = 0.0005;
+constexpr double kTurnNoiseRad = 0.0035;  // 0.2 degrees
+constexpr double kToolLengthM = 0.17;     // from the flange to where the fingers hold
+constexpr double kClearanceM = 0.02;      // of open fingers, see TopGrasp
 
 Pose Make(const Vector3d& at, const Vector3d& turn) {
   Pose out = Pose::Identity();
@@ -51,42 +55,6 @@ client::DepthCamera CameraOf(const client::DepthCameraModel& model) {
 }
 
 }  // namespace
-
-client::DepthCameraModel SmallKinectV2() {
-  client::DepthCameraModel model = client::KinectV2();
-  model.intrinsics = {
-      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
-  return model;
-}
-
-client::DepthCameraModel SmallKinectV1() {
-  client::DepthCameraModel model = client::KinectV1();
-  model.intrinsics = {.width = 360, .height = 300, .fx = 525, .fy = 525, .cx = 179.5, .cy = 149.5};
-  return model;
-}
-
-const client::Workpiece& PartNamed(const std::string& id) {
-  static const std::vector<client::Workpiece> parts = client::SampleParts();
-  for (const client::Workpiece& part : parts) {
-    if (part.object_id == id) return part;
-  }
-  std::abort();
-}
-
-v1::DepthImage ImageMessage(const client::DepthFrame& frame,
-                            const recognition::CameraIntrinsics& camera) {
-  v1::DepthImage out;
-  out.mutable_intrinsics()->set_width(camera.width);
-  out.mutable_intrinsics()->set_height(camera.height);
-  out.mutable_intrinsics()->set_fx(camera.fx);
-  out.mutable_intrinsics()->set_fy(camera.fy);
-  out.mutable_intrinsics()->set_cx(camera.cx);
-  out.mutable_intrinsics()->set_cy(camera.cy);
-  out.set_depth_unit_m(kUnitM);
-  const std::vector<std::uint16_t> counts = client::ToCounts(frame, kUnitM);
-  out.mutable_data()->assign(reinterpret_cast<const char*>(counts.data()), 2 * counts.size());
-  return out;
-}
 
 SimulatedCell::SimulatedCell(CameraMount mount, const std::string& part,
                              const client::DepthCameraModel& camera, std::uint64_t seed)
@@ -128,8 +96,8 @@ Pose SimulatedCell::Drive(double tilt_rad, double turn_rad) {
     world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
   }
   Pose told = world_base_.inverse() * world_flange;
-  base_flange_ = told * Make(noise_.shift_m / std::sqrt(3) * Normals(),
-                             noise_.turn_rad / std::sqrt(3) * Normals());
+  base_flange_ = told * Make(kShiftNoiseM / std::sqrt(3) * Normals(),
+                             kTurnNoiseRad / std::sqrt(3) * Normals());
   return told;
 }
 
@@ -158,7 +126,8 @@ absl::StatusOr<client::SensorFrame> SimulatedCell::Next(absl::Time /*deadline*/)
   auto frame = camera_.Render(scene, WorldCameraNow(), random_());
   if (!frame.ok()) return frame.status();
   client::SensorFrame out;
-  out.scan = ImageMessage(*frame, camera_.model().intrinsics);
+  out.scan =
+      client::DepthMessage(client::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
   out.time = absl::Now();
   return out;
 }

@@ -15,22 +15,6 @@
 
 namespace graspdb::testing {
 
-// The middle of a Kinect v2's image, as sharp as the whole, which is enough to look at a target.
-client::DepthCameraModel SmallKinectV2();
-client::DepthCameraModel SmallKinectV1();
-
-// The sample part of the given id.
-const client::Workpiece& PartNamed(const std::string& id);
-
-v1::DepthImage ImageMessage(const client::DepthFrame& frame,
-                            const recognition::CameraIntrinsics& camera);
-
-// Standard deviations of a robot's pose against what it says, in all directions together.
-struct RobotNoise {
-  double shift_m = 0.0005;
-  double turn_rad = 0.0035;  // 0.2 degrees
-};
-
 // Either a camera beside the table and a part in the gripper, or a camera on the flange and a part
 // on the table. Its frames are what the camera sees where the robot is. Deterministic.
 class SimulatedCell : public client::DepthSensor {
@@ -41,14 +25,12 @@ class SimulatedCell : public client::DepthSensor {
   // Drives to the next pose of a calibration, the tool tilted by up to `tilt_rad` to any side and
   // turned about its own axis by up to `turn_rad`; answers where the robot says that it is.
   recognition::Pose Drive(double tilt_rad, double turn_rad);
-  void set_noise(const RobotNoise& noise) { noise_ = noise; }
   void set_hidden(bool hidden) { hidden_ = hidden; }
 
   absl::StatusOr<client::SensorFrame> Next(absl::Time deadline) override;
   bool IsReady() override { return true; }
   std::string Name() const override { return "a simulated camera"; }
 
-  recognition::Pose world_base() const { return world_base_; }
   // Of a fixed camera.
   recognition::Pose world_camera() const { return world_camera_; }
   // T_base_camera or T_flange_camera.
@@ -67,7 +49,6 @@ class SimulatedCell : public client::DepthSensor {
   client::DepthCamera camera_;
   client::TriangleMesh gripper_;  // frame of the flange
   std::mt19937_64 random_;
-  RobotNoise noise_;
   bool hidden_ = false;
   recognition::Pose world_base_ = recognition::Pose::Identity();
   recognition::Pose world_camera_ = recognition::Pose::Identity();   // of a fixed one

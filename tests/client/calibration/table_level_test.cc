@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "client/simulation/depth_camera.h"
-#include "tests/client/calibration/simulated_cell.h"
+#include "tests/client/simulation/small_kinect.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -54,6 +54,17 @@ TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
   EXPECT_NEAR(off.tilt_rad, 2 * kDegree, 0.05 * kDegree);
   EXPECT_LT(LevelErrorOf(*table, *level).tilt_rad, 1e-9);
   EXPECT_NEAR(LevelErrorOf(*table, *level).height_m, 0, 1e-9);
+}
+
+TEST(TableLevelTest, ACameraThatWasLoweredSeesTheTableAboveWhereItWas) {
+  const Pose truth = LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
+  const auto table = FindTable(EmptyTable(truth));
+  ASSERT_THAT(table, IsOk());
+  Pose believed = *LevelOn(*table, truth);
+  believed.translation().z() += 0.012;
+  const LevelError off = LevelErrorOf(*table, believed);
+  EXPECT_NEAR(off.height_m, 0.012, 1e-9);
+  EXPECT_LT(off.tilt_rad, 1e-9);
 }
 
 TEST(TableLevelTest, WithoutAPoseTheOriginIsUnderTheImageCentre) {

@@ -14,6 +14,7 @@
 #include "client/teaching/guided_teaching.h"
 #include "server/server.h"
 #include "tests/client/files/temporary_folder.h"
+#include "tests/client/simulation/small_kinect.h"
 #include "tests/client/teaching/turntable_and_person.h"
 #include "tests/testing/status_matchers.h"
 
@@ -37,8 +38,8 @@ class GuidedTeachingTest : public ::testing::Test {
 
   // Puts the part on the turntable.
   void ShowPart(const std::string& id) {
-    part_ = PartNamed(id);
-    auto sensor = SimulatedSensor::Create(SmallCamera(), WithScenery(part_),
+    part_ = graspdb::testing::PartNamed(id);
+    auto sensor = SimulatedSensor::Create(graspdb::testing::SmallKinectV2(), WithScenery(part_),
                                           [this] { return table_.Scene(); });
     ASSERT_THAT(sensor, ::graspdb::testing::IsOk());
     sensor_ = *std::move(sensor);

@@ -1,8 +1,6 @@
 // A simulated turntable before a simulated camera, and a person who turns it as told.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -12,9 +10,8 @@
 
 #include "client/simulation/capture_plan.h"
 #include "client/simulation/counter_random.h"
-#include "client/simulation/depth_camera.h"
-#include "client/simulation/sample_parts.h"
 #include "client/simulation/solid.h"
+#include "client/simulation/workpiece.h"
 #include "client/teaching/teaching_prompt.h"
 #include "client/teaching/turntable_coverage.h"
 
@@ -24,22 +21,6 @@ constexpr double kPlateHeightM = 0.04;
 
 // Of the turntable, world frame, m.
 inline Eigen::Vector2d Axis() { return {0.05, -0.03}; }
-
-// The middle of a Kinect v2's image.
-inline DepthCameraModel SmallCamera() {
-  DepthCameraModel model = KinectV2();
-  model.intrinsics = {
-      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
-  return model;
-}
-
-inline Workpiece PartNamed(const std::string& id) {
-  for (Workpiece& part : SampleParts()) {
-    if (part.object_id == id) return std::move(part);
-  }
-  ADD_FAILURE() << "no sample part " << id;
-  return {};
-}
 
 // The part, a wall that hides most of it, and the plate of a turntable.
 inline std::vector<Workpiece> WithScenery(const Workpiece& part) {
