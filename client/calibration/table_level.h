@@ -23,8 +23,8 @@ absl::StatusOr<SeenTable> FindTable(const recognition::Points& points);
 
 // T_world_sensor with the table at z = 0 and z up from it. With a pose `before` x, y and the turn
 // about the vertical stay; else the origin is under the image centre and x to the image's right.
-// FAILED_PRECONDITION when the plane is tilted by more than 15 degrees against `before`: it is
-// another one than the table.
+// FAILED_PRECONDITION when the plane is tilted by more than 15 degrees against `before`, as another
+// one than the table is; without `before`, when the image's right points out of the table.
 absl::StatusOr<recognition::Pose> LevelOn(const SeenTable& table,
                                           const std::optional<recognition::Pose>& before);
 

@@ -1,4 +1,5 @@
-// The object by which a camera is calibrated, and where it is in a scan.
+// The object by which a camera is calibrated, and where it is in a scan. All functions are
+// thread-safe.
 #pragma once
 
 #include <memory>

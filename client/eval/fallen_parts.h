@@ -22,7 +22,7 @@ struct FallenSelection {
 // proposes: stable poses with the symmetries that it finds. Asked about is each mesh on a facet on
 // which it comes to rest, drawn by its probability among all of them (RestingFacets), rare ones and
 // those that were grouped under another one too; these are called "fallen-1", "fallen-2", …
-// FAILED_PRECONDITION when no mesh is left; errors as LoadMesh and ProposeCadPart.
+// FAILED_PRECONDITION when no mesh is left; errors as LoadPartMesh and ProposeCadPart.
 absl::StatusOr<PartSet> FallenParts(const std::vector<std::filesystem::path>& paths,
                                     double unit_scale_m, const FallenSelection& selection);
 

@@ -23,8 +23,7 @@ struct MatchPicture {
   std::optional<recognition::Pose> world_tcp;  // the grasp's axes: x red, y green, z blue
 };
 
-// Writes a PNG of three panels. PERMISSION_DENIED or UNAVAILABLE when the file
-// cannot be written.
+// Writes a PNG of three panels. FAILED_PRECONDITION when the file cannot be written.
 absl::Status WriteMatchPicture(const std::filesystem::path& path, const MatchPicture& picture);
 
 }  // namespace graspdb::client

@@ -15,7 +15,8 @@ namespace graspdb::client {
 // origin: where its axis meets the table z = 0, or the middle of the cell's region of interest
 // where that is elsewhere. So angle, distance and roll are the cell's own.
 //
-// FAILED_PRECONDITION when the cell has no sensor pose or its camera does not look at the table.
+// FAILED_PRECONDITION when the cell has no sensor pose, or neither a camera that looks down at the
+// table nor a region of interest; INVALID_ARGUMENT as CheckPose.
 absl::StatusOr<recognition::Pose> StandOf(const v1::Cell& cell);
 
 // How the views are taken. The camera stands still, and each thing turns about its z axis.

@@ -34,7 +34,8 @@ struct ConvexHull {
 // hulls", 1996). Neighbouring triangles whose normals differ by less than 2e-4 rad are one facet,
 // for the single precision of mesh files. Deterministic; thread-safe.
 //
-// INVALID_ARGUMENT for less than four points, points that are not finite, or points in one plane.
+// INVALID_ARGUMENT for less than four points, points that are not finite, or points in one plane;
+// RESOURCE_EXHAUSTED without memory for it.
 absl::StatusOr<ConvexHull> HullOf(const std::vector<Eigen::Vector3f>& points);
 
 // Volume and centre of mass of the hull as a solid, m^3 and m.

@@ -40,7 +40,7 @@ struct RestingFacet {
 // `roll_lift_m` on the way from the higher one to the lower one, over whatever facets. (The lowest
 // way leads over edges: over a corner the centre of mass is higher than beside it.)
 //
-// Deterministic. FAILED_PRECONDITION when the centre is outside of the hull.
+// Deterministic; thread-safe. FAILED_PRECONDITION when the centre is outside of the hull.
 absl::StatusOr<std::vector<RestingFacet>> RestingFacets(const ConvexHull& hull,
                                                         const Eigen::Vector3d& center,
                                                         double roll_lift_m);
@@ -48,6 +48,7 @@ absl::StatusOr<std::vector<RestingFacet>> RestingFacets(const ConvexHull& hull,
 // By how much the table must be tilted before a thing that rests with `down` tips over, rad: the
 // smallest angle between the vertical and the way from the centre of mass to an edge of the
 // polygon of those corners that are within `touching_m` of the table. Below 0: it does not rest.
+// It is 0 where those are no polygon, as fewer than three.
 double TipAngle(const ConvexHull& hull, const Eigen::Vector3d& center, const Eigen::Vector3d& down,
                 double touching_m);
 

@@ -48,7 +48,7 @@ struct MeshStablePoses {
 // cylinder are one, so are the faces of a cube. What has no pose at or above the least probability
 // has its most probable one.
 //
-// Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh and HullOf.
+// Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh; errors as HullOf and RestingFacets.
 absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double min_probability);
 
 // T_object_mesh of a mesh that rests with `down` (mesh frame, length one): the lowest point on z =

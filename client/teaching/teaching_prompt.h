@@ -6,6 +6,7 @@
 
 namespace graspdb::client {
 
+// Asked by one thread; need not be thread-safe.
 class TeachingPrompt {
  public:
   virtual ~TeachingPrompt() = default;

@@ -20,7 +20,7 @@ struct Turning {
   bool clockwise = false;                            // seen from above
 };
 
-// Teaches what is missing of one turn. Every view is safe once it is told of.
+// Teaches what is missing of one turn. Every view is safe once it is told of. Not thread-safe.
 class TurnDialogue {
  public:
   // All must outlive this.

@@ -1,4 +1,5 @@
-// A turn that was taught about a wrong axis, put about the right one.
+// A turn that was taught about a wrong axis, put about the right one. All functions may be called
+// from any thread, for one stable pose by one at a time.
 #pragma once
 
 #include <Eigen/Core>

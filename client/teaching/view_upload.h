@@ -1,4 +1,5 @@
-// Views sent to a catalogue: what is there already is not sent again.
+// Views sent to a catalogue: what is there already is not sent again. All functions are
+// thread-safe; they call what they are given from the thread that calls them.
 #pragma once
 
 #include <cstddef>
