@@ -15,9 +15,9 @@
 #include "client/calibration/calibrated_cell.h"
 #include "client/calibration/table_level.h"
 #include "client/calibration/target.h"
+#include "client/cli/camera.h"
 #include "client/files/point_file.h"
 #include "client/files/pose_message.h"
-#include "client/sensors/open_sensor.h"
 
 namespace graspdb::client {
 namespace {
@@ -66,8 +66,7 @@ absl::StatusOr<StillScan> FrameFrom(const std::filesystem::path& path) {
 // The empty table, from a file or as the camera sees it now.
 absl::StatusOr<StillScan> TableFrom(const Options& options) {
   if (!options.frame.empty()) return FrameFrom(options.frame);
-  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
-      OpenSensor(options.sensor, SensorSettings());
+  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenCamera(options.sensor);
   if (!sensor.ok()) return sensor.status();
   const absl::Time deadline = absl::Now() + kSensorPatience;
   while (!(*sensor)->IsReady() && absl::Now() < deadline) absl::SleepFor(kSensorPause);

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/camera.h"
 #include "client/cli/console_prompt.h"
-#include "client/sensors/open_sensor.h"
 #include "client/teaching/guided_teaching.h"
 
 namespace graspdb::client {
@@ -40,8 +40,7 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
                      options.cell, " --sensor ", options.sensor, "`"));
   }
   if (!cell.ok()) return cell.status();
-  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor =
-      OpenSensor(options.sensor, SensorSettings());
+  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenCamera(options.sensor);
   if (!sensor.ok()) return sensor.status();
   GuidedOptions guided{
       .object_id = options.object,

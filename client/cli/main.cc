@@ -17,6 +17,7 @@
 #include "client/cli/teach_command.h"
 #include "client/eval/eval_command.h"
 #include "client/simulation/simulate_command.h"
+#include "logging/log.h"
 #include "settings/settings_file.h"
 
 namespace graspdb::client {
@@ -84,6 +85,7 @@ int Run(int argc, char** argv) {
     std::fprintf(stderr, "A subcommand is required\nRun with --help for more information.\n");
     return kWrongUsage;
   }
+  StartLog("graspdb", "warn");  // standard output is the answers'
   return Execute(action);
 }
 

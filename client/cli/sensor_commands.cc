@@ -1,7 +1,6 @@
 #include "client/cli/sensor_commands.h"
 
 #include <google/protobuf/struct.pb.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client/cli/camera.h"
 #include "client/files/cloud_message.h"
 #include "client/files/depth_message.h"
 #include "client/files/depth_png.h"
@@ -104,17 +104,12 @@ absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem
   return stem + ".pcd";
 }
 
-// A camera that is not there is no missing server.
-absl::Status OfCamera(const absl::Status& status) {
-  if (!absl::IsUnavailable(status)) return status;
-  return absl::FailedPreconditionError(status.message());
-}
-
 // A camera that is being opened, or was moved, may come within the time.
 absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadline) {
   for (;;) {
     absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
-    if (!absl::IsUnavailable(frame.status()) || absl::Now() > deadline || Interrupted()) {
+    if (!absl::IsUnavailable(frame.status()) || sensor.HasEnded() || absl::Now() > deadline ||
+        Interrupted()) {
       return frame;
     }
     absl::SleepFor(absl::Milliseconds(100));
@@ -122,13 +117,16 @@ absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadlin
 }
 
 absl::Status Grab(const GrabOptions& options) {
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("graspdb"));
   spdlog::set_level(spdlog::level::err);  // what is wrong is told at the end
   const auto sensor = OpenSensor(options.spec, {});
-  if (!sensor.ok()) return OfCamera(sensor.status());
-  for (int i = 0; i < options.frames && !Interrupted(); ++i) {
+  if (!sensor.ok()) return NotOfServer(sensor.status());
+  for (int i = 0; i < options.frames; ++i) {
+    if (Interrupted()) {
+      return absl::CancelledError(
+          absl::StrCat("interrupted after ", i, " of ", options.frames, " frames"));
+    }
     const auto frame = WaitForFrame(**sensor, absl::Now() + absl::Seconds(options.wait_s));
-    if (!frame.ok()) return OfCamera(frame.status());
+    if (!frame.ok()) return NotOfServer(frame.status());
     const absl::StatusOr<std::string> name = Keep(*frame, options.out, i);
     if (!name.ok()) return name.status();
     std::printf("%s/%s of %s\n", options.out.c_str(), name->c_str(), (*sensor)->Name().c_str());

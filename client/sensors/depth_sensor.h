@@ -37,6 +37,9 @@ class DepthSensor {
   // Whether frames come, without waiting for one.
   virtual bool IsReady() = 0;
 
+  // Whether it is a recording at its end: no later call of Next gives a frame.
+  virtual bool HasEnded() { return false; }
+
   // What a person calls it, e.g. "Kinect v1 (libfreenect) no. 0".
   virtual std::string Name() const = 0;
 };

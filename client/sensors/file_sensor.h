@@ -38,6 +38,7 @@ class FileSensor : public DepthSensor {
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   // Whether there is a file left.
   bool IsReady() override ABSL_LOCKS_EXCLUDED(mutex_);
+  bool HasEnded() override { return !IsReady(); }
   std::string Name() const override { return name_; }
 
  private:

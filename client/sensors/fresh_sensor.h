@@ -21,6 +21,7 @@ class FreshSensor : public DepthSensor {
   // future, as a clock that was set makes it.
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override;
   bool IsReady() override { return sensor_->IsReady(); }
+  bool HasEnded() override { return sensor_->HasEnded(); }
   std::string Name() const override { return sensor_->Name(); }
 
  private:

@@ -95,6 +95,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     return frames_->Wait(absl::Now(), deadline);
   }
   bool IsReady() override { return frames_->IsAlive(); }
+  bool HasEnded() override { return has_ended_; }
   std::string Name() const override {
     return uri_.empty() ? "any camera of OpenNI 2" : absl::StrCat("OpenNI 2 camera ", uri_);
   }
@@ -168,6 +169,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       if (stream_.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) continue;
       if (!Take(frame)) return;
       if (last_frame_ && frame.getFrameIndex() >= *last_frame_) {
+        has_ended_ = true;
         frames_->Fail(Unavailable(
             absl::StrCat(Name(), ": the recording is at its end; add ?loop to begin again")));
         return;
@@ -212,6 +214,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
   recognition::CameraIntrinsics intrinsics_;
   std::optional<int> last_frame_;       // of a recording that is not looped
   std::optional<FrameMailbox> frames_;  // from Open on
+  std::atomic<bool> has_ended_ = false;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -60,6 +60,7 @@ TEST(FileSensor, PlaysAFolderInTheOrderOfNamesAndThenIsUnplugged) {
   ASSERT_THAT(points, IsOk());
   EXPECT_TRUE(std::holds_alternative<v1::PointCloud>(points->scan));
   EXPECT_FALSE(sensor->IsReady());
+  EXPECT_TRUE(sensor->HasEnded());
   EXPECT_THAT(sensor->Next(absl::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("?loop")));
 }
@@ -73,6 +74,7 @@ TEST(FileSensor, LoopsWhereToldSo) {
   for (const int expected : {1, 2, 1, 2, 1}) {
     EXPECT_EQ(FirstDepth(sensor->Next(absl::InfiniteFuture())), expected);
     EXPECT_TRUE(sensor->IsReady());
+    EXPECT_FALSE(sensor->HasEnded());
   }
 }
 
