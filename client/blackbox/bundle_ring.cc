@@ -21,7 +21,7 @@ absl::Status Failed(const std::filesystem::path& path, const std::error_code& er
   if (error == std::errc::permission_denied || error == std::errc::read_only_file_system) {
     return absl::PermissionDeniedError(text);
   }
-  return absl::UnavailableError(text);
+  return absl::FailedPreconditionError(text);
 }
 
 // The number that a name begins with; 0 where it is no name of a ring's.

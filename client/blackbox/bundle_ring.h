@@ -28,11 +28,12 @@ struct BundleRingOptions {
 class BundleRing {
  public:
   // Makes the folder where it is missing, and takes over what is in it: a smaller limit than the
-  // last time removes the oldest. PERMISSION_DENIED or UNAVAILABLE when it cannot be used.
+  // last time removes the oldest. PERMISSION_DENIED or FAILED_PRECONDITION when it cannot be used.
   static absl::StatusOr<BundleRing> Open(BundleRingOptions options);
 
   // Writes a bundle's bytes, and removes as many of the oldest as that takes. RESOURCE_EXHAUSTED
-  // when it is larger than the limit or the disk is too full; PERMISSION_DENIED, UNAVAILABLE.
+  // when it is larger than the limit or the disk is too full; PERMISSION_DENIED,
+  // FAILED_PRECONDITION.
   absl::Status Add(const std::string& bytes, absl::Time time);
 
   std::size_t size() const { return files_.size(); }

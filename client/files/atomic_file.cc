@@ -21,7 +21,7 @@ absl::Status Failed(const std::filesystem::path& path, int error) {
     return absl::PermissionDeniedError(text);
   }
   if (error == ENOSPC || error == EDQUOT) return absl::ResourceExhaustedError(text);
-  return absl::UnavailableError(text);
+  return absl::FailedPreconditionError(text);
 }
 
 // 0 or an errno.

@@ -17,8 +17,8 @@ enum class Durability { kProcessCrash, kPowerFailure };
 // one, never a part; with kPowerFailure also after the machine stopped. Two
 // writers of one path must not run at the same time.
 //
-// PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or UNAVAILABLE (any other
-// failure), with the path; what was at `path` is then untouched.
+// PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or FAILED_PRECONDITION (any
+// other failure), with the path; what was at `path` is then untouched.
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability);
 

@@ -24,6 +24,7 @@ TEST(AtomicFile, FailureNamesThePathAndLeavesTheOldFile) {
   const absl::Status below_a_file =
       WriteFileAtomically(file / "child", "x", Durability::kProcessCrash);
   EXPECT_THAT(std::string(below_a_file.message()), testing::HasSubstr((file / "child").string()));
+  EXPECT_EQ(below_a_file.code(), absl::StatusCode::kFailedPrecondition) << "no server is missing";
   EXPECT_EQ(BytesOf(file), "old");
 
   std::filesystem::create_directories(folder.path() / "taken" / "inside");
