@@ -30,7 +30,7 @@ absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet&
   request->set_parent(StablePoseName(capture.object_id(), capture.stable_pose_id()));
   request->set_view_id(capture.view_id());
   v1::View* view = request->mutable_view();
-  *view->mutable_cloud() = CloudMessage(file->points, file->width);
+  *view->mutable_cloud() = CloudMessage(*file);
   view->set_segmented(capture.segmented());
   if (capture.has_object_pose()) *view->mutable_object_pose() = capture.object_pose();
   if (capture.has_sensor_pose()) {

@@ -61,7 +61,7 @@ absl::StatusOr<v1::RecognizeRequest> ReadScan(const ScanTask& task) {
   absl::StatusOr<PointFile> file = ReadPointFile(task.file);
   if (!file.ok()) return file.status();
   v1::RecognizeRequest request;
-  *request.mutable_cloud() = CloudMessage(file->points, file->width);
+  *request.mutable_cloud() = CloudMessage(*file);
   request.set_segmented(task.capture.segmented());
   if (task.capture.has_sensor_pose()) {
     *request.mutable_sensor_pose() = task.capture.sensor_pose();

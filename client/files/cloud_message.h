@@ -10,8 +10,9 @@
 
 namespace graspdb::client {
 
-// Points as packed x, y, z floats.
+// Points as packed x, y, z floats. `width`: columns of the image, row by row; 0 where it is none.
 v1::PointCloud CloudMessage(const recognition::Points& points, int width);
+v1::PointCloud CloudMessage(const PointFile& file);
 
 // The points of a cloud that a server answered (x, y, z floats). INVALID_ARGUMENT
 // for anything else.

@@ -26,6 +26,8 @@ struct PointFile {
   // Organised (an image, row by row) when height > 1; width * height points.
   int width = 0;
   int height = 0;
+  // Columns of the image, 0 where it is none.
+  int image_width() const { return height > 1 ? width : 0; }
   // T_world_sensor from the VIEWPOINT line of a PCD file; empty when the line is
   // absent or the identity, which means unknown. PLY files have none.
   std::optional<recognition::Pose> sensor_pose;

@@ -39,9 +39,7 @@ absl::StatusOr<SensorFrame> ReadPng(const fs::path& path) {
 absl::StatusOr<SensorFrame> ReadPoints(const fs::path& path) {
   const absl::StatusOr<PointFile> file = ReadPointFile(path);
   if (!file.ok()) return file.status();
-  // A cloud of one row is no image.
-  return SensorFrame{.scan = CloudMessage(file->points, file->height > 1 ? file->width : 0),
-                     .world_sensor = file->sensor_pose};
+  return SensorFrame{.scan = CloudMessage(*file), .world_sensor = file->sensor_pose};
 }
 
 }  // namespace

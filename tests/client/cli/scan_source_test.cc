@@ -61,6 +61,7 @@ TEST_F(ScanSourceTest, AFileBringsTheSensorPoseOfItsViewpoint) {
   ASSERT_THAT(request, IsOk());
   EXPECT_EQ(request->sensor_pose().position().z(), 0.5);
   EXPECT_EQ(request->cloud().data().size(), 36U);
+  EXPECT_EQ(request->cloud().width(), 0) << "one row is no image";
   EXPECT_FALSE(request->segmented());
   EXPECT_FALSE(request->has_region_of_interest());
 }
