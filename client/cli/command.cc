@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "absl/strings/str_cat.h"
+#include "client/files/json_object.h"
 
 namespace graspdb::client {
 namespace {
@@ -36,6 +37,13 @@ absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {
 
 absl::Status PrintJson(const google::protobuf::Message& message) {
   absl::StatusOr<std::string> text = ToJson(message);
+  if (!text.ok()) return text.status();
+  std::printf("%s\n", text->c_str());
+  return absl::OkStatus();
+}
+
+absl::Status PrintJson(const google::protobuf::Struct& document) {
+  const absl::StatusOr<std::string> text = PrintDocument(document, JsonLayout::kOneLine);
   if (!text.ok()) return text.status();
   std::printf("%s\n", text->c_str());
   return absl::OkStatus();

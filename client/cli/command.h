@@ -1,6 +1,8 @@
 // What all commands of `graspdb` share.
 #pragma once
 
+#include <google/protobuf/struct.pb.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
@@ -29,6 +31,9 @@ CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::strin
 
 // Prints a message as one line of canonical JSON on stdout.
 absl::Status PrintJson(const google::protobuf::Message& message);
+
+// Prints a document as one line of JSON on stdout, its keys in alphabetical order.
+absl::Status PrintJson(const google::protobuf::Struct& document);
 
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);

@@ -34,13 +34,6 @@ struct Tally {
   std::size_t unreadable = 0;
 };
 
-absl::Status PrintJsonLine(const google::protobuf::Struct& line) {
-  const absl::StatusOr<std::string> text = PrintDocument(line, JsonLayout::kOneLine);
-  if (!text.ok()) return text.status();
-  std::printf("%s\n", text->c_str());
-  return absl::OkStatus();
-}
-
 absl::Status PrintUnreadable(bool as_json, const std::string& path, const absl::Status& why) {
   if (!as_json) {
     std::printf("unreadable  %s: %s\n", path.c_str(), std::string(why.message()).c_str());
@@ -50,7 +43,7 @@ absl::Status PrintUnreadable(bool as_json, const std::string& path, const absl::
   JsonObject object(&line);
   object.Text("bundle", path);
   object.Text("error", std::string(why.message()));
-  return PrintJsonLine(line);
+  return PrintJson(line);
 }
 
 absl::Status PrintResult(bool as_json, const std::string& path, const ReplayResult& result) {
@@ -65,7 +58,7 @@ absl::Status PrintResult(bool as_json, const std::string& path, const ReplayResu
     for (const std::string& difference : result.differences) {
       list.add_values()->set_string_value(difference);
     }
-    return PrintJsonLine(line);
+    return PrintJson(line);
   }
   const bool other_revision = result.revision_now != 0 && result.revision_then != 0 &&
                               result.revision_then != result.revision_now;

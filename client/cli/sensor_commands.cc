@@ -27,7 +27,7 @@ namespace {
 
 constexpr char kGrabFooter[] =
     R"(Depth images are written as 16-bit PNG with intrinsics.json beside them, clouds as PCD: a
-folder that "files:DIR" plays.
+folder that "files:DIR" plays. With --json every frame is one line: {"file", "sensor"}.
 
 Examples:
   graspdb sensors grab freenect --out /tmp/look
@@ -71,9 +71,7 @@ absl::Status List(const GlobalOptions& global) {
     auto* connected = object.At("connected").mutable_list_value();
     for (const std::string& spec : kind.connected) connected->add_values()->set_string_value(spec);
     if (!kind.trouble.empty()) object.Text("trouble", kind.trouble);
-    const absl::StatusOr<std::string> line = PrintDocument(document, JsonLayout::kOneLine);
-    if (!line.ok()) return line.status();
-    std::printf("%s\n", line->c_str());
+    if (absl::Status printed = PrintJson(document); !printed.ok()) return printed;
   }
   return absl::OkStatus();
 }
@@ -116,7 +114,19 @@ absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadlin
   }
 }
 
-absl::Status Grab(const GrabOptions& options) {
+absl::Status PrintKept(bool as_json, const std::string& file, const std::string& sensor) {
+  if (!as_json) {
+    std::printf("%s of %s\n", file.c_str(), sensor.c_str());
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct document;
+  JsonObject object(&document);
+  object.Text("file", file);
+  object.Text("sensor", sensor);
+  return PrintJson(document);
+}
+
+absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
   spdlog::set_level(spdlog::level::err);  // what is wrong is told at the end
   const auto sensor = OpenSensor(options.spec, {});
   if (!sensor.ok()) return NotOfServer(sensor.status());
@@ -129,12 +139,14 @@ absl::Status Grab(const GrabOptions& options) {
     if (!frame.ok()) return NotOfServer(frame.status());
     const absl::StatusOr<std::string> name = Keep(*frame, options.out, i);
     if (!name.ok()) return name.status();
-    std::printf("%s/%s of %s\n", options.out.c_str(), name->c_str(), (*sensor)->Name().c_str());
+    absl::Status printed =
+        PrintKept(global.json, absl::StrCat(options.out, "/", *name), (*sensor)->Name());
+    if (!printed.ok()) return printed;
   }
   return absl::OkStatus();
 }
 
-absl::Status WriteFakenect(const FakenectOptions& options) {
+absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& options) {
   const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
   if (!parts.ok()) return parts.status();
   const auto plan = PlanRandomScenes(*parts, {.stand = {},
@@ -145,12 +157,20 @@ absl::Status WriteFakenect(const FakenectOptions& options) {
   absl::Status written =
       WriteSimulatedRecording(options.out, *parts, *plan, absl::Seconds(options.hold_s));
   if (!written.ok()) return written;
+  if (global.json) {
+    google::protobuf::Struct document;
+    JsonObject object(&document);
+    object.Text("folder", options.out);
+    object.Number("scenes", options.scenes);
+    object.Number("hold_s", options.hold_s);
+    return PrintJson(document);
+  }
   std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",
               options.scenes, options.hold_s, options.out.c_str(), options.out.c_str());
   return absl::OkStatus();
 }
 
-void AddGrab(CLI::App& sensors, Action* action) {
+void AddGrab(CLI::App& sensors, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<GrabOptions>();
   CLI::App* grab = AddCommand(sensors, "grab", "Write frames of a sensor to files");
   grab->add_option("SENSOR", options->spec, "As `sensors list` names it, or files:PATH, simulated")
@@ -163,10 +183,10 @@ void AddGrab(CLI::App& sensors, Action* action) {
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   grab->footer(kGrabFooter);
-  grab->callback([=] { *action = [=] { return Grab(*options); }; });
+  grab->callback([=, &global] { *action = [=, &global] { return Grab(global, *options); }; });
 }
 
-void AddFakenect(CLI::App& sensors, Action* action) {
+void AddFakenect(CLI::App& sensors, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<FakenectOptions>();
   CLI::App* record = AddCommand(sensors, "fakenect", "Write a recording that fakenect plays");
   record->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
@@ -187,7 +207,8 @@ void AddFakenect(CLI::App& sensors, Action* action) {
   record->add_option("--seed", options->seed, "Another seed gives other scenes and noise")
       ->capture_default_str();
   record->footer(kFakenectFooter);
-  record->callback([=] { *action = [=] { return WriteFakenect(*options); }; });
+  record->callback(
+      [=, &global] { *action = [=, &global] { return WriteFakenect(global, *options); }; });
 }
 
 }  // namespace
@@ -197,8 +218,8 @@ void AddSensorsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
   sensors->require_subcommand(1);
   AddCommand(*sensors, "list", "Kinds that are built in, and what is connected")
       ->callback([=, &global] { *action = [&global] { return List(global); }; });
-  AddGrab(*sensors, action);
-  AddFakenect(*sensors, action);
+  AddGrab(*sensors, global, action);
+  AddFakenect(*sensors, global, action);
 }
 
 }  // namespace graspdb::client
