@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/robots/gri_data.h"
 #include "client/simulation/scene_file.h"
 
@@ -22,7 +23,14 @@ GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) 
 absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) {
   const std::optional<int>& job = held ? options.picked_job : options.missed_job;
   if (!job) return absl::OkStatus();
-  return agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, *job)).status();
+  const auto answer = agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, *job));
+  if (!answer.ok()) return answer.status();
+  if (answer->code == GriCode::kNoError || answer->code == GriCode::kNoReturnSpecified) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(absl::StrCat(
+      "job ", *job, ", which is to hear of picks that ", held ? "held" : "did not hold",
+      ", answers ", GriCodeName(answer->code), "; see the agent's jobs"));
 }
 
 absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& parts,

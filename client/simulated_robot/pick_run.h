@@ -33,12 +33,15 @@ struct Pick {
   GriCode code = GriCode::kUnknownError;
   PickError error;  // where a pose was given
   bool held = false;
-  std::chrono::duration<double>
-      cycle{};  // from the trigger to the pose, without the camera's frame
+  // From the trigger to the answer, also where that is no pose, without the camera's frame.
+  std::chrono::duration<double> cycle{};
 };
 
-// Picks; `heard` is told of each. Scenes that show each of `parts` in turn. Errors of
-// PlanRandomScenes, WriteScene and GriClient; INTERNAL when the agent answers what is no pose.
+// Picks; `heard` is told of each. Scenes that show each of `parts` in turn. A request without a
+// pose is no error, and nobody is told of it. Errors of PlanRandomScenes, WriteScenes and
+// GriClient; INTERNAL when the agent answers what is no pose; FAILED_PRECONDITION when a job that
+// is to hear of picks answers with an error. Nothing is shared: threads with a client and a folder
+// each may run it.
 absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
                                            const PickRunOptions& options,
                                            const std::function<void(const Pick&)>& heard);

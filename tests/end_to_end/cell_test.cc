@@ -128,6 +128,30 @@ TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
   EXPECT_THAT(picks.out, HasSubstr(" of 6 picks would have held"));
 }
 
+TEST_F(CellProgramsTest, ASimulatedRobotTellsProgramsTooWhereNothingIsGiven) {
+  StartCell();
+  LayOut(0);
+  StartAgent({"--job", "1 object=no-such-thing", "--job", "2 any"});
+  const std::vector<std::string> robot = {"robot",     "--cell",  "press-3",    "--agent",
+                                          gri_,        "--scene", Path(scene_), "--parts",
+                                          "l-bracket", "--picks", "2"};
+  const Finished none = Succeed(robot);
+  EXPECT_THAT(none.out, HasSubstr("0 of 2 picks would have held (0.0 %); no pose was given"));
+  std::vector<std::string> as_json = robot;
+  as_json.insert(as_json.end(), {"--json", "--job", "2"});
+  const Finished json = Succeed(as_json);
+  EXPECT_EQ(CountLines(json.out), 3);
+  EXPECT_THAT(json.out, HasSubstr("\"code\":\"NO_ERROR\""));
+  EXPECT_THAT(json.out, HasSubstr("\"picks\":2"));
+  std::vector<std::string> told = robot;
+  told.insert(told.end(), {"--job", "2", "--picked-job", "99", "--missed-job", "99"});
+  const Finished refused = Graspdb(told);
+  EXPECT_EQ(refused.exit_status, 1) << refused.out;
+  EXPECT_THAT(refused.err, HasSubstr("JOB_DOES_NOT_EXIST"));
+  agent_.reset();
+  EXPECT_EQ(Graspdb(robot).exit_status, 1) << "the server is there";
+}
+
 TEST_F(CellProgramsTest, AStoppedAgentSaysWhatItCounted) {
   StartCell();
   LayOut(0);

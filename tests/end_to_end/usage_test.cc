@@ -34,6 +34,8 @@ TEST_F(UsageTest, WrongUsageEndsWithTwo) {
       {{"objects", "show"}, "OBJECT"},
       {{"objects"}, "subcommand"},
       {{"simulate", "--parts", "spoon", "--out", "x"}, "spoon"},
+      {{"robot", "--scene", "x", "--job", "65536"}, "--job"},
+      {{"robot", "--scene", "x", "--picked-job", "-1"}, "--picked-job"},
       {{"bench"}, "--simulate"},
       {{"bench", cloud, "--simulate"}, "either"},
       {{"bench", cloud, "--camera", "v1"}, "--simulate"},
