@@ -1,12 +1,11 @@
-// `graspdb cells level` and `graspdb cells check`.
+// `graspdb cells level`.
 #pragma once
 
 #include "client/cli/command.h"
 
 namespace graspdb::client {
 
-// Adds them under `cells`.
+// Adds it under `cells`.
 void AddLevelCommand(CLI::App& cells, const GlobalOptions& global, Action* action);
-void AddCheckCommand(CLI::App& cells, const GlobalOptions& global, Action* action);
 
 }  // namespace graspdb::client

@@ -10,6 +10,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/calibration_commands.h"
+#include "client/cli/cell_check.h"
+#include "client/cli/cell_saving.h"
 #include "client/cli/cell_text.h"
 
 namespace graspdb::client {
@@ -98,14 +100,10 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
 
 absl::StatusOr<v1::Cell> CreateOrUpdate(Client& client, const v1::UpdateCellRequest& update) {
   absl::StatusOr<v1::Cell> existing = client.GetCell(update.cell().name());
-  if (absl::IsNotFound(existing.status())) {
-    v1::CreateCellRequest create;
-    create.set_cell_id(update.cell().name().substr(std::string("cells/").size()));
-    *create.mutable_cell() = update.cell();
-    return client.CreateCell(create);
-  }
-  if (!existing.ok() || update.update_mask().paths().empty()) return existing;
-  return client.UpdateCell(update);
+  const bool is_there = existing.ok();
+  if (!is_there && !absl::IsNotFound(existing.status())) return existing;
+  if (is_there && update.update_mask().paths().empty()) return existing;
+  return SaveCell(client, update, is_there);
 }
 
 absl::Status PrintCell(const GlobalOptions& global, const absl::StatusOr<v1::Cell>& cell) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <thread>
@@ -38,6 +39,46 @@ class SensorsTest : public ProgramsTest {
   }
 };
 
+class CalibrationProgramsTest : public SensorsTest {
+ protected:
+  void SetUp() override { StartServer(); }
+  // The number behind a key of a line of JSON.
+  static double NumberOf(const std::string& json, const std::string& key) {
+    const std::size_t at = json.find("\"" + key + "\":");
+    EXPECT_NE(at, std::string::npos) << json;
+    return at == std::string::npos ? NAN : std::stod(json.substr(at + key.size() + 3));
+  }
+};
+
+// The simulated camera stands 0.8 m from the origin and looks down by 40 degrees.
+TEST_F(CalibrationProgramsTest, ACameraIsLevelledAndChecked) {
+  const Finished levelled = Succeed({"cells", "level", "press", "--sensor", "simulated"});
+  EXPECT_THAT(levelled.out, HasSubstr("camera 51"));
+  EXPECT_THAT(Succeed({"cells", "show", "press", "--json"}).out, HasSubstr("\"sensorPose\""));
+  const Finished checked = Succeed({"cells", "check", "press", "--sensor", "simulated:seed=8"});
+  EXPECT_THAT(checked.out, HasSubstr("mm from z = 0, tilted by 0."));
+  Succeed({"sensors", "grab", "simulated:seed=9", "--out", Path("look")});
+  const Finished json =
+      Succeed({"cells", "check", "press", "--sensor", "files:" + Path("look") + "?loop", "--json"});
+  EXPECT_EQ(CountLines(json.out), 1);
+  EXPECT_LT(std::abs(NumberOf(json.out, "height_mm")), 2);
+  EXPECT_LT(NumberOf(json.out, "tilt_deg"), 0.5);
+  EXPECT_GT(NumberOf(json.out, "share"), 0.5);
+}
+
+TEST_F(CalibrationProgramsTest, WhatCannotBeCheckedIsSaid) {
+  Succeed({"cells", "set", "press"});
+  const Finished fresh = Graspdb({"cells", "check", "press", "--sensor", "simulated"});
+  EXPECT_THAT(fresh, EndsWith(1));
+  EXPECT_THAT(fresh, SaysOnly("graspdb", "cells level"));
+  Succeed({"cells", "set", "arm", "--flange-sensor-pose", "0,0,0.1,0,0,0,1"});
+  const Finished flange = Graspdb({"cells", "check", "arm", "--sensor", "simulated"});
+  EXPECT_THAT(flange, EndsWith(1));
+  EXPECT_THAT(flange, SaysOnly("graspdb", "--poses"));
+  EXPECT_THAT(flange.err, Not(HasSubstr("cells level")));
+  EXPECT_THAT(Graspdb({"cells", "check", "press"}), SaysOnly("graspdb", "--frame"));
+}
+
 TEST_F(SensorsTest, KindsAreListed) {
   const Finished text = Succeed({"sensors", "list"});
   EXPECT_THAT(text.out, AllOf(HasSubstr("files: "), HasSubstr("freenect: ")));
@@ -45,6 +86,9 @@ TEST_F(SensorsTest, KindsAreListed) {
 }
 
 TEST_F(SensorsTest, WhatWasGrabbedIsPlayed) {
+  const Finished json = Succeed({"sensors", "grab", "simulated", "--out", Path("json"), "--json"});
+  EXPECT_EQ(json.out,
+            "{\"file\":\"" + Path("json/0000.png") + "\",\"sensor\":\"simulated camera\"}\n");
   const Finished grabbed =
       Succeed({"sensors", "grab", "simulated", "--frames", "2", "--out", Path("look")});
   EXPECT_EQ(CountLines(grabbed.out), 2);
@@ -52,6 +96,12 @@ TEST_F(SensorsTest, WhatWasGrabbedIsPlayed) {
       Succeed({"sensors", "grab", "files:" + Path("look"), "--frames", "2", "--out", Path("copy")});
   EXPECT_THAT(again.out, HasSubstr("0001.png"));
   EXPECT_EQ(client::BytesOf(Path("copy/0001.png")), client::BytesOf(Path("look/0001.png")));
+}
+
+TEST_F(SensorsTest, ARecordingForFakenectIsToldToPrograms) {
+  const Finished written = Succeed(
+      {"sensors", "fakenect", "--out", Path("kinect"), "--scenes", "1", "--hold", "0.1", "--json"});
+  EXPECT_EQ(written.out, "{\"folder\":\"" + Path("kinect") + "\",\"hold_s\":0.1,\"scenes\":1}\n");
 }
 
 TEST_F(SensorsTest, NobodyWaitsForMoreThanARecordingHas) {
