@@ -28,7 +28,9 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> Simulate(const BenchFrames& frames) {
   SimulatedFrames simulated = frames.simulated;
-  simulated.camera = frames.camera == "v1" ? KinectV1() : KinectV2();
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(frames.camera);
+  if (!camera.ok()) return camera.status();
+  simulated.camera = *camera;
   if (frames.limit > 0) simulated.count = frames.limit;
   return SimulateRequests(simulated);
 }

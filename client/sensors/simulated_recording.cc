@@ -1,7 +1,5 @@
 #include "client/sensors/simulated_recording.h"
 
-#include <algorithm>
-
 #include "client/sensors/fakenect_recording.h"
 #include "client/sensors/kinect_v1_calibration.h"
 #include "client/simulation/scene_file.h"
@@ -18,10 +16,7 @@ absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
   absl::StatusOr<FakenectRecording> recording = FakenectRecording::Create(folder);
   if (!recording.ok()) return recording.status();
   for (const PlannedCapture& scene : plan) {
-    const auto is_there = [&parts](const Placement& p) { return p.part < parts.size(); };
-    if (!std::all_of(scene.placements.begin(), scene.placements.end(), is_there)) {
-      return absl::InvalidArgumentError(scene.path + " is planned with unknown workpieces");
-    }
+    if (absl::Status known = CheckPlacements(parts, scene); !known.ok()) return known;
     const absl::StatusOr<DepthFrame> frame =
         camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
     if (!frame.ok()) return frame.status();

@@ -133,6 +133,12 @@ absl::StatusOr<std::vector<Placement>> PlaceObjects(const std::vector<Workpiece>
 
 }  // namespace
 
+absl::Status CheckPlacements(const std::vector<Workpiece>& parts, const PlannedCapture& capture) {
+  const auto is_there = [&](const Placement& p) { return p.part < parts.size(); };
+  if (std::ranges::all_of(capture.placements, is_there)) return absl::OkStatus();
+  return Bad(capture.path + " is planned with unknown workpieces");
+}
+
 absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Workpiece>& parts,
                                                           const TurntableOptions& options) {
   if (absl::Status checked = CheckParts(parts); !checked.ok()) return checked;

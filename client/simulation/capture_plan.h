@@ -1,4 +1,4 @@
-// Which simulated captures to take; nothing is rendered here.
+// Which simulated captures to take; nothing is rendered here. All of it is thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/simulation/workpiece.h"
 #include "graspdb/v1/capture_set.pb.h"
@@ -27,6 +28,9 @@ struct PlannedCapture {
   recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
   std::uint64_t seed = 0;
 };
+
+// INVALID_ARGUMENT when the capture has a workpiece that `parts` has not.
+absl::Status CheckPlacements(const std::vector<Workpiece>& parts, const PlannedCapture& capture);
 
 // Where the camera stands: it looks at the origin of the world frame.
 struct CameraStand {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -49,6 +51,13 @@ DepthCameraModel KinectV2() {
   model.noise.dropout_end_rad = kDropoutEndRad;
   model.noise.flying_chance = 0.2;
   return model;
+}
+
+absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name) {
+  if (name == "v1") return KinectV1();
+  if (name == "v2") return KinectV2();
+  return absl::InvalidArgumentError(
+      absl::StrCat("there is no simulated camera \"", name, "\"; v1 and v2 are Kinects"));
 }
 
 absl::StatusOr<DepthCamera> DepthCamera::Create(const DepthCameraModel& model) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -30,6 +31,9 @@ DepthCameraModel KinectV1();
 // al., "Kinect v2 for Mobile Robot Navigation: Evaluation and Modeling", ICAR
 // 2015: 1.3 mm at 0.8 m, 1.7 mm at 2 m.
 DepthCameraModel KinectV2();
+
+// The one that command lines and sensors call "v1" or "v2". INVALID_ARGUMENT for another name.
+absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name);
 
 // A depth image, row by row.
 struct DepthFrame {

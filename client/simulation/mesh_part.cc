@@ -4,9 +4,11 @@
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/simulation/length_unit.h"
 #include "client/simulation/mesh_file.h"
 
@@ -27,12 +29,13 @@ bool IsPartSize(double side_m) { return side_m >= kSmallestSideM && side_m <= kL
 
 // The units in which the largest side, `units` of the file's, is that of a part.
 std::string FittingUnits(double units) {
-  std::string out;
-  for (const LengthUnit& unit : kLengthUnits) {
-    if (!IsPartSize(units * unit.metres)) continue;
-    out.append(out.empty() ? "" : " or ").append(unit.name);
-  }
-  return out.empty() ? "mm, cm, m or inch" : out;
+  std::vector<std::string> names = LengthUnitNames();
+  const auto has_wrong_size = [units](const std::string& name) {
+    return !IsPartSize(units * MetresOf(name).value_or(0));
+  };
+  // Of a thing that has a wrong size in all of them, any may be meant.
+  if (!std::ranges::all_of(names, has_wrong_size)) std::erase_if(names, has_wrong_size);
+  return absl::StrJoin(names, " or ");
 }
 
 }  // namespace

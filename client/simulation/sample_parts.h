@@ -19,8 +19,8 @@ std::vector<Workpiece> SampleParts();
 // Their object ids, in that order.
 std::vector<std::string> SamplePartIds();
 
-// Those of these ids, in the same order; all where `ids` is empty. INVALID_ARGUMENT where there is
-// none of an id.
+// Those of these ids, in SampleParts' order; all where `ids` is empty. INVALID_ARGUMENT where there
+// is none of an id.
 absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string>& ids);
 
 }  // namespace graspdb::client

@@ -23,6 +23,28 @@ absl::StatusOr<std::size_t> PartOf(const std::vector<Workpiece>& parts,
                                                  capture.stable_pose_id(), " looks like"));
 }
 
+// A capture's path without its number in the scene: see WriteScenes.
+std::string SceneNameOf(const v1::Capture& capture) {
+  const std::string& path = capture.path();
+  const std::size_t dash = path.rfind('-');
+  if (dash == std::string::npos || dash + 1 == path.size() ||
+      path.find_first_not_of("0123456789", dash + 1) != std::string::npos) {
+    return path;
+  }
+  return path.substr(0, dash);
+}
+
+absl::Status CheckOneScene(const std::filesystem::path& folder, const v1::CaptureSet& set) {
+  const auto is_other = [&](const v1::Capture& capture) {
+    return SceneNameOf(capture) != SceneNameOf(set.captures(0));
+  };
+  if (std::ranges::none_of(set.captures(), is_other)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(folder.string(),
+                   " holds more than one scene; lay out one, whose captures are called "
+                   "NAME-1, NAME-2, ..."));
+}
+
 std::uint64_t SeedOf(const v1::CaptureSet& set) {
   std::uint64_t seed = 0;
   for (const v1::Capture& capture : set.captures()) {
@@ -38,22 +60,13 @@ std::uint64_t SeedOf(const v1::CaptureSet& set) {
 
 absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
                          const std::vector<PlannedCapture>& scenes) {
-  v1::CaptureSet set;
-  for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
-  *set.mutable_region_of_interest() = SimulatedRegion();
+  v1::CaptureSet set = DeclareParts(parts);
   for (const PlannedCapture& scene : scenes) {
+    if (absl::Status known = CheckPlacements(parts, scene); !known.ok()) return known;
     for (std::size_t i = 0; i < scene.placements.size(); ++i) {
-      const Placement& placement = scene.placements[i];
-      if (placement.part >= parts.size()) {
-        return absl::InvalidArgumentError(scene.path + " is planned with unknown workpieces");
-      }
-      v1::Capture* capture = set.add_captures();
-      capture->set_path(absl::StrCat(scene.path, "-", i + 1));
-      capture->set_split(scene.split);
-      capture->set_object_id(parts[placement.part].object_id);
-      capture->set_stable_pose_id(parts[placement.part].stable_pose_id);
-      *capture->mutable_object_pose() = ToMessage(placement.world_object);
-      *capture->mutable_sensor_pose() = ToMessage(scene.world_sensor);
+      v1::Capture& capture = *set.add_captures();
+      capture = CaptureOf(parts, scene, scene.placements[i]);
+      capture.set_path(absl::StrCat(scene.path, "-", i + 1));
     }
   }
   return SaveCaptureSet(folder, set);
@@ -64,6 +77,7 @@ absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
   const absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(folder);
   if (absl::IsNotFound(set.status())) return absl::UnavailableError(set.status().message());
   if (!set.ok()) return set.status();
+  if (absl::Status one = CheckOneScene(folder, *set); !one.ok()) return one;
   PlannedCapture out;
   out.path = folder.string();
   for (const v1::Capture& capture : set->captures()) {

@@ -17,9 +17,10 @@ namespace graspdb::client {
 absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<Workpiece>& parts,
                          const std::vector<PlannedCapture>& scenes);
 
-// Reads one scene. Things are found among `parts` by object and stable pose; the noise follows from
-// the content. UNAVAILABLE when there is no such folder, as a camera that is not plugged in;
-// INVALID_ARGUMENT when it is no scene, or has things that are not among `parts`.
+// Reads the scene of a folder that holds one. Things are found among `parts` by object and stable
+// pose; the noise follows from the content. UNAVAILABLE when there is no such folder, as a camera
+// that is not plugged in; INVALID_ARGUMENT when it is no scene or more than one, or has things that
+// are not among `parts`.
 absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
                                          const std::vector<Workpiece>& parts);
 

@@ -119,7 +119,9 @@ absl::Status Run(const Arguments& arguments) {
   absl::StatusOr<std::vector<PlannedCapture>> plan = PlanOf(arguments, *parts);
   if (!plan.ok()) return plan.status();
   SimulationOptions options;
-  options.camera = arguments.camera == "v1" ? KinectV1() : KinectV2();
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(arguments.camera);
+  if (!camera.ok()) return camera.status();
+  options.camera = *camera;
   options.camera.noise.scale = arguments.noise;
   options.with_table = !arguments.no_table;
   options.segmented = arguments.segmented;
@@ -139,7 +141,7 @@ absl::Status Run(const Arguments& arguments) {
 void AddObjectOptions(CLI::App& command, Arguments& a) {
   command.add_option("mesh", a.meshes, "Meshes to capture (PLY, OBJ, STL)")->type_name("MESH");
   command.add_option("--unit", a.unit, "Unit of the meshes: mm, cm, m or inch")
-      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}))
+      ->check(CLI::IsMember(LengthUnitNames()))
       ->capture_default_str();
   command.add_option("--parts", a.parts, "Sample parts to capture, by a comma list of ids")
       ->delimiter(',')

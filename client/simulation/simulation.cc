@@ -35,20 +35,12 @@ absl::Status CheckPlan(const std::vector<Workpiece>& parts,
                        const std::vector<PlannedCapture>& plan) {
   if (plan.empty()) return absl::InvalidArgumentError("no captures are planned");
   for (const PlannedCapture& capture : plan) {
-    const auto is_there = [&](const Placement& p) { return p.part < parts.size(); };
-    if (capture.placements.empty() ||
-        !std::all_of(capture.placements.begin(), capture.placements.end(), is_there)) {
-      return absl::InvalidArgumentError(capture.path + " is planned with unknown workpieces");
+    if (capture.placements.empty()) {
+      return absl::InvalidArgumentError(capture.path + " is planned without a workpiece");
     }
+    if (absl::Status known = CheckPlacements(parts, capture); !known.ok()) return known;
   }
   return absl::OkStatus();
-}
-
-v1::CaptureSet Declare(const std::vector<Workpiece>& parts) {
-  v1::CaptureSet set;
-  for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
-  *set.mutable_region_of_interest() = SimulatedRegion();
-  return set;
 }
 
 void KeepNamedSurface(DepthFrame& frame) {
@@ -77,18 +69,6 @@ absl::StatusOr<PointFile> Take(const DepthCamera& camera, const std::vector<Work
                    .sensor_pose = capture.world_sensor};
 }
 
-void Describe(const std::vector<Workpiece>& parts, const PlannedCapture& planned, bool segmented,
-              v1::Capture& capture) {
-  const Placement& named = planned.placements.front();
-  capture.set_path(planned.path);
-  capture.set_split(planned.split);
-  capture.set_object_id(parts[named.part].object_id);
-  capture.set_stable_pose_id(parts[named.part].stable_pose_id);
-  *capture.mutable_object_pose() = ToMessage(named.world_object);
-  *capture.mutable_sensor_pose() = ToMessage(planned.world_sensor);
-  capture.set_segmented(segmented);
-}
-
 absl::Status WriteMeshes(const fs::path& folder, const std::vector<Workpiece>& parts) {
   for (const Workpiece& part : parts) {
     const fs::path path = folder / DeclarationOf(part).mesh_path();
@@ -110,6 +90,25 @@ v1::AxisAlignedBox SimulatedRegion() {
   return region;
 }
 
+v1::CaptureSet DeclareParts(const std::vector<Workpiece>& parts) {
+  v1::CaptureSet set;
+  for (const Workpiece& part : parts) *set.add_objects() = DeclarationOf(part);
+  *set.mutable_region_of_interest() = SimulatedRegion();
+  return set;
+}
+
+v1::Capture CaptureOf(const std::vector<Workpiece>& parts, const PlannedCapture& planned,
+                      const Placement& placement) {
+  v1::Capture capture;
+  capture.set_path(planned.path);
+  capture.set_split(planned.split);
+  capture.set_object_id(parts[placement.part].object_id);
+  capture.set_stable_pose_id(parts[placement.part].stable_pose_id);
+  *capture.mutable_object_pose() = ToMessage(placement.world_object);
+  *capture.mutable_sensor_pose() = ToMessage(planned.world_sensor);
+  return capture;
+}
+
 Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture, bool with_table) {
   Scene scene;
   scene.with_table = with_table;
@@ -127,7 +126,7 @@ absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece
   if (!camera.ok()) return camera.status();
   if (absl::Status room = MakeRoom(folder, options.overwrite); !room.ok()) return room;
   if (absl::Status meshes = WriteMeshes(folder, parts); !meshes.ok()) return meshes;
-  v1::CaptureSet set = Declare(parts);
+  v1::CaptureSet set = DeclareParts(parts);
   for (std::size_t i = 0; i < plan.size(); ++i) {
     if (watch.cancelled && watch.cancelled()) {
       return absl::CancelledError(absl::StrCat("stopped after ", i, " of ", plan.size(),
@@ -136,7 +135,9 @@ absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece
     absl::StatusOr<PointFile> cloud = Take(*camera, parts, plan[i], options);
     if (!cloud.ok()) return cloud.status();
     if (absl::Status file = WritePcd(folder / plan[i].path, *cloud); !file.ok()) return file;
-    Describe(parts, plan[i], options.segmented, *set.add_captures());
+    v1::Capture& capture = *set.add_captures();
+    capture = CaptureOf(parts, plan[i], plan[i].placements.front());
+    capture.set_segmented(options.segmented);
     if (watch.report) watch.report(static_cast<int>(i) + 1, static_cast<int>(plan.size()));
   }
   return SaveCaptureSet(folder, set);

@@ -10,12 +10,20 @@
 #include "client/simulation/depth_camera.h"
 #include "client/simulation/scene.h"
 #include "client/simulation/workpiece.h"
+#include "graspdb/v1/capture_set.pb.h"
 #include "graspdb/v1/geometry.pb.h"
 
 namespace graspdb::client {
 
 // Where the parts of all plans stand, in the world frame.
 v1::AxisAlignedBox SimulatedRegion();
+
+// A capture set of these parts in that region, without captures yet.
+v1::CaptureSet DeclareParts(const std::vector<Workpiece>& parts);
+
+// How a capture set describes one of the things in a planned capture, which `parts` has.
+v1::Capture CaptureOf(const std::vector<Workpiece>& parts, const PlannedCapture& planned,
+                      const Placement& placement);
 
 // What the camera looks at in a planned capture. `parts` outlives it, and has what is placed.
 Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture, bool with_table);

@@ -44,6 +44,16 @@ TEST(SceneFile, WithoutAFolderTheCameraIsNotPluggedIn) {
               StatusIs(absl::StatusCode::kUnavailable));
 }
 
+TEST(SceneFile, SeveralScenesAreNotShownAtOnce) {
+  const TemporaryFolder folder;
+  const std::vector<Workpiece> parts = SampleParts();
+  const auto scenes = PlanRandomScenes(parts, {.stand = {}, .count = 2, .objects_per_scene = 2});
+  ASSERT_THAT(scenes, IsOk());
+  ASSERT_THAT(WriteScenes(folder.path(), parts, *scenes), IsOk());
+  EXPECT_THAT(ReadScene(folder.path(), parts),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("more than one scene")));
+}
+
 TEST(SceneFile, ThingsThatNobodyKnowsAreSaid) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
