@@ -1,13 +1,10 @@
 #include "client/sensors/simulated_sensor.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/files/depth_message.h"
-#include "client/simulation/counter_random.h"
 #include "client/simulation/simulation.h"
 
 namespace graspdb::client {
@@ -15,7 +12,6 @@ namespace {
 
 constexpr double kDepthUnitM = 0.001;
 constexpr int kFirstScenes = 32;
-constexpr std::uint64_t kStillNoise = 0x7374696c6c;  // a stream of its own
 
 }  // namespace
 
@@ -40,14 +36,6 @@ SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions&
   };
 }
 
-SceneSource StillScene(PlannedCapture scene) {
-  return [scene = std::move(scene), frame = std::uint64_t{0}]() mutable {
-    PlannedCapture shown = scene;
-    shown.seed = RandomBits(scene.seed, kStillNoise, frame++);
-    return absl::StatusOr<PlannedCapture>(std::move(shown));
-  };
-}
-
 SimulatedSensor::SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts,
                                  SceneSource scenes)
     : camera_(std::move(camera)), parts_(std::move(parts)), scenes_(std::move(scenes)) {}
@@ -64,13 +52,7 @@ absl::StatusOr<PlannedCapture> SimulatedSensor::Choose() {
   const absl::MutexLock lock(&mutex_);
   absl::StatusOr<PlannedCapture> scene = scenes_();
   if (!scene.ok()) return scene;
-  for (const Placement& placement : scene->placements) {
-    if (placement.part < parts_.size()) continue;
-    return absl::InvalidArgumentError(absl::StrCat("the scene shows workpiece ", placement.part,
-                                                   " of ", parts_.size(),
-                                                   "; correct what chooses the scenes"));
-  }
-  shown_ = *scene;
+  if (absl::Status known = CheckPlacements(parts_, *scene); !known.ok()) return known;
   return scene;
 }
 
@@ -90,11 +72,6 @@ absl::StatusOr<SensorFrame> SimulatedSensor::Next(absl::Time deadline) {
       .world_sensor = scene->world_sensor};
   SetTime(time, out);
   return out;
-}
-
-PlannedCapture SimulatedSensor::Shown() const {
-  const absl::MutexLock lock(&mutex_);
-  return shown_;
 }
 
 }  // namespace graspdb::client

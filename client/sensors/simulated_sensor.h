@@ -24,9 +24,6 @@ using SceneSource = std::function<absl::StatusOr<PlannedCapture>()>;
 // read. `parts` as PlanRandomScenes wants them.
 SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options);
 
-// The same scene at every call, with other noise.
-SceneSource StillScene(PlannedCapture scene);
-
 // Renders a depth image, in whole millimetres, of a scene at every call, with the camera's pose.
 // Thread-safe.
 class SimulatedSensor : public DepthSensor {
@@ -42,19 +39,14 @@ class SimulatedSensor : public DepthSensor {
   bool IsReady() override { return true; }
   std::string Name() const override { return "simulated camera"; }
 
-  // The truth: the scene of the newest frame, without placements before the first one.
-  PlannedCapture Shown() const ABSL_LOCKS_EXCLUDED(mutex_);
-  const std::vector<Workpiece>& parts() const { return parts_; }
-
  private:
   SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts, SceneSource scenes);
   absl::StatusOr<PlannedCapture> Choose() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const DepthCamera camera_;
   const std::vector<Workpiece> parts_;
-  mutable absl::Mutex mutex_;
+  absl::Mutex mutex_;
   SceneSource scenes_ ABSL_GUARDED_BY(mutex_);
-  PlannedCapture shown_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace graspdb::client
