@@ -11,6 +11,7 @@
 
 #include "absl/time/time.h"
 #include "client/blackbox/bundle_file.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -103,7 +104,7 @@ void BlackBox::WriteAll() {
     const absl::Status written = Write(next);
     // A full disk is not to be filled by the log that says so.
     if (!written.ok() && written.code() != last_failure) {
-      spdlog::warn("event=bundle_not_kept error=\"{}\"", std::string(written.message()));
+      spdlog::warn("event=bundle_not_kept error={}", LogField(std::string(written.message())));
     }
     last_failure = written.code();
     absl::MutexLock lock(&mutex_);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -62,7 +63,7 @@ absl::Status CellKeeper::Refresh() {
     if (cell.ok()) {
       spdlog::info("event=server_there cell={}", name_);
     } else {
-      spdlog::warn("event=server_lost error=\"{}\"", std::string(cell.status().message()));
+      spdlog::warn("event=server_lost error={}", LogField(std::string(cell.status().message())));
     }
   }
   state_ = cell.status();

@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "client/robots/robot_connection.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -87,7 +88,7 @@ class RobotServer::Listener {
   }
 
   void TakeBreath(const asio::error_code& error) {
-    spdlog::warn("event=robot_not_let_in error=\"{}\"", error.message());
+    spdlog::warn("event=robot_not_let_in error={}", LogField(error.message()));
     breath_.expires_after(kBreath);
     breath_.async_wait([this](asio::error_code /*cancelled*/) {
       if (!stopping_) Accept();
