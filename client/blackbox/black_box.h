@@ -45,7 +45,7 @@ class BlackBox {
   // Never waits for the disk. False when it was dropped.
   bool Keep(v1::Bundle bundle) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Waits until all that was kept so far is written or has failed.
+  // Waits until all that was kept so far is written or has failed: for tests, a cell never waits.
   void Flush() ABSL_LOCKS_EXCLUDED(mutex_);
 
   BlackBoxCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);

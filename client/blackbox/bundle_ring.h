@@ -36,6 +36,7 @@ class BundleRing {
   // FAILED_PRECONDITION.
   absl::Status Add(const std::string& bytes, absl::Time time);
 
+  // Of the bundles that are there: for tests, the ring itself sees to its limits.
   std::size_t size() const { return files_.size(); }
   std::uint64_t bytes() const { return bytes_; }
 
