@@ -27,16 +27,11 @@ v1::Bundle Sample() {
 
 class BundleFileTest : public ::testing::Test {
  protected:
-  std::string Write(const std::string& name, const std::string& bytes) const {
-    std::string path = (folder_.path() / name).string();
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
-  }
   TemporaryFolder folder_;
 };
 
 TEST_F(BundleFileTest, IsReadAsItWasWritten) {
-  const std::string path = Write("a.bundle", *BundleBytes(Sample()));
+  const std::string path = folder_.Write("a.bundle", *BundleBytes(Sample()));
   const auto read = ReadBundle(path);
   ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->SerializeAsString(), Sample().SerializeAsString());
@@ -47,20 +42,20 @@ TEST_F(BundleFileTest, WhatIsNoneIsSaid) {
   for (const std::string& wrong :
        {std::string(), std::string("GB"), std::string("PLY\x01 something"), bytes.substr(0, 4),
         bytes.substr(0, bytes.size() - 3), "GBB\x01" + std::string(50, '\xff')}) {
-    EXPECT_THAT(ReadBundle(Write("wrong.bundle", wrong)),
+    EXPECT_THAT(ReadBundle(folder_.Write("wrong.bundle", wrong)),
                 StatusIs(absl::StatusCode::kDataLoss, HasSubstr("wrong.bundle")));
   }
   std::string newer = bytes;
   newer[3] = 2;
-  EXPECT_THAT(ReadBundle(Write("newer.bundle", newer)),
+  EXPECT_THAT(ReadBundle(folder_.Write("newer.bundle", newer)),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("newer")));
   EXPECT_THAT(ReadBundle(folder_.path() / "none"), StatusIs(absl::StatusCode::kNotFound));
 }
 
 TEST_F(BundleFileTest, FoldersMeanTheirBundlesTheOldestFirst) {
-  const std::string second = Write("0000000010-x.bundle", "");
-  const std::string first = Write("0000000009-y.bundle", "");
-  Write("notes.txt", "");
+  const std::string second = folder_.Write("0000000010-x.bundle", "");
+  const std::string first = folder_.Write("0000000009-y.bundle", "");
+  folder_.Write("notes.txt", "");
   const auto listed = ListBundles({folder_.path().string(), first});
   ASSERT_THAT(listed, IsOk());
   EXPECT_THAT(*listed, ElementsAre(first, second, first));
