@@ -23,8 +23,6 @@ namespace {
 constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);  // two frames
 constexpr double kUnitM = 0.0001;
 constexpr double kCountsPerMm = 0.001 / kUnitM;
-constexpr int kWidth = 512;
-constexpr int kHeight = 424;
 
 // Takes depths from the library's threads.
 class Listener : public libfreenect2::FrameListener {
@@ -42,7 +40,7 @@ class Listener : public libfreenect2::FrameListener {
   // The frame stays the library's.
   bool onNewFrame(libfreenect2::Frame::Type type, libfreenect2::Frame* frame) override {
     if (!is_calibrated_ || type != libfreenect2::Frame::Depth || frame->status != 0) return false;
-    if (frame->width != kWidth || frame->height != kHeight ||
+    if (frame->width != kKinectV2Width || frame->height != kKinectV2Height ||
         frame->bytes_per_pixel != sizeof(float)) {
       return false;
     }
@@ -87,6 +85,8 @@ class Freenect2Sensor : public DepthSensor {
   Freenect2Sensor& operator=(const Freenect2Sensor&) = delete;
 
   absl::Status Open(const SensorSettings& settings) {
+    absl::Status size = CheckIntrinsics(settings, Name(), kKinectV2Width, kKinectV2Height);
+    if (!size.ok()) return size;
     const int there = library_.enumerateDevices();
     if (serial_.empty() && there > 0) serial_ = library_.getDefaultDeviceSerialNumber();
     if (there > 0) device_ = library_.openDevice(serial_);
@@ -99,8 +99,8 @@ class Freenect2Sensor : public DepthSensor {
     device_->setIrAndDepthFrameListener(&*listener_);
     if (!device_->startStreams(/*rgb=*/false, /*depth=*/true)) return NoStart();
     const auto lens = device_->getIrCameraParams();
-    const recognition::CameraIntrinsics camera = {.width = kWidth,
-                                                  .height = kHeight,
+    const recognition::CameraIntrinsics camera = {.width = kKinectV2Width,
+                                                  .height = kKinectV2Height,
                                                   .fx = static_cast<double>(lens.fx),
                                                   .fy = static_cast<double>(lens.fy),
                                                   .cx = static_cast<double>(lens.cx),

@@ -23,6 +23,7 @@
 #include "client/files/depth_message.h"
 #include "client/sensors/frame_mailbox.h"
 #include "client/sensors/kinect_v1_calibration.h"
+#include "logging/log_field.h"
 
 // fakenect, which takes the library's place, has not all of its functions.
 #pragma weak freenect_copy_registration
@@ -63,7 +64,7 @@ absl::Status CheckFakenect() {
 void Log(freenect_context* /*context*/, freenect_loglevel level, const char* text) {
   const auto line = absl::StripTrailingAsciiWhitespace(text);
   spdlog::log(level <= FREENECT_LOG_ERROR ? spdlog::level::warn : spdlog::level::debug,
-              "event=libfreenect text=\"{}\"", std::string(line));
+              "event=libfreenect text={}", LogField(std::string(line)));
 }
 
 // The library's handles, closed in their order.
@@ -129,6 +130,8 @@ class FreenectSensor : public DepthSensor {
   FreenectSensor& operator=(const FreenectSensor&) = delete;
 
   absl::Status Open() {
+    absl::Status size = CheckIntrinsics(settings_, Name(), kKinectV1Width, kKinectV1Height);
+    if (!size.ok()) return size;
     if (absl::Status status = handles_.Start(); !status.ok()) return status;
     if (absl::Status status = OpenDevice(); !status.ok()) return status;
     if (absl::Status status = StartDepth(); !status.ok()) return status;

@@ -22,8 +22,8 @@ namespace graspdb::client {
 //
 // UNAVAILABLE, with what to do, when the camera is not there, is used by another program, may not
 // be opened, or gives no frame within settings.silence; FAILED_PRECONDITION when the program runs
-// on fakenect (see fakenect_recording.h) without a recording in $FAKENECT_PATH. It must not be
-// opened twice at once.
+// on fakenect (see fakenect_recording.h) without a recording in $FAKENECT_PATH, or
+// settings.intrinsics are not for 640 x 480. It must not be opened twice at once.
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenFreenect(const std::string& which,
                                                           const SensorSettings& settings);
 

@@ -9,6 +9,7 @@
 #include "client/sensors/file_sensor.h"
 #include "client/sensors/freenect_sensor.h"
 #include "client/sensors/fresh_sensor.h"
+#include "client/sensors/kinect_v1_calibration.h"
 #include "client/sensors/openni2_sensor.h"
 #include "client/sensors/reconnecting_sensor.h"
 #include "client/sensors/sensor_spec.h"
@@ -21,6 +22,10 @@
 
 namespace graspdb::client {
 namespace {
+
+// What OpenNI's cameras are asked for, where they can.
+constexpr int kOpenNi2Width = 640;
+constexpr int kOpenNi2Height = 480;
 
 using OpenedSensor = absl::StatusOr<std::unique_ptr<DepthSensor>>;
 
@@ -36,6 +41,14 @@ OpenedSensor KeepOpen(const std::string& name, const SensorSettings& settings,
       name, open_fresh,
       ReconnectSettings{.first_pause = settings.first_pause,
                         .longest_pause = settings.longest_pause});
+}
+
+// The settings with the intrinsics that the options give, if they do.
+SensorSettings WithIntrinsics(SensorOptions& options, int width, int height,
+                              SensorSettings settings) {
+  const auto intrinsics = options.Intrinsics(width, height);
+  if (intrinsics) settings.intrinsics = intrinsics;
+  return settings;
 }
 
 OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
@@ -55,7 +68,7 @@ OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& setting
   const std::string camera_name = options.Text("camera", "v2");
   RandomSceneOptions scenes;
   scenes.seed = options.Seed("seed", scenes.seed);
-  scenes.objects_per_scene = static_cast<int>(options.Number("objects-per-scene", 1, 1, 8));
+  scenes.objects_per_scene = options.Integer("objects-per-scene", 1, 1, 8);
   scenes.area_half_width_m = options.Number("area", scenes.area_half_width_m, 0, kRegionHalfWidthM);
   scenes.stand.look_down_deg = {options.Number("look-down", 40, 0, 90)};
   scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
@@ -63,34 +76,34 @@ OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& setting
   const std::string scene = options.Text("scene", "");
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   if (!parts.ok()) return parts.status();
-  if (camera_name != "v1" && camera_name != "v2") {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there is no simulated camera \"", camera_name, "\"; v1 and v2 are Kinects"));
-  }
-  DepthCameraModel camera = camera_name == "v1" ? KinectV1() : KinectV2();
-  if (settings.intrinsics) camera.intrinsics = *settings.intrinsics;
-  camera.noise.scale = noise;
+  absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(camera_name);
+  if (!camera.ok()) return camera.status();
+  if (settings.intrinsics) camera->intrinsics = *settings.intrinsics;
+  camera->noise.scale = noise;
   const SceneSource source =
       scene.empty() ? RandomScenes(*parts, scenes)
                     : SceneSource([scene, parts = *parts] { return ReadScene(scene, parts); });
-  auto sensor = SimulatedSensor::Create(camera, *parts, source);
+  auto sensor = SimulatedSensor::Create(*camera, *parts, source);
   if (!sensor.ok()) return sensor.status();
   return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
 }
 
-OpenedSensor OpenKinectV1(const SensorSpec& spec, const SensorSettings& settings) {
+OpenedSensor OpenKinectV1(const SensorSpec& spec, const SensorSettings& given) {
   SensorOptions options(spec);
+  const SensorSettings settings = WithIntrinsics(options, kKinectV1Width, kKinectV1Height, given);
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   return KeepOpen(
       absl::StrCat("Kinect v1 (libfreenect) no. ", spec.target.empty() ? "0" : spec.target),
       settings, [which = spec.target, settings] { return OpenFreenect(which, settings); });
 }
 
-OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& settings) {
+OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& given) {
   SensorOptions options(spec);
-  const bool loop = options.Flag("loop");
+  const bool is_recording = absl::EndsWithIgnoreCase(spec.target, ".oni");
+  const bool loop = is_recording && options.Flag("loop");
+  const SensorSettings settings = WithIntrinsics(options, kOpenNi2Width, kOpenNi2Height, given);
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
-  if (absl::EndsWithIgnoreCase(spec.target, ".oni")) {
+  if (is_recording) {
     // What has ended is not begun again as a camera would be.
     OpenedSensor sensor = OpenOpenNi2(spec.target, loop, settings);
     if (!sensor.ok()) return sensor;
@@ -102,9 +115,10 @@ OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& setti
 }
 
 OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
-                          [[maybe_unused]] const SensorSettings& settings) {
+                          [[maybe_unused]] const SensorSettings& given) {
 #ifdef GRASPDB_WITH_FREENECT2
   SensorOptions options(spec);
+  const SensorSettings settings = WithIntrinsics(options, kKinectV2Width, kKinectV2Height, given);
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   return KeepOpen(absl::StrCat("Kinect v2 (libfreenect2) ", spec.target), settings,
                   [serial = spec.target, settings] { return OpenFreenect2(serial, settings); });

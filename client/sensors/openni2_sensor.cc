@@ -19,6 +19,7 @@
 #include "absl/time/clock.h"
 #include "client/files/depth_message.h"
 #include "client/sensors/frame_mailbox.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -75,6 +76,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
           absl::StrCat(Name(), " cannot be opened (", Reason(),
                        "); check its cable, and that this user may use it (group plugdev)"));
     }
+    opened_uri_ = device_.getDeviceInfo().getUri();
     if (absl::Status status = CreateStream(); !status.ok()) return status;
     if (absl::Status status = Calibrate(); !status.ok()) return status;
     if (device_.isFile()) device_.getPlaybackControl()->setRepeatEnabled(loop);
@@ -116,7 +118,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     }
     // A device with one mode may refuse to be told it.
     if (best != nullptr && stream_.setVideoMode(*best) != openni::STATUS_OK) {
-      spdlog::debug("event=openni2_mode_kept reason=\"{}\"", Reason());
+      spdlog::debug("event=openni2_mode_kept reason={}", LogField(Reason()));
     }
     stream_.setMirroringEnabled(false);
     return absl::OkStatus();
@@ -133,6 +135,9 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       return absl::FailedPreconditionError(
           absl::StrCat(Name(), " has no depths in millimetres; name another camera"));
     }
+    absl::Status size =
+        CheckIntrinsics(settings_, Name(), mode.getResolutionX(), mode.getResolutionY());
+    if (!size.ok()) return size;
     if (settings_.intrinsics) {
       intrinsics_ = *settings_.intrinsics;
     } else if (horizontal > 0 && vertical > 0) {
@@ -145,14 +150,14 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     } else {
       return absl::FailedPreconditionError(
           absl::StrCat(Name(),
-                       " does not say its field of view; give the intrinsics of the cell's "
-                       "camera"));
+                       " does not say its field of view; give its intrinsics, "
+                       "?fx=F&fy=F&cx=X&cy=Y"));
     }
     return absl::OkStatus();
   }
 
   void onDeviceDisconnected(const openni::DeviceInfo* device) override {
-    if (!uri_.empty() && uri_ != device->getUri()) return;
+    if (opened_uri_ != device->getUri()) return;
     frames_->Fail(Unavailable(absl::StrCat(Name(), " was unplugged; plug it in again")));
   }
 
@@ -206,7 +211,8 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     return true;
   }
 
-  const std::string uri_;
+  const std::string uri_;   // as it was asked for; empty: any
+  std::string opened_uri_;  // of the device itself, from Open on
   const SensorSettings settings_;
   openni::Device device_;
   openni::VideoStream stream_;

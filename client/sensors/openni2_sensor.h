@@ -24,7 +24,8 @@ namespace graspdb::client {
 //
 // UNAVAILABLE, with what to do, when the device is not there or gives no frame within
 // settings.silence; NOT_FOUND when a file *.oni is not there; FAILED_PRECONDITION when it has no
-// depth camera or does not say its field of view, and settings.intrinsics does neither.
+// depth camera or does not say its field of view, and settings.intrinsics does neither, or is for
+// images of another size.
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenOpenNi2(const std::string& uri, bool loop,
                                                          const SensorSettings& settings);
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "logging/log_field.h"
 
 namespace graspdb::client {
 
@@ -58,12 +59,12 @@ void ReconnectingSensor::Open() {
     name_ = sensor_->Name();
     why_ = absl::OkStatus();
     lost_ = false;
-    spdlog::info("event=camera_opened camera=\"{}\"", name_);
+    spdlog::info("event=camera_opened camera={}", LogField(name_));
   } else {
     // Once a reason is enough in the log of a year.
     if (why_ != opened.status()) {
-      spdlog::warn("event=camera_not_opened camera=\"{}\" error=\"{}\"", name_,
-                   std::string(opened.status().message()));
+      spdlog::warn("event=camera_not_opened camera={} error={}", LogField(name_),
+                   LogField(std::string(opened.status().message())));
     }
     why_ = opened.status();
   }
@@ -90,8 +91,8 @@ void ReconnectingSensor::Close() {
     const absl::MutexLock lock(&mutex_);
     if (sensor_ == nullptr) return;
     if (lost_) {
-      spdlog::warn("event=camera_lost camera=\"{}\" error=\"{}\"", name_,
-                   std::string(why_.message()));
+      spdlog::warn("event=camera_lost camera={} error={}", LogField(name_),
+                   LogField(std::string(why_.message())));
     }
     while (callers_ > 0) changed_.Wait(&mutex_);
     gone = std::move(sensor_);

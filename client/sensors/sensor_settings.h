@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
+#include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "recognition/types.h"
 
@@ -21,5 +23,10 @@ struct SensorSettings {
   absl::Duration first_pause = absl::Milliseconds(250);
   absl::Duration longest_pause = absl::Seconds(5);
 };
+
+// FAILED_PRECONDITION, with what to do, when intrinsics are given for images of another size than
+// those of `camera`, as a person calls it. Thread-safe.
+absl::Status CheckIntrinsics(const SensorSettings& settings, const std::string& camera, int width,
+                             int height);
 
 }  // namespace graspdb::client

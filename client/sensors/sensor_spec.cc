@@ -34,12 +34,12 @@ absl::Status ParseOptions(const std::string& text, const std::string& options, c
 }  // namespace
 
 absl::StatusOr<SensorSpec> ParseSensorSpec(const std::string& text) {
-  const std::size_t colon = text.find(':');
+  const std::size_t colon = text.find_first_of(":?");
   SensorSpec spec;
   spec.kind = text.substr(0, colon);
   if (spec.kind.empty()) return Bad(text, "has no kind; write as \"freenect:0\"");
   if (colon == std::string::npos) return spec;
-  spec.target = text.substr(colon + 1);
+  spec.target = text.substr(text[colon] == ':' ? colon + 1 : colon);
   if (spec.kind == "simulated") {
     const std::string options = std::exchange(spec.target, "");
     if (absl::Status status = ParseOptions(text, options, ',', &spec); !status.ok()) return status;
@@ -92,6 +92,36 @@ double SensorOptions::Number(const std::string& key, double otherwise, double le
     return otherwise;
   }
   return number;
+}
+
+int SensorOptions::Integer(const std::string& key, int otherwise, int least, int most) {
+  const std::optional<std::string> value = Take(key);
+  if (!value) return otherwise;
+  int number = 0;
+  if (!absl::SimpleAtoi(*value, &number) || number < least || number > most) {
+    Complain(key,
+             absl::StrCat("is \"", *value, "\" and no whole number from ", least, " to ", most));
+    return otherwise;
+  }
+  return number;
+}
+
+std::optional<recognition::CameraIntrinsics> SensorOptions::Intrinsics(int width, int height) {
+  constexpr double kMostPixels = 100'000;
+  const auto is_given = [this](const char* key) { return rest_.contains(key); };
+  const char* const keys[] = {"fx", "fy", "cx", "cy"};
+  const bool any = std::ranges::any_of(keys, is_given) || is_given("width") || is_given("height");
+  for (const char* key : keys) {
+    if (any && !is_given(key)) Complain(key, "is missing; give fx, fy, cx and cy together");
+  }
+  const recognition::CameraIntrinsics out = {
+      .width = Integer("width", width, 1, static_cast<int>(kMostPixels)),
+      .height = Integer("height", height, 1, static_cast<int>(kMostPixels)),
+      .fx = Number("fx", 1, 1, kMostPixels),
+      .fy = Number("fy", 1, 1, kMostPixels),
+      .cx = Number("cx", 0, -kMostPixels, kMostPixels),
+      .cy = Number("cy", 0, -kMostPixels, kMostPixels)};
+  return any ? std::optional(out) : std::nullopt;
 }
 
 std::uint64_t SensorOptions::Seed(const std::string& key, std::uint64_t otherwise) {

@@ -9,12 +9,13 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "recognition/types.h"
 
 namespace graspdb::client {
 
-// "KIND", "KIND:TARGET" or "KIND:TARGET?KEY=VALUE&KEY=VALUE"; for "simulated", which has no target,
-// "simulated:KEY=VALUE,KEY=VALUE". A key may stand without a value. A "?" in a path stays in it
-// where what follows has a "/" or a ".".
+// "KIND", "KIND:TARGET", "KIND?KEY=VALUE&KEY=VALUE" or "KIND:TARGET?KEY=VALUE&KEY=VALUE"; for
+// "simulated", which has no target, "simulated:KEY=VALUE,KEY=VALUE". A key may stand without a
+// value. A "?" in a path stays in it where what follows has a "/" or a ".".
 struct SensorSpec {
   std::string kind;
   std::string target;
@@ -22,10 +23,10 @@ struct SensorSpec {
 };
 
 // INVALID_ARGUMENT when there is no kind, or an option is given twice or without a key. Which kinds
-// there are is not looked at.
+// there are is not looked at. Thread-safe.
 absl::StatusOr<SensorSpec> ParseSensorSpec(const std::string& text);
 
-// Takes the options of a spec one by one; remembers the first thing that is wrong.
+// Takes the options of a spec one by one; remembers the first thing that is wrong. Not thread-safe.
 class SensorOptions {
  public:
   explicit SensorOptions(const SensorSpec& spec) : rest_(spec.options) {}
@@ -34,6 +35,11 @@ class SensorOptions {
   std::string Text(const std::string& key, const std::string& otherwise);
   // Within [least, most].
   double Number(const std::string& key, double otherwise, double least, double most);
+  // Whole, within [least, most].
+  int Integer(const std::string& key, int otherwise, int least, int most);
+  // A camera's fx, fy, cx and cy, pixels, all four or none; and width and height where they are not
+  // those given here.
+  std::optional<recognition::CameraIntrinsics> Intrinsics(int width, int height);
   std::uint64_t Seed(const std::string& key, std::uint64_t otherwise);
   // Separated by "+".
   std::vector<std::string> List(const std::string& key);

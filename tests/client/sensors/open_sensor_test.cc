@@ -43,6 +43,14 @@ TEST(SensorSpec, AKindAloneIsEnough) {
   EXPECT_THAT(spec->target, IsEmpty());
 }
 
+TEST(SensorSpec, AKindWithoutATargetMayHaveOptions) {
+  const auto spec = ParseSensorSpec("freenect?fx=580.5&fy=580");
+  ASSERT_THAT(spec, IsOk());
+  EXPECT_EQ(spec->kind, "freenect");
+  EXPECT_THAT(spec->target, IsEmpty());
+  EXPECT_THAT(spec->options, ElementsAre(Pair("fx", "580.5"), Pair("fy", "580")));
+}
+
 TEST(SensorSpec, ASimulationHasOptionsAndNoTarget) {
   const auto spec = ParseSensorSpec("simulated:parts=wedge+handle,seed=7");
   ASSERT_THAT(spec, IsOk());
@@ -100,6 +108,12 @@ TEST(OpenSensor, WrongOptionsAreNamed) {
       {"files:" + folder.path().string() + "?loop=maybe", "loop"},
       {"freenect:0?loop", "\"loop\""},
       {"openni2:0?rate=3", "\"rate\""},
+      {"openni2:0?loop", "\"loop\""},
+      {"simulated:objects-per-scene=2.5", "objects-per-scene"},
+      {"freenect?fx=580", "fy"},
+      {"freenect:0?fx=580&fy=580&cx=320&cy=tall", "cy"},
+      {"openni2?width=320&height=240", "fx"},
+      {"openni2?width=32.5&fx=580&fy=580&cx=320&cy=240", "width"},
   };
   for (const auto& c : cases) {
     EXPECT_THAT(OpenSensor(c.spec, {}),
@@ -141,6 +155,15 @@ TEST(OpenSensor, ACameraThatIsNotThereIsUnavailableAndLookedFor) {
   EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)),
               StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_FALSE((*sensor)->IsReady());
+}
+
+TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRefusedBeforeTheCameraIsLookedFor) {
+  const auto sensor =
+      OpenSensor("freenect:77?width=320&height=240&fx=290&fy=290&cx=160&cy=120", {});
+  ASSERT_THAT(sensor, IsOk());
+  EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)),
+              StatusIs(absl::StatusCode::kFailedPrecondition,
+                       AllOf(HasSubstr("640 x 480"), HasSubstr("320 x 240"))));
 }
 
 TEST(OpenSensor, ASimulationShowsWhatSomebodyLaysOut) {

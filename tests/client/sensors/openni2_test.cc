@@ -23,6 +23,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::IsOk;
+using ::testing::Not;
 using ::testing::StartsWith;
 using testing::StatusIs;
 
@@ -80,6 +81,26 @@ TEST_F(OpenNi2Test, ACameraThatIsPulledOutAndPluggedInAgainGivesFramesAgain) {
   const auto lines = Play("openni2:Test/Ramp", 12, "GRASPDB_TEST_CAMERA_FRAMES=60");
   EXPECT_THAT(lines, Contains(AllOf(StartsWith("error UNAVAILABLE"), HasSubstr("was unplugged"))));
   EXPECT_THAT(lines, Contains("frame 11"));
+}
+
+TEST_F(OpenNi2Test, AnotherCameraThatIsPulledOutDisturbsNoneThatWasOpenedAsAny) {
+  const auto lines = Play("openni2", 20, "GRASPDB_TEST_OTHER_CAMERA_FRAMES=10");
+  EXPECT_THAT(lines, Contains("frame 19"));
+  EXPECT_THAT(lines, Not(Contains(StartsWith("error"))));
+}
+
+TEST_F(OpenNi2Test, IntrinsicsMayBeGiven) {
+  EXPECT_THAT(Play("openni2:Test/Ramp?fx=501.5&fy=502&cx=319&cy=239", 1), Contains("frame 0"));
+  const auto camera = ReadIntrinsics(out() / kIntrinsicsFile);
+  ASSERT_THAT(camera, IsOk());
+  EXPECT_EQ(camera->intrinsics.fx, 501.5);
+  EXPECT_EQ(camera->intrinsics.cy, 239);
+  EXPECT_EQ(camera->intrinsics.width, 640);
+}
+
+TEST_F(OpenNi2Test, IntrinsicsOfAnotherSizeAreRefused) {
+  EXPECT_THAT(Play("openni2:Test/Ramp?width=320&height=240&fx=250&fy=250&cx=160&cy=120", 1),
+              Contains(AllOf(StartsWith("error FAILED_PRECONDITION"), HasSubstr("320 x 240"))));
 }
 
 TEST_F(OpenNi2Test, ACameraThatIsNotThereIsToldSo) {

@@ -2,7 +2,8 @@
 // drivers of real ones, so that all of the library is tested but these. The camera at the URI
 // "Test/Ramp" shows a depth in millimetres of 500 + column, mirrored unless told not to. After
 // $GRASPDB_TEST_CAMERA_FRAMES frames, where that is set, it is unplugged, once; a moment later it
-// is plugged in again.
+// is plugged in again. Where $GRASPDB_TEST_OTHER_CAMERA_FRAMES is set, another camera beside it,
+// which cannot be opened, is unplugged for good after so many of its frames.
 #include <Driver/OniDriverAPI.h>
 
 #include <atomic>
@@ -171,12 +172,18 @@ class Driver : public oni::driver::DriverBase {
     std::strcpy(info_.name, "ramp");
     const char* frames = std::getenv("GRASPDB_TEST_CAMERA_FRAMES");
     frames_left_ = frames == nullptr ? -1 : std::stoi(frames);
+    std::strcpy(other_.uri, "Test/Beside");
+    std::strcpy(other_.vendor, "tests");
+    std::strcpy(other_.name, "beside");
+    const char* until = std::getenv("GRASPDB_TEST_OTHER_CAMERA_FRAMES");
+    frames_until_other_goes_ = until == nullptr ? -1 : std::stoi(until);
   }
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     deviceConnected(&info_);
+    if (frames_until_other_goes_ >= 0) deviceConnected(&other_);
     return ONI_STATUS_OK;
   }
   oni::driver::DeviceBase* deviceOpen(const char* uri, const char* /*mode*/) override {
@@ -190,6 +197,9 @@ class Driver : public oni::driver::DriverBase {
   // Whether there is a frame still to be seen.
   bool TakeFrame() {
     if (!plugged_) return false;
+    if (frames_until_other_goes_ >= 0 && frames_until_other_goes_-- == 0) {
+      std::thread([this] { deviceDisconnected(&other_); }).detach();
+    }
     if (frames_left_ < 0 || frames_left_-- > 0) return true;
     plugged_ = false;
     // It runs as long as it likes: the library and its drivers stay until the program ends.
@@ -204,7 +214,9 @@ class Driver : public oni::driver::DriverBase {
   }
 
   OniDeviceInfo info_ = {};
-  std::atomic<int> frames_left_ = -1;  // below 0: as many as are wanted
+  OniDeviceInfo other_ = {};
+  std::atomic<int> frames_until_other_goes_ = -1;  // below 0: it is gone, or never was
+  std::atomic<int> frames_left_ = -1;              // below 0: as many as are wanted
   std::atomic<bool> plugged_ = true;
 };
 
