@@ -6,28 +6,10 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/camera.h"
 #include "client/cli/console_prompt.h"
+#include "client/cli/taught_report.h"
 #include "client/teaching/guided_teaching.h"
 
 namespace graspdb::client {
-namespace {
-
-absl::Status Report(const GlobalOptions& global, const GuidedCounts& counts, Client& client) {
-  const absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (global.json) {
-    v1::UploadViewsResponse summary;
-    summary.set_created_count(counts.taught);
-    summary.set_catalog_revision(status->catalog_revision());
-    return PrintJson(summary);
-  }
-  std::printf("taught %d views; the catalogue has %lld views of %lld objects%s\n", counts.taught,
-              static_cast<long long>(status->view_count()),
-              static_cast<long long>(status->object_count()),
-              counts.stopped ? "; run the same command again to go on" : "");
-  return absl::OkStatus();
-}
-
-}  // namespace
 
 absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOptions& options) {
   Client client = Connect(global);
@@ -55,7 +37,9 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
   const absl::StatusOr<GuidedCounts> counts =
       GuidedTeaching(**sensor, client, prompt, guided).Run();
   if (!counts.ok()) return counts.status();
-  return Report(global, *counts, client);
+  return ReportTaught(global, client, {.created = counts->taught},
+                      counts->stopped ? "; run the same command again to go on" : "")
+      .status();
 }
 
 }  // namespace graspdb::client

@@ -1,12 +1,12 @@
 #include "client/cli/import_command.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/look_alike_notes.h"
 #include "client/cli/splits.h"
+#include "client/cli/taught_report.h"
 #include "client/files/capture_set.h"
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
@@ -76,21 +76,10 @@ absl::Status RunImport(const GlobalOptions& global, const Options& options) {
   Client client = Connect(global);
   const absl::StatusOr<UploadCounts> counts = Import(client, options, *set);
   if (!counts.ok()) return counts.status();
-  absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (global.json) {
-    v1::UploadViewsResponse summary;
-    summary.set_created_count(counts->created);
-    summary.set_existing_count(counts->existing);
-    summary.set_catalog_revision(status->catalog_revision());
-    return PrintJson(summary);
-  }
-  std::printf(
-      "taught %d views, %d were there already; the catalogue has %lld views of %lld objects\n",
-      counts->created, counts->existing, static_cast<long long>(status->view_count()),
-      static_cast<long long>(status->object_count()));
-  if (counts->created > 0) return NoteLookAlikes(client, "", *status);
-  return absl::OkStatus();
+  const absl::StatusOr<v1::CatalogStatus> status =
+      ReportTaught(global, client, {.created = counts->created, .existing = counts->existing});
+  if (!status.ok() || global.json || counts->created == 0) return status.status();
+  return NoteLookAlikes(client, "", *status);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "client/cli/look_alike_notes.h"
 #include "client/cli/stable_pose_pictures.h"
 #include "client/cli/stable_pose_table.h"
+#include "client/cli/taught_report.h"
 #include "client/simulation/length_unit.h"
 #include "client/simulation/mesh_part.h"
 #include "client/simulation/progress_line.h"
@@ -67,7 +68,9 @@ absl::StatusOr<CadPart> PartOf(const Options& options) {
 
 absl::StatusOr<CadViews> ViewsOf(const Options& options, Client& client) {
   CadViews views;
-  views.camera = options.camera == "v1" ? KinectV1() : KinectV2();
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(options.camera);
+  if (!camera.ok()) return camera.status();
+  views.camera = *camera;
   views.step_deg = options.step_deg;
   views.beside_others = options.add;
   views.world_sensor =
@@ -94,20 +97,9 @@ absl::Status PrintDeclaration(const CadPart& part) {
 
 absl::Status Report(const GlobalOptions& global, Client& client, const Options& options,
                     const UploadCounts& counts) {
-  const absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (global.json) {
-    v1::UploadViewsResponse summary;
-    summary.set_created_count(counts.created);
-    summary.set_existing_count(counts.existing);
-    summary.set_catalog_revision(status->catalog_revision());
-    return PrintJson(summary);
-  }
-  std::printf(
-      "taught %d views, %d were there already; the catalogue has %lld views of %lld objects\n",
-      counts.created, counts.existing, static_cast<long long>(status->view_count()),
-      static_cast<long long>(status->object_count()));
-  if (counts.created == 0) return absl::OkStatus();
+  const absl::StatusOr<v1::CatalogStatus> status =
+      ReportTaught(global, client, {.created = counts.created, .existing = counts.existing});
+  if (!status.ok() || global.json || counts.created == 0) return status.status();
   return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
 }
 
@@ -169,7 +161,7 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
       command
           .add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
           ->needs(mesh)
-          ->check(CLI::IsMember({"mm", "cm", "m", "inch"})));
+          ->check(CLI::IsMember(LengthUnitNames())));
   command
       .add_option("--min-probability", o.min_probability,
                   "Stable poses in which a dropped object ends less often are left out")
