@@ -33,13 +33,18 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
       .step_deg = options.step_deg,
       .clockwise = options.clockwise};
   if (!options.axis.empty()) guided.axis = Eigen::Vector2d(options.axis[0], options.axis[1]);
-  ConsolePrompt prompt(stdin, global.json ? stderr : stdout);
+  ConsolePrompt console(stdin, global.json ? stderr : stdout);
+  UnattendedPrompt prompt(console, options.unattended);
   const absl::StatusOr<GuidedCounts> counts =
       GuidedTeaching(**sensor, client, prompt, guided).Run();
   if (!counts.ok()) return counts.status();
-  return ReportTaught(global, client, {.created = counts->taught},
-                      counts->stopped ? "; run the same command again to go on" : "")
-      .status();
+  absl::Status reported =
+      ReportTaught(global, client, {.created = counts->taught},
+                   counts->stopped ? "; run the same command again to go on" : "")
+          .status();
+  if (!reported.ok() || !counts->stopped || !options.unattended.yes) return reported;
+  return absl::FailedPreconditionError(
+      "it ended before all views were taught; see what was said of the last one");
 }
 
 }  // namespace graspdb::client

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "client/cli/command.h"
+#include "client/cli/unattended_prompt.h"
 
 namespace graspdb::client {
 
@@ -18,10 +19,12 @@ struct GuidedTeachOptions {
   double plate_height_m = 0;
   double step_deg = 20;
   bool clockwise = false;
+  Unattended unattended;
 };
 
 // Leads the person at the terminal through it (on stderr with --json) and prints what came of it.
-// NOT_FOUND, with what to do, when there is no such cell; errors of OpenSensor and GuidedTeaching.
+// NOT_FOUND, with what to do, when there is no such cell; FAILED_PRECONDITION when nobody was there
+// to end it and it ended before everything was taught; errors of OpenSensor and GuidedTeaching.
 absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOptions& options);
 
 }  // namespace graspdb::client

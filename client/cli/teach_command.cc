@@ -51,6 +51,7 @@ keeps its grasps. A command that was interrupted is run again: nothing is taught
 
 Examples:
   graspdb teach bracket --sensor freenect --cell press-3         # guided
+  graspdb teach bracket --sensor freenect --cell press-3 --yes --settle 5   # motorised turntable
   graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # the stable poses alone
   graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
   graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
@@ -224,6 +225,17 @@ void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
       ->needs(sensor)
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
+  command
+      .add_flag("--yes", o.guided.unattended.yes,
+                "Answer every question as Enter does: one stable pose, nobody at the terminal")
+      ->needs(sensor);
+  command
+      .add_option_function<double>(
+          "--settle", [&o](double seconds) { o.guided.unattended.settle = absl::Seconds(seconds); },
+          "Wait so many seconds before each view instead of for Enter, as a motor turns the table")
+      ->needs(sensor)
+      ->check(CLI::Range(0.0, 3600.0))
+      ->type_name("SECONDS");
   command
       .add_flag("--clockwise", o.guided.clockwise,
                 "The turntable turns clockwise as seen from above")

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "client/files/capture_set.h"
 #include "client/simulation/mesh_file.h"
 #include "client/simulation/solid.h"
 #include "tests/end_to_end/programs_fixture.h"
@@ -70,6 +71,36 @@ TEST_F(TeachTest, AnotherMeshOfTheSameNameIsNotMixedIn) {
       Graspdb(Teach({"--step", "60", "--poses", "1", "--distance", "1.0", "--add"})).exit_status,
       0);
   EXPECT_EQ(Status().view_count(), 12);
+}
+
+// A turntable that turns on while its views are taken, by a recording: a frame to begin with, then
+// five of each view.
+TEST_F(TeachTest, NobodyNeedsToBeAtTheTerminal) {
+  StartServer();
+  Succeed({"cells", "set", "press", "--region", "-0.3,-0.3,-0.02,0.3,0.3,0.4"});
+  Succeed(
+      {"simulate", "--parts", "l-bracket", "--turntable", "--step", "60", "--out", Path("turn")});
+  const auto set = client::LoadCaptureSet(Path("turn"));
+  ASSERT_THAT(set, IsOk());
+  ASSERT_EQ(set->captures_size(), 6);
+  std::filesystem::create_directory(Path("frames"));
+  const auto copy = [&](int capture, int number) {
+    std::filesystem::copy_file(folder_.path() / "turn" / set->captures(capture).path(),
+                               Path("frames/" + std::to_string(number) + ".pcd"));
+  };
+  copy(0, 100);
+  for (int frame = 0; frame < 30; ++frame) copy(frame / 5, 101 + frame);
+  const std::vector<std::string> teach = {
+      "teach",  "l-bracket", "--sensor", "files:" + Path("frames"),
+      "--cell", "press",     "--step",   "60",
+      "--yes",  "--settle",  "0.01"};
+  const Finished taught = Succeed(teach);
+  EXPECT_THAT(taught.out, HasSubstr("taught 6 views; the catalogue has 6 views of 1 objects\n"));
+  // Once more: another stable pose, for which nothing of the recording is left after five views.
+  std::filesystem::remove(Path("frames/130.pcd"));
+  const Finished broken = Graspdb(teach);
+  EXPECT_EQ(broken.exit_status, 1) << broken.out;
+  EXPECT_THAT(broken.out, HasSubstr("run the same command again to go on"));
 }
 
 TEST_F(TeachTest, ADryRunNeedsNoServer) {
