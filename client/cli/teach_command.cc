@@ -21,23 +21,19 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
-  std::string object;
-  std::string display_name;
+// Beside what the guided way takes, some of which is said of a mesh, too: what only a mesh needs.
+struct Options : GuidedTeachOptions {
   std::string mesh;
   std::string unit;
-  std::string cell;
   std::string camera = "v2";
   double look_down_deg = 40;
   double distance_m = 0.8;
-  double step_deg = 20;
   double min_probability = 0.01;
   double gripper_max_m = ParallelGripper{}.max_opening_m;
   std::vector<int> poses;
   std::string pictures;
   bool add = false;
   bool dry_run = false;
-  GuidedTeachOptions guided;
 };
 
 constexpr char kFooter[] =
@@ -104,15 +100,6 @@ absl::Status Report(const GlobalOptions& global, Client& client, const Options& 
   return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
 }
 
-absl::Status TeachByCamera(const GlobalOptions& global, const Options& options) {
-  GuidedTeachOptions guided = options.guided;
-  guided.object = options.object;
-  guided.display_name = options.display_name;
-  guided.cell = options.cell;
-  guided.step_deg = options.step_deg;
-  return RunGuidedTeach(global, guided);
-}
-
 absl::Status TeachByMesh(const GlobalOptions& global, const Options& options) {
   const absl::StatusOr<CadPart> part = PartOf(options);
   if (!part.ok()) return part.status();
@@ -150,7 +137,7 @@ Ways AddWays(CLI::App& command, Options& o) {
   CLI::Option_group* way = command.add_option_group("way", "From what it is taught");
   ways.mesh = way->add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
                   ->check(CLI::ExistingFile);
-  ways.sensor = way->add_option("--sensor", o.guided.sensor,
+  ways.sensor = way->add_option("--sensor", o.sensor,
                                 "The depth camera that sees it, e.g. freenect; see "
                                 "`graspdb sensors list`");
   way->require_option(1);
@@ -212,7 +199,7 @@ void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Opt
 void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
   command
       .add_option(
-          "--axis", o.guided.axis,
+          "--axis", o.axis,
           "Where the turntable's axis is in the world frame, m; without it in the middle of "
           "the cell's region")
       ->needs(sensor)
@@ -220,25 +207,23 @@ void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
       ->expected(2)
       ->type_name("X,Y");
   command
-      .add_option("--plate-height", o.guided.plate_height_m,
+      .add_option("--plate-height", o.plate_height_m,
                   "How high the turntable's plate is above the table, m")
       ->needs(sensor)
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command
-      .add_flag("--yes", o.guided.unattended.yes,
+      .add_flag("--yes", o.unattended.yes,
                 "Answer every question as Enter does: one stable pose, nobody at the terminal")
       ->needs(sensor);
   command
       .add_option_function<double>(
-          "--settle", [&o](double seconds) { o.guided.unattended.settle = absl::Seconds(seconds); },
+          "--settle", [&o](double seconds) { o.unattended.settle = absl::Seconds(seconds); },
           "Wait so many seconds before each view instead of for Enter, as a motor turns the table")
       ->needs(sensor)
       ->check(CLI::Range(0.0, 3600.0))
       ->type_name("SECONDS");
-  command
-      .add_flag("--clockwise", o.guided.clockwise,
-                "The turntable turns clockwise as seen from above")
+  command.add_flag("--clockwise", o.clockwise, "The turntable turns clockwise as seen from above")
       ->needs(sensor);
 }
 
@@ -264,7 +249,7 @@ void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   command->footer(kFooter);
   command->callback([=, &global] {
     *action = [=, &global] {
-      return options->mesh.empty() ? TeachByCamera(global, *options)
+      return options->mesh.empty() ? RunGuidedTeach(global, *options)
                                    : TeachByMesh(global, *options);
     };
   });
