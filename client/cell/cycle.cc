@@ -61,15 +61,19 @@ absl::Status Cycle::Try(const std::optional<recognition::Pose>& base_flange, abs
 absl::Status Cycle::Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
                         Look* look) {
   absl::Duration pause = kFirstPause;
+  absl::Status no_server;
   for (;;) {
     absl::Status status = Try(base_flange, deadline, look);
     if (status.ok()) return status;
+    if (absl::IsUnavailable(status)) no_server = status;
     if (absl::IsDeadlineExceeded(status) && absl::IsUnavailable(cell_.state())) {
       return cell_.state();  // nobody was there to be slow
     }
     if (!IsPassing(status)) return status;
     const bool is_late = absl::Now() + pause >= deadline;
     if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
+      // The camera had no time left for another frame after the server had not come.
+      if (absl::IsAborted(status) && !no_server.ok()) return no_server;
       return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
     }
     pause = std::min(2 * pause, kLongestPause);

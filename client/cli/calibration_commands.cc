@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/calibration/table_level.h"
 #include "client/cli/cell_saving.h"
 #include "client/cli/table_scan.h"
@@ -48,6 +49,10 @@ absl::Status Level(const GlobalOptions& global, const Options& options) {
     cell->set_name(ResourceName("cells", options.id));
   }
   if (!cell.ok()) return cell.status();
+  if (cell->has_flange_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the camera of ", options.id, " is on the robot's flange and needs no level"));
+  }
   const std::optional<Pose> before =
       cell->has_sensor_pose() ? std::optional(FromMessage(cell->sensor_pose())) : std::nullopt;
   const absl::StatusOr<Pose> level = LevelOn(*table, before);

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kTableFrames = 5;
 constexpr absl::Duration kSensorPatience = absl::Seconds(10);
-constexpr absl::Duration kSensorPause = absl::Milliseconds(20);
 
 }  // namespace
 
@@ -27,7 +26,7 @@ absl::StatusOr<StillScan> TableFrom(const std::string& frame, const std::string&
   const absl::StatusOr<std::unique_ptr<DepthSensor>> camera = OpenCamera(sensor);
   if (!camera.ok()) return camera.status();
   const absl::Time deadline = absl::Now() + kSensorPatience;
-  while (!(*camera)->IsReady() && absl::Now() < deadline) absl::SleepFor(kSensorPause);
+  AwaitFrames(**camera, deadline);
   return TakeStillScan(**camera, kTableFrames, deadline);
 }
 

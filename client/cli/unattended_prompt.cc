@@ -10,9 +10,6 @@
 namespace graspdb::client {
 namespace {
 
-// How the questions of GuidedTeaching begin.
-constexpr char kStablePose[] = "id of the stable pose";
-constexpr char kView[] = "turn the object to";
 constexpr int kMostTries = 3;
 constexpr absl::Duration kWatch = absl::Milliseconds(50);  // Ctrl-C is seen so soon
 
@@ -28,12 +25,12 @@ bool Wait(absl::Duration time) {
 }  // namespace
 
 std::optional<std::string> UnattendedPrompt::Ask(const std::string& question) {
-  const bool is_view = absl::StartsWith(question, kView);
+  const bool is_view = absl::StartsWith(question, kAskView);
   if (is_view && (how_.yes || how_.settle)) return TakeView(question);
   if (!how_.yes) return prompt_.Ask(question);
   if (Interrupted()) return std::nullopt;
   std::string answer;
-  if (absl::StartsWith(question, kStablePose)) {
+  if (absl::StartsWith(question, kAskStablePose)) {
     if (has_stable_pose_) answer = "done";  // another one would be begun for ever
     has_stable_pose_ = true;
   }

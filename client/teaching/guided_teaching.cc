@@ -156,8 +156,8 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
 absl::StatusOr<std::string> GuidedTeaching::AskStablePose() {
   absl::StatusOr<std::string> proposed = ProposeStablePose();
   if (!proposed.ok()) return proposed;
-  const std::optional<std::string> answer = prompt_.Ask(
-      absl::StrCat("id of the stable pose (Enter: ", *proposed, ", done: that was all) "));
+  const std::optional<std::string> answer =
+      prompt_.Ask(absl::StrCat(kAskStablePose, " (Enter: ", *proposed, ", done: that was all) "));
   if (!answer) Stop();
   if (!answer) return "";
   const std::string word(absl::StripAsciiWhitespace(*answer));

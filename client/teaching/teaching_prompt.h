@@ -6,6 +6,10 @@
 
 namespace graspdb::client {
 
+// How questions begin that a script must know, because Enter answers them again and again.
+inline constexpr char kAskStablePose[] = "id of the stable pose";
+inline constexpr char kAskView[] = "turn the object to ";
+
 // Asked by one thread; need not be thread-safe.
 class TeachingPrompt {
  public:

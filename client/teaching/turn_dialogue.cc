@@ -33,7 +33,7 @@ bool TurnDialogue::Run() {
   while (!todo_.empty()) {
     const int step = todo_.front();
     const std::optional<std::string> answer = prompt_.Ask(
-        absl::StrCat("turn the object to ", coverage_.AzimuthDeg(step),
+        absl::StrCat(kAskView, coverage_.AzimuthDeg(step),
                      " degrees and press Enter (r: repeat the last one, s: skip, q: stop) "));
     if (!answer) return false;
     const std::string word(absl::StripAsciiWhitespace(*answer));

@@ -82,16 +82,27 @@ Vector3d SimulatedCell::Normals() {
 Pose SimulatedCell::Drive(double tilt_rad, double turn_rad) {
   const double heading = std::numbers::pi * Uniform();
   const Vector3d tilt = tilt_rad * Uniform() * Vector3d(std::cos(heading), std::sin(heading), 0);
-  const Vector3d turn(0, 0, turn_rad * Uniform());
+  return DriveTo({.world_shown = {0.02, 0, 0.28}, .distance_m = 0.65}, tilt, turn_rad * Uniform());
+}
+
+Pose SimulatedCell::DriveProgram(int number, double tilt_rad, double turn_rad) {
+  const double heading = number * 150 * std::numbers::pi / 180;
+  const Vector3d tilt = tilt_rad * Vector3d(std::cos(heading), std::sin(heading), 0);
+  return DriveTo({.world_shown = {0.02, -0.09, 0.36}, .distance_m = 0.55}, tilt,
+                 number % 2 == 0 ? turn_rad : -turn_rad);
+}
+
+Pose SimulatedCell::DriveTo(const Place& place, const Vector3d& tilt, double turn_rad) {
+  const Vector3d turn(0, 0, turn_rad);
   const Vector3d shift(Uniform(), Uniform(), Uniform());
   Pose world_flange = Pose::Identity();
   if (mount_ == CameraMount::kFixed) {
     // The target hangs upright from the tool, but for the tilt.
     const Pose world_target =
-        Make(Vector3d(0.02, 0, 0.28) + 0.06 * shift, tilt) * Make(Vector3d::Zero(), turn);
+        Make(place.world_shown + 0.06 * shift, tilt) * Make(Vector3d::Zero(), turn);
     world_flange = world_target * flange_target_.inverse();
   } else {
-    const Pose above = client::LookAt({0, 0, 0.02}, 0.65 + 0.06 * shift.z(), 90, -90);
+    const Pose above = client::LookAt({0, 0, 0.02}, place.distance_m + 0.06 * shift.z(), 90, -90);
     const Pose around = Make(0.04 * Vector3d(shift.x(), shift.y(), 0), tilt);
     world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
   }

@@ -25,6 +25,10 @@ class SimulatedCell : public client::DepthSensor {
   // Drives to the next pose of a calibration, the tool tilted by up to `tilt_rad` to any side and
   // turned about its own axis by up to `turn_rad`; answers where the robot says that it is.
   recognition::Pose Drive(double tilt_rad, double turn_rad);
+  // Drives to pose `number` of the program that docs/calibration.md has: always tilted by
+  // `tilt_rad`, 150 degrees further round each time, and turned by `turn_rad` to one side and the
+  // other; answers as above.
+  recognition::Pose DriveProgram(int number, double tilt_rad, double turn_rad);
   void set_hidden(bool hidden) { hidden_ = hidden; }
 
   absl::StatusOr<client::SensorFrame> Next(absl::Time deadline) override;
@@ -39,6 +43,12 @@ class SimulatedCell : public client::DepthSensor {
   recognition::Pose camera_target() const;
 
  private:
+  // About where poses are.
+  struct Place {
+    Eigen::Vector3d world_shown;  // a target in the gripper, before a fixed camera
+    double distance_m = 0;        // of a camera on the flange from its target
+  };
+  recognition::Pose DriveTo(const Place& place, const Eigen::Vector3d& tilt, double turn_rad);
   double Uniform() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
   Eigen::Vector3d Normals();
   recognition::Pose WorldCameraNow() const;

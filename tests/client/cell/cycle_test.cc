@@ -136,6 +136,18 @@ TEST_F(CycleTest, ACameraThatStaysAwayIsNotTakenForTheServer) {
   EXPECT_EQ(asked_, 0);
 }
 
+TEST_F(CycleTest, TheServersFaultIsNotPutOnACameraThatHasNoTimeLeft) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  give_ = [this]() -> absl::StatusOr<SensorFrame> {
+    if (given_ > 1) return absl::DeadlineExceededError("no frame in time");
+    return FrameNow();
+  };
+  EXPECT_THAT(Run(absl::Milliseconds(200)),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
+  EXPECT_EQ(asked_, 1);
+}
+
 TEST_F(CycleTest, AnOldFrameIsNoAnswer) {
   give_ = []() -> absl::StatusOr<SensorFrame> {
     SensorFrame frame = FrameNow();
