@@ -20,6 +20,7 @@ inline constexpr std::array<LengthUnit, 4> kLengthUnits = {
 // Their names, in that order.
 inline std::vector<std::string> LengthUnitNames() {
   std::vector<std::string> names;
+  names.reserve(kLengthUnits.size());
   for (const LengthUnit& unit : kLengthUnits) names.emplace_back(unit.name);
   return names;
 }

@@ -14,8 +14,9 @@ using Eigen::Vector3f;
 recognition::SurfaceModel Plate(int count) {
   recognition::OrientedCloud cloud;
   for (int i = 0; i < count; ++i) {
-    cloud.points.emplace_back(0.012F * static_cast<float>(i % 7),
-                              0.012F * static_cast<float>(i / 7), 0.0F);
+    const int row = i / 7;
+    cloud.points.emplace_back(0.012F * static_cast<float>(i % 7), 0.012F * static_cast<float>(row),
+                              0.0F);
     cloud.normals.emplace_back(Vector3f::UnitZ());
   }
   return {std::move(cloud), 1};

@@ -30,9 +30,9 @@ Pose Make(const Vector3d& at, double angle, const Vector3d& axis) {
   return out;
 }
 
-const Pose kWorldSensor = Make({0.1, -0.4, 0.8}, 2.6, {1, 0.1, 0});
-const Pose kMountCamera = Make({0.06, -0.02, 0.05}, 0.2, {1, 0.5, 0.3});
-const Pose kWorldBase = Make({-0.4, 0.1, 0.02}, 0.3, {0, 0, 1});
+const Pose sensor_in_world = Make({0.1, -0.4, 0.8}, 2.6, {1, 0.1, 0});
+const Pose camera_on_mount = Make({0.06, -0.02, 0.05}, 0.2, {1, 0.5, 0.3});
+const Pose base_in_world = Make({-0.4, 0.1, 0.02}, 0.3, {0, 0, 1});
 
 HandEye Found(const Pose& mount_camera, const Pose& mount_target = Pose::Identity()) {
   return {.mount_camera = mount_camera, .mount_target = mount_target, .residuals = {}};
@@ -62,7 +62,7 @@ absl::StatusOr<v1::Cell> Saved(const v1::Cell& cell, const HandEye& hand_eye, Ca
 }
 
 TEST(CalibratedCell, AFixedCameraIsNoLongerOnTheFlange) {
-  const auto saved = Saved(CellWith(&kWorldSensor, &kMountCamera, nullptr),
+  const auto saved = Saved(CellWith(&sensor_in_world, &camera_on_mount, nullptr),
                            Found(Make({0.5, 0, 1}, 3, {1, 0, 0})), CameraMount::kFixed);
   ASSERT_THAT(saved, IsOk());
   EXPECT_EQ(MountOf(*saved), CameraMount::kFixed);
@@ -70,24 +70,24 @@ TEST(CalibratedCell, AFixedCameraIsNoLongerOnTheFlange) {
   ASSERT_THAT(frames, IsOk());
   const auto camera = WorldSensor(*frames, Pose::Identity(), std::nullopt);
   ASSERT_THAT(camera, IsOk());
-  EXPECT_TRUE(camera->isApprox(kWorldSensor, 1e-9));
+  EXPECT_TRUE(camera->isApprox(sensor_in_world, 1e-9));
   const auto found = MountCameraOf(*saved);
   ASSERT_THAT(found, IsOk());
   EXPECT_TRUE(found->isApprox(Make({0.5, 0, 1}, 3, {1, 0, 0}), 1e-9));
 }
 
 TEST(CalibratedCell, ACameraOnTheFlangeNoLongerStandsStill) {
-  const auto saved = Saved(CellWith(&kWorldSensor, nullptr, &kWorldBase), Found(kMountCamera),
-                           CameraMount::kOnFlange);
+  const auto saved = Saved(CellWith(&sensor_in_world, nullptr, &base_in_world),
+                           Found(camera_on_mount), CameraMount::kOnFlange);
   ASSERT_THAT(saved, IsOk());
   EXPECT_EQ(MountOf(*saved), CameraMount::kOnFlange);
   EXPECT_FALSE(saved->has_sensor_pose()) << "scans without a pose would be put there";
-  EXPECT_TRUE(FromMessage(saved->flange_sensor_pose()).isApprox(kMountCamera, 1e-9));
+  EXPECT_TRUE(FromMessage(saved->flange_sensor_pose()).isApprox(camera_on_mount, 1e-9));
 }
 
 TEST(CalibratedCell, WhereTheRobotStandsStaysWhereItIsKnown) {
-  const auto update = CalibratedCell(CellWith(nullptr, nullptr, &kWorldBase), Found(kMountCamera),
-                                     CameraMount::kOnFlange);
+  const auto update = CalibratedCell(CellWith(nullptr, nullptr, &base_in_world),
+                                     Found(camera_on_mount), CameraMount::kOnFlange);
   ASSERT_THAT(update, IsOk());
   EXPECT_THAT(update->update_mask().paths(), ElementsAre("flange_sensor_pose", "sensor_pose"));
   EXPECT_EQ(update->cell().etag(), "7") << "a cell that was changed meanwhile must stay";
@@ -96,7 +96,7 @@ TEST(CalibratedCell, WhereTheRobotStandsStaysWhereItIsKnown) {
 TEST(CalibratedCell, WhereItIsNotKnownTheWorldBeginsUnderTheRobot) {
   // The target stands on a table 0.1 m below the robot's origin, turned about the vertical.
   const auto update = CalibratedCell(CellWith(nullptr, nullptr, nullptr),
-                                     Found(kMountCamera, Make({0.5, 0.2, -0.1}, 0.7, {0, 0, 1})),
+                                     Found(camera_on_mount, Make({0.5, 0.2, -0.1}, 0.7, {0, 0, 1})),
                                      CameraMount::kOnFlange);
   ASSERT_THAT(update, IsOk());
   const Pose world_base = FromMessage(update->cell().robot_base_pose());
@@ -104,15 +104,15 @@ TEST(CalibratedCell, WhereItIsNotKnownTheWorldBeginsUnderTheRobot) {
 }
 
 TEST(CalibratedCell, WhatSaysNothingOfTheWorldIsRefused) {
-  EXPECT_THAT(CalibratedCell(CellWith(nullptr, nullptr, &kWorldBase), {}, CameraMount::kFixed),
+  EXPECT_THAT(CalibratedCell(CellWith(nullptr, nullptr, &base_in_world), {}, CameraMount::kFixed),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
-  const HandEye lying = Found(kMountCamera, Make({0.5, 0, 0}, std::numbers::pi / 2, {0, 1, 0}));
+  const HandEye lying = Found(camera_on_mount, Make({0.5, 0, 0}, std::numbers::pi / 2, {0, 1, 0}));
   EXPECT_THAT(CalibratedCell(CellWith(nullptr, nullptr, nullptr), lying, CameraMount::kOnFlange),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells set")));
 }
 
 TEST(MountCameraOf, ACellThatIsNotCalibratedIsRefused) {
-  EXPECT_THAT(MountCameraOf(CellWith(&kWorldSensor, nullptr, nullptr)),
+  EXPECT_THAT(MountCameraOf(CellWith(&sensor_in_world, nullptr, nullptr)),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("not calibrated")));
 }
 

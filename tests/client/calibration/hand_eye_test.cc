@@ -169,7 +169,7 @@ TEST_P(HandEyeTest, TooFewPosesAreRefused) {
 TEST_P(HandEyeTest, TooFewPosesThatAgreeAreSaidToBeThat) {
   Cell cell(GetParam(), 1);
   std::vector<HandEyeSample> samples = cell.Drive(8, 0.5);
-  for (const std::size_t i : {1, 4, 6}) samples[i].camera_target = cell.Noise(0.3, 1);
+  for (const std::size_t i : {1U, 4U, 6U}) samples[i].camera_target = cell.Noise(0.3, 1);
   EXPECT_THAT(SolveHandEye(samples, GetParam()), StatusIs(absl::StatusCode::kFailedPrecondition,
                                                           HasSubstr("only 5 of 8 poses agree")));
 }

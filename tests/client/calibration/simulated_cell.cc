@@ -88,7 +88,7 @@ Pose SimulatedCell::Drive(double tilt_rad, double turn_rad) {
 Pose SimulatedCell::DriveProgram(int number, double tilt_rad, double turn_rad) {
   const double heading = number * 150 * std::numbers::pi / 180;
   const Vector3d tilt = tilt_rad * Vector3d(std::cos(heading), std::sin(heading), 0);
-  return DriveTo({.world_shown = {0.02, -0.09, 0.36}, .distance_m = 0.55}, tilt,
+  return DriveTo({.world_shown = {0.02, -0.09, 0.36}, .distance_m = 0.6}, tilt,
                  number % 2 == 0 ? turn_rad : -turn_rad);
 }
 
