@@ -62,7 +62,7 @@ TEST_F(CellProgramsTest, AServerThatIsKilledIsToldAndFoundAgain) {
   LayOut(0);
   StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
   client::GriClient robot = Robot();
-  ExpectHolds(Trigger(robot));
+  ExpectHolds(Trigger(robot, 2));
   const std::string address = address_;
   server_->Signal(SIGKILL);
   server_->Wait();
@@ -81,13 +81,13 @@ TEST_F(CellProgramsTest, AServerThatIsKilledIsToldAndFoundAgain) {
 TEST_F(CellProgramsTest, ACameraThatIsUnpluggedIsToldAndFoundAgain) {
   StartCell();
   LayOut(0);
-  StartAgent({"--job", "1 any limit=300ms"});
+  StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
   client::GriClient robot = Robot();
-  ExpectHolds(Trigger(robot));
+  ExpectHolds(Trigger(robot, 2));
   std::filesystem::remove_all(Path(scene_));
   EXPECT_EQ(Trigger(robot).code, GriCode::kPipelineNotAvailable);
   LayOut(1);
-  ExpectHolds(Trigger(robot));
+  ExpectHolds(Trigger(robot, 2));
 }
 
 TEST_F(CellProgramsTest, ARobotThatHangsUpInTheMiddleOfAJobDisturbsNobody) {
@@ -106,7 +106,7 @@ TEST_F(CellProgramsTest, AnAgentStartsBeforeItsServerAndItsCamera) {
   StartCell();
   server_->Signal(SIGTERM);
   server_->Wait();
-  StartAgent({"--job", "1 any limit=300ms"});
+  StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
   client::GriClient robot = Robot();
   EXPECT_EQ(robot.Ask(Request(GriAction::kStatus))->data[1], 0);
   EXPECT_EQ(Trigger(robot).code, GriCode::kApiNotReachable);
@@ -114,7 +114,7 @@ TEST_F(CellProgramsTest, AnAgentStartsBeforeItsServerAndItsCamera) {
   ASSERT_NE(server_->WaitForLine("listening on "), "") << server_->Errors();
   AwaitCode(GriCode::kPipelineNotAvailable);
   LayOut(0);
-  AwaitCode(GriCode::kNoError);
+  AwaitCode(GriCode::kNoError, 2);
 }
 
 TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
@@ -194,7 +194,7 @@ TEST_F(CellProgramsTest, ARecordedKinectIsSeenThroughLibfreenect) {
   GriResponse answer;
   const absl::Time end = absl::Now() + absl::Seconds(60);
   while (!Holds(answer, SceneNo(1)) && absl::Now() < end) {
-    answer = Trigger(robot);
+    answer = Trigger(robot, was_gone ? 2 : 1);
     was_gone = was_gone || answer.code == GriCode::kPipelineNotAvailable;
   }
   EXPECT_TRUE(was_gone);
