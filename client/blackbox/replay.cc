@@ -2,16 +2,16 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
 
-constexpr double kMmPerM = 1000;
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
 
 // Without what differs from one time to the next by itself.
 v1::RecognizeResponse Timeless(v1::RecognizeResponse response) {

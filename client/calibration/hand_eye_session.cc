@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -10,14 +9,14 @@
 #include "absl/strings/str_cat.h"
 #include "client/calibration/calibrated_cell.h"
 #include "client/files/pose_message.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
 
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
 using recognition::Pose;
-
-constexpr double kMmPerM = 1000;
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 absl::Status NotBegun() {
   return absl::AbortedError("the calibration was not begun; send HEC_INIT first");

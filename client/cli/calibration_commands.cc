@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,14 +11,14 @@
 #include "client/cli/cell_saving.h"
 #include "client/cli/table_scan.h"
 #include "client/files/pose_message.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
 
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
 using recognition::Pose;
-
-constexpr double kMmPerM = 1000;
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 constexpr char kLevelFooter[] =
     R"(Fits the plane of the empty table and sets the cell's sensor pose: its height and level, keeping

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,14 +18,14 @@
 #include "client/cli/table_scan.h"
 #include "client/files/json_object.h"
 #include "client/files/pose_message.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
 
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
 using recognition::Pose;
-
-constexpr double kMmPerM = 1000;
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 constexpr char kCheckFooter[] =
     R"(With --frame: how the table lies against the cell's sensor pose. With --poses and --target: how

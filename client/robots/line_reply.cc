@@ -9,11 +9,13 @@
 #include "absl/strings/str_format.h"
 #include "client/robots/line_request.h"
 #include "client/robots/pose_format.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
 
-constexpr double kMmPerM = 1000;
+using recognition::kMmPerM;
+
 constexpr int kMmDecimals = 3;
 constexpr int kDegreeDecimals = 4;
 constexpr int kRadianDecimals = 6;

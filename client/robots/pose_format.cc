@@ -3,11 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "client/robots/rotation_vector.h"
+#include "recognition/units.h"
 
 namespace graspdb::client {
 namespace {
@@ -16,10 +16,10 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
 using recognition::Pose;
 
-constexpr double kMmPerM = 1000;
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // A quaternion that was rounded to six decimals is of length one within a few of them.
 constexpr double kLengthTolerance = 0.01;
 // Nearer to each other than this, first and last axis cannot be told apart.

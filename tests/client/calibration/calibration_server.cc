@@ -1,7 +1,5 @@
 #include "tests/client/calibration/calibration_server.h"
 
-#include <spdlog/spdlog.h>
-
 #include <vector>
 
 #include "client/files/cloud_message.h"
@@ -28,29 +26,17 @@ std::vector<PlannedCapture> PlanFor(const std::vector<Workpiece>& parts) {
 
 }  // namespace
 
-CalibrationServer::CalibrationServer() {
-  spdlog::set_level(spdlog::level::off);
-  server::ServerOptions options;
-  options.database = (folder_.path() / "db").string();
-  options.listen = "127.0.0.1:0";
-  auto started = server::Server::Start(options);
-  EXPECT_THAT(started, IsOk());
-  server_ = *std::move(started);
-  client_ =
-      std::make_unique<client::Client>(server_->InProcessChannel(), client::ConnectionOptions());
-}
-
 void CalibrationServer::Teach(const std::string& part, const client::DepthCameraModel& model) {
   const std::vector<Workpiece> parts = {PartNamed(part)};
   const std::string object = "objects/" + part;
   v1::CreateObjectRequest create;
   create.set_object_id(part);
-  ASSERT_THAT(client_->CreateObject(create), IsOk());
+  ASSERT_THAT(client().CreateObject(create), IsOk());
   v1::CreateStablePoseRequest pose;
   pose.set_parent(object);
   pose.set_stable_pose_id(parts.front().stable_pose_id);
   pose.mutable_stable_pose()->set_symmetry_order(parts.front().symmetry_order);
-  ASSERT_THAT(client_->CreateStablePose(pose), IsOk());
+  ASSERT_THAT(client().CreateStablePose(pose), IsOk());
   auto camera = client::DepthCamera::Create(model);
   ASSERT_THAT(camera, IsOk());
   const std::vector<PlannedCapture> plan = PlanFor(parts);
@@ -70,7 +56,7 @@ void CalibrationServer::Teach(const std::string& part, const client::DepthCamera
     *view->mutable_object_pose() = client::ToMessage(capture.placements.front().world_object);
     return true;
   };
-  const auto taught = client_->UploadViews(next_view);
+  const auto taught = client().UploadViews(next_view);
   ASSERT_THAT(taught, IsOk());
   ASSERT_EQ(taught->created_count(), static_cast<int>(plan.size()));
 }
@@ -81,7 +67,7 @@ void CalibrationServer::MakeCell(const std::string& id, const recognition::Pose*
   if (world_sensor != nullptr) {
     *request.mutable_cell()->mutable_sensor_pose() = client::ToMessage(*world_sensor);
   }
-  ASSERT_THAT(client_->CreateCell(request), IsOk());
+  ASSERT_THAT(client().CreateCell(request), IsOk());
 }
 
 }  // namespace graspdb::testing

@@ -1,15 +1,11 @@
 // Views of meshes in a real catalogue.
 #include <gmock/gmock.h>
-#include <spdlog/spdlog.h>
-
-#include <memory>
 
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
 #include "client/simulation/solid.h"
 #include "client/teaching/cad_views.h"
-#include "server/server.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/client/catalogue_server.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -20,17 +16,6 @@ using recognition::Pose;
 
 class CadTeachingTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    spdlog::set_level(spdlog::level::off);
-    server::ServerOptions options;
-    options.database = (folder_.path() / "db").string();
-    options.listen = "127.0.0.1:0";
-    auto started = server::Server::Start(options);
-    ASSERT_THAT(started, IsOk());
-    server_ = *std::move(started);
-    client_ = std::make_unique<Client>(server_->InProcessChannel(), ConnectionOptions());
-  }
-
   // What every view has of a box with these half widths and this height, in the object's frame.
   recognition::Box KeptOf(float x, float y, float height) {
     Workpiece part{.object_id = "box",
@@ -41,13 +26,13 @@ class CadTeachingTest : public ::testing::Test {
     CadViews views;
     views.world_sensor = LookAt({0, 0, 0.1}, 1.4, 40, -90);
     views.step_deg = 30;
-    EXPECT_THAT(TeachCadViews(*client_, {part}, views, {}), IsOk());
+    EXPECT_THAT(TeachCadViews(client_, {part}, views, {}), IsOk());
     recognition::Box common{{-1, -1, -1}, {1, 1, 1}};
-    const auto listed = client_->ListViews("objects/box/stablePoses/resting-1");
+    const auto listed = client_.ListViews("objects/box/stablePoses/resting-1");
     EXPECT_THAT(listed, IsOk());
     EXPECT_EQ(listed->size(), 12U);
     for (const v1::View& one : *listed) {
-      const auto view = client_->GetView(one.name());
+      const auto view = client_.GetView(one.name());
       EXPECT_THAT(view, IsOk());
       const auto points = PointsFromMessage(view->cloud());
       EXPECT_THAT(points, IsOk());
@@ -65,9 +50,8 @@ class CadTeachingTest : public ::testing::Test {
     return common;
   }
 
-  TemporaryFolder folder_;
-  std::unique_ptr<server::Server> server_;
-  std::unique_ptr<Client> client_;
+  graspdb::testing::CatalogueServer server_;
+  Client& client_ = server_.client();
 };
 
 TEST_F(CadTeachingTest, ATallThingIsKeptUpToItsTop) {

@@ -32,10 +32,10 @@ class HalfMovedTurnTest : public GuidedTeachingTest {
     Person person(table_);
     person.Answers("").Answers("").Answers("", 3).Answers("done");
     ASSERT_THAT(Teach(person), IsOk());
-    const auto views = client_->ListViews(kStablePose);
+    const auto views = client_.ListViews(kStablePose);
     ASSERT_THAT(views, IsOk());
     ASSERT_EQ(views->size(), 3U);
-    const auto view = client_->GetView(views->front().name());
+    const auto view = client_.GetView(views->front().name());
     ASSERT_THAT(view, IsOk());
     const auto make = [&](std::size_t, v1::UploadViewsRequest* request) {
       request->set_parent(kStablePose);
@@ -45,7 +45,7 @@ class HalfMovedTurnTest : public GuidedTeachingTest {
       request->mutable_view()->mutable_object_pose()->mutable_position()->set_x(kOtherX);
       return absl::OkStatus();
     };
-    ASSERT_THAT(TeachViews(*client_, {.count = 1, .make = make}, {}), IsOk());
+    ASSERT_THAT(TeachViews(client_, {.count = 1, .make = make}, {}), IsOk());
     ASSERT_EQ(ViewCount(), 4U);
   }
 
@@ -60,7 +60,7 @@ TEST_F(HalfMovedTurnTest, TheViewsAboutTheOtherAxisAreDeletedWhenThePersonSaysSo
   EXPECT_THAT(person.asked().at(0), HasSubstr("Enter: pose-1"));
   EXPECT_THAT(person.heard(), Contains(HasSubstr("0.2000,-0.0300")));
   EXPECT_TRUE(person.IsDone());
-  const auto views = client_->ListViews(kStablePose);
+  const auto views = client_.ListViews(kStablePose);
   ASSERT_THAT(views, IsOk());
   ASSERT_EQ(views->size(), 3U);
   for (const v1::View& view : *views) {

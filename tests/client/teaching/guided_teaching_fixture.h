@@ -2,7 +2,6 @@
 #pragma once
 
 #include <gmock/gmock.h>
-#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <numbers>
@@ -12,8 +11,7 @@
 #include "client/files/pose_message.h"
 #include "client/sensors/simulated_sensor.h"
 #include "client/teaching/guided_teaching.h"
-#include "server/server.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/client/catalogue_server.h"
 #include "tests/client/simulation/small_kinect.h"
 #include "tests/client/teaching/turntable_and_person.h"
 #include "tests/testing/status_matchers.h"
@@ -23,14 +21,6 @@ namespace graspdb::client {
 class GuidedTeachingTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    spdlog::set_level(spdlog::level::off);
-    server::ServerOptions options;
-    options.database = (folder_.path() / "db").string();
-    options.listen = "127.0.0.1:0";
-    auto started = server::Server::Start(options);
-    ASSERT_THAT(started, ::graspdb::testing::IsOk());
-    server_ = *std::move(started);
-    client_ = std::make_unique<Client>(server_->InProcessChannel(), ConnectionOptions());
     ShowPart("bracket-right");
     options_.cell = CellAround(Axis());
     options_.frames = 2;
@@ -59,7 +49,7 @@ class GuidedTeachingTest : public ::testing::Test {
     return cell;
   }
   absl::StatusOr<GuidedCounts> Teach(Person& person) {
-    return GuidedTeaching(*sensor_, *client_, person, options_).Run();
+    return GuidedTeaching(*sensor_, client_, person, options_).Run();
   }
   // A new frame of the turned part, in the frame of the turntable's axis.
   void ExpectRecognisedAt(double azimuth_deg) {
@@ -70,7 +60,7 @@ class GuidedTeachingTest : public ::testing::Test {
     *ask.mutable_depth_image() = std::get<v1::DepthImage>(frame->scan);
     *ask.mutable_sensor_pose() = ToMessage(*frame->world_sensor);
     *ask.mutable_region_of_interest() = options_.cell.region_of_interest();
-    const auto answer = client_->Recognize(ask);
+    const auto answer = client_.Recognize(ask);
     ASSERT_THAT(answer, ::graspdb::testing::IsOk());
     ASSERT_EQ(answer->detections_size(), 1);
     EXPECT_EQ(answer->detections(0).object(), "objects/" + part_.object_id);
@@ -81,16 +71,15 @@ class GuidedTeachingTest : public ::testing::Test {
   }
   std::size_t ViewCount(const std::string& stable_pose = "pose-1") {
     const auto views =
-        client_->ListViews("objects/" + part_.object_id + "/stablePoses/" + stable_pose);
+        client_.ListViews("objects/" + part_.object_id + "/stablePoses/" + stable_pose);
     return views.ok() ? views->size() : 0;
   }
 
-  TemporaryFolder folder_;
   Workpiece part_;
   Turntable table_;
   GuidedOptions options_;
-  std::unique_ptr<server::Server> server_;
-  std::unique_ptr<Client> client_;
+  graspdb::testing::CatalogueServer server_;
+  Client& client_ = server_.client();
   std::unique_ptr<SimulatedSensor> sensor_;
 };
 

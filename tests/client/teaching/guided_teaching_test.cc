@@ -48,7 +48,7 @@ TEST_F(GuidedTeachingTest, ViewsAreSkippedAndRepeatedAndTheRestIsTaughtTheNextTi
   EXPECT_EQ(ViewCount("upright"), 2U);  // the repeated one took the place of the other
   EXPECT_THAT(first.asked().at(6), HasSubstr("to 120 degrees"));
   EXPECT_THAT(first.heard(), Contains(HasSubstr("missing: 60, 180 to 300 degrees")));
-  const auto pose = client_->GetStablePose("objects/bracket-right/stablePoses/upright");
+  const auto pose = client_.GetStablePose("objects/bracket-right/stablePoses/upright");
   ASSERT_THAT(pose, IsOk());
   EXPECT_EQ(pose->symmetry_order(), 2);
 
@@ -110,7 +110,7 @@ TEST_F(GuidedTeachingTest, WordsThatMeanNothingAreAskedAgain) {
   EXPECT_THAT(person.heard(), Contains(HasSubstr("1 to 63 characters")));
   EXPECT_THAT(person.heard(), Contains(HasSubstr("none to repeat")));
   EXPECT_THAT(person.heard(), Contains(HasSubstr("\"what\" means nothing")));
-  const auto pose = client_->GetStablePose("objects/bracket-right/stablePoses/side");
+  const auto pose = client_.GetStablePose("objects/bracket-right/stablePoses/side");
   ASSERT_THAT(pose, IsOk());
   EXPECT_EQ(pose->symmetry_order(), 0);
 }
@@ -162,8 +162,8 @@ TEST_F(GuidedTeachingTest, WhatStandsOnAHighPlateIsTaughtWithoutThePlate) {
   Person second(table_);
   second.Answers("").Answers("", 4);
   ASSERT_THAT(Teach(second), IsOk());
-  const auto flat = client_->ListViews("objects/bracket-right/stablePoses/pose-1");
-  const auto raised = client_->ListViews("objects/raised/stablePoses/pose-1");
+  const auto flat = client_.ListViews("objects/bracket-right/stablePoses/pose-1");
+  const auto raised = client_.ListViews("objects/raised/stablePoses/pose-1");
   ASSERT_THAT(flat, IsOk());
   ASSERT_THAT(raised, IsOk());
   ASSERT_EQ(raised->size(), 3U);
@@ -185,7 +185,7 @@ TEST_F(GuidedTeachingTest, OrStayAsTheyAreWhereThePersonDoesNotWantThat) {
   person.Answers("").Answers("", 10).Answers("n").Answers("done");
   ASSERT_THAT(Teach(person), IsOk());
   EXPECT_TRUE(person.IsDone());
-  const auto views = client_->ListViews("objects/bracket-right/stablePoses/pose-1");
+  const auto views = client_.ListViews("objects/bracket-right/stablePoses/pose-1");
   ASSERT_THAT(views, IsOk());
   ASSERT_EQ(views->size(), 9U);
   EXPECT_NEAR(views->front().object_pose().position().x(), options_.axis->x(), 1e-9);

@@ -1,0 +1,11 @@
+// Units for people and robots; everything else is in metres and radians.
+#pragma once
+
+#include <numbers>
+
+namespace graspdb::recognition {
+
+inline constexpr double kMmPerM = 1000;
+inline constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,42 @@
+// A server with an empty catalogue, in the process of the test.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <utility>
+
+#include "client/api/client.h"
+#include "server/server.h"
+#include "tests/client/files/temporary_folder.h"
+
+namespace graspdb::testing {
+
+// Goes with its folder. Silences the log.
+class CatalogueServer {
+ public:
+  CatalogueServer() {
+    spdlog::set_level(spdlog::level::off);
+    server::ServerOptions options;
+    options.database = (folder_.path() / "db").string();
+    options.listen = "127.0.0.1:0";
+    auto started = server::Server::Start(options);
+    if (!started.ok()) {
+      ADD_FAILURE() << started.status();
+      return;
+    }
+    server_ = *std::move(started);
+    client_ =
+        std::make_unique<client::Client>(server_->InProcessChannel(), client::ConnectionOptions());
+  }
+
+  client::Client& client() { return *client_; }
+
+ private:
+  client::TemporaryFolder folder_;
+  std::unique_ptr<server::Server> server_;
+  std::unique_ptr<client::Client> client_;
+};
+
+}  // namespace graspdb::testing
