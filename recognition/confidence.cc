@@ -11,8 +11,8 @@ constexpr double kUnknownNoiseM = 0.0015;
 // A segment's points are voxels: their deviation is so many times that of single pixels.
 constexpr double kVoxelNoise = 0.8;
 
-// The regression's coefficients.
-constexpr double kOffset = 3.8;
+// The regression's coefficients; ADR 18 says why the offset is not its own.
+constexpr double kOffset = 4.5;
 constexpr double kScan = 5;
 constexpr double kModel = 57;
 constexpr double kResidual = 8.9;

@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "recognition/bounds.h"
+#include "recognition/cell_key.h"
+#include "recognition/fusion.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// Edge of the cells within which views are averaged, m.
-constexpr float kCellM = 0.0025F;
 // Points of the coarse surface, about.
 constexpr float kCoarsePoints = 350;
 // The grid for look-ups: its cells, and how far from the surface it reaches, m.
@@ -22,71 +22,6 @@ constexpr float kGridReachM = 0.021F;
 constexpr float kDeviationReachM = 0.008F;
 // Every so many points are measured.
 constexpr std::size_t kDeviationStride = 4;
-// With so many views a surface is seen by more than one.
-constexpr int kViewsThatOverlap = 6;
-
-struct Surfel {
-  Eigen::Vector3f point = Eigen::Vector3f::Zero();  // sums
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-  float count = 0;
-  int last_view = -1;
-  int views = 0;
-};
-
-// Normals of one cell that differ less belong together.
-constexpr float kSameSide = 0.3F;
-
-std::uint64_t KeyOf(const Eigen::Vector3f& p, float cell_m) {
-  const Eigen::Vector3i c = (p / cell_m).array().floor().cast<int>();
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    key = (key << 21) | (static_cast<std::uint64_t>(c[axis] + (1 << 20)) & 0x1fffff);
-  }
-  return key;
-}
-
-class Fusion {
- public:
-  void Add(const PosedCloud& view, int number) {
-    const Eigen::Isometry3f object_world = view.world_object.inverse().cast<float>();
-    const OrientedCloud& cloud = *view.cloud;
-    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-      const Eigen::Vector3f p = object_world * cloud.points[i];
-      const Eigen::Vector3f n = object_world.linear() * cloud.normals[i];
-      Surfel& surfel = Find(KeyOf(p, kCellM), n);
-      surfel.point += p;
-      surfel.normal += n;
-      surfel.count += 1;
-      surfel.views += surfel.last_view != number;
-      surfel.last_view = number;
-    }
-  }
-
-  OrientedCloud Result(int views) const {
-    const int needed = views >= kViewsThatOverlap ? 2 : 1;
-    OrientedCloud out;
-    for (const Surfel& s : surfels_) {
-      if (s.views < needed || s.normal.norm() < 1e-6F) continue;
-      out.points.push_back(s.point / s.count);
-      out.normals.push_back(s.normal.normalized());
-    }
-    return out;
-  }
-
- private:
-  Surfel& Find(std::uint64_t key, const Eigen::Vector3f& normal) {
-    std::vector<int>& here = cells_[key];
-    for (const int i : here) {
-      Surfel& surfel = surfels_[static_cast<std::size_t>(i)];
-      if (surfel.normal.normalized().dot(normal) > kSameSide) return surfel;
-    }
-    here.push_back(static_cast<int>(surfels_.size()));
-    return surfels_.emplace_back();
-  }
-
-  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
-  std::vector<Surfel> surfels_;  // in the order of their first points
-};
 
 // One point of each cell, and of each side that the surface has there.
 Surface Thinned(const Surface& fine) {
@@ -96,7 +31,7 @@ Surface Thinned(const Surface& fine) {
   std::unordered_map<std::uint64_t, Normals> taken;
   for (std::size_t i = 0; i < fine.cloud.points.size(); ++i) {
     const Eigen::Vector3f& n = fine.cloud.normals[i];
-    Normals& here = taken[KeyOf(fine.cloud.points[i], spacing_m)];
+    Normals& here = taken[CellKey(fine.cloud.points[i], spacing_m)];
     const auto is_same_side = [&](const Eigen::Vector3f& other) {
       return other.dot(n) > kSameSide;
     };
@@ -126,7 +61,7 @@ float DeviationOf(const SurfaceModel& model, std::span<const PosedCloud> views) 
 }  // namespace
 
 SurfaceModel::SurfaceModel(OrientedCloud fused, int views)
-    : fine(std::move(fused), kCellM),
+    : fine(std::move(fused), kFusionCellM),
       coarse(Thinned(fine)),
       grid(fine.cloud.points, kGridCellM, kGridReachM),
       view_count(views) {
@@ -156,9 +91,7 @@ std::size_t SurfaceModel::bytes() const {
 }
 
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views) {
-  Fusion fusion;
-  for (std::size_t i = 0; i < views.size(); ++i) fusion.Add(views[i], static_cast<int>(i));
-  OrientedCloud fused = fusion.Result(static_cast<int>(views.size()));
+  OrientedCloud fused = Fused(views);
   if (fused.points.empty()) return nullptr;
   auto model = std::make_shared<SurfaceModel>(std::move(fused), static_cast<int>(views.size()));
   model->deviation_m = DeviationOf(*model, views);

@@ -54,9 +54,8 @@ struct PosedCloud {
   Pose world_object = Pose::Identity();        // T_world_object of its capture
 };
 
-// Fuses views of one stable pose. The points of all views within a cell become one, their mean;
-// surfaces that look into opposite directions stay apart. What only one of many views has seen
-// is left out as noise. Deterministic. Null without points.
+// Fuses views of one stable pose (fusion.h). What only one of many views has seen is left out as
+// noise. Deterministic. Null without points.
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views);
 
 }  // namespace graspdb::recognition

@@ -9,7 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/calibration/held_target.h"
-#include "client/calibration/sharp_model.h"
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
 #include "recognition/clusters.h"
@@ -147,7 +146,7 @@ absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
     if (!cloud.ok()) return cloud.status();
     clouds.push_back(*std::move(cloud));
   }
-  Target out{.stable_pose = *std::move(stable_pose), .model = FuseSharply(clouds)};
+  Target out{.stable_pose = *std::move(stable_pose), .model = recognition::FuseViews(clouds)};
   if (out.model == nullptr || out.model->deviation_m > kLargestDeviationM) {
     return absl::FailedPreconditionError(absl::StrCat(
         out.stable_pose, " has ", views->size(),

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+#include <utility>
+
 #include "recognition/point_search.h"
 #include "tests/recognition/synthetic_clouds.h"
 
@@ -11,6 +15,7 @@ namespace {
 using ::graspdb::testing::Moved;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPose;
+using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
 
 PosedCloud View(const OrientedCloud& object, const Pose& world_object) {
@@ -52,6 +57,63 @@ TEST(FuseViews, WhatOneOfManyViewsSawIsNoise) {
   const auto alone = FuseViews(std::span(views).last(1));
   ASSERT_TRUE(alone);
   EXPECT_GT(alone->radius_m, 0.1F);
+}
+
+// How far from the surface the points of a model are that eight views with noise make, m.
+struct OffSurface {
+  double mean = 0;
+  double rms = 0;
+};
+
+template <typename Surface, typename Distance>
+OffSurface Fused(const Surface& at, const Distance& distance) {
+  Random random(3);
+  std::normal_distribution<float> noise(0, 0.0012F);
+  std::vector<PosedCloud> views;
+  for (int view = 0; view < 8; ++view) {
+    OrientedCloud seen;
+    for (int i = 0; i < 4000; ++i) {
+      const auto [p, n] = at(Uniform(random, -1, 1), Uniform(random, -1, 1));
+      seen.points.push_back(p + noise(random) * n);
+      seen.normals.push_back(n);
+    }
+    views.push_back(View(seen, Pose::Identity()));
+  }
+  const auto model = FuseViews(views);
+  OffSurface out;
+  if (model == nullptr) return out;
+  const auto count = static_cast<double>(model->fine.cloud.points.size());
+  for (const Eigen::Vector3f& p : model->fine.cloud.points) {
+    const auto off = static_cast<double>(distance(p));
+    out.mean += off / count;
+    out.rms += off * off / count;
+  }
+  out.rms = std::sqrt(out.rms);
+  return out;
+}
+
+TEST(FuseViews, NoiseOverTheEdgeOfACellLeavesNoTwoLayers) {
+  const auto plane = [](double u, double v) {
+    return std::pair(Eigen::Vector3f(static_cast<float>(u * 0.03), static_cast<float>(v * 0.03), 0),
+                     Eigen::Vector3f(0, 0, 1));
+  };
+  const OffSurface off = Fused(plane, [](const Eigen::Vector3f& p) { return p.z(); });
+  EXPECT_NEAR(off.mean, 0, 1e-4);
+  EXPECT_LT(off.rms, 0.0003);
+}
+
+TEST(FuseViews, ARoundThingKeepsItsRadius) {
+  static constexpr float kRadiusM = 0.008F;
+  const auto rod = [](double u, double v) {
+    const auto angle = static_cast<float>(u * M_PI);
+    const Eigen::Vector3f n(std::cos(angle), std::sin(angle), 0);
+    const Eigen::Vector3f along(0, 0, static_cast<float>(v * 0.03));
+    return std::pair<Eigen::Vector3f, Eigen::Vector3f>(kRadiusM * n + along, n);
+  };
+  const OffSurface off =
+      Fused(rod, [](const Eigen::Vector3f& p) { return p.head<2>().norm() - kRadiusM; });
+  EXPECT_NEAR(off.mean, 0, 1e-4);
+  EXPECT_LT(off.rms, 0.0004);
 }
 
 TEST(FuseViews, TheTwoSidesOfASheetStayApart) {
