@@ -45,7 +45,7 @@ constexpr double kSamePlaceM = 0.008;
 constexpr double kSameTurnRad = 0.14;
 // Less of it in sight, or less of that where it should be, is no detection: an empty gripper looks
 // like many things to nine tenths.
-constexpr double kLeastSeen = 0.96;
+constexpr double kLeastSeen = 0.94;
 constexpr double kLeastShown = 0.55;
 
 struct Guess {
