@@ -12,6 +12,10 @@ using Eigen::Vector3d;
 
 // A step over the table moves things less in the image of a camera that looks along it.
 constexpr double kMinClimb = 0.2;
+// A part as low as this, m, may have been taken for table. Where what is left has its mean so far
+// from that of all, m, it makes a place of its own.
+constexpr double kTakenForTableM = 0.009;
+constexpr float kStandsElsewhereM = 0.015F;
 
 double Azimuth(const Pose& world_sensor, const Vector3d& point) {
   const Vector3d side = SideSeen(world_sensor, point);
@@ -74,12 +78,22 @@ std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
   }
   if (visible.empty()) return {turned};
   const Extent shown = ExtentOf(visible, sensor_object);
-  std::vector<Pose> out(1, turned);
-  out[0].translation() += ShiftOnTable(shown, segment.extent, {}, segment.world_sensor);
+  const auto shifted = [&](const Extent& extent, const Sight::Sides& sides) {
+    Pose at = turned;
+    at.translation() += ShiftOnTable(extent, segment.extent, sides, segment.world_sensor);
+    return at;
+  };
+  std::vector<Pose> out(1, shifted(shown, {}));
   if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
-    out.push_back(turned);
-    out[1].translation() += ShiftOnTable(shown, segment.extent, hidden, segment.world_sensor);
+    out.push_back(shifted(shown, hidden));
   }
+  if (!segment.on_table) return out;
+  std::erase_if(visible, [&](const Eigen::Vector3f& p) {
+    return (turned * p.cast<double>()).z() < kTakenForTableM;
+  });
+  if (visible.empty()) return out;
+  const Extent standing = ExtentOf(visible, sensor_object);
+  if ((standing.mean - shown.mean).norm() > kStandsElsewhereM) out.push_back(shifted(standing, {}));
   return out;
 }
 

@@ -28,8 +28,9 @@ struct SeenSegment {
 
 // T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
 // the side has turned since it was taught (SideSeen), what the camera sees of `model` with its
-// mean on that of the segment. Where sides of the segment are `hidden`, a second one, with
-// the edges on each other that are not.
+// mean on that of the segment. Where sides of the segment are `hidden`, another one, with
+// the edges on each other that are not. Where a thin part of it may have been taken for table, as a
+// plate's from which a leg stands up, one with the mean of the rest on that of the segment.
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
                              const SeenSegment& segment, const Sight::Sides& hidden);
 
