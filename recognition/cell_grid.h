@@ -75,6 +75,17 @@ class CellGrid {
     }
   }
 
+  // Calls visit(i), an index into the cloud, for the points of the cells up to `reach` away from
+  // that of `p`.
+  template <typename Visit>
+  void ForEachPoint(const Eigen::Vector3f& p, int reach, Visit&& visit) const {
+    ForEachRange(CellOf(p), reach, [&](std::int32_t begin, std::int32_t end) {
+      for (std::int32_t at = begin; at < end; ++at) {
+        visit(static_cast<std::size_t>(order_[static_cast<std::size_t>(at)]));
+      }
+    });
+  }
+
  private:
   std::size_t Offset(const Eigen::Vector3i& c) const {
     return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(last_.y() + 1) +

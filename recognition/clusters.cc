@@ -101,16 +101,13 @@ int NearestCluster(const Points& points, const CellGrid& grid, const Indices& cl
   const int reach = static_cast<int>(std::ceil(max_gap_m / static_cast<double>(grid.cell_m())));
   for (const std::int32_t i : cluster) {
     const Eigen::Vector3f& p = points[static_cast<std::size_t>(i)];
-    grid.ForEachRange(grid.CellOf(p), reach, [&](std::int32_t begin, std::int32_t end) {
-      for (std::int32_t at = begin; at < end; ++at) {
-        const auto j = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(at)]);
-        const int other = cluster_of[j];
-        if (other < 0 || other == own) continue;
-        const float distance = (p - points[j]).squaredNorm();
-        if (distance > best || (distance == best && nearest >= 0)) continue;
-        best = distance;
-        nearest = other;
-      }
+    grid.ForEachPoint(p, reach, [&](std::size_t j) {
+      const int other = cluster_of[j];
+      if (other < 0 || other == own) return;
+      const float distance = (p - points[j]).squaredNorm();
+      if (distance > best || (distance == best && nearest >= 0)) return;
+      best = distance;
+      nearest = other;
     });
   }
   return nearest;

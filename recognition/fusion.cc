@@ -89,20 +89,16 @@ void Lay(const Means& means, const CellGrid& grid, Vector3f* point, Vector3f* no
   float off = 0;
   float weights = 0;
   Vector3f direction = Vector3f::Zero();
-  const auto visit = [&](std::int32_t begin, std::int32_t end) {
-    for (std::int32_t k = begin; k < end; ++k) {
-      const auto i = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(k)]);
-      const Vector3f& n = means.cloud.normals[i];
-      const Vector3f to = means.cloud.points[i] - *point;
-      const float squared = to.squaredNorm();
-      if (squared > kReachM * kReachM || n.dot(*normal) < kSameFace) continue;
-      const float weight = means.counts[i] * std::exp(-squared / (2 * kDeviationM * kDeviationM));
-      off += weight * to.dot((n + *normal).normalized());
-      direction += weight * n;
-      weights += weight;
-    }
-  };
-  grid.ForEachRange(grid.CellOf(*point), 1, visit);
+  grid.ForEachPoint(*point, 1, [&](std::size_t i) {
+    const Vector3f& n = means.cloud.normals[i];
+    const Vector3f to = means.cloud.points[i] - *point;
+    const float squared = to.squaredNorm();
+    if (squared > kReachM * kReachM || n.dot(*normal) < kSameFace) return;
+    const float weight = means.counts[i] * std::exp(-squared / (2 * kDeviationM * kDeviationM));
+    off += weight * to.dot((n + *normal).normalized());
+    direction += weight * n;
+    weights += weight;
+  });
   *point += off / weights * *normal;  // the point itself is among them
   *normal = direction.normalized();
 }
@@ -128,13 +124,10 @@ OrientedCloud WithoutDoubles(const OrientedCloud& laid) {
     const Vector3f& n = laid.normals[i];
     out.points.push_back(p);
     out.normals.push_back(n);
-    grid.ForEachRange(grid.CellOf(p), 1, [&](std::int32_t begin, std::int32_t end) {
-      for (std::int32_t k = begin; k < end; ++k) {
-        const auto j = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(k)]);
-        const float squared = (laid.points[j] - p).squaredNorm();
-        is_double[j] |=
-            squared < kLeastSpacingM * kLeastSpacingM && laid.normals[j].dot(n) > kSameSide;
-      }
+    grid.ForEachPoint(p, 1, [&](std::size_t j) {
+      const float squared = (laid.points[j] - p).squaredNorm();
+      is_double[j] |=
+          squared < kLeastSpacingM * kLeastSpacingM && laid.normals[j].dot(n) > kSameSide;
     });
   }
   return out;

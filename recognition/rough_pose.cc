@@ -12,9 +12,9 @@ using Eigen::Vector3d;
 
 // A step over the table moves things less in the image of a camera that looks along it.
 constexpr double kMinClimb = 0.2;
-// A part as low as this, m, may have been taken for table. Where what is left has its mean so far
-// from that of all, m, it makes a place of its own.
-constexpr double kTakenForTableM = 0.009;
+// A part as low as this, in what was removed with the table, may have gone with it: noise lifts and
+// lowers. Where what is left has its mean so far from that of all, m, it makes a place of its own.
+constexpr double kGoneWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
 
 double Azimuth(const Pose& world_sensor, const Vector3d& point) {
@@ -51,6 +51,24 @@ Vector3d ShiftOnTable(const Extent& model, const Extent& segment, const Sight::S
   return static_cast<double>(image.x()) * right + step * ahead;
 }
 
+// What of the model the camera sees where it stands at `sensor_object`, object frame.
+Points PointsInSight(const SurfaceModel& model, const Eigen::Isometry3f& sensor_object) {
+  Points out;
+  for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
+    out.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
+  }
+  return out;
+}
+
+// Without what may have gone with the table from a thing that stands at `world_object`.
+Points WithoutLow(Points points, const Pose& world_object, double table_reach_m) {
+  const double lowest = kGoneWithTable * table_reach_m;
+  std::erase_if(points, [&](const Eigen::Vector3f& p) {
+    return (world_object * p.cast<double>()).z() < lowest;
+  });
+  return points;
+}
+
 }  // namespace
 
 Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
@@ -72,28 +90,23 @@ std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
                              const SeenSegment& segment, const Sight::Sides& hidden) {
   const Pose turned = TurnedAsSeen(view, model, segment);
   const Eigen::Isometry3f sensor_object = (segment.world_sensor.inverse() * turned).cast<float>();
-  Points visible;
-  for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
-    visible.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
-  }
+  const Points visible = PointsInSight(model, sensor_object);
   if (visible.empty()) return {turned};
-  const Extent shown = ExtentOf(visible, sensor_object);
+  const Extent whole = ExtentOf(visible, sensor_object);
   const auto shifted = [&](const Extent& extent, const Sight::Sides& sides) {
     Pose at = turned;
     at.translation() += ShiftOnTable(extent, segment.extent, sides, segment.world_sensor);
     return at;
   };
-  std::vector<Pose> out(1, shifted(shown, {}));
+  std::vector<Pose> out = {shifted(whole, {})};
   if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
-    out.push_back(shifted(shown, hidden));
+    out.push_back(shifted(whole, hidden));
   }
-  if (!segment.on_table) return out;
-  std::erase_if(visible, [&](const Eigen::Vector3f& p) {
-    return (turned * p.cast<double>()).z() < kTakenForTableM;
-  });
-  if (visible.empty()) return out;
-  const Extent standing = ExtentOf(visible, sensor_object);
-  if ((standing.mean - shown.mean).norm() > kStandsElsewhereM) out.push_back(shifted(standing, {}));
+  if (segment.table_reach_m <= 0) return out;
+  const Points high = WithoutLow(visible, turned, segment.table_reach_m);
+  if (high.empty()) return out;
+  const Extent standing = ExtentOf(high, sensor_object);
+  if ((standing.mean - whole.mean).norm() > kStandsElsewhereM) out.push_back(shifted(standing, {}));
   return out;
 }
 

@@ -23,14 +23,15 @@ struct SeenSegment {
   Pose world_sensor = Pose::Identity();                // T_world_sensor
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame, m
   Extent extent = {};
-  bool on_table = true;  // z is up, and things stand as high as they were taught
+  bool on_table = true;      // z is up, and things stand as high as they were taught
+  double table_reach_m = 0;  // what is no higher was removed as table; 0: nothing was
 };
 
 // T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
 // the side has turned since it was taught (SideSeen), what the camera sees of `model` with its
 // mean on that of the segment. Where sides of the segment are `hidden`, another one, with
-// the edges on each other that are not. Where a thin part of it may have been taken for table, as a
-// plate's from which a leg stands up, one with the mean of the rest on that of the segment.
+// the edges on each other that are not. Where a thin part of it may have gone with the table, as a
+// plate from which a leg stands up, one with the mean of the rest on that of the segment.
 std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
                              const SeenSegment& segment, const Sight::Sides& hidden);
 

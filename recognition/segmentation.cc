@@ -85,14 +85,15 @@ void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, 
   constraint.max_offset_m = parameters.plane_max_offset_m;
   out->table = FindPlane(cloud->points, out->world_sensor.translation(), constraint);
   if (!out->table) return;
+  out->table_reach_m = parameters.plane_distance_m;
   Indices above;
   double squares = 0;
   double inliers = 0;
   for (std::size_t i = 0; i < cloud->points.size(); ++i) {
     const double height = out->table->Height(cloud->points[i].cast<double>());
-    if (height > parameters.plane_distance_m) {
+    if (height > out->table_reach_m) {
       above.push_back(static_cast<std::int32_t>(i));
-    } else if (height > -parameters.plane_distance_m) {
+    } else if (height > -out->table_reach_m) {
       squares += height * height;
       inliers += 1;
     }

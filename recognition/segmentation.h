@@ -49,6 +49,7 @@ struct Segmentation {
   WorldFrame world_frame = WorldFrame::kGiven;
   std::optional<Plane> table;     // world frame; absent when no plane was found
   double table_noise_m = 0;       // root mean square distance of its points from it; 0: no table
+  double table_reach_m = 0;       // what is no higher above it went with it; 0: no table
   std::vector<Segment> segments;  // the nearest to the sensor first
 };
 

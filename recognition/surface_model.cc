@@ -8,7 +8,6 @@
 
 #include "recognition/bounds.h"
 #include "recognition/cell_key.h"
-#include "recognition/fusion.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "recognition/fusion.h"
 #include "recognition/nearest_grid.h"
 #include "recognition/oriented_columns.h"
 #include "recognition/types.h"
@@ -48,14 +49,8 @@ struct SurfaceModel {
   float deviation_m = 0;
 };
 
-// One view to fuse.
-struct PosedCloud {
-  std::shared_ptr<const OrientedCloud> cloud;  // world frame of its capture, m
-  Pose world_object = Pose::Identity();        // T_world_object of its capture
-};
-
-// Fuses views of one stable pose (fusion.h). What only one of many views has seen is left out as
-// noise. Deterministic. Null without points.
+// What the views of one stable pose make, fused (fusion.h), with its deviation. Null without
+// points. Deterministic.
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views);
 
 }  // namespace graspdb::recognition

@@ -1,11 +1,9 @@
 // A server with an empty catalogue, in the process of the test.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
 #include <memory>
-#include <utility>
 
 #include "client/api/client.h"
 #include "server/server.h"
@@ -21,12 +19,7 @@ class CatalogueServer {
     server::ServerOptions options;
     options.database = (folder_.path() / "db").string();
     options.listen = "127.0.0.1:0";
-    auto started = server::Server::Start(options);
-    if (!started.ok()) {
-      ADD_FAILURE() << started.status();
-      return;
-    }
-    server_ = *std::move(started);
+    server_ = server::Server::Start(options).value();  // without it there is nothing to test
     client_ =
         std::make_unique<client::Client>(server_->InProcessChannel(), client::ConnectionOptions());
   }

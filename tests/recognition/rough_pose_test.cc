@@ -1,25 +1,25 @@
 #include "recognition/rough_pose.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <vector>
+
+#include "tests/recognition/table_scene.h"
 
 namespace graspdb::recognition {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using ::testing::ElementsAre;
+using ::testing::Gt;
+using ::testing::Lt;
 
-// Looks from the side of x < 0 down at the origin.
-Pose WorldSensor() {
-  const Vector3d eye(-0.6, 0, 0.6);
-  const Vector3d z = -eye.normalized();
-  const Vector3d x = -Vector3d::UnitZ().cross(z).normalized();
-  Pose out = Pose::Identity();
-  out.linear() << x, z.cross(x), z;
-  out.translation() = eye;
-  return out;
-}
+// How high above the table everything is removed with it, m.
+constexpr double kTableReachM = 0.006;
+
+Pose WorldSensor() { return graspdb::testing::LookAt({-0.6, 0, 0.6}, Vector3d::Zero()); }
 
 // A plate of 20 x 10 cm, 5 mm thick, and a leg of 8 cm that stands up at its far end: what the
 // camera sees of it.
@@ -46,42 +46,44 @@ Pose Displaced() {
   return out;
 }
 
-// The points of `plate` higher than `least_m` where it stands at `world_object`, as a segment.
-SeenSegment Seen(const OrientedCloud& plate, const Pose& world_object, float least_m) {
+// What is left of it as a segment where everything up to `table_reach_m` was removed.
+SeenSegment Seen(double table_reach_m) {
   Points points;
-  for (const Vector3f& p : plate.points) {
-    if (p.z() > least_m) points.emplace_back(world_object.cast<float>() * p);
+  for (const Vector3f& p : Plate().points) {
+    if (static_cast<double>(p.z()) > table_reach_m) {
+      points.emplace_back(Displaced().cast<float>() * p);
+    }
   }
-  SeenSegment out{.world_sensor = WorldSensor()};
+  SeenSegment out{.world_sensor = WorldSensor(), .table_reach_m = table_reach_m};
   for (const Vector3f& p : points) out.centroid += p.cast<double>();
   out.centroid /= static_cast<double>(points.size());
   out.extent = ExtentOf(points, out.world_sensor.inverse().cast<float>());
   return out;
 }
 
-// How far from its place the plate is at the best of the first `count` rough poses, m.
-double Off(const SeenSegment& segment, const SurfaceModel& model, const Pose& world_object,
-           std::size_t count) {
+// How far from their place the plate is at its rough poses, m.
+std::vector<double> Offs(const SeenSegment& segment) {
   TaughtView view;
   view.world_sensor = WorldSensor();
-  double best = 1;
-  for (const Pose& rough : RoughPoses(view, model, segment, {})) {
-    if (count-- == 0) break;
-    best = std::min(best, (rough.translation() - world_object.translation()).norm());
+  std::vector<double> out;
+  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, {})) {
+    out.push_back((rough.translation() - Displaced().translation()).norm());
   }
-  return best;
+  return out;
 }
 
-TEST(RoughPoses, AThingThatIsSeenWholeHasOnePlace) {
-  const SeenSegment whole = Seen(Plate(), Displaced(), 0);
-  EXPECT_LT(Off(whole, SurfaceModel(Plate(), 24), Displaced(), 1), 0.015);
+TEST(RoughPoses, WhatIsSeenWholeIsPutWhereItIs) {
+  EXPECT_THAT(Offs(Seen(/*table_reach_m=*/0)), ElementsAre(Lt(0.015)));
 }
 
-TEST(RoughPoses, WhatStandsUpFromAPlateThatWasTakenForTableSaysWhereThePlateIs) {
-  const SurfaceModel model(Plate(), 24);
-  const SeenSegment leg = Seen(Plate(), Displaced(), 0.006F);
-  EXPECT_GT(Off(leg, model, Displaced(), 1), 0.04);
-  EXPECT_LT(Off(leg, model, Displaced(), 2), 0.015);
+TEST(RoughPoses, WhatStandsUpFromAPlateThatWentWithTheTableSaysWhereThePlateIs) {
+  EXPECT_THAT(Offs(Seen(kTableReachM)), ElementsAre(Gt(0.04), Lt(0.015)));
+}
+
+TEST(RoughPoses, WhereNothingWasRemovedAllOfItIsLookedFor) {
+  SeenSegment leg = Seen(kTableReachM);
+  leg.table_reach_m = 0;
+  EXPECT_THAT(Offs(leg), ElementsAre(Gt(0.04)));
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ TEST_F(TwoBoxesTest, TableIsRemovedAndEachBoxIsASegmentTheNearestFirst) {
   ASSERT_TRUE(found.table);
   EXPECT_GT(found.table->normal.z(), 1 - 1e-6);
   EXPECT_NEAR(found.table->offset, 0, 1e-4);
+  EXPECT_EQ(found.table_reach_m, SegmentationParameters().plane_distance_m);
 }
 
 TEST_F(TwoBoxesTest, SegmentsLieInTheWorldFrameWithNormalsTowardsTheSensor) {
@@ -169,6 +170,7 @@ TEST_F(TwoBoxesTest, SegmentedScanIsOneSegmentWhateverItHolds) {
   const Segmentation found = Must();
   ASSERT_THAT(found.segments, SizeIs(1));
   EXPECT_FALSE(found.table);
+  EXPECT_EQ(found.table_reach_m, 0);
   const auto finite =
       std::ranges::count_if(scan_.points, [](const auto& p) { return p.allFinite(); });
   EXPECT_THAT(found.segments[0].indices, SizeIs(static_cast<std::size_t>(finite)));

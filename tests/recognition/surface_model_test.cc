@@ -66,7 +66,7 @@ struct OffSurface {
 };
 
 template <typename Surface, typename Distance>
-OffSurface Fused(const Surface& at, const Distance& distance) {
+OffSurface OffFusedSurface(const Surface& at, const Distance& distance) {
   Random random(3);
   std::normal_distribution<float> noise(0, 0.0012F);
   std::vector<PosedCloud> views;
@@ -81,7 +81,10 @@ OffSurface Fused(const Surface& at, const Distance& distance) {
   }
   const auto model = FuseViews(views);
   OffSurface out;
-  if (model == nullptr) return out;
+  if (model == nullptr) {
+    ADD_FAILURE() << "eight views have made no model";
+    return out;
+  }
   const auto count = static_cast<double>(model->fine.cloud.points.size());
   for (const Eigen::Vector3f& p : model->fine.cloud.points) {
     const auto off = static_cast<double>(distance(p));
@@ -97,7 +100,7 @@ TEST(FuseViews, NoiseOverTheEdgeOfACellLeavesNoTwoLayers) {
     return std::pair(Eigen::Vector3f(static_cast<float>(u * 0.03), static_cast<float>(v * 0.03), 0),
                      Eigen::Vector3f(0, 0, 1));
   };
-  const OffSurface off = Fused(plane, [](const Eigen::Vector3f& p) { return p.z(); });
+  const OffSurface off = OffFusedSurface(plane, [](const Eigen::Vector3f& p) { return p.z(); });
   EXPECT_NEAR(off.mean, 0, 1e-4);
   EXPECT_LT(off.rms, 0.0003);
 }
@@ -111,7 +114,7 @@ TEST(FuseViews, ARoundThingKeepsItsRadius) {
     return std::pair<Eigen::Vector3f, Eigen::Vector3f>(kRadiusM * n + along, n);
   };
   const OffSurface off =
-      Fused(rod, [](const Eigen::Vector3f& p) { return p.head<2>().norm() - kRadiusM; });
+      OffFusedSurface(rod, [](const Eigen::Vector3f& p) { return p.head<2>().norm() - kRadiusM; });
   EXPECT_NEAR(off.mean, 0, 1e-4);
   EXPECT_LT(off.rms, 0.0004);
 }
