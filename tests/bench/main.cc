@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   graspdb::bench::AddSegmentation();
+  graspdb::bench::AddFusion();
   graspdb::bench::AddRegistration();
   graspdb::bench::AddIndex();
   graspdb::bench::AddWhole();

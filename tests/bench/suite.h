@@ -49,6 +49,7 @@ class Lazy {
 };
 
 void AddSegmentation();
+void AddFusion();
 void AddRegistration();
 void AddIndex();
 void AddWhole();
