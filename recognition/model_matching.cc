@@ -11,6 +11,7 @@
 #include "recognition/ranking.h"
 #include "recognition/refinement.h"
 #include "recognition/rough_pose.h"
+#include "recognition/settling.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -94,6 +95,7 @@ class Matcher {
     FinishAll();
     KeepBest(kFinalists, &hypotheses_);
     Polish();
+    SettleBest();
     return absl::OkStatus();
   }
 
@@ -151,6 +153,11 @@ class Matcher {
                   {.tolerance_m = parameters_.support_distance_m, .coarse = true});
   }
 
+  Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const {
+    return Verify(model, world_object, columns_, sight_,
+                  {.tolerance_m = parameters_.support_distance_m});
+  }
+
   // Refines the hypotheses in full, the most promising first: not those that are so much worse
   // than what is finished that they will not catch up, nor any that is on its way to a place where
   // one of the same model is already.
@@ -184,8 +191,7 @@ class Matcher {
     const Refinement refinement = Refine(*h->model, target_, h->refined, options);
     h->refined = refinement.world_object;
     h->iterations = refinement.iterations;
-    h->evidence = Verify(*h->model, h->refined, columns_, sight_,
-                         {.tolerance_m = parameters_.support_distance_m});
+    h->evidence = VerifyClosely(*h->model, h->refined);
   }
 
   // Long things slide along themselves, and end a little short of their place: the best hypothesis
@@ -199,6 +205,17 @@ class Matcher {
       if (gain >= -kPolished) hypotheses_.front() = std::move(again);
       if (gain <= kPolished) return;
     }
+  }
+
+  // The best hypothesis, where both directions of the evidence hold it.
+  void SettleBest() {
+    if (hypotheses_.empty()) return;
+    PoseHypothesis& best = hypotheses_.front();
+    const Judge judge = [&](const Pose& pose) { return VerifyClosely(*best.model, pose); };
+    const Settled settled = Settle(*best.model, {best.refined, best.evidence},
+                                   HoldOf(*best.model, target_, best.refined, {}), judge);
+    best.refined = settled.world_object;
+    best.evidence = settled.evidence;
   }
 
   const MatchingInput& input_;

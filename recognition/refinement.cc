@@ -53,6 +53,7 @@ class Step {
   }
 
   bool is_empty() const { return weight_ <= 0; }
+  const Matrix6d& hessian() const { return hessian_; }
 
   Vector6d Solve() const {
     Matrix6d damped = hessian_;
@@ -111,15 +112,20 @@ void AddTable(const SurfaceModel& model, const std::optional<Plane>& measured,
   step->AddPrior(5, -lifted, share * options.height_deviation_m);
 }
 
-Pose Moved(const Pose& world_object, const Vector3f& center, const Vector6d& step) {
-  const Eigen::Vector3d turn = step.head<3>();
-  const double angle = turn.norm();
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  if (angle > 0) rotation = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-  Pose out = Pose::Identity();
-  const Eigen::Vector3d c = center.cast<double>();
-  out.linear() = rotation * world_object.linear();
-  out.translation() = rotation * (world_object.translation() - c) + c + step.tail<3>();
+// The step from `world_object`, with correspondences up to `reach` apart.
+Step StepFrom(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
+              double reach, const RefinementOptions& options) {
+  const Surface& surface = options.coarse ? model.coarse : model.fine;
+  // Points of the model count for as much area as those of the scan.
+  const double density = static_cast<double>(surface.spacing_m / kSurfaceSpacingM);
+  const double edge_share = density * density / static_cast<double>(target.columns.stride());
+  const Vector3f center = (world_object * model.center.cast<double>()).cast<float>();
+  Step out;
+  AddScan(model, target, world_object, static_cast<float>(reach), &out);
+  AddEdges(surface, target, world_object, center, static_cast<float>(reach), edge_share, &out);
+  if (target.on_table && !out.is_empty()) {
+    AddTable(model, target.table, world_object, center, options, &out);
+  }
   return out;
 }
 
@@ -134,20 +140,12 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
       options.iterations > 1
           ? std::pow(options.last_reach_m / options.first_reach_m, 1.0 / (options.iterations - 1))
           : 1;
-  const Surface& surface = options.coarse ? model.coarse : model.fine;
-  // Points of the model count for as much area as those of the scan.
-  const double density = static_cast<double>(surface.spacing_m / kSurfaceSpacingM);
-  const double edge_share = density * density / static_cast<double>(target.columns.stride());
   double reach = options.first_reach_m;
   for (; out.iterations < options.iterations; ++out.iterations, reach *= shrink) {
-    const Vector3f center = (pose * model.center.cast<double>()).cast<float>();
-    Step step;
-    AddScan(model, target, pose, static_cast<float>(reach), &step);
-    AddEdges(surface, target, pose, center, static_cast<float>(reach), edge_share, &step);
+    const Step step = StepFrom(model, target, pose, reach, options);
     if (step.is_empty()) return out;
-    if (target.on_table) AddTable(model, target.table, pose, center, options, &step);
     const Vector6d move = step.Solve();
-    pose = Moved(pose, center, move);
+    pose = Moved(pose, pose * model.center.cast<double>(), move);
     const double moved =
         move.tail<3>().norm() + move.head<3>().norm() * static_cast<double>(model.radius_m);
     if (moved < kNegligibleMoveM && reach <= 1.01 * options.last_reach_m) break;
@@ -156,6 +154,22 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
       return out;
     }
   }
+  return out;
+}
+
+Hold HoldOf(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
+            const RefinementOptions& options) {
+  return StepFrom(model, target, world_object, options.last_reach_m, options).hessian();
+}
+
+Pose Moved(const Pose& world_object, const Eigen::Vector3d& center, const Vector6d& motion) {
+  const Eigen::Vector3d turn = motion.head<3>();
+  const double angle = turn.norm();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (angle > 0) rotation = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  Pose out = Pose::Identity();
+  out.linear() = rotation * world_object.linear();
+  out.translation() = rotation * (world_object.translation() - center) + center + motion.tail<3>();
   return out;
 }
 

@@ -50,4 +50,16 @@ using IsKnown = std::function<bool(const Pose& world_object)>;
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
                   const RefinementOptions& options, const IsKnown& is_known = nullptr);
 
+// What holds a pose where it is: the Hessian of Refine's last step there, half the second
+// derivatives of the sum of weighted squares (m^2) by a turn about the model's center (radians) and
+// then a move (m), world frame.
+using Hold = Eigen::Matrix<double, 6, 6>;
+Hold HoldOf(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
+            const RefinementOptions& options);
+
+// The pose turned about `center` by a rotation vector and then moved: the six of `motion`, radians
+// and m, world frame.
+Pose Moved(const Pose& world_object, const Eigen::Vector3d& center,
+           const Eigen::Matrix<double, 6, 1>& motion);
+
 }  // namespace graspdb::recognition

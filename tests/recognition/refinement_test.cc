@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "tests/recognition/seen_from_above.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
@@ -12,6 +13,7 @@ namespace {
 using ::graspdb::testing::Moved;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomMotion;
+using ::graspdb::testing::SeenFromAbove;
 using ::graspdb::testing::WavySurface;
 
 double Error(const SurfaceModel& model, const Pose& a, const Pose& b) {
@@ -21,31 +23,6 @@ double Error(const SurfaceModel& model, const Pose& a, const Pose& b) {
   }
   return largest;
 }
-
-// What a camera 1 m above the origin sees when there is `cloud` (world frame) and nothing else.
-struct Seen {
-  explicit Seen(OrientedCloud seen)
-      : cloud(std::move(seen)), columns(cloud), grid(cloud.points, 0.003F, 0.02F) {
-    world_sensor.translation().z() = 1;
-    world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-    Scan scan{.points = Transform(world_sensor.inverse(), cloud.points),
-              .world_sensor = world_sensor,
-              .region = {},
-              .segmented = true};
-    Segment segment;
-    for (std::size_t i = 0; i < scan.points.size(); ++i) {
-      segment.indices.push_back(static_cast<std::int32_t>(i));
-    }
-    sight.emplace(scan, world_sensor, segment);
-  }
-  RefinementTarget Target(bool on_table) const { return {cloud, columns, grid, *sight, on_table}; }
-
-  OrientedCloud cloud;
-  OrientedColumns columns;
-  NearestGrid grid;
-  Pose world_sensor = Pose::Identity();
-  std::optional<Sight> sight;
-};
 
 // A wavy patch, 3 mm above where it was taught, seen from above.
 class RefinementTest : public ::testing::Test {
@@ -61,7 +38,7 @@ class RefinementTest : public ::testing::Test {
   Random random_{3};
   const SurfaceModel model_{WavySurface(random_, 6000), 1};
   Pose truth_ = Pose::Identity();
-  std::optional<Seen> seen_;
+  std::optional<SeenFromAbove> seen_;
 };
 
 TEST_F(RefinementTest, FindsBackFromAnyDirection) {
@@ -106,7 +83,7 @@ TEST_F(RefinementTest, AFlatPlateDoesNotSlide) {
     }
   }
   const SurfaceModel model(plate, 1);
-  const Seen seen(plate);
+  const SeenFromAbove seen(plate);
   Pose initial = Pose::Identity();
   initial.translation() = Eigen::Vector3d(0.007, -0.006, 0.002);
   const Pose found = Refine(model, seen.Target(false), initial, {.iterations = 30}).world_object;

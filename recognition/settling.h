@@ -1,0 +1,28 @@
+// The last step to a pose: along what its refinement leaves loose (docs/adr/0019).
+#pragma once
+
+#include <functional>
+
+#include "recognition/refinement.h"
+#include "recognition/verification.h"
+
+namespace graspdb::recognition {
+
+// What a pose is judged by.
+using Judge = std::function<Evidence(const Pose& world_object)>;
+
+struct Settled {
+  Pose world_object = Pose::Identity();
+  Evidence evidence;
+};
+
+// Residuals say little of how far a thing may slide along its faces or turn about its posts, and
+// what they say there is mostly noise; where its ends are, and what the camera looked through,
+// says more. So the pose that `refined` has come to is moved along the one direction in which it is
+// held the least, towards the middle of the poses that `judge` likes best there, as far as the
+// variances of both tell. `held` is what holds it (HoldOf). Unchanged where it is held firmly.
+// Deterministic.
+Settled Settle(const SurfaceModel& model, const Settled& refined, const Hold& held,
+               const Judge& judge);
+
+}  // namespace graspdb::recognition

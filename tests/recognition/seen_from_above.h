@@ -1,0 +1,39 @@
+// A segment as refinement and verification take it, of a camera above it.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "recognition/refinement.h"
+#include "recognition/segmentation.h"
+
+namespace graspdb::testing {
+
+// What a camera 1 m above the origin sees when there is `cloud` (world frame) and nothing else.
+struct SeenFromAbove {
+  explicit SeenFromAbove(recognition::OrientedCloud seen)
+      : cloud(std::move(seen)), columns(cloud), grid(cloud.points, 0.003F, 0.02F) {
+    world_sensor.translation().z() = 1;
+    world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    recognition::Scan scan{.points = recognition::Transform(world_sensor.inverse(), cloud.points),
+                           .world_sensor = world_sensor,
+                           .region = {},
+                           .segmented = true};
+    recognition::Segment segment;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      segment.indices.push_back(static_cast<std::int32_t>(i));
+    }
+    sight.emplace(scan, world_sensor, segment);
+  }
+  recognition::RefinementTarget Target(bool on_table) const {
+    return {cloud, columns, grid, *sight, on_table};
+  }
+
+  recognition::OrientedCloud cloud;
+  recognition::OrientedColumns columns;
+  recognition::NearestGrid grid;
+  recognition::Pose world_sensor = recognition::Pose::Identity();
+  std::optional<recognition::Sight> sight;
+};
+
+}  // namespace graspdb::testing
