@@ -27,6 +27,8 @@ extern "C" const char* __tsan_default_suppressions() {
          "race:libOniFile\n"
          "race:libgrpc\n"  // hands calls over through atomics that are not seen
          "race:libgpr\n"
+         "race:grpc::internal::Call::\n"  // its inline part, in our programs
+         "race:grpc::internal::CallOpSet<\n"
          "race:libupb\n"
          "race:libabsl_cord\n"
          "race:libabsl_status\n"
