@@ -95,7 +95,6 @@ class Matcher {
     FinishAll();
     KeepBest(kFinalists, &hypotheses_);
     Polish();
-    SettleBest();
     return absl::OkStatus();
   }
 
@@ -120,6 +119,7 @@ class Matcher {
   const Sight& sight() const { return sight_; }
 
   std::vector<PoseHypothesis> TakeRanked() {
+    SettleBest();
     RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
     return std::move(hypotheses_);
   }
@@ -207,7 +207,8 @@ class Matcher {
     }
   }
 
-  // The best hypothesis, where both directions of the evidence hold it.
+  // The best hypothesis of all, where both directions of the evidence hold it. Not before: what is
+  // far from its place would be explained well enough to end the search, and have no good pose.
   void SettleBest() {
     if (hypotheses_.empty()) return;
     PoseHypothesis& best = hypotheses_.front();
