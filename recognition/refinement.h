@@ -52,7 +52,7 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
 
 // What holds a pose where it is: the Hessian of Refine's last step there, half the second
 // derivatives of the sum of weighted squares (m^2) by a turn about the model's center (radians) and
-// then a move (m), world frame.
+// then a move (m), world frame; the table's hold is part of it. Zero where nothing corresponds.
 using Hold = Eigen::Matrix<double, 6, 6>;
 Hold HoldOf(const SurfaceModel& model, const RefinementTarget& target, const Pose& world_object,
             const RefinementOptions& options);

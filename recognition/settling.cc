@@ -31,6 +31,7 @@ struct Direction {
 
 Direction LeastHeld(const SurfaceModel& model, const Hold& held) {
   Vector6d scale = Vector6d::Ones();
+  // A single point has no rim.
   scale.head<3>() /= std::max(static_cast<double>(model.radius_m), kStepM);
   const Eigen::SelfAdjointEigenSolver<Hold> solver(scale.asDiagonal() * held * scale.asDiagonal());
   const double least = std::max(solver.eigenvalues()[0], 1e-6);
