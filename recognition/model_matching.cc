@@ -118,9 +118,13 @@ class Matcher {
 
   const Sight& sight() const { return sight_; }
 
+  // What ranks first has settled. Not before: what is far from its place would be explained well
+  // enough to end the search, and have no good pose.
   std::vector<PoseHypothesis> TakeRanked() {
-    SettleBest();
-    RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
+    while (!hypotheses_.empty() && !hypotheses_.front().settled) {
+      Settle(&hypotheses_.front());
+      RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
+    }
     return std::move(hypotheses_);
   }
 
@@ -207,16 +211,13 @@ class Matcher {
     }
   }
 
-  // The best hypothesis of all, where both directions of the evidence hold it. Not before: what is
-  // far from its place would be explained well enough to end the search, and have no good pose.
-  void SettleBest() {
-    if (hypotheses_.empty()) return;
-    PoseHypothesis& best = hypotheses_.front();
-    const Judge judge = [&](const Pose& pose) { return VerifyClosely(*best.model, pose); };
-    const Settled settled = Settle(*best.model, {best.refined, best.evidence},
-                                   HoldOf(*best.model, target_, best.refined, {}), judge);
-    best.refined = settled.world_object;
-    best.evidence = settled.evidence;
+  void Settle(PoseHypothesis* h) const {
+    const Judge judge = [&](const Pose& pose) { return VerifyClosely(*h->model, pose); };
+    const Settled settled = recognition::Settle(*h->model, {h->refined, h->evidence},
+                                                HoldOf(*h->model, target_, h->refined, {}), judge);
+    h->refined = settled.world_object;
+    h->evidence = settled.evidence;
+    h->settled = true;
   }
 
   const MatchingInput& input_;

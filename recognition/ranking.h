@@ -25,14 +25,15 @@ struct PoseHypothesis {
   Pose rough = Pose::Identity();  // T_world_object
   Pose refined = Pose::Identity();
   int iterations = 0;      // of the last refinement
+  bool settled = false;    // see Settle
   Evidence evidence;       // within the support distance
   double close_score = 0;  // within the noise of the scan
   Standing standing = Standing::kWorse;
 };
 
-// Sorts `hypotheses`, of which the first explains the scan best within `support_distance_m`, by
-// how well they explain it within the noise that the first one leaves; things that differ by
-// some millimetres differ there. Sets close_score and standing. Deterministic.
+// Sorts `hypotheses` by how well they explain the scan within the noise that the first one of them
+// leaves, `support_distance_m` at most; things that differ by some millimetres differ there. Sets
+// close_score and standing. Deterministic.
 void RankClosely(const OrientedColumns& segment, const Sight& sight, double support_distance_m,
                  std::vector<PoseHypothesis>* hypotheses);
 
