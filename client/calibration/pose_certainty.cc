@@ -15,9 +15,10 @@ using Eigen::Vector3f;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kVoxelM = 0.003;
 constexpr float kOwnM = 0.004F;
-// Of a voxel across the surface, m, and how many of them err together.
+// Of a voxel across the surface, m, and how many of them err together: so that what is expected of
+// detections goes with how far they are off (docs/calibration.md).
 constexpr double kPointDeviationM = 0.0012;
-constexpr double kPointsThatErrTogether = 30;
+constexpr double kPointsThatErrTogether = 3;
 // What the edges of a thing hold.
 constexpr double kEdgeShiftM = 0.0015;
 constexpr double kEdgeTurnRad = 1.5 * kDegree;

@@ -28,6 +28,20 @@ recognition::OrientedCloud Plate() {
   return cloud;
 }
 
+// Three of them, at right angles to each other.
+recognition::OrientedCloud Corner() {
+  const recognition::OrientedCloud plate = Plate();
+  recognition::OrientedCloud cloud;
+  for (int turn = 0; turn < 3; ++turn) {
+    for (const Vector3f& p : plate.points) {
+      const Vector3f moved = p + Vector3f(0, 0, 0.03F);
+      cloud.points.emplace_back(moved[turn], moved[(turn + 1) % 3], moved[(turn + 2) % 3]);
+      cloud.normals.emplace_back(Vector3f::Unit((5 - turn) % 3));
+    }
+  }
+  return cloud;
+}
+
 class CovarianceOfTest : public ::testing::Test {
  protected:
   CovarianceOfTest() { sensor_plate_.translation() = Eigen::Vector3d(0.05, -0.02, 0.7); }
@@ -60,6 +74,19 @@ TEST_F(CovarianceOfTest, AFlatThingIsHeldAcrossItselfAndHardlyAlong) {
   EXPECT_LT(Deviation(covariance, 5), 0.0005);
   EXPECT_LT(Deviation(covariance, 0), 0.75 * Deviation(covariance, 2));
   EXPECT_LT(Deviation(covariance, 1), 0.75 * Deviation(covariance, 2));
+}
+
+// Detections of the stepped block with faces to all sides in sight are a tenth of a degree off, and
+// those of one face a degree along it: the former must count for much more.
+TEST_F(CovarianceOfTest, AThingWithFacesToAllSidesIsHeldFirmly) {
+  const recognition::OrientedCloud corner = Corner();
+  Points seen;
+  for (const Vector3f& p : corner.points) seen.push_back(sensor_plate_.cast<float>() * p);
+  const Matrix6d held = CovarianceOf({corner, 1}, seen, sensor_plate_, /*on_table=*/false);
+  const Matrix6d loose = Seen(/*on_table=*/false);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(Deviation(held, i), 0.4 * kRadian) << i;
+  for (int i = 3; i < 6; ++i) EXPECT_LT(Deviation(held, i), 0.0004) << i;
+  EXPECT_LT(Deviation(held, 2), 0.3 * Deviation(loose, 2));
 }
 
 TEST_F(CovarianceOfTest, ATableHoldsItUprightAndAtItsHeight) {
