@@ -9,6 +9,7 @@
 #include "client/files/depth_message.h"
 #include "client/files/depth_png.h"
 #include "client/sensors/open_sensor.h"
+#include "logging/log.h"
 
 namespace graspdb::client {
 namespace {
@@ -58,5 +59,6 @@ int Play(const std::string& spec, const std::string& folder, int wanted) {
 
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
+  graspdb::StartLog("player", "info");
   return graspdb::client::Play(argv[1], argv[2], std::stoi(argv[3]));
 }
