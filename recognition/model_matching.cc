@@ -122,7 +122,7 @@ class Matcher {
   // enough to end the search, and have no good pose.
   std::vector<PoseHypothesis> TakeRanked() {
     while (!hypotheses_.empty() && !hypotheses_.front().settled) {
-      Settle(&hypotheses_.front());
+      LetSettle(&hypotheses_.front());
       RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
     }
     return std::move(hypotheses_);
@@ -211,10 +211,10 @@ class Matcher {
     }
   }
 
-  void Settle(PoseHypothesis* h) const {
+  void LetSettle(PoseHypothesis* h) const {
     const Judge judge = [&](const Pose& pose) { return VerifyClosely(*h->model, pose); };
-    const Settled settled = recognition::Settle(*h->model, {h->refined, h->evidence},
-                                                HoldOf(*h->model, target_, h->refined, {}), judge);
+    const Settled settled = Settle(*h->model, {h->refined, h->evidence},
+                                   HoldOf(*h->model, target_, h->refined, {}), judge);
     h->refined = settled.world_object;
     h->evidence = settled.evidence;
     h->settled = true;

@@ -25,7 +25,7 @@ struct PoseHypothesis {
   Pose rough = Pose::Identity();  // T_world_object
   Pose refined = Pose::Identity();
   int iterations = 0;      // of the last refinement
-  bool settled = false;    // see Settle
+  bool settled = false;    // after the refinement, see settling.h
   Evidence evidence;       // within the support distance
   double close_score = 0;  // within the noise of the scan
   Standing standing = Standing::kWorse;

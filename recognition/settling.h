@@ -20,8 +20,9 @@ struct Settled {
 // what they say there is mostly noise; where its ends are, and what the camera looked through,
 // says more. So the pose that `refined` has come to is moved along the one direction in which it is
 // held the least, towards the middle of the poses that `judge` likes best there, as far as the
-// variances of both tell. `held` is what holds it (HoldOf). Unchanged where it is held firmly.
-// Deterministic.
+// variances of both tell. The best is looked for up to 10 mm away (at the model's rim, where it
+// turns), and where the scores fall up to 10 mm from there. `held` is what holds it (HoldOf).
+// Unchanged where it is held firmly. Deterministic.
 Settled Settle(const SurfaceModel& model, const Settled& refined, const Hold& held,
                const Judge& judge);
 

@@ -48,11 +48,11 @@ class CovarianceOfTest : public ::testing::Test {
 
   // Of the plate, that is seen as a whole.
   Matrix6d Seen(bool on_table) const {
-    return CovarianceOf(model_, SensorPoints(), sensor_plate_, on_table);
+    return CovarianceOf(model_, SensorPoints(plate_), sensor_plate_, on_table);
   }
-  Points SensorPoints() const {
+  Points SensorPoints(const recognition::OrientedCloud& cloud) const {
     Points out;
-    for (const Vector3f& p : plate_.points) out.push_back(sensor_plate_.cast<float>() * p);
+    for (const Vector3f& p : cloud.points) out.push_back(sensor_plate_.cast<float>() * p);
     return out;
   }
 
@@ -80,9 +80,8 @@ TEST_F(CovarianceOfTest, AFlatThingIsHeldAcrossItselfAndHardlyAlong) {
 // those of one face a degree along it: the former must count for much more.
 TEST_F(CovarianceOfTest, AThingWithFacesToAllSidesIsHeldFirmly) {
   const recognition::OrientedCloud corner = Corner();
-  Points seen;
-  for (const Vector3f& p : corner.points) seen.push_back(sensor_plate_.cast<float>() * p);
-  const Matrix6d held = CovarianceOf({corner, 1}, seen, sensor_plate_, /*on_table=*/false);
+  const Matrix6d held =
+      CovarianceOf({corner, 1}, SensorPoints(corner), sensor_plate_, /*on_table=*/false);
   const Matrix6d loose = Seen(/*on_table=*/false);
   for (int i = 0; i < 3; ++i) EXPECT_LT(Deviation(held, i), 0.4 * kRadian) << i;
   for (int i = 3; i < 6; ++i) EXPECT_LT(Deviation(held, i), 0.0004) << i;
@@ -98,8 +97,8 @@ TEST_F(CovarianceOfTest, ATableHoldsItUprightAndAtItsHeight) {
 }
 
 TEST_F(CovarianceOfTest, PointsThatDoNotLieOnItSayNothing) {
-  Points beside = SensorPoints();
-  for (const Vector3f& p : SensorPoints()) beside.push_back(p + Vector3f(0, 0, 0.02F));
+  Points beside = SensorPoints(plate_);
+  for (const Vector3f& p : SensorPoints(plate_)) beside.push_back(p + Vector3f(0, 0, 0.02F));
   beside.emplace_back(Vector3f::Constant(std::nanf("")));
   EXPECT_TRUE(CovarianceOf(model_, beside, sensor_plate_, false).isApprox(Seen(false), 1e-12));
   const Matrix6d unseen = CovarianceOf(model_, {}, sensor_plate_, false);
