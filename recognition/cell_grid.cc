@@ -5,12 +5,15 @@
 #include <limits>
 
 #include "recognition/bounds.h"
+#include "recognition/keyed_points.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// Four bytes each.
-constexpr double kMostCells = 4e6;
+// A table of more cells than this, four bytes each, is not made.
+constexpr double kMaxTable = 4e6;
+// With so many along each axis, keys fit 63 bits; 1 km in cells of 1 mm has half as many.
+constexpr double kMaxCellsPerAxis = 2e6;
 
 }  // namespace
 
@@ -21,27 +24,17 @@ CellGrid::CellGrid(const Points& points, float cell_m) : cell_m_(cell_m) {
     origin_ = bounds.min();
     extent = bounds.sizes().cast<double>();
   }
-  const auto cells = [&](double edge) { return ((extent / edge).array().floor() + 1).prod(); };
-  while (cells(static_cast<double>(cell_m_)) > kMostCells) cell_m_ *= 1.5F;
+  cell_m_ = std::max(cell_m_, static_cast<float>(extent.maxCoeff() / kMaxCellsPerAxis));
   inverse_cell_ = 1 / cell_m_;
   last_ = (extent / static_cast<double>(cell_m_)).array().floor().cast<int>();
 
-  start_.assign(Offset(last_) + 2, 0);
-  std::vector<std::uint32_t> cell_of(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t cell = Offset(CellOf(points[i]));
-    cell_of[i] = static_cast<std::uint32_t>(cell);
-    ++start_[cell + 1];
-  }
-  for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
   order_.resize(points.size());
-  // From the back, so that each cell's end moves to its beginning.
-  for (std::size_t i = points.size(); i-- > 0;) {
-    order_[static_cast<std::size_t>(--start_[cell_of[i] + 1])] = static_cast<std::int32_t>(i);
+  const double cell_count = (last_.cast<double>().array() + 1).prod();
+  if (cell_count <= kMaxTable) {
+    MakeTable(points, static_cast<std::size_t>(cell_count));
+  } else {
+    MakeList(points);
   }
-  // start_[c + 1] is now where cell c begins.
-  std::move(start_.begin() + 1, start_.end(), start_.begin());
-  start_.back() = static_cast<std::int32_t>(points.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     sorted_[axis].reserve(points.size());
     for (const std::int32_t i : order_) {
@@ -50,26 +43,60 @@ CellGrid::CellGrid(const Points& points, float cell_m) : cell_m_(cell_m) {
   }
 }
 
+void CellGrid::MakeTable(const Points& points, std::size_t cell_count) {
+  start_.assign(cell_count + 1, 0);
+  std::vector<std::uint32_t> cell_of(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(KeyOf(CellOf(points[i])));
+    cell_of[i] = static_cast<std::uint32_t>(cell);
+    ++start_[cell + 1];
+  }
+  for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+  // From the back, so that each cell's end moves to its beginning.
+  for (std::size_t i = points.size(); i-- > 0;) {
+    order_[static_cast<std::size_t>(--start_[cell_of[i] + 1])] = static_cast<std::int32_t>(i);
+  }
+  // start_[c + 1] is now where cell c begins.
+  std::move(start_.begin() + 1, start_.end(), start_.begin());
+  start_.back() = static_cast<std::int32_t>(points.size());
+}
+
+void CellGrid::MakeList(const Points& points) {
+  std::vector<KeyedPoint> sorted(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sorted[i] = {KeyOf(CellOf(points[i])), static_cast<std::int32_t>(i)};
+  }
+  SortByKey(KeyOf(last_), &sorted);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    order_[i] = sorted[i].point;
+    if (i > 0 && sorted[i].key == sorted[i - 1].key) continue;
+    keys_.push_back(sorted[i].key);
+    start_.push_back(static_cast<std::int32_t>(i));
+  }
+  start_.push_back(static_cast<std::int32_t>(points.size()));
+}
+
 std::vector<CellGrid::Cell> CellGrid::OccupiedCells() const {
   std::vector<Cell> out;
-  std::size_t cell = 0;
-  for (int z = 0; z <= last_.z(); ++z) {
-    for (int y = 0; y <= last_.y(); ++y) {
-      for (int x = 0; x <= last_.x(); ++x, ++cell) {
-        if (start_[cell] < start_[cell + 1]) {
-          out.push_back({{x, y, z}, start_[cell], start_[cell + 1]});
-        }
-      }
+  Eigen::Vector3i at = Eigen::Vector3i::Zero();
+  std::uint64_t row_begin = 0;  // the key of the row's first cell
+  const auto row = static_cast<std::uint64_t>(last_.x() + 1);
+  for (std::size_t cell = 0; cell + 1 < start_.size(); ++cell) {
+    if (start_[cell] == start_[cell + 1]) continue;
+    const std::uint64_t key = keys_.empty() ? cell : keys_[cell];
+    if (key - row_begin >= row) {
+      row_begin = key / row * row;
+      at.y() = static_cast<int>(key / row % static_cast<std::uint64_t>(last_.y() + 1));
+      at.z() = static_cast<int>(key / row / static_cast<std::uint64_t>(last_.y() + 1));
     }
+    at.x() = static_cast<int>(key - row_begin);
+    out.push_back({at, start_[cell], start_[cell + 1]});
   }
   return out;
 }
 
 void CellGrid::Gather(const Eigen::Vector3i& at, int reach, CellBlock* out) const {
-  std::size_t count = 0;
-  ForEachRange(at, reach, [&](std::int32_t begin, std::int32_t end) {
-    count += static_cast<std::size_t>(end - begin);
-  });
+  const std::size_t count = CountAround(at, reach);
   const std::size_t padded = wide::Padded(count);
   std::array<std::vector<float>*, 3> to = {&out->x, &out->y, &out->z};
   for (auto* axis : to) {

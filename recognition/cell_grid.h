@@ -29,7 +29,10 @@ struct CellBlock {
   }
 };
 
-// Deterministic; safe for concurrent reads. Points must be finite; metres, any frame.
+// Memory grows with the points: where a table of all cells would be larger than 16 MB, only occupied
+// cells are listed, and finding one takes a binary search. Building is O(n) with a table and
+// O(n log n) with a list. Deterministic; safe for concurrent reads. Points must be finite and within
+// 1 km of the origin; metres, any frame.
 class CellGrid {
  public:
   // One occupied cell.
@@ -39,7 +42,7 @@ class CellGrid {
     std::int32_t end;
   };
 
-  // Cells of edge `cell_m`, larger ones where there would be too many of them for the memory.
+  // Cells of edge `cell_m`; larger ones only where an axis would have more than two million.
   CellGrid(const Points& points, float cell_m);
 
   float cell_m() const { return cell_m_; }
@@ -50,6 +53,15 @@ class CellGrid {
 
   // The points of the cells up to `reach` cells away from `at` along each axis.
   void Gather(const Eigen::Vector3i& at, int reach, CellBlock* out) const;
+
+  // How many points those are.
+  std::size_t CountAround(const Eigen::Vector3i& at, int reach) const {
+    std::size_t count = 0;
+    ForEachRange(at, reach, [&](std::int32_t begin, std::int32_t end) {
+      count += static_cast<std::size_t>(end - begin);
+    });
+    return count;
+  }
 
   // The cell of a place; outside of the grid the nearest.
   Eigen::Vector3i CellOf(const Eigen::Vector3f& p) const {
@@ -68,8 +80,8 @@ class CellGrid {
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
         // Cells of a row follow each other.
-        const std::int32_t begin = start_[Offset({low.x(), y, z})];
-        const std::int32_t end = start_[Offset({high.x(), y, z}) + 1];
+        const std::int32_t begin = BeginOf({low.x(), y, z});
+        const std::int32_t end = BeginAfter({high.x(), y, z});
         if (begin < end) visit(begin, end);
       }
     }
@@ -87,17 +99,29 @@ class CellGrid {
   }
 
  private:
-  std::size_t Offset(const Eigen::Vector3i& c) const {
-    return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(last_.y() + 1) +
-            static_cast<std::size_t>(c.y())) *
-               static_cast<std::size_t>(last_.x() + 1) +
-           static_cast<std::size_t>(c.x());
+  // By z, y, x.
+  std::uint64_t KeyOf(const Eigen::Vector3i& c) const {
+    return (static_cast<std::uint64_t>(c.z()) * static_cast<std::uint64_t>(last_.y() + 1) +
+            static_cast<std::uint64_t>(c.y())) *
+               static_cast<std::uint64_t>(last_.x() + 1) +
+           static_cast<std::uint64_t>(c.x());
   }
+  // In order_: of the first point in this cell or one behind it.
+  std::int32_t BeginOf(const Eigen::Vector3i& c) const { return BeginAtKey(KeyOf(c)); }
+  std::int32_t BeginAfter(const Eigen::Vector3i& c) const { return BeginAtKey(KeyOf(c) + 1); }
+  std::int32_t BeginAtKey(std::uint64_t key) const {
+    if (keys_.empty()) return start_[key];
+    return start_[static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), key) -
+                                           keys_.begin())];
+  }
+  void MakeTable(const Points& points, std::size_t cell_count);
+  void MakeList(const Points& points);
 
   float cell_m_;
   float inverse_cell_ = 0;
   Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
   Eigen::Vector3i last_ = Eigen::Vector3i::Zero();  // the cell farthest from the origin
+  std::vector<std::uint64_t> keys_;                 // of the occupied cells; none: of all cells
   std::vector<std::int32_t> start_;                 // of each cell in order_, and the end
   std::vector<std::int32_t> order_;
   std::array<std::vector<float>, 3> sorted_;  // coordinates of the points, in that order

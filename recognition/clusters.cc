@@ -15,6 +15,10 @@ namespace {
 constexpr double kCellShare = 0.577;
 // Cells within the tolerance of each other are at most so many apart along an axis.
 constexpr int kReach = 2;
+// What looking at the cells around one takes, about, in distances.
+constexpr std::size_t kStepsPerCell = 500;
+// Distances that joining computes in all, about 1 s; a frame of a million voxels takes a tenth.
+constexpr std::size_t kMaxJoinWork = 1'000'000'000;
 
 // Sets that are joined with each other (R. E. Tarjan, 1975).
 class DisjointSets {
@@ -33,8 +37,9 @@ class DisjointSets {
 };
 
 bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
-                std::span<const std::int32_t> b, float squared_tolerance) {
+                std::span<const std::int32_t> b, float squared_tolerance, CancellationPoll& poll) {
   for (const std::int32_t i : a) {
+    if (poll.After(b.size())) return false;
     const Eigen::Vector3f& p = points[static_cast<std::size_t>(i)];
     for (const std::int32_t j : b) {
       if ((p - points[static_cast<std::size_t>(j)]).squaredNorm() <= squared_tolerance) return true;
@@ -43,22 +48,10 @@ bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
   return false;
 }
 
-// Points of which each is within the tolerance of the others: those of a small cell; where cells
-// had to be larger, every point alone. In the order of the grid.
-std::vector<CellGrid::Cell> CloseGroups(const CellGrid& grid, bool cells_are_small) {
-  std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
-  if (cells_are_small) return cells;
-  std::vector<CellGrid::Cell> singles;
-  singles.reserve(grid.order().size());
-  for (const CellGrid::Cell& cell : cells) {
-    for (std::int32_t i = cell.begin; i < cell.end; ++i) singles.push_back({cell.at, i, i + 1});
-  }
-  return singles;
-}
-
 // The sets of points that steps of at most the tolerance lead between.
 DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid,
-                            const std::vector<CellGrid::Cell>& groups, float squared_tolerance) {
+                            float squared_tolerance, CancellationPoll& poll) {
+  const std::vector<CellGrid::Cell> groups = grid.OccupiedCells();
   const std::span order(grid.order());
   DisjointSets sets(points.size());
   const auto first = [&](std::int32_t at) {
@@ -75,13 +68,14 @@ DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid,
     }
   }
   for (const CellGrid::Cell& group : groups) {
+    if (poll.After(kStepsPerCell)) break;
     grid.ForEachRange(group.at, kReach, [&](std::int32_t begin, std::int32_t end) {
       // Those before were compared with this one already.
       for (begin = std::max(begin, group.end); begin < end;) {
         const std::int32_t next = end_of[static_cast<std::size_t>(begin)];
         if (sets.Find(first(begin)) != sets.Find(first(group.begin)) &&
             ComeWithin(points, members(group.begin, group.end), members(begin, next),
-                       squared_tolerance)) {
+                       squared_tolerance, poll)) {
           sets.Join(first(begin), first(group.begin));
         }
         begin = next;
@@ -91,37 +85,65 @@ DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid,
   return sets;
 }
 
-// The cluster other than the points' own that comes nearest to them, -1 when none
-// comes within `max_gap_m`.
-int NearestCluster(const Points& points, const CellGrid& grid, const Indices& cluster,
-                   const std::vector<int>& cluster_of, double max_gap_m) {
-  const int own = cluster_of[static_cast<std::size_t>(cluster.front())];
-  int nearest = -1;
-  auto best = static_cast<float>(max_gap_m * max_gap_m);
-  const int reach = static_cast<int>(std::ceil(max_gap_m / static_cast<double>(grid.cell_m())));
-  for (const std::int32_t i : cluster) {
-    const Eigen::Vector3f& p = points[static_cast<std::size_t>(i)];
-    grid.ForEachPoint(p, reach, [&](std::size_t j) {
-      const int other = cluster_of[j];
-      if (other < 0 || other == own) return;
-      const float distance = (p - points[j]).squaredNorm();
-      if (distance > best || (distance == best && nearest >= 0)) return;
-      best = distance;
-      nearest = other;
-    });
+// Looks for the cluster that holds another one.
+class SupportSearch {
+ public:
+  SupportSearch(const Points& points, const std::vector<Indices>& clusters, double max_gap_m,
+                const IsCancelled& is_cancelled)
+      : points_(points),
+        max_gap_m_(static_cast<float>(max_gap_m)),
+        grid_(points, max_gap_m_),
+        cluster_of_(points.size(), -1),
+        poll_(is_cancelled) {
+    for (std::size_t c = 0; c < clusters.size(); ++c) SetCluster(clusters[c], static_cast<int>(c));
   }
-  return nearest;
-}
+
+  void SetCluster(const Indices& points, int cluster) {
+    for (const std::int32_t i : points) cluster_of_[static_cast<std::size_t>(i)] = cluster;
+  }
+
+  // The cluster other than the points' own that comes nearest to them, -1 when none comes within
+  // the gap, or when all work is spent.
+  int NearestTo(const Indices& cluster) {
+    const int own = cluster_of_[static_cast<std::size_t>(cluster.front())];
+    int nearest = -1;
+    float best = max_gap_m_ * max_gap_m_;
+    for (const std::int32_t i : cluster) {
+      const Eigen::Vector3f& p = points_[static_cast<std::size_t>(i)];
+      std::size_t looked_at = 0;
+      grid_.ForEachPoint(p, 1, [&](std::size_t j) {
+        ++looked_at;
+        const int other = cluster_of_[j];
+        if (other < 0 || other == own) return;
+        const float distance = (p - points_[j]).squaredNorm();
+        if (distance > best || (distance == best && nearest >= 0)) return;
+        best = distance;
+        nearest = other;
+      });
+      work_ += looked_at;
+      if (work_ > kMaxJoinWork || poll_.After(looked_at)) return -1;
+    }
+    return nearest;
+  }
+
+ private:
+  const Points& points_;
+  const float max_gap_m_;
+  const CellGrid grid_;
+  std::vector<int> cluster_of_;
+  CancellationPoll poll_;
+  std::size_t work_ = 0;
+};
 
 }  // namespace
 
-std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std::size_t min_count) {
+std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std::size_t min_count,
+                                  const IsCancelled& is_cancelled) {
   if (points.empty()) return {};
-  const auto cell_m = static_cast<float>(kCellShare * tolerance_m);
-  const CellGrid grid(points, cell_m);
+  const CellGrid grid(points, static_cast<float>(kCellShare * tolerance_m));
   const auto tolerance = static_cast<float>(tolerance_m);
-  DisjointSets sets = JoinNeighbours(points, grid, CloseGroups(grid, grid.cell_m() <= cell_m),
-                                     tolerance * tolerance);
+  CancellationPoll poll(is_cancelled);
+  DisjointSets sets = JoinNeighbours(points, grid, tolerance * tolerance, poll);
   std::vector<Indices> clusters;
   constexpr auto kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(points.size(), kNone);  // of the cluster of a set
@@ -138,28 +160,23 @@ std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std:
 }
 
 std::vector<Indices> JoinUnsupported(const Points& points, const std::vector<double>& heights,
-                                     std::vector<Indices> clusters, double max_gap_m) {
+                                     std::vector<Indices> clusters, double max_gap_m,
+                                     const IsCancelled& is_cancelled) {
   if (clusters.size() < 2) return clusters;
-  const CellGrid grid(points, static_cast<float>(max_gap_m));
-  std::vector<int> cluster_of(points.size(), -1);
-  for (std::size_t c = 0; c < clusters.size(); ++c) {
-    for (const std::int32_t i : clusters[c]) {
-      cluster_of[static_cast<std::size_t>(i)] = static_cast<int>(c);
-    }
-  }
-  for (std::size_t c = 0; c < clusters.size(); ++c) {
+  SupportSearch search(points, clusters, max_gap_m, is_cancelled);
+  for (Indices& cluster : clusters) {
     const auto height = [&](std::int32_t i) { return heights[static_cast<std::size_t>(i)]; };
-    const auto lowest = std::ranges::min_element(clusters[c], {}, height);
+    const auto lowest = std::ranges::min_element(cluster, {}, height);
     if (height(*lowest) <= max_gap_m) continue;
-    const int support = NearestCluster(points, grid, clusters[c], cluster_of, max_gap_m);
+    const int support = search.NearestTo(cluster);
     if (support < 0) continue;
+    search.SetCluster(cluster, support);
     Indices& joined = clusters[static_cast<std::size_t>(support)];
-    for (const std::int32_t i : clusters[c]) cluster_of[static_cast<std::size_t>(i)] = support;
-    joined.insert(joined.end(), clusters[c].begin(), clusters[c].end());
-    std::sort(joined.begin(), joined.end());
-    clusters[c].clear();
+    joined.insert(joined.end(), cluster.begin(), cluster.end());
+    cluster.clear();
   }
   std::erase_if(clusters, [](const Indices& cluster) { return cluster.empty(); });
+  for (Indices& cluster : clusters) std::ranges::sort(cluster);
   return clusters;
 }
 

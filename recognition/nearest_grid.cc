@@ -2,12 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "recognition/bounds.h"
 #include "recognition/wide.h"
 
 namespace graspdb::recognition {
 namespace {
+
+// Blocks of 512 bytes, 32 MB: enough for 1 m^2 of surface in voxels of 3 mm six times over.
+constexpr std::int32_t kMaxBlocks = 65536;
+// Places in the table of blocks, 4 MB: enough for a cube of 1.5 m in cells of 3 mm.
+constexpr double kMaxTable = 1 << 20;
+constexpr int kMaxCellsPerAxis = 1 << 20;
+
+// The most cells between a point's and one whose centre is within reach.
+int LayersWithin(float reach_m, float cell_m) {
+  return static_cast<int>(std::ceil((reach_m + std::sqrt(0.75F) * cell_m) / cell_m));
+}
+
+// The block of a cell, along x, y and z.
+Eigen::Array3i BlockAt(const Eigen::Array3i& cell) {
+  return {cell.x() >> wide::kBlockXBits, cell.y() >> wide::kBlockYzBits,
+          cell.z() >> wide::kBlockYzBits};
+}
 
 // The rows of cells of which some are at most `reach` cells away from a point in the middle one.
 std::vector<wide::BallRow> RowsWithin(float reach) {
@@ -30,30 +48,62 @@ std::vector<wide::BallRow> RowsWithin(float reach) {
 }  // namespace
 
 NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m)
-    : inverse_cell_(1 / cell_m) {
+    : inverse_cell_(1 / cell_m), cells_(wide::kBlockCells, -1) {
   if (points.empty()) return;
-  const Eigen::AlignedBox3f bounds = BoundsOf(points);
-  const int layers = static_cast<int>(std::ceil(reach_m / cell_m));
-  origin_ = bounds.min().array() - static_cast<float>(layers + 1) * cell_m;
-  const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
-  size_ = cells.array().floor().cast<int>() + 2 * layers + 3;
-  // Wide code may write a whole step from any cell on.
-  row_ = wide::Padded(static_cast<std::size_t>(size_.x())) + wide::kLanes;
-  cells_.assign(row_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
-                -1);
+  while (!Allocate(points, cell_m, reach_m)) cell_m *= 2;
   const float far = reach_m + std::sqrt(0.75F) * cell_m;
   std::vector<float> best(cells_.size(), far * far);
   const std::vector<wide::BallRow> rows = RowsWithin(far * inverse_cell_);
-  const wide::Cells all = {size_.data(), row_, cell_m, best.data(), cells_.data()};
+  const wide::Cells all = {table(), cell_m, best.data(), cells_.data()};
   for (const std::int32_t i : OneEachCell(points)) {
     const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     wide::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
 }
 
-// Of the points in one cell the nearest to its centre stands for all of them.
-Indices NearestGrid::Level::OneEachCell(const Points& points) const {
-  std::vector<std::int32_t> in_cell(cells_.size(), -1);
+bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reach_m) {
+  inverse_cell_ = 1 / cell_m;
+  const Eigen::AlignedBox3f bounds = BoundsOf(points);
+  const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
+  const int reach = LayersWithin(reach_m, cell_m);
+  const int margin = reach + 1;  // rounding may put a point into the cell beside its own
+  // Also false where an integer has no room for them.
+  if (!(cells.maxCoeff() < static_cast<float>(kMaxCellsPerAxis))) return false;
+  size_ = cells.array().floor().cast<int>() + 2 * margin + 1;
+  block_count_.x() = (size_.x() >> wide::kBlockXBits) + 1;
+  block_count_.tail<2>() = (size_.tail<2>().array() / (1 << wide::kBlockYzBits)) + 1;
+  if (block_count_.cast<double>().prod() > kMaxTable) return false;
+  origin_ = bounds.min().array() - static_cast<float>(margin) * cell_m;
+  blocks_.assign(static_cast<std::size_t>(block_count_.prod()), 0);
+  std::int32_t count = 1;  // the first one is empty
+  Eigen::Array3i last_low = Eigen::Array3i::Constant(-1);
+  Eigen::Array3i last_high = last_low;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Array3i at = Place(p).cast<int>();
+    const Eigen::Array3i low = BlockAt((at - reach).max(0));
+    const Eigen::Array3i high = BlockAt((at + reach).min(size_.array() - 1));
+    // Neighbours mostly meet the same blocks.
+    if ((low == last_low).all() && (high == last_high).all()) continue;
+    last_low = low;
+    last_high = high;
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x) {
+          std::int32_t& begin = blocks_[static_cast<std::size_t>(
+              (z * block_count_.y() + y) * block_count_.x() + x)];
+          if (begin == 0) begin = wide::kBlockCells * count++;
+        }
+      }
+    }
+    if (count > kMaxBlocks) return false;
+  }
+  cells_.assign(static_cast<std::size_t>(count) * wide::kBlockCells, -1);
+  return true;
+}
+
+// Of the points in one cell the nearest to its centre stands for all of them. Uses the cells, and
+// leaves them empty.
+Indices NearestGrid::Level::OneEachCell(const Points& points) {
   Indices occupied;
   const auto place = [&](std::int32_t i) { return Place(points[static_cast<std::size_t>(i)]); };
   const auto off = [](const Eigen::Array3f& at) {
@@ -62,22 +112,23 @@ Indices NearestGrid::Level::OneEachCell(const Points& points) const {
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
     const Eigen::Array3f at = place(i);
     const std::size_t cell = CellOf(at);
-    std::int32_t& known = in_cell[cell];
+    std::int32_t& known = cells_[cell];
     if (known < 0) occupied.push_back(static_cast<std::int32_t>(cell));
     if (known < 0 || off(at) < off(place(known))) known = i;
   }
-  for (std::int32_t& cell : occupied) cell = in_cell[static_cast<std::size_t>(cell)];
+  for (std::int32_t& cell : occupied) {
+    cell = std::exchange(cells_[static_cast<std::size_t>(cell)], -1);
+  }
   return occupied;
 }
 
 wide::NearestCells NearestGrid::Level::cells() const {
   wide::NearestCells out;
   out.nearest = cells_.data();
+  out.blocks = table();
   Eigen::Map<Eigen::Vector3f>(out.origin) = origin_;
   out.inverse_cell = inverse_cell_;
   Eigen::Map<Eigen::Vector3f>(out.size) = size_.cast<float>();
-  out.row = static_cast<std::int32_t>(row_);
-  out.layer = static_cast<std::int32_t>(row_) * size_.y();
   return out;
 }
 

@@ -14,6 +14,11 @@ namespace graspdb::recognition {
 // the point that it gives may be farther than the nearest by up to a cell's diagonal. Exact enough
 // where residuals are measured against the tangent plane there. Metres, any frame. Deterministic;
 // safe for concurrent queries.
+//
+// Cells are kept in blocks, and only blocks that a point reaches: memory and time to build grow
+// with the points, not with the volume between them. 64 MB at most while it is built, 36 MB after
+// that for each size of cells: points that are so scattered that they would need more get cells
+// twice as large, as often as it takes. Points must be finite.
 class NearestGrid {
  public:
   // Small cells of `cell_m` metres whose centres are up to twice as far from a point know one, and
@@ -44,23 +49,29 @@ class NearestGrid {
       return inside ? cells_[CellOf(at)] : -1;
     }
     wide::NearestCells cells() const;
-    std::size_t bytes() const { return cells_.size() * sizeof(cells_[0]); }
+    std::size_t bytes() const { return (cells_.size() + blocks_.size()) * sizeof(cells_[0]); }
 
    private:
     Eigen::Array3f Place(const Eigen::Vector3f& p) const { return (p - origin_) * inverse_cell_; }
     std::size_t CellOf(const Eigen::Array3f& place) const {
       const Eigen::Array3i at = place.cast<int>();
-      return (static_cast<std::size_t>(at.z()) * static_cast<std::size_t>(size_.y()) +
-              static_cast<std::size_t>(at.y())) *
-                 row_ +
-             static_cast<std::size_t>(at.x());
+      const std::int32_t block = blocks_[static_cast<std::size_t>(wide::BlockOf(table(), at))];
+      return static_cast<std::size_t>(block + wide::CellInBlock(at));
     }
-    Indices OneEachCell(const Points& points) const;
+    wide::BlockTable table() const {
+      return {blocks_.data(), block_count_.x(), block_count_.x() * block_count_.y()};
+    }
+    // Whether cells of that size fit the limits; if so, their blocks are there.
+    bool Allocate(const Points& points, float cell_m, float reach_m);
+    Indices OneEachCell(const Points& points);
 
     Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
-    Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-    std::size_t row_ = 0;  // cells between the beginnings of rows: some more than size_.x()
+    Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  // cells
+    Eigen::Vector3i block_count_ = Eigen::Vector3i::Ones();
     float inverse_cell_;
+    // Where in cells_ each block begins. That at 0 is empty; it stands for all that no point
+    // reaches.
+    std::vector<std::int32_t> blocks_ = {0};
     std::vector<std::int32_t> cells_;
   };
 

@@ -28,14 +28,17 @@ Eigen::Vector3d LeastSpread(const wide::Moments& m) {
 
 }  // namespace
 
-Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, double radius_m) {
+Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, double radius_m,
+                        const IsCancelled& is_cancelled) {
   const wide::Functions& wide = wide::Best();
   const auto radius = static_cast<float>(radius_m);
   const CellGrid grid(points, kRoundingMargin * radius);
   Normals normals(points.size());
   CellBlock block;
+  CancellationPoll poll(is_cancelled);
   for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
     grid.Gather(cell.at, 1, &block);
+    if (poll.After(block.x.size() * static_cast<std::size_t>(cell.end - cell.begin))) break;
     for (std::int32_t i = cell.begin; i < cell.end; ++i) {
       const auto point = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(i)]);
       const wide::Moments moments =

@@ -15,6 +15,14 @@ namespace {
 constexpr float kProbeCellM = 0.008F;
 // A cell's edge, as a multiple of the radius within which the neighbours probably are.
 constexpr double kCellsPerRadius = 1.15;
+// Cells around a point that are gathered; for what is farther away larger cells are cheaper.
+constexpr int kMaxReach = 4;
+constexpr float kCoarser = 8;
+// Distances that are computed in all, about 0.6 s: a frame of two million points on surfaces takes
+// two thirds of them.
+constexpr std::size_t kMaxWork = 1'000'000'000;
+// To find a row of cells takes as long as so many distances.
+constexpr std::size_t kWorkPerRow = 32;
 // Guesses of a distance before all are sorted.
 constexpr int kGuesses = 24;
 
@@ -70,26 +78,54 @@ class RootsOfSmallest {
   std::vector<float> sorted_;
 };
 
-// For each point the sum of the distances to its `count` nearest, of which it is one.
+// For some of the points the sum of the distances to their `count` nearest, of which they are one.
 class SumsOfNearest {
  public:
-  SumsOfNearest(const Points& points, std::size_t count)
-      : points_(points), count_(count), grid_(points, CellSizeFor(points, count)) {
-    sums_.resize(points.size());
-    for (const CellGrid::Cell& cell : grid_.OccupiedCells()) SumCell(cell);
+  SumsOfNearest(const Points& points, std::size_t count, const IsCancelled& is_cancelled)
+      : points_(points), count_(count), poll_(is_cancelled), sums_(points.size()) {}
+
+  // Of all points; none when that takes too long.
+  std::optional<std::vector<float>> Take() {
+    Indices open(points_.size());
+    std::iota(open.begin(), open.end(), 0);
+    // What a grid's cells are too small for is left to one with larger cells.
+    for (float cell_m = CellSizeFor(points_, count_); !open.empty(); cell_m *= kCoarser) {
+      if (!SumWith(CellGrid(points_, cell_m), &open)) return std::nullopt;
+    }
+    return std::move(sums_);
   }
 
-  std::vector<float> Take() { return std::move(sums_); }
-
  private:
-  void SumCell(const CellGrid::Cell& cell) {
-    const auto begin = grid_.order().begin();
-    open_.assign(begin + cell.begin, begin + cell.end);
-    for (int reach = 1; !open_.empty(); reach *= 2) {
-      grid_.Gather(cell.at, reach, &block_);
-      squared_.resize(block_.x.size());
-      std::erase_if(open_, [&](std::int32_t i) { return Sum(static_cast<std::size_t>(i)); });
+  // Leaves in `open` the points that have no sum yet; false when it takes too long.
+  bool SumWith(const CellGrid& grid, Indices* open) {
+    is_open_.assign(points_.size(), 0);
+    for (const std::int32_t i : *open) is_open_[static_cast<std::size_t>(i)] = 1;
+    open->clear();
+    for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
+      if (!SumCell(grid, cell, open)) return false;
     }
+    return true;
+  }
+
+  bool SumCell(const CellGrid& grid, const CellGrid::Cell& cell, Indices* left) {
+    in_cell_.clear();
+    for (std::int32_t at = cell.begin; at < cell.end; ++at) {
+      const std::int32_t i = grid.order()[static_cast<std::size_t>(at)];
+      if (is_open_[static_cast<std::size_t>(i)] != 0) in_cell_.push_back(i);
+    }
+    for (int reach = 1; reach <= kMaxReach && !in_cell_.empty(); reach *= 2) {
+      const std::size_t count = grid.CountAround(cell.at, reach);
+      const auto rows = static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1));
+      const std::size_t work = count * (in_cell_.size() + 1) + kWorkPerRow * rows;
+      work_ += work;
+      if (work_ > kMaxWork || poll_.After(work)) return false;
+      if (count < count_) continue;
+      grid.Gather(cell.at, reach, &block_);
+      squared_.resize(block_.x.size());
+      std::erase_if(in_cell_, [&](std::int32_t i) { return Sum(static_cast<std::size_t>(i)); });
+    }
+    left->insert(left->end(), in_cell_.begin(), in_cell_.end());
+    return true;
   }
 
   // False where neighbours of the point may lie outside of the block.
@@ -107,29 +143,33 @@ class SumsOfNearest {
   const wide::Functions& wide_ = wide::Best();
   const Points& points_;
   const std::size_t count_;
-  const CellGrid grid_;
+  CancellationPoll poll_;
+  std::size_t work_ = 0;
   RootsOfSmallest roots_;
   CellBlock block_;
-  Indices open_;
+  std::vector<char> is_open_;
+  Indices in_cell_;
   std::vector<float> squared_;
   std::vector<float> sums_;
 };
 
 }  // namespace
 
-Indices RemoveStatisticalOutliers(const Points& points, int neighbor_count,
-                                  double deviation_factor) {
+std::optional<Indices> RemoveStatisticalOutliers(const Points& points, int neighbor_count,
+                                                 double deviation_factor,
+                                                 const IsCancelled& is_cancelled) {
   Indices kept(points.size());
   std::iota(kept.begin(), kept.end(), 0);
   if (neighbor_count <= 0 || points.size() <= static_cast<std::size_t>(neighbor_count)) return kept;
 
-  const std::vector<float> sums =
-      SumsOfNearest(points, static_cast<std::size_t>(neighbor_count) + 1).Take();
+  const std::optional<std::vector<float>> sums =
+      SumsOfNearest(points, static_cast<std::size_t>(neighbor_count) + 1, is_cancelled).Take();
+  if (!sums) return std::nullopt;
   std::vector<double> mean_distance(points.size());
   double sum = 0;
   double squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    mean_distance[i] = static_cast<double>(sums[i]) / neighbor_count;
+    mean_distance[i] = static_cast<double>((*sums)[i]) / neighbor_count;
     sum += mean_distance[i];
     squares += mean_distance[i] * mean_distance[i];
   }

@@ -1,6 +1,9 @@
 // Points that stand alone.
 #pragma once
 
+#include <optional>
+
+#include "recognition/cancellation.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
@@ -9,7 +12,12 @@ namespace graspdb::recognition {
 // mean distance to their `neighbor_count` nearest neighbours is at most the mean
 // of all such distances plus `deviation_factor` standard deviations. All points
 // when there are not more than `neighbor_count` of them. Exact.
-Indices RemoveStatisticalOutliers(const Points& points, int neighbor_count,
-                                  double deviation_factor);
+//
+// O(n * neighbor_count) where the density varies as that of a surface does. What would take more
+// than 10^9 distances, as for very many coincident or scattered points, is not done: nullopt, for
+// the same points always; nullopt also when cancelled.
+std::optional<Indices> RemoveStatisticalOutliers(const Points& points, int neighbor_count,
+                                                 double deviation_factor,
+                                                 const IsCancelled& is_cancelled = {});
 
 }  // namespace graspdb::recognition

@@ -22,6 +22,12 @@ struct DescriptorParameters {
 
 // How an object's points are found in a frame. May differ from cell to cell.
 struct SegmentationParameters {
+  // Points farther from the sensor are left out, m: cells are smaller, and depth cameras for them
+  // measure up to 6 m. Doubled, more of the room behind a cell costs time.
+  double max_range_m = 10;
+  // The longest side of what can be one object, m: what a robot lifts off a table. Doubled, a
+  // segmented scan with stray points takes up to four times the memory.
+  double max_object_size_m = 1;
   // Points nearer to the table plane than this belong to the table, m.
   double plane_distance_m = 0.006;
   // How far the table may be tilted against the world's z axis when the sensor

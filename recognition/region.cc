@@ -11,8 +11,6 @@
 namespace graspdb::recognition {
 namespace {
 
-constexpr float kFarthest = 100;  // m
-
 // The region's corners; without one nothing bounds it.
 struct Bounds {
   explicit Bounds(const std::optional<Box>& region) {
@@ -24,10 +22,22 @@ struct Bounds {
   Eigen::Vector3f high = -low;
 };
 
+// How many pixels of the row were measured farther away than row.farthest.
+std::size_t CountBeyond(const wide::DepthRow& row) {
+  const float farthest = row.farthest * row.farthest / (row.unit * row.unit);
+  const float beside = 1 + row.row * row.row;
+  std::size_t out = 0;
+  for (std::size_t u = 0; u < row.width; ++u) {
+    const auto count = static_cast<float>(row.counts[u]);
+    out += count * count * (beside + row.column[u] * row.column[u]) > farthest ? 1U : 0U;
+  }
+  return out;
+}
+
 }  // namespace
 
 bool IsMeasurement(const Eigen::Vector3f& p) {
-  return p.allFinite() && !p.isZero(0) && p.squaredNorm() <= kFarthest * kFarthest;
+  return p.allFinite() && !p.isZero(0) && p.stableNorm() <= static_cast<float>(kSensorRangeM);
 }
 
 bool HasMeasurement(const Scan& scan) {
@@ -36,11 +46,16 @@ bool HasMeasurement(const Scan& scan) {
 }
 
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
-                          const std::optional<Box>& region) {
+                          const std::optional<Box>& region, double max_range_m) {
   RegionPoints out;
+  const auto farthest = static_cast<float>(max_range_m * max_range_m);
   const Bounds bounds(region);
   const Motion motion(a_sensor);
   for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan[i].squaredNorm() > farthest) {  // false for what is not a number
+      out.beyond_range_count += scan[i].allFinite();
+      continue;
+    }
     // In the order in which images are unprojected, for the same bits.
     const Eigen::Vector3f p = motion.Point(scan[i]);
     // False for what is not a number.
@@ -55,7 +70,7 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
 }
 
 RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
-                       const std::optional<Box>& region) {
+                       const std::optional<Box>& region, double max_range_m) {
   const wide::Functions& wide = wide::Best();
   const auto width = static_cast<std::size_t>(image.camera.width);
   const Bounds bounds(region);
@@ -65,7 +80,7 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
   row.width = width;
   row.column = columns.data();
   row.unit = static_cast<float>(image.unit_m);
-  row.farthest = kFarthest;
+  row.farthest = static_cast<float>(max_range_m);
   row.world_sensor = Motion(a_sensor).rigid();
   Eigen::Map<Eigen::Vector3f>(row.min) = bounds.low;
   Eigen::Map<Eigen::Vector3f>(row.max) = bounds.high;
@@ -81,6 +96,7 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
     row.counts = image.depth.data() + first;
     row.row = RowOf(image.camera, static_cast<std::size_t>(v));
     wide.unproject(row, world[0].data(), world[1].data(), world[2].data(), inside.data());
+    out.beyond_range_count += CountBeyond(row);
     // Without a branch: which pixels are inside is hard to foretell.
     std::size_t count = 0;
     for (std::size_t u = 0; u < width; ++u) {
@@ -96,9 +112,10 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
   return out;
 }
 
-RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region) {
-  return scan.is_image() ? CropImage(scan.depth_image, a_sensor, region)
-                         : CropToRegion(scan.points, a_sensor, region);
+RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region,
+                      double max_range_m) {
+  return scan.is_image() ? CropImage(scan.depth_image, a_sensor, region, max_range_m)
+                         : CropToRegion(scan.points, a_sensor, region, max_range_m);
 }
 
 }  // namespace graspdb::recognition

@@ -12,22 +12,29 @@ namespace graspdb::recognition {
 struct RegionPoints {
   Points points;    // in frame a
   Indices indices;  // where each of them stands in the scan
+  // Measurements that were left out since they are too far from the sensor.
+  std::size_t beyond_range_count = 0;
 };
 
+// No depth camera measures farther, m.
+inline constexpr double kSensorRangeM = 100;
+
 // Whether a scan's point is a measurement: finite, not the origin (sensors report no
-// depth as NaN or zero), and not beyond 100 m, where no depth camera sees.
+// depth as NaN or zero), and not beyond kSensorRangeM.
 bool IsMeasurement(const Eigen::Vector3f& p);
 
 // Moves the measurements of `scan` (sensor frame, metres) by T_a_sensor and keeps
-// those in `region` (frame a); all of them without a region.
+// those in `region` (frame a), all of them without a region, that are at most `max_range_m` metres
+// from the sensor. O(n).
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
-                          const std::optional<Box>& region);
+                          const std::optional<Box>& region, double max_range_m = kSensorRangeM);
 // The same of an image, in one pass: no other point is ever made. Bit by bit what comes of the
 // image's points.
 RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
-                       const std::optional<Box>& region);
+                       const std::optional<Box>& region, double max_range_m = kSensorRangeM);
 // Either, as the scan has it.
-RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region);
+RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region,
+                      double max_range_m = kSensorRangeM);
 
 // Whether anything was measured at all.
 bool HasMeasurement(const Scan& scan);

@@ -1,9 +1,12 @@
 #include "recognition/segmentation.h"
 
 #include <algorithm>
+#include <numeric>
+#include <string>
 
 #include "absl/status/status.h"
 #include "recognition/clusters.h"
+#include "recognition/extent.h"
 #include "recognition/normals.h"
 #include "recognition/outliers.h"
 #include "recognition/region.h"
@@ -35,8 +38,12 @@ std::vector<double> Heights(const Plane& table, const Points& points) {
   return out;
 }
 
+absl::Status CancelledAfter(const char* step) {
+  return absl::CancelledError(std::string("cancelled after ") + step);
+}
+
 void Keep(const Indices& which, RegionPoints* cloud) {
-  *cloud = {Select(cloud->points, which), Select(cloud->indices, which)};
+  *cloud = {Select(cloud->points, which), Select(cloud->indices, which), 0};
 }
 
 // T_world_sensor from the dominant plane in front of the sensor.
@@ -105,17 +112,22 @@ void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, 
 // The voxels as one cluster each, with their normals and the scan's points.
 std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& voxels,
                                   const std::vector<Indices>& clusters, const Vector3d& viewpoint,
-                                  double normal_radius_m, StageLog* log) {
+                                  const SegmentationParameters& parameters,
+                                  const DescriptorParameters& descriptor,
+                                  const IsCancelled& is_cancelled, StageLog* log) {
   std::vector<std::int32_t> cluster_of(voxels.points.size(), -1);
   std::vector<Segment> segments(clusters.size());
   Normals normals;
   log->Measure("normals", voxels.points.size(), [&] {
-    normals = EstimateNormals(voxels.points, viewpoint, normal_radius_m);
+    normals =
+        EstimateNormals(voxels.points, viewpoint, descriptor.normal_radius_m, is_cancelled);
     return normals.size();
   });
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     segments[c].cloud = {Select(voxels.points, clusters[c]), Select(normals, clusters[c])};
     segments[c].centroid = Centroid(segments[c].cloud.points);
+    segments[c].too_large = IsTooLarge(segments[c].cloud.points, parameters.max_object_size_m,
+                                       descriptor.voxel_size_m);
     for (const std::int32_t v : clusters[c]) {
       cluster_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(c);
     }
@@ -130,47 +142,66 @@ std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& v
   return segments;
 }
 
+// A step of its own where points were left out; `kept` is what remains.
+void LogLeftOut(const char* stage, std::size_t kept, std::size_t left_out, StageLog* log) {
+  if (left_out > 0) log->Measure(stage, kept + left_out, [&] { return kept; });
+}
+
+// The voxels of each thing.
+std::vector<Indices> ClusterVoxels(const Points& voxels, bool segmented,
+                                   const SegmentationParameters& parameters,
+                                   const std::optional<Plane>& table,
+                                   const IsCancelled& is_cancelled) {
+  const auto smallest = static_cast<std::size_t>(
+      std::max(parameters.min_cluster_point_count, static_cast<int>(kMinDescriptorPoints)));
+  if (segmented) {
+    if (voxels.size() < smallest) return {};
+    Indices all(voxels.size());
+    std::iota(all.begin(), all.end(), 0);
+    return {std::move(all)};
+  }
+  std::vector<Indices> out =
+      FindClusters(voxels, parameters.cluster_tolerance_m, smallest, is_cancelled);
+  if (!table) return out;
+  return JoinUnsupported(voxels, Heights(*table, voxels), std::move(out),
+                         kJoinReach * parameters.cluster_tolerance_m, is_cancelled);
+}
+
 // Outliers, voxels, clusters and normals of what stands on the table.
-void FindSegments(RegionPoints cloud, bool segmented, const SegmentationParameters& parameters,
-                  const DescriptorParameters& descriptor, StageLog* log, Segmentation* out) {
+absl::Status FindSegments(RegionPoints cloud, bool segmented,
+                          const SegmentationParameters& parameters,
+                          const DescriptorParameters& descriptor, const IsCancelled& is_cancelled,
+                          StageLog* log, Segmentation* out) {
   if (!segmented) {
     log->Measure("outliers", cloud.points.size(), [&] {
-      Keep(RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,
-                                     parameters.outlier_deviation_factor),
-           &cloud);
+      const std::optional<Indices> kept =
+          RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,
+                                    parameters.outlier_deviation_factor, is_cancelled);
+      if (kept) Keep(*kept, &cloud);
       return cloud.points.size();
     });
   }
+  if (is_cancelled()) return CancelledAfter("the outliers");
   VoxelCloud voxels;
   log->Measure("voxels", cloud.points.size(), [&] {
     voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m);
     return voxels.points.size();
   });
+  if (is_cancelled()) return CancelledAfter("the voxels");
   std::vector<Indices> clusters;
   log->Measure("clusters", voxels.points.size(), [&] {
-    const auto smallest = static_cast<std::size_t>(
-        std::max(parameters.min_cluster_point_count, static_cast<int>(kMinDescriptorPoints)));
-    if (!segmented) {
-      clusters = FindClusters(voxels.points, parameters.cluster_tolerance_m, smallest);
-      if (out->table) {
-        clusters =
-            JoinUnsupported(voxels.points, Heights(*out->table, voxels.points), std::move(clusters),
-                            kJoinReach * parameters.cluster_tolerance_m);
-      }
-    } else if (voxels.points.size() >= smallest) {
-      clusters.emplace_back(voxels.points.size());
-      for (std::size_t i = 0; i < voxels.points.size(); ++i) {
-        clusters.back()[i] = static_cast<std::int32_t>(i);
-      }
-    }
+    clusters = ClusterVoxels(voxels.points, segmented, parameters, out->table, is_cancelled);
     std::size_t kept = 0;
     for (const Indices& cluster : clusters) kept += cluster.size();
     return kept;
   });
-  if (clusters.empty()) return;
-  out->segments = MakeSegments(cloud, voxels, clusters, out->world_sensor.translation(),
-                               descriptor.normal_radius_m, log);
+  if (is_cancelled()) return CancelledAfter("the clusters");
+  if (clusters.empty()) return absl::OkStatus();
+  out->segments = MakeSegments(cloud, voxels, clusters, out->world_sensor.translation(), parameters,
+                               descriptor, is_cancelled, log);
+  if (is_cancelled()) return CancelledAfter("the normals");
   out->outcome = SegmentationOutcome::kFound;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -223,23 +254,29 @@ absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationPar
     if (!status.ok()) return std::size_t{0};
     std::optional<Box> region = scan.region;
     if (!region && !scan.segmented) region = DefaultRegion(out.world_sensor);
-    cloud = CropScan(scan, out.world_sensor, region);
+    cloud = CropScan(scan, out.world_sensor, region, parameters.max_range_m);
     return cloud.points.size();
   });
   if (!status.ok()) return status;
+  LogLeftOut("range", cloud.points.size(), cloud.beyond_range_count, log);
   if (cloud.points.empty()) {
     out.outcome = SegmentationOutcome::kEmptyRegion;
     return out;
   }
-  if (is_cancelled()) return absl::CancelledError("cancelled after the region of interest");
-  if (!scan.segmented) {
+  if (is_cancelled()) return CancelledAfter("the region of interest");
+  if (scan.segmented) {
+    out.far_point_count = LeaveOutFarPoints(parameters.max_object_size_m, &cloud);
+    LogLeftOut("extent", cloud.points.size(), out.far_point_count, log);
+  } else {
     log->Measure("plane", cloud.points.size(), [&] {
       RemoveTable(parameters, &cloud, &out);
       return cloud.points.size();
     });
   }
-  if (is_cancelled()) return absl::CancelledError("cancelled after the table plane");
-  FindSegments(std::move(cloud), scan.segmented, parameters, descriptor, log, &out);
+  if (is_cancelled()) return CancelledAfter("the table plane");
+  status = FindSegments(std::move(cloud), scan.segmented, parameters, descriptor, is_cancelled, log,
+                        &out);
+  if (!status.ok()) return status;
   return out;
 }
 

@@ -3,11 +3,11 @@
 // recognising use the same code.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "recognition/cancellation.h"
 #include "recognition/parameters.h"
 #include "recognition/plane.h"
 #include "recognition/scan.h"
@@ -34,6 +34,7 @@ struct Segment {
   Indices indices;      // its points in the scan
   OrientedCloud cloud;  // its voxels, world frame, normals towards the sensor
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // of `cloud`, world frame
+  bool too_large = false;                              // to be one object, see IsTooLarge
 };
 
 // T_world_object of what is taught where nobody gave one: the centroid, on the table where there
@@ -51,12 +52,16 @@ struct Segmentation {
   double table_noise_m = 0;       // root mean square distance of its points from it; 0: no table
   double table_reach_m = 0;       // what is no higher above it went with it; 0: no table
   std::vector<Segment> segments;  // the nearest to the sensor first
+  // Points of a segmented scan that are too far from the others to be of one object; left out.
+  std::size_t far_point_count = 0;
 };
 
-// Whether the caller has lost interest; asked between the steps.
-using IsCancelled = std::function<bool()>;
-
-// Finds the objects in a scan and appends what each step did to `log`.
+// Finds the objects in a scan and appends what each step did to `log`. Steps "range" and "extent"
+// are there where points were left out: those beyond max_range_m, and those of a segmented scan
+// that are farther than max_object_size_m from the median. Where outliers would take too long to
+// find (outliers.h), their step removes none.
+//
+// O(n log n) in the points of the scan; cancelled within some milliseconds.
 //
 // Without a plane in the region nothing is removed as table. A scan that is
 // `segmented` is one segment, whatever it holds, as long as it has

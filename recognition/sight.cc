@@ -22,7 +22,11 @@ constexpr float kBeforeM = 0.02F;
 // Share of all the segment's edges that must be cut off for a side to be hidden.
 constexpr double kCutShare = 0.04;
 
-bool IsMeasured(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > 0; }
+// No depth camera measures nearer, m: such a point is nearly beside the lens, and one of them would
+// make the window as wide as it can be.
+constexpr float kNearestM = 0.01F;
+
+bool IsMeasured(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > kNearestM; }
 
 // What is measured beside a segment: the nearest is seen.
 void PutBehind(float depth_m, float* known) {
@@ -67,9 +71,9 @@ Sight::Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
   size_ = ((high - low).array() + 2 * kMarginM / depth)
               .matrix()
               .cwiseQuotient(Eigen::Vector2f::Constant(kPitch))
+              .cwiseMin(static_cast<float>(kLargestSide))
               .cast<int>()
-              .array()
-              .min(kLargestSide) +
+              .array() +
           1;
   constexpr std::size_t kBorders = std::size_t{2} * kBorder;
   row_ = static_cast<std::size_t>(size_.x()) + kBorders;

@@ -41,7 +41,7 @@ struct DepthRow {
   const float* column = nullptr;  // x at a depth of 1 m, a value a pixel
   float row = 0;                  // y at a depth of 1 m
   float unit = 0;                 // m
-  float farthest = 0;             // deeper pixels are no measurements, m
+  float farthest = 0;             // what is farther from the sensor is left out, m
   Rigid world_sensor = {};
   float min[3] = {};  // of the region, world frame, m
   float max[3] = {};
@@ -55,10 +55,9 @@ struct BallRow {
   int half;  // so many cells to either side
 };
 
-// A box of cubic cells, and the nearest point of each.
+// Cubic cells in blocks, and the nearest point of each. Blocks that a row meets must be there.
 struct Cells {
-  const int* size;  // in x, y, z
-  std::size_t row;  // cells between the beginnings of rows: at least size[0] + kLanes
+  BlockTable blocks;
   float cell_m;
   float* best;  // squared distance of the nearest point from the centre, m^2
   std::int32_t* nearest;
@@ -84,7 +83,8 @@ struct Functions {
   // sum (a - b)^2 / (a + b); nothing where a + b is 0.
   float (*chi_square)(const float* a, const float* b, std::size_t count);
   // Tells the cells in the rows around the cell of `at` (in cells) of a point: those that it is
-  // nearer to than best says take its squared distance, and `index`.
+  // nearer to than best says take its squared distance, and `index`. All that a row meets are at 0
+  // or more.
   void (*spread)(const BallRow* rows, std::size_t row_count, const float* at, std::int32_t index,
                  const Cells& cells);
   // Writes the world coordinates of the row's pixels and whether each was measured and lies in

@@ -123,28 +123,27 @@ inline float ChiSquare(const float* a, const float* b, std::size_t count) {
 
 inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, std::int32_t index,
                    const Cells& cells) {
+  static_assert(kLanes == std::size_t{1} << kBlockXBits);
   const Floats ramp = {0, 1, 2, 3, 4, 5, 6, 7};
   const Ints all = Ints{} + index;
   const int middle[3] = {static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2])};
   for (std::size_t r = 0; r < row_count; ++r) {
     const int z = middle[2] + rows[r].z;
     const int y = middle[1] + rows[r].y;
-    if (z < 0 || z >= cells.size[2] || y < 0 || y >= cells.size[1]) continue;
-    const int from = middle[0] > rows[r].half ? middle[0] - rows[r].half : 0;
-    const int to =
-        middle[0] + rows[r].half < cells.size[0] ? middle[0] + rows[r].half + 1 : cells.size[0];
     const float dz = (static_cast<float>(z) + 0.5F - at[2]) * cells.cell_m;
     const float dy = (static_cast<float>(y) + 0.5F - at[1]) * cells.cell_m;
     const Floats beside = All(dz * dz + dy * dy);
-    const std::size_t begin =
-        (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells.size[1]) +
-         static_cast<std::size_t>(y)) *
-        cells.row;
-    for (int x = from; x < to; x += static_cast<int>(kLanes)) {
-      const Floats dx = (ramp + All(static_cast<float>(x) + 0.5F - at[0])) * All(cells.cell_m);
+    const int first = middle[0] - rows[r].half;
+    const int last = middle[0] + rows[r].half;
+    for (int block = first >> kBlockXBits; block <= last >> kBlockXBits; ++block) {
+      const int cell_at[3] = {block << kBlockXBits, y, z};
+      const std::int32_t begin =
+          cells.blocks.begin[BlockOf(cells.blocks, cell_at)] + CellInBlock(cell_at);
+      const Floats dx =
+          (ramp + All(static_cast<float>(cell_at[0]) + 0.5F - at[0])) * All(cells.cell_m);
       const Floats squared = dx * dx + beside;
-      float* best = cells.best + begin + static_cast<std::size_t>(x);
-      std::int32_t* nearest = cells.nearest + begin + static_cast<std::size_t>(x);
+      float* best = cells.best + begin;
+      std::int32_t* nearest = cells.nearest + begin;
       const Floats known = Load(best);
       Ints cell;
       std::memcpy(&cell, nearest, sizeof(cell));
@@ -168,7 +167,8 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
   const Floats depth = __builtin_convertvector(counts, Floats) * All(row.unit);
   const Floats right = column * depth;
   const Floats down = All(row.row) * depth;
-  Ints is_inside = (depth > All(0)) & (depth <= All(row.farthest));
+  Ints is_inside = (depth > All(0)) & (right * right + down * down + depth * depth <=
+                                       All(row.farthest * row.farthest));
   for (int axis = 0; axis < 3; ++axis) {
     const float* r = row.world_sensor.rotation[axis];
     const Floats at = All(r[0]) * right + All(r[1]) * down + All(r[2]) * depth +

@@ -27,14 +27,40 @@ struct Rigid {
   float translation[3] = {};
 };
 
+// Cells are kept in blocks of so many along x, y and z, as powers of two: a row of a block is what
+// wide code reads at once.
+inline constexpr int kBlockXBits = 3;
+inline constexpr int kBlockYzBits = 2;
+inline constexpr int kBlockCells = 1 << (kBlockXBits + 2 * kBlockYzBits);
+
+// Where the cells of each block begin; block (x, y, z) is at z * layer + y * row + x.
+struct BlockTable {
+  const std::int32_t* begin = nullptr;  // at least one
+  std::int32_t row = 0;
+  std::int32_t layer = 0;
+};
+
+// The position of the block of cell (x, y, z) in its table, and that of the cell in its block.
+template <typename Cell>
+inline std::int32_t BlockOf(const BlockTable& table, const Cell& at) {
+  return (at[2] >> kBlockYzBits) * table.layer + (at[1] >> kBlockYzBits) * table.row +
+         (at[0] >> kBlockXBits);
+}
+template <typename Cell>
+inline std::int32_t CellInBlock(const Cell& at) {
+  constexpr int kYz = (1 << kBlockYzBits) - 1;
+  constexpr int kX = (1 << kBlockXBits) - 1;
+  return ((at[2] & kYz) << (kBlockXBits + kBlockYzBits)) + ((at[1] & kYz) << kBlockXBits) +
+         (at[0] & kX);
+}
+
 // Cells of one size of a NearestGrid; metres.
 struct NearestCells {
-  const std::int32_t* nearest = nullptr;  // a cell's nearest point, -1: none; at least one cell
+  const std::int32_t* nearest = nullptr;  // a cell's nearest point, -1: none; at least one block
+  BlockTable blocks = {};
   float origin[3] = {};
   float inverse_cell = 0;
-  float size[3] = {};      // cells along each axis
-  std::int32_t row = 0;    // cells between the beginnings of rows
-  std::int32_t layer = 0;  // and of layers
+  float size[3] = {};  // cells along each axis
 };
 
 // A cloud with a NearestGrid over it, in one frame; metres.

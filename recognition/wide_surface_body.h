@@ -20,9 +20,17 @@ inline Ints NearestIn(const NearestCells& in, const Floats3& p) {
   const auto cell = [&](const Floats& v) {
     return __builtin_convertvector(Where(inside, v), Ints);
   };
-  const Ints at = cell(z) * in.layer + cell(y) * in.row + cell(x);
+  const Ints at[3] = {cell(x), cell(y), cell(z)};
+  const Ints block = (at[2] >> kBlockYzBits) * in.blocks.layer +
+                     (at[1] >> kBlockYzBits) * in.blocks.row + (at[0] >> kBlockXBits);
+  constexpr int kYz = (1 << kBlockYzBits) - 1;
+  constexpr int kX = (1 << kBlockXBits) - 1;
+  const Ints in_block = ((at[2] & kYz) << (kBlockXBits + kBlockYzBits)) +
+                        ((at[1] & kYz) << kBlockXBits) + (at[0] & kX);
   Ints nearest;
-  for (std::size_t i = 0; i < kLanes; ++i) nearest[i] = in.nearest[at[i]];
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    nearest[i] = in.nearest[in.blocks.begin[block[i]] + in_block[i]];
+  }
   return nearest | ~inside;
 }
 
@@ -129,6 +137,9 @@ inline Support SupportOf(const Coordinates& points, const Rigid& to_from, const 
   return {Sum(explained), Sum(squares), Sum(near)};
 }
 
+// What is nearer to the lens has no place in an image that a float holds, m.
+constexpr float kNearestM = 1e-6F;
+
 inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface,
                  float least_facing, float* x, float* y, float* z, std::uint8_t* facing) {
   const Floats least = All(least_facing * least_facing);
@@ -137,7 +148,7 @@ inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface
     const Floats3 normal = Direction(sensor_surface, Load3(surface.normals, i));
     const Floats towards = -Dot(normal, p);
     const Ints faces =
-        (p.z > All(0)) & (towards > All(0)) & (towards * towards >= least * Dot(p, p));
+        (p.z > All(kNearestM)) & (towards > All(0)) & (towards * towards >= least * Dot(p, p));
     std::memcpy(x + i, &p.x, sizeof(p.x));
     std::memcpy(y + i, &p.y, sizeof(p.y));
     std::memcpy(z + i, &p.z, sizeof(p.z));

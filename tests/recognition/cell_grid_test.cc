@@ -64,14 +64,31 @@ TEST(CellGridTest, NoPointsAreNoCells) {
   EXPECT_THAT(CellGrid({}, 0.01F).OccupiedCells(), IsEmpty());
 }
 
-TEST(CellGridTest, CellsGrowWhereThereWouldBeTooMany) {
-  const Points points = {{0, 0, 0}, {100, 100, 100}, {0, 0, 0.001F}};
+TEST(CellGridTest, FarPointsNeitherGrowTheCellsNorTheMemory) {
+  const Points points = {{0, 0, 0}, {100, 100, 100}, {0, 0, 0.0015F}};
   const CellGrid grid(points, 0.001F);
-  EXPECT_GT(grid.cell_m(), 0.1F);
-  EXPECT_THAT(grid.OccupiedCells(), SizeIs(2));
+  EXPECT_EQ(grid.cell_m(), 0.001F);
+  EXPECT_THAT(grid.OccupiedCells(), SizeIs(3));
 }
 
-TEST(CellGridTest, ClustersAreApartThoughCellsHadToGrow) {
+TEST(CellGridTest, AListOfCellsFindsWhatATableFinds) {
+  Random random(4);
+  const Points points = RandomPoints(random, 3000, 0.2);
+  Points with_far = points;
+  with_far.emplace_back(90, 90, 90);
+  const CellGrid table(points, 0.02F);
+  const CellGrid list(with_far, 0.02F);
+  ASSERT_EQ(table.OccupiedCells().size() + 1, list.OccupiedCells().size());
+  for (const Eigen::Vector3f& p : points) {
+    Indices of_table;
+    Indices of_list;
+    table.ForEachPoint(p, 2, [&](std::size_t i) { of_table.push_back(static_cast<int>(i)); });
+    list.ForEachPoint(p, 2, [&](std::size_t i) { of_list.push_back(static_cast<int>(i)); });
+    ASSERT_EQ(of_list, of_table);
+  }
+}
+
+TEST(CellGridTest, ClustersAreApartThoughPointsAreFar) {
   const Points points = {{0, 0, 0}, {90, 90, 90}, {0, 0, 0.03F}, {0, 0, 0.01F}, {90, 90, 90.01F}};
   EXPECT_THAT(FindClusters(points, 0.015, 1),
               ElementsAre(ElementsAre(0, 3), ElementsAre(1, 4), ElementsAre(2)));
@@ -107,7 +124,7 @@ TEST(CellGridTest, OutliersAreThoseOfTheDefinition) {
     Points points = RandomPoints(random, 400, size);
     const Points stray = RandomPoints(random, 12, 8 * size);
     points.insert(points.end(), stray.begin(), stray.end());
-    const Indices kept = RemoveStatisticalOutliers(points, 20, 1.5);
+    const Indices kept = RemoveStatisticalOutliers(points, 20, 1.5).value();
     EXPECT_EQ(kept, KeptByDefinition(points, 20, 1.5));
     EXPECT_LT(kept.size(), points.size());
   }
@@ -121,7 +138,7 @@ TEST(CellGridTest, OutliersOfARasterAreThoseOfTheDefinitionThoughDistancesAreEqu
     points.emplace_back(0.001F * static_cast<float>(column), 0.001F * static_cast<float>(row), 0);
   }
   points.emplace_back(0.1F, 0.1F, 0.1F);
-  const Indices kept = RemoveStatisticalOutliers(points, 30, 3);
+  const Indices kept = RemoveStatisticalOutliers(points, 30, 3).value();
   EXPECT_THAT(kept, SizeIs(400));
 }
 

@@ -87,7 +87,7 @@ TEST_P(OutliersPclTest, TheSamePointsAreKept) {
     filter.filter(theirs);
 
     const Indices ours =
-        RemoveStatisticalOutliers(points, GetParam().neighbor_count, GetParam().deviation_factor);
+        *RemoveStatisticalOutliers(points, GetParam().neighbor_count, GetParam().deviation_factor);
     EXPECT_LT(ours.size(), points.size());
     EXPECT_THAT(ours, ElementsAreArray(theirs)) << "seed " << seed;
   }

@@ -73,7 +73,7 @@ TEST(OutliersTest, PointFarFromTheRestIsRemoved) {
   Random random(10);
   Points points = RandomPoints(random, 500, 0.1);
   points.insert(points.begin() + 123, Vector3f(1, 1, 1));
-  const Indices kept = RemoveStatisticalOutliers(points, 20, 3);
+  const Indices kept = RemoveStatisticalOutliers(points, 20, 3).value();
   EXPECT_FALSE(std::ranges::binary_search(kept, 123));
   EXPECT_GE(kept.size(), 480U);
   EXPECT_TRUE(std::ranges::is_sorted(kept));
@@ -83,17 +83,45 @@ TEST(OutliersTest, NoMorePointsThanNeighborsAreAllKept) {
   Random random(11);
   Points points = RandomPoints(random, 19, 0.1);
   points.emplace_back(9.0F, 9.0F, 9.0F);
-  EXPECT_THAT(RemoveStatisticalOutliers(points, 20, 1), SizeIs(20));
-  EXPECT_THAT(RemoveStatisticalOutliers(points, 19, 1), SizeIs(19));
-  EXPECT_THAT(RemoveStatisticalOutliers({}, 20, 1), IsEmpty());
+  EXPECT_THAT(*RemoveStatisticalOutliers(points, 20, 1), SizeIs(20));
+  EXPECT_THAT(*RemoveStatisticalOutliers(points, 19, 1), SizeIs(19));
+  EXPECT_THAT(*RemoveStatisticalOutliers({}, 20, 1), IsEmpty());
 }
 
 TEST(OutliersTest, NoNeighborsTurnTheFilterOff) {
-  EXPECT_THAT(RemoveStatisticalOutliers({{0, 0, 0}, {0, 0, 1}, {9, 9, 9}}, 0, 0.1), SizeIs(3));
+  EXPECT_THAT(*RemoveStatisticalOutliers({{0, 0, 0}, {0, 0, 1}, {9, 9, 9}}, 0, 0.1), SizeIs(3));
 }
 
 TEST(OutliersTest, PointsInOnePlaceAreAllKept) {
-  EXPECT_THAT(RemoveStatisticalOutliers(Points(100, {1, 2, 3}), 10, 0), SizeIs(100));
+  EXPECT_THAT(*RemoveStatisticalOutliers(Points(100, {1, 2, 3}), 10, 0), SizeIs(100));
+}
+
+TEST(OutliersTest, WhatWouldTakeTooLongIsNotDone) {
+  // Half of them in one place: each has all of these as its nearest.
+  Random random(14);
+  Points points = RandomPoints(random, 100'000, 0.5);
+  points.insert(points.end(), 100'000, Vector3f(0.1F, 0.1F, 0.1F));
+  EXPECT_FALSE(RemoveStatisticalOutliers(points, 50, 2));
+}
+
+TEST(OutliersTest, FarStraysChangeNothingElse) {
+  Random random(15);
+  const Points surface = testing::WavySurface(random, 20'000).points;
+  Points points = surface;
+  for (const Vector3f& stray : RandomPoints(random, 50, 160)) points.push_back(stray);
+  const auto kept = RemoveStatisticalOutliers(points, 50, 2);
+  ASSERT_TRUE(kept);
+  EXPECT_GE(kept->size(), surface.size());
+  EXPECT_LT(static_cast<std::size_t>(kept->back()), surface.size() + 50);
+  EXPECT_EQ(kept, RemoveStatisticalOutliers(points, 50, 2));
+}
+
+TEST(OutliersTest, CancellingEndsIt) {
+  Random random(16);
+  int asked = 0;
+  EXPECT_FALSE(RemoveStatisticalOutliers(RandomPoints(random, 200'000, 0.3), 50, 2,
+                                         [&] { return ++asked == 3; }));
+  EXPECT_EQ(asked, 3);
 }
 
 TEST(NormalsTest, NormalsOfAPlaneAreItsOwnAndFaceTheViewpoint) {

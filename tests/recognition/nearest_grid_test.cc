@@ -57,6 +57,35 @@ TEST(NearestGrid, FarFromThePointsThereIsNone) {
   EXPECT_EQ(grid.Nearest({std::nanf(""), 0, 0}), -1);
 }
 
+// A grid over the box around them would have 10^10 cells.
+TEST(NearestGrid, MemoryGrowsWithThePointsAndNotWithTheVolume) {
+  Random random(7);
+  Points points = WavySurface(random, 3000).points;
+  const std::size_t compact = NearestGrid(points, kCell, kReach).bytes();
+  points.emplace_back(0, 0, 0.6F);
+  const NearestGrid grid(points, kCell, kReach);
+  EXPECT_LT(grid.bytes(), compact + (1U << 20U));
+  EXPECT_EQ(grid.Nearest({0, 0, 0.61F}), 3000);
+  EXPECT_EQ(grid.Nearest(points.front()), NearestGrid(points, kCell, kReach).Nearest(points.front()));
+}
+
+TEST(NearestGrid, FarPointsDoNotFillTheMemory) {
+  Random random(8);
+  Points points = WavySurface(random, 3000).points;
+  points.emplace_back(80, -80, 80);
+  const NearestGrid grid(points, kCell, kReach);
+  EXPECT_LT(grid.bytes(), std::size_t{80} << 20U);
+  EXPECT_EQ(grid.Nearest({80, -80, 80}), 3000);
+}
+
+TEST(NearestGrid, ScatteredPointsDoNotFillTheMemory) {
+  Random random(9);
+  const Points points = RandomPoints(random, 100'000, 1);
+  const NearestGrid grid(points, kCell, kReach);
+  EXPECT_LT(grid.bytes(), std::size_t{80} << 20U);
+  EXPECT_GE(grid.Nearest(points[7]), 0);
+}
+
 TEST(NearestGrid, WithoutPointsThereIsNone) {
   EXPECT_EQ(NearestGrid({}, kCell, kReach).Nearest({0, 0, 0}), -1);
 }

@@ -44,6 +44,25 @@ TEST_F(SightTest, BeforeAWallNothingIsHidden) {
   EXPECT_EQ(sight.UnseenSides(), Sight::Sides{});
 }
 
+TEST_F(SightTest, PointsInTheLensMakeNoWindow) {
+  See(-0.1F, 0.1F, 1.1F);
+  for (const float depth : {1e-9F, 1e-30F, 1e-4F}) {
+    segment_.indices.push_back(static_cast<std::int32_t>(scan_.points.size()));
+    scan_.points.emplace_back(0.02F, -0.03F, depth);
+  }
+  const Sight sight = Look();
+  EXPECT_LT(sight.window().size[0], 200);
+  EXPECT_EQ(sight.HiddenSides(), Sight::Sides{});
+}
+
+TEST_F(SightTest, APointBesideTheLensMakesNoWindowWithoutEnd) {
+  segment_.indices.push_back(static_cast<std::int32_t>(scan_.points.size()));
+  scan_.points.emplace_back(90.0F, -90.0F, 0.02F);
+  const wide::SightWindow window = Look().window();
+  EXPECT_LE(window.size[0], 2001);
+  EXPECT_LE(window.size[1], 2001);
+}
+
 TEST_F(SightTest, WhatStandsNearerHidesASide) {
   See(-0.1F, -0.05F, 0.8F);
   See(-0.05F, 0.1F, 1.1F);

@@ -154,23 +154,29 @@ TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
   EXPECT_FLOAT_EQ(z[1], 1);
 }
 
-// What cells of 1 m know of two points in a row of ten.
+// What cells of 1 m know of two points in a row of three blocks, of which the last one is first in
+// memory.
 std::vector<std::int32_t> Spread(const Functions& wide) {
-  const int size[3] = {10, 1, 1};
-  std::vector<float> best(18, 9);
-  std::vector<std::int32_t> nearest(18, -1);
-  const Cells cells = {size, 18, 1, best.data(), nearest.data()};
+  const std::int32_t begins[3] = {kBlockCells, 2 * kBlockCells, 0};
+  std::vector<float> best(3 * kBlockCells, 9);
+  std::vector<std::int32_t> nearest(3 * kBlockCells, -1);
+  const Cells cells = {{begins, 3, 3}, 1, best.data(), nearest.data()};
   const BallRow row = {0, 0, 4};
   for (const int i : {0, 1}) {
-    const float at[3] = {i == 0 ? 1.5F : 6.4F, 0.5F, 0.5F};
+    const float at[3] = {i == 0 ? 7.5F : 12.4F, 0.5F, 0.5F};
     wide.spread(&row, 1, at, i, cells);
   }
-  nearest.resize(10);
-  return nearest;
+  std::vector<std::int32_t> out;
+  for (int x = 3; x < 17; ++x) {
+    const int at[3] = {x, 0, 0};
+    out.push_back(nearest[static_cast<std::size_t>(begins[BlockOf(cells.blocks, at)] +
+                                                   CellInBlock(at))]);
+  }
+  return out;
 }
 
 TEST_P(WideTest, CellsKnowTheNearestPointWithinReach) {
-  EXPECT_THAT(Spread(wide_), ElementsAreArray({0, 0, 0, 0, 1, 1, 1, 1, 1, -1}));
+  EXPECT_THAT(Spread(wide_), ElementsAreArray({-1, -1, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, -1, -1}));
 }
 
 TEST_P(WideTest, TheBitsAreThoseOfThePortableFunctions) {

@@ -1,0 +1,37 @@
+// Work that ends early when nobody waits for its result.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace graspdb::recognition {
+
+// Whether nobody waits for the result any more. Once true, it stays true.
+using IsCancelled = std::function<bool()>;
+
+// Counts the steps of a loop and calls IsCancelled after every so many. Not thread-safe; the
+// function must outlive it.
+class CancellationPoll {
+ public:
+  explicit CancellationPoll(const IsCancelled& is_cancelled) : is_cancelled_(is_cancelled) {}
+
+  // Adds `steps` of about a nanosecond each; true when the loop should end.
+  bool After(std::size_t steps) {
+    steps_ += steps;
+    if (steps_ < kInterval || cancelled_) return cancelled_;
+    steps_ = 0;
+    cancelled_ = is_cancelled_ && is_cancelled_();
+    return cancelled_;
+  }
+  bool cancelled() const { return cancelled_; }
+
+ private:
+  // About 1 ms; a caller is free within 20 ms even where a step takes ten times as long.
+  static constexpr std::size_t kInterval = 1'000'000;
+
+  const IsCancelled& is_cancelled_;
+  std::size_t steps_ = 0;
+  bool cancelled_ = false;
+};
+
+}  // namespace graspdb::recognition
