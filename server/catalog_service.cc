@@ -26,12 +26,7 @@ constexpr std::array<std::string_view, 2> kObjectFields = {"display_name", "labe
 constexpr std::array<std::string_view, 4> kStablePoseFields = {"display_name", "symmetry_order",
                                                                "grasps", "min_score"};
 
-constexpr int kMostLabels = 32;
-
 absl::Status CheckLabels(const v1::Object& object) {
-  if (object.labels_size() > kMostLabels) {
-    return InvalidField("object.labels", absl::StrCat("has more than ", kMostLabels, " labels"));
-  }
   std::set<std::string_view> labels;
   for (int i = 0; i < object.labels_size(); ++i) {
     const std::string path = absl::StrCat("object.labels[", i, "]");
@@ -70,11 +65,12 @@ CatalogService::CatalogService(CatalogContext context)
 grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
                                           const v1::CreateObjectRequest* request,
                                           v1::Object* response) {
-  return Handle(*context, "CreateObject", [&]() -> absl::Status {
+  return Handle(*context, "CreateObject", *request, [&]() -> absl::Status {
     absl::Status status = AtField("object_id", storage::ValidateResourceId(request->object_id()));
     status.Update(CheckLabels(request->object()));
     if (!status.ok()) return status;
     v1::Object object = request->object();
+    object.DiscardUnknownFields();
     object.set_name(storage::MakeObjectName(request->object_id()));
     return Respond("object_id", context_.catalogue.CreateObject(std::move(object)), response);
   });
@@ -82,7 +78,7 @@ grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
 
 grpc::Status CatalogService::GetObject(grpc::ServerContext* context,
                                        const v1::GetObjectRequest* request, v1::Object* response) {
-  return Handle(*context, "GetObject", [&] {
+  return Handle(*context, "GetObject", *request, [&] {
     return Respond("name", context_.catalogue.GetObject(request->name()), response);
   });
 }
@@ -90,7 +86,7 @@ grpc::Status CatalogService::GetObject(grpc::ServerContext* context,
 grpc::Status CatalogService::ListObjects(grpc::ServerContext* context,
                                          const v1::ListObjectsRequest* request,
                                          v1::ListObjectsResponse* response) {
-  return Handle(*context, "ListObjects", [&] {
+  return Handle(*context, "ListObjects", *request, [&] {
     return RespondPage(
         *request, "objects/",
         [&](std::size_t size, const std::string& after) {
@@ -103,7 +99,7 @@ grpc::Status CatalogService::ListObjects(grpc::ServerContext* context,
 grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
                                           const v1::UpdateObjectRequest* request,
                                           v1::Object* response) {
-  return Handle(*context, "UpdateObject", [&] {
+  return Handle(*context, "UpdateObject", *request, [&] {
     const v1::Object& update = request->object();
     return Respond("object.name",
                    context_.catalogue.UpdateObject(
@@ -120,7 +116,7 @@ grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
 grpc::Status CatalogService::DeleteObject(grpc::ServerContext* context,
                                           const v1::DeleteObjectRequest* request,
                                           google::protobuf::Empty* /*response*/) {
-  return Handle(*context, "DeleteObject", [&] {
+  return Handle(*context, "DeleteObject", *request, [&] {
     return AtField("name", context_.catalogue.DeleteObject(request->name(), request->force(),
                                                            request->etag()));
   });
@@ -129,13 +125,14 @@ grpc::Status CatalogService::DeleteObject(grpc::ServerContext* context,
 grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
                                               const v1::CreateStablePoseRequest* request,
                                               v1::StablePose* response) {
-  return Handle(*context, "CreateStablePose", [&]() -> absl::Status {
+  return Handle(*context, "CreateStablePose", *request, [&]() -> absl::Status {
     absl::StatusOr<storage::ObjectName> parent = storage::ParseObjectName(request->parent());
     if (!parent.ok()) return AtField("parent", parent.status());
     absl::Status status =
         AtField("stable_pose_id", storage::ValidateResourceId(request->stable_pose_id()));
     if (!status.ok()) return status;
     v1::StablePose pose = request->stable_pose();
+    pose.DiscardUnknownFields();
     pose.set_name(storage::MakeStablePoseName(parent->object_id, request->stable_pose_id()));
     if (auto valid = StablePoseFromProto(pose); !valid.ok()) return valid.status();
     return Respond("parent", context_.catalogue.CreateStablePose(std::move(pose)), response);
@@ -145,7 +142,7 @@ grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
 grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
                                            const v1::GetStablePoseRequest* request,
                                            v1::StablePose* response) {
-  return Handle(*context, "GetStablePose", [&] {
+  return Handle(*context, "GetStablePose", *request, [&] {
     const absl::Status status =
         Respond("name", context_.catalogue.GetStablePose(request->name()), response);
     return status.ok() ? AddGraspOutcomes(context_.catalogue, response) : status;
@@ -155,7 +152,7 @@ grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
 grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
                                              const v1::ListStablePosesRequest* request,
                                              v1::ListStablePosesResponse* response) {
-  return Handle(*context, "ListStablePoses", [&]() -> absl::Status {
+  return Handle(*context, "ListStablePoses", *request, [&]() -> absl::Status {
     absl::Status status = RespondPage(
         *request, request->parent() + "/stablePoses/",
         [&](std::size_t size, const std::string& after) {
@@ -174,7 +171,7 @@ grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
 grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
                                               const v1::UpdateStablePoseRequest* request,
                                               v1::StablePose* response) {
-  return Handle(*context, "UpdateStablePose", [&] {
+  return Handle(*context, "UpdateStablePose", *request, [&] {
     const v1::StablePose& update = request->stable_pose();
     const auto change = [&](v1::StablePose& pose) {
       absl::Status status = ApplyUpdate(update, request->update_mask(), kStablePoseFields, &pose);
@@ -190,7 +187,7 @@ grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
 grpc::Status CatalogService::DeleteStablePose(grpc::ServerContext* context,
                                               const v1::DeleteStablePoseRequest* request,
                                               google::protobuf::Empty* /*response*/) {
-  return Handle(*context, "DeleteStablePose", [&] {
+  return Handle(*context, "DeleteStablePose", *request, [&] {
     return AtField("name", context_.catalogue.DeleteStablePose(request->name(), request->force(),
                                                                request->etag()));
   });
@@ -198,7 +195,7 @@ grpc::Status CatalogService::DeleteStablePose(grpc::ServerContext* context,
 
 grpc::Status CatalogService::GetView(grpc::ServerContext* context,
                                      const v1::GetViewRequest* request, v1::View* response) {
-  return Handle(*context, "GetView", [&]() -> absl::Status {
+  return Handle(*context, "GetView", *request, [&]() -> absl::Status {
     absl::StatusOr<storage::ViewRecord> record = context_.catalogue.GetView(request->name());
     if (!record.ok()) return AtField("name", record.status());
     *response = ViewToProto(*record);
@@ -215,7 +212,7 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
 grpc::Status CatalogService::ListViews(grpc::ServerContext* context,
                                        const v1::ListViewsRequest* request,
                                        v1::ListViewsResponse* response) {
-  return Handle(*context, "ListViews", [&] {
+  return Handle(*context, "ListViews", *request, [&] {
     return RespondPage(
         *request, request->parent() + "/views/",
         [&](std::size_t size, const std::string& after) {
@@ -229,22 +226,22 @@ grpc::Status CatalogService::ListViews(grpc::ServerContext* context,
 grpc::Status CatalogService::DeleteView(grpc::ServerContext* context,
                                         const v1::DeleteViewRequest* request,
                                         google::protobuf::Empty* /*response*/) {
-  return Handle(*context, "DeleteView",
+  return Handle(*context, "DeleteView", *request,
                 [&] { return AtField("name", context_.catalogue.DeleteView(request->name())); });
 }
 
 grpc::Status CatalogService::ReportGraspOutcome(grpc::ServerContext* context,
                                                 const v1::ReportGraspOutcomeRequest* request,
                                                 v1::ReportGraspOutcomeResponse* response) {
-  return Handle(*context, "ReportGraspOutcome", [&] {
+  return Handle(*context, "ReportGraspOutcome", *request, [&] {
     return Respond("name", server::ReportGraspOutcome(*request, context_.catalogue), response);
   });
 }
 
 grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
-                                              const v1::GetCatalogStatusRequest* /*request*/,
+                                              const v1::GetCatalogStatusRequest* request,
                                               v1::CatalogStatus* response) {
-  return Handle(*context, "GetCatalogStatus", [&] {
+  return Handle(*context, "GetCatalogStatus", *request, [&] {
     const storage::CatalogueCounts counts = context_.catalogue.counts();
     response->set_catalog_revision(context_.catalogue.revision());
     response->set_object_count(counts.objects);

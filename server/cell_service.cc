@@ -43,11 +43,12 @@ absl::Status ValidateCell(const v1::Cell& cell) {
 
 grpc::Status CellService::CreateCell(grpc::ServerContext* context,
                                      const v1::CreateCellRequest* request, v1::Cell* response) {
-  return Handle(*context, "CreateCell", [&]() -> absl::Status {
+  return Handle(*context, "CreateCell", *request, [&]() -> absl::Status {
     if (absl::Status status = storage::ValidateResourceId(request->cell_id()); !status.ok()) {
       return InvalidField("cell_id", std::string(status.message()));
     }
     v1::Cell cell = request->cell();
+    cell.DiscardUnknownFields();
     cell.set_name(storage::MakeCellName(request->cell_id()));
     if (absl::Status status = ValidateCell(cell); !status.ok()) return status;
     return Respond("cell_id", catalogue_.CreateCell(std::move(cell)), response);
@@ -56,14 +57,14 @@ grpc::Status CellService::CreateCell(grpc::ServerContext* context,
 
 grpc::Status CellService::GetCell(grpc::ServerContext* context, const v1::GetCellRequest* request,
                                   v1::Cell* response) {
-  return Handle(*context, "GetCell",
+  return Handle(*context, "GetCell", *request,
                 [&] { return Respond("name", catalogue_.GetCell(request->name()), response); });
 }
 
 grpc::Status CellService::ListCells(grpc::ServerContext* context,
                                     const v1::ListCellsRequest* request,
                                     v1::ListCellsResponse* response) {
-  return Handle(*context, "ListCells", [&] {
+  return Handle(*context, "ListCells", *request, [&] {
     return RespondPage(
         *request, "cells/",
         [&](std::size_t size, const std::string& after) {
@@ -75,7 +76,7 @@ grpc::Status CellService::ListCells(grpc::ServerContext* context,
 
 grpc::Status CellService::UpdateCell(grpc::ServerContext* context,
                                      const v1::UpdateCellRequest* request, v1::Cell* response) {
-  return Handle(*context, "UpdateCell", [&] {
+  return Handle(*context, "UpdateCell", *request, [&] {
     const v1::Cell& update = request->cell();
     const auto change = [&](v1::Cell& cell) {
       absl::Status status = ApplyUpdate(update, request->update_mask(), kFields, &cell);
@@ -89,7 +90,7 @@ grpc::Status CellService::UpdateCell(grpc::ServerContext* context,
 grpc::Status CellService::DeleteCell(grpc::ServerContext* context,
                                      const v1::DeleteCellRequest* request,
                                      google::protobuf::Empty* /*response*/) {
-  return Handle(*context, "DeleteCell", [&] {
+  return Handle(*context, "DeleteCell", *request, [&] {
     return AtField("name", catalogue_.DeleteCell(request->name(), request->etag()));
   });
 }

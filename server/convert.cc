@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
+#include "server/request_limits.h"
 #include "storage/resource_name.h"
 
 namespace graspdb::server {
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double kFarthest = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
-constexpr int kMaxGrasps = 64;
 
 std::string Join(std::string_view path, std::string_view field) {
   return absl::StrCat(std::string(path), ".", std::string(field));
@@ -157,8 +157,9 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     }
     out.min_score = pose.min_score();
   }
-  if (pose.grasps_size() > kMaxGrasps) {
-    return InvalidField("stable_pose.grasps", "has more than 64 grasps");
+  if (pose.grasps_size() > kMostGrasps) {
+    return InvalidField("stable_pose.grasps",
+                        absl::StrCat("has more than ", kMostGrasps, " grasps"));
   }
   std::set<std::string> ids;
   for (int i = 0; i < pose.grasps_size(); ++i) {

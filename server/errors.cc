@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "server/bounded_text.h"
 
 namespace graspdb::server {
 namespace {
@@ -21,15 +22,25 @@ void Attach(const Message& detail, absl::Status* status) {
   status->SetPayload(TypeUrl<Message>(), absl::Cord(detail.SerializeAsString()));
 }
 
+// Adds the detail of that type, unless it would not fit.
+void AddDetail(const std::string& type_url, const absl::Status& status,
+               google::rpc::Status* details) {
+  auto* any = details->add_details();
+  any->set_type_url(type_url);
+  any->set_value(std::string(*status.GetPayload(type_url)));
+  if (details->ByteSizeLong() > kMostDetailBytes) details->mutable_details()->RemoveLast();
+}
+
 }  // namespace
 
 absl::Status InvalidField(std::string_view path, std::string_view description) {
-  absl::Status status =
-      absl::InvalidArgumentError(absl::StrCat(std::string(path), ": ", std::string(description)));
+  const std::string field = BoundedText(path, kMostPathBytes);
+  const std::string text = BoundedText(description, kMostMessageBytes);
+  absl::Status status = absl::InvalidArgumentError(absl::StrCat(field, ": ", text));
   google::rpc::BadRequest detail;
   auto* violation = detail.add_field_violations();
-  violation->set_field(std::string(path));
-  violation->set_description(std::string(description));
+  violation->set_field(field);
+  violation->set_description(text);
   Attach(detail, &status);
   return status;
 }
@@ -42,7 +53,7 @@ absl::Status AtField(std::string_view path, const absl::Status& status) {
 
 absl::Status WithReason(absl::Status status, std::string_view reason) {
   google::rpc::ErrorInfo info;
-  info.set_reason(std::string(reason));
+  info.set_reason(BoundedText(reason, kMostPathBytes));
   info.set_domain(std::string(kDomain));
   Attach(info, &status);
   return status;
@@ -56,13 +67,14 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   }
   google::rpc::Status details;
   details.set_code(static_cast<int>(complete.code()));
-  details.set_message(std::string(complete.message()));
-  complete.ForEachPayload([&](absl::string_view type_url, const absl::Cord& payload) {
-    auto* any = details.add_details();
-    any->set_type_url(std::string(type_url));
-    any->set_value(std::string(payload));
+  details.set_message(BoundedText(std::string(complete.message()), kMostMessageBytes));
+  AddDetail(TypeUrl<google::rpc::ErrorInfo>(), complete, &details);
+  complete.ForEachPayload([&](absl::string_view type_url, const absl::Cord& /*payload*/) {
+    if (type_url != TypeUrl<google::rpc::ErrorInfo>()) {
+      AddDetail(std::string(type_url), complete, &details);
+    }
   });
-  return {static_cast<grpc::StatusCode>(complete.code()), std::string(complete.message()),
+  return {static_cast<grpc::StatusCode>(complete.code()), details.message(),
           details.SerializeAsString()};
 }
 

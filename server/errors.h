@@ -1,8 +1,13 @@
 // Errors on their way to the caller.
+//
+// They travel as HTTP/2 trailers, of which gRPC takes 8 KiB in all; the text once percent-coded (up
+// to three bytes for one) and once in base 64. What is longer reaches the caller as
+// RESOURCE_EXHAUSTED of the transport, without code and details. So every text is cut here.
 #pragma once
 
 #include <grpcpp/support/status.h>
 
+#include <cstddef>
 #include <string_view>
 
 #include "absl/status/status.h"
@@ -20,8 +25,16 @@ absl::Status AtField(std::string_view path, const absl::Status& status);
 // `status` with a google.rpc.ErrorInfo attached: `reason` in UPPER_SNAKE_CASE.
 absl::Status WithReason(absl::Status status, std::string_view reason);
 
+// Bytes of an error's text and of a field violation's description; twice as many would not fit.
+inline constexpr std::size_t kMostMessageBytes = 768;
+// Bytes of a field's path and of a reason.
+inline constexpr std::size_t kMostPathBytes = 256;
+// Bytes of a google.rpc.Status in all; further details are left out.
+inline constexpr std::size_t kMostDetailBytes = 2560;
+
 // The one map from our errors to gRPC's: the same code, the message, and a
-// google.rpc.Status with the attached details and always an ErrorInfo (AIP-193).
+// google.rpc.Status with the attached details and always an ErrorInfo (AIP-193). The text is
+// valid UTF-8 of at most kMostMessageBytes.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
 }  // namespace graspdb::server

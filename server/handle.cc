@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "logging/log_field.h"
 #include "server/errors.h"
+#include "server/request_limits.h"
 
 namespace graspdb::server {
 namespace {
@@ -60,10 +61,20 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
     status = absl::DeadlineExceededError("the call's deadline passed before it was done");
   }
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+  grpc::Status answer = ToGrpcStatus(status);
   spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}", method,
               LogField(context.peer()), absl::StatusCodeToString(status.code()), spent.count(),
-              status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
-  return ToGrpcStatus(status);
+              status.ok() ? "" : absl::StrCat(" error=", LogField(answer.error_message())));
+  return answer;
+}
+
+grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
+                    const google::protobuf::Message& request,
+                    const std::function<absl::Status()>& work) {
+  return Handle(context, method, [&] {
+    absl::Status bounded = CheckLimits(request);
+    return bounded.ok() ? work() : bounded;
+  });
 }
 
 }  // namespace graspdb::server

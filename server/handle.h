@@ -2,6 +2,7 @@
 // become errors, and each call leaves one line in the log.
 #pragma once
 
+#include <google/protobuf/message.h>
 #include <grpcpp/server_context.h>
 
 #include <chrono>
@@ -14,6 +15,11 @@ namespace graspdb::server {
 
 // Runs `work` for the call `method` and answers with its status.
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
+                    const std::function<absl::Status()>& work);
+
+// The same for `request`, which CheckLimits() must let through first.
+grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
+                    const google::protobuf::Message& request,
                     const std::function<absl::Status()>& work);
 
 // Whether nobody waits for this call any more: it was cancelled or its deadline

@@ -6,8 +6,10 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "server/bounded_text.h"
 #include "server/errors.h"
 #include "server/handle.h"
+#include "server/request_limits.h"
 
 namespace graspdb::server {
 
@@ -59,13 +61,14 @@ absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context
 grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
                                            const v1::RecognizeRequest* request,
                                            v1::RecognizeResponse* response) {
-  return Handle(*context, "Recognize", [&] { return RecognizeOne(*context, *request, response); });
+  return Handle(*context, "Recognize", *request,
+                [&] { return RecognizeOne(*context, *request, response); });
 }
 
 grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
                                                 const v1::FindLookAlikesRequest* request,
                                                 v1::FindLookAlikesResponse* response) {
-  return Handle(*context, "FindLookAlikes", [&] {
+  return Handle(*context, "FindLookAlikes", *request, [&] {
     const auto answer = [&](const auto& is_cancelled) {
       return check_.FindLookAlikes(*request, is_cancelled);
     };
@@ -77,7 +80,7 @@ grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
 grpc::Status RecognitionService::ProposeThresholds(
     grpc::ServerContext* context, const v1::ProposeThresholdsRequest* request,
     grpc::ServerWriter<v1::ProposeThresholdsResponse>* stream) {
-  return Handle(*context, "ProposeThresholds", [&]() -> absl::Status {
+  return Handle(*context, "ProposeThresholds", *request, [&]() -> absl::Status {
     AbandonedWatch watch(*context);
     const auto is_cancelled = [&] { return watch.IsAbandoned(); };
     std::optional<Admission::Ticket> ticket;
@@ -104,10 +107,12 @@ grpc::Status RecognitionService::RecognizeStream(
     v1::RecognizeStreamRequest frame;
     while (stream->Read(&frame)) {
       v1::RecognizeStreamResponse answer;
-      answer.set_frame_id(frame.frame_id());
-      const grpc::Status status = Handle(*context, "RecognizeStream.frame", [&] {
-        return RecognizeOne(*context, frame.request(), answer.mutable_response());
+      const grpc::Status status = Handle(*context, "RecognizeStream.frame", frame.request(), [&] {
+        absl::Status named = CheckLength(frame.frame_id(), "frame_id");
+        return named.ok() ? RecognizeOne(*context, frame.request(), answer.mutable_response())
+                          : named;
       });
+      answer.set_frame_id(BoundedText(frame.frame_id(), kMostStringBytes));
       if (!status.ok()) answer.mutable_error()->ParseFromString(status.error_details());
       if (!stream->Write(answer)) return absl::CancelledError("the caller left the stream");
     }

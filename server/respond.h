@@ -6,18 +6,33 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "server/bounded_text.h"
 #include "server/errors.h"
 #include "server/paging.h"
+#include "server/request_limits.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
+
+// A record as it is answered: one that was stored before the limits held may be longer than an
+// answer can be.
+template <typename T>
+T Answerable(T record) {
+  if constexpr (requires { record.display_name(); }) {
+    record.DiscardUnknownFields();
+    if (record.display_name().size() > kMostNameBytes) {
+      record.set_display_name(BoundedText(record.display_name(), kMostNameBytes));
+    }
+  }
+  return record;
+}
 
 // Moves the value into the response, or hands on the error, which is that of the field
 // `path` if it is a wrong name.
 template <typename T>
 absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* response) {
   if (!result.ok()) return AtField(path, result.status());
-  *response = *std::move(result);
+  *response = Answerable(*std::move(result));
   return absl::OkStatus();
 }
 
@@ -33,7 +48,7 @@ absl::Status RespondPage(const Request& request, const std::string& prefix, List
   auto page = list(*size, *after);
   if (!page.ok()) return AtField("parent", page.status());
   if (page->more) response->set_next_page_token(PageTokenAfter(page->records.back().name()));
-  for (auto& record : page->records) add(std::move(record));
+  for (auto& record : page->records) add(Answerable(std::move(record)));
   return absl::OkStatus();
 }
 

@@ -37,6 +37,7 @@ absl::Status ApplyUpdate(const Resource& from, const google::protobuf::FieldMask
   options.set_replace_message_fields(true);
   options.set_replace_repeated_fields(true);
   FieldMaskUtil::MergeMessageTo(from, effective, options, to);
+  to->DiscardUnknownFields();  // nothing bounds them
   return absl::OkStatus();
 }
 

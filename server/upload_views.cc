@@ -3,9 +3,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/background.h"
+#include "server/bounded_text.h"
 #include "server/catalog_service.h"
 #include "server/errors.h"
 #include "server/handle.h"
+#include "server/request_limits.h"
 #include "storage/resource_name.h"
 
 namespace graspdb::server {
@@ -13,6 +15,7 @@ namespace graspdb::server {
 absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
                                        const recognition::IsCancelled& is_cancelled,
                                        v1::UploadViewsResponse* response) {
+  if (absl::Status status = CheckLimits(request); !status.ok()) return status;
   absl::StatusOr<storage::StablePoseName> parent = storage::ParseStablePoseName(request.parent());
   if (!parent.ok()) return AtField("parent", parent.status());
   absl::Status status = AtField("view_id", storage::ValidateResourceId(request.view_id()));
@@ -52,8 +55,10 @@ absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancel
   while (reader->Read(&request)) {
     absl::Status status = UploadOne(request, is_cancelled, response);
     if (status.ok()) continue;
-    absl::Status named(status.code(), absl::StrCat("view \"", request.view_id(), "\" of ",
-                                                   request.parent(), ": ", status.message()));
+    // Names that are too long for any resource must not take the room of the reason.
+    absl::Status named(status.code(),
+                       absl::StrCat("view \"", BoundedText(request.view_id(), 66), "\" of ",
+                                    BoundedText(request.parent(), 160), ": ", status.message()));
     status.ForEachPayload(
         [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
     return named;

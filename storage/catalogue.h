@@ -138,7 +138,7 @@ class Catalogue {
   // Create: ALREADY_EXISTS, or NOT_FOUND for a missing parent.
   // Get: NOT_FOUND.
   // List: at most `page_size` (at least 1) records after `after_name` (empty: from the
-  //   first); NOT_FOUND for a missing parent.
+  //   first), fewer where they exceed 1 MiB together; NOT_FOUND for a missing parent.
   // Update: lets `change` edit the record while no other change can come between; its
   //   error ends the update with nothing changed. `change` must not call the catalogue.
   //   ABORTED when `etag` is given and not the record's.

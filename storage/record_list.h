@@ -19,6 +19,11 @@ namespace graspdb::storage {
 // collection with this prefix can be listed.
 absl::Status CheckPage(std::size_t page_size, std::string_view prefix, std::string_view after_name);
 
+// Bytes of records after which a page ends, whatever it was asked for; the first record is in it
+// always. gRPC's clients take answers of 4 MB by default, and a stable pose's outcomes, which come
+// to its record, can double it: twice as many would be refused there.
+inline constexpr std::size_t kMostPageBytes = 1U << 20;
+
 // A page of the collection of `parent_name` (empty for a collection without a parent).
 template <typename Record>
 absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_view parent_name,
@@ -27,16 +32,19 @@ absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_v
   const std::string prefix = std::string(parent_name) + std::string(Kind<Record>::kCollection);
   if (auto valid = CheckPage(page_size, prefix, after_name); !valid.ok()) return valid;
   Page<Record> page;
-  const absl::Status scanned = database.Scan(
-      Kind<Record>::kFamily, prefix, after_name,
-      [&page, page_size](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-        page.more = page.records.size() == page_size;
-        if (page.more) return false;
-        auto record = ParseRecord<Record>(key, value);
-        if (!record.ok()) return record.status();
-        page.records.push_back(*std::move(record));
-        return true;
-      });
+  std::size_t bytes = 0;
+  const absl::Status scanned =
+      database.Scan(Kind<Record>::kFamily, prefix, after_name,
+                    [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+                      bytes += value.size();
+                      page.more = page.records.size() == page_size ||
+                                  (!page.records.empty() && bytes > kMostPageBytes);
+                      if (page.more) return false;
+                      auto record = ParseRecord<Record>(key, value);
+                      if (!record.ok()) return record.status();
+                      page.records.push_back(*std::move(record));
+                      return true;
+                    });
   if (!scanned.ok()) return scanned;
   return page;
 }

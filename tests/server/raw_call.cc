@@ -14,10 +14,16 @@ RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::strin
 
 RawCall::~RawCall() {
   context_.TryCancel();
+  if (!finished_) (void)Finish();
+  queue_.Shutdown();
+}
+
+grpc::Status RawCall::Finish() {
   grpc::Status status;
   stream_->Finish(&status, this);
   Wait();
-  queue_.Shutdown();
+  finished_ = true;
+  return status;
 }
 
 bool RawCall::Write(const std::string& message) {

@@ -23,6 +23,8 @@ class RawCall {
   bool Write(const std::string& message);
   // The next message; nothing at the end.
   std::optional<std::string> Read();
+  // Waits for the end of the call; nothing may be called after it.
+  grpc::Status Finish();
 
  private:
   // Waits for what was begun; whether it went well.
@@ -32,6 +34,7 @@ class RawCall {
   grpc::CompletionQueue queue_;
   grpc::GenericStub stub_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
+  bool finished_ = false;
 };
 
 }  // namespace graspdb::testing

@@ -1,0 +1,119 @@
+#include "server/request_limits.h"
+
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/errors.h"
+
+namespace graspdb::server {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+// Holds for every field that is not in the table, so that a new one is bounded too.
+constexpr int kMostElements = 64;
+
+struct LengthLimit {
+  std::string_view field;  // its full name
+  std::size_t bytes;
+};
+constexpr std::array<LengthLimit, 6> kLengths = {{
+    {"graspdb.v1.Object.display_name", kMostNameBytes},
+    {"graspdb.v1.StablePose.display_name", kMostNameBytes},
+    {"graspdb.v1.Cell.display_name", kMostNameBytes},
+    // A resource name in base 64.
+    {"graspdb.v1.ListObjectsRequest.page_token", 384},
+    {"graspdb.v1.ListStablePosesRequest.page_token", 384},
+    {"graspdb.v1.ListViewsRequest.page_token", 384},
+}};
+
+struct CountLimit {
+  std::string_view field;
+  int elements;
+};
+constexpr std::array<CountLimit, 3> kCounts = {{
+    {"graspdb.v1.Object.labels", 32},
+    {"graspdb.v1.StablePose.grasps", kMostGrasps},
+    {"graspdb.v1.StablePose.grasp_outcomes", kMostGrasps},
+}};
+
+std::size_t MostBytes(const FieldDescriptor& field) {
+  const auto* found = std::ranges::find(kLengths, field.full_name(), &LengthLimit::field);
+  return found == kLengths.end() ? kMostStringBytes : found->bytes;
+}
+
+int MostElements(const FieldDescriptor& field) {
+  const auto* found = std::ranges::find(kCounts, field.full_name(), &CountLimit::field);
+  return found == kCounts.end() ? kMostElements : found->elements;
+}
+
+absl::Status CheckBytes(std::size_t bytes, std::size_t most, std::string_view path) {
+  if (bytes <= most) return absl::OkStatus();
+  return InvalidField(path, absl::StrCat("has ", bytes, " bytes; send at most ", most));
+}
+
+absl::Status CheckMessage(const Message& message, const std::string& path);
+
+// One value of a field: the only one where `index` is -1.
+absl::Status CheckValue(const Message& message, const FieldDescriptor& field, int index,
+                        const std::string& path) {
+  const google::protobuf::Reflection& reader = *message.GetReflection();
+  const bool repeated = index >= 0;
+  if (field.type() == FieldDescriptor::TYPE_STRING) {
+    std::string scratch;
+    const std::string& text =
+        repeated ? reader.GetRepeatedStringReference(message, &field, index, &scratch)
+                 : reader.GetStringReference(message, &field, &scratch);
+    return CheckBytes(text.size(), MostBytes(field), path);
+  }
+  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return absl::OkStatus();
+  return CheckMessage(repeated ? reader.GetRepeatedMessage(message, &field, index)
+                               : reader.GetMessage(message, &field),
+                      path);
+}
+
+absl::Status CheckField(const Message& message, const FieldDescriptor& field,
+                        const std::string& path) {
+  if (!field.is_repeated()) return CheckValue(message, field, -1, path);
+  const int count = message.GetReflection()->FieldSize(message, &field);
+  if (count > MostElements(field)) {
+    return InvalidField(
+        path, absl::StrCat("has ", count, " elements; send at most ", MostElements(field)));
+  }
+  for (int i = 0; i < count; ++i) {
+    absl::Status status = CheckValue(message, field, i, absl::StrCat(path, "[", i, "]"));
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckMessage(const Message& message, const std::string& path) {
+  std::vector<const FieldDescriptor*> fields;
+  message.GetReflection()->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const bool is_bounded = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING ||
+                            field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ||
+                            field->is_repeated();
+    if (!is_bounded) continue;
+    absl::Status status =
+        CheckField(message, *field, absl::StrCat(path, path.empty() ? "" : ".", field->name()));
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status CheckLimits(const Message& request) { return CheckMessage(request, ""); }
+
+absl::Status CheckLength(std::string_view text, std::string_view path) {
+  return CheckBytes(text.size(), kMostStringBytes, path);
+}
+
+}  // namespace graspdb::server
