@@ -13,28 +13,61 @@ constexpr absl::Duration kPatience = absl::Milliseconds(20);
 Admission::Ticket::~Ticket() {
   if (admission_ == nullptr) return;
   absl::MutexLock lock(&admission_->mutex_);
-  ++admission_->free_;
-  admission_->freed_.Signal();
+  admission_->Release();
+}
+
+void Admission::Release() {
+  if (queue_.empty()) {
+    ++free_;
+    return;
+  }
+  Waiter& next = *queue_.front();
+  queue_.pop_front();
+  next.has_slot = true;
+  next.let_in.Signal();
+}
+
+bool Admission::Arrive(Waiter& waiter) {
+  absl::MutexLock lock(&mutex_);
+  if (free_ > 0) {
+    --free_;
+    waiter.has_slot = true;
+    return true;
+  }
+  if (queue_.size() == places_) return false;
+  queue_.push_back(&waiter);
+  return true;
+}
+
+bool Admission::Await(Waiter& waiter) {
+  absl::MutexLock lock(&mutex_);
+  if (!waiter.has_slot) waiter.let_in.WaitWithTimeout(&mutex_, kPatience);
+  return waiter.has_slot;
+}
+
+void Admission::Leave(Waiter& waiter) {
+  absl::MutexLock lock(&mutex_);
+  if (waiter.has_slot) {
+    Release();
+  } else {
+    queue_.remove(&waiter);
+  }
 }
 
 absl::StatusOr<Admission::Ticket> Admission::Enter(const std::function<bool()>& is_cancelled) {
-  absl::MutexLock lock(&mutex_);
-  if (free_ == 0) {
-    if (places_ == 0) {
-      return WithReason(absl::ResourceExhaustedError(
-                            "the server is busy and its queue is full; try again a little later"),
-                        "QUEUE_FULL");
-    }
-    --places_;
-    bool cancelled = false;
-    while (free_ == 0 && !cancelled) {
-      freed_.WaitWithTimeout(&mutex_, kPatience);
-      cancelled = free_ == 0 && is_cancelled();
-    }
-    ++places_;
-    if (cancelled) return absl::CancelledError("the caller left while it was waiting");
+  Waiter waiter;
+  if (!Arrive(waiter)) {
+    return WithReason(absl::ResourceExhaustedError(
+                          "the server is busy and its queue is full; try again a little later"),
+                      "QUEUE_FULL");
   }
-  --free_;
+  for (bool has_slot = false; !has_slot;) {
+    has_slot = Await(waiter);
+    // Asked with a slot in hand, too: work for nobody would keep others waiting.
+    if (!is_cancelled()) continue;
+    Leave(waiter);
+    return absl::CancelledError("the caller left before its turn came");
+  }
   return Ticket(this);
 }
 

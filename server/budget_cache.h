@@ -17,11 +17,13 @@ namespace graspdb::server {
 struct CacheUse {
   std::int64_t hits = 0;
   std::int64_t misses = 0;
+  std::int64_t rejected = 0;  // values that were too large to be kept
   std::size_t bytes = 0;
   std::size_t byte_budget = 0;
 };
 
-// Values by key; the least recently used ones leave when their bytes exceed the budget.
+// Values by key; the least recently used ones leave when their bytes exceed the budget. The cost of
+// a call does not depend on how many there are, but for those that leave.
 // Thread-safe.
 template <typename Value>
 class BudgetCache {
@@ -41,11 +43,17 @@ class BudgetCache {
     return found->second->value;
   }
 
-  // Does nothing when another thread was faster.
+  // Does nothing when another thread was faster. A value of more than half the budget is not kept:
+  // it would drive out most of the others, and leave for the next one of its kind. With a larger
+  // share, a single value could drive out all others.
   void Put(const std::string& key, std::shared_ptr<const Value> value, std::size_t bytes) {
     bytes += 2 * key.size();
     absl::MutexLock lock(&mutex_);
     if (by_key_.contains(key)) return;
+    if (bytes > use_.byte_budget / 2) {
+      ++use_.rejected;
+      return;
+    }
     entries_.push_front({key, std::move(value), bytes});
     by_key_.emplace(key, entries_.begin());
     use_.bytes += bytes;

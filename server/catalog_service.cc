@@ -52,6 +52,7 @@ v1::CacheStatus UseToProto(const CacheUse& use) {
   v1::CacheStatus out;
   out.set_hit_count(use.hits);
   out.set_miss_count(use.misses);
+  out.set_rejected_count(use.rejected);
   out.set_byte_count(static_cast<std::int64_t>(use.bytes));
   out.set_byte_budget(static_cast<std::int64_t>(use.byte_budget));
   return out;
@@ -247,6 +248,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     response->set_object_count(counts.objects);
     response->set_stable_pose_count(counts.stable_poses);
     response->set_view_count(counts.views);
+    response->set_left_out_record_count(context_.live.left_out_count());
     response->set_server_version(kVersion);
     response->set_uptime_s(absl::ToDoubleSeconds(absl::Now() - start_));
     response->set_descriptor_name(

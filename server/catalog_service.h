@@ -4,6 +4,7 @@
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "recognition/recognizer.h"
 #include "server/admission.h"
+#include "server/live_catalogue.h"
 #include "server/teacher.h"
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
@@ -13,6 +14,7 @@ namespace graspdb::server {
 // What the catalogue's handlers work with; all of it outlives them.
 struct CatalogContext {
   storage::Catalogue& catalogue;
+  const LiveCatalogue& live;
   Admission& teaching;
   const ViewCloudCache& clouds;
   recognition::RecognitionParameters parameters;

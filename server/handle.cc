@@ -47,8 +47,9 @@ bool IsAbandoned(const grpc::ServerContextBase& context) {
 
 bool AbandonedWatch::IsAbandoned() {
   const auto now = std::chrono::steady_clock::now();
+  abandoned_ = abandoned_ || deadline_ < std::chrono::system_clock::now();
   if (abandoned_ || now < next_look_) return abandoned_;
-  abandoned_ = server::IsAbandoned(context_);
+  abandoned_ = context_.IsCancelled();
   next_look_ = now + kLookAgain;
   return abandoned_;
 }

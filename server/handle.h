@@ -26,15 +26,18 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
 // has passed.
 bool IsAbandoned(const grpc::ServerContextBase& context);
 
-// The same, as it was a few milliseconds ago, for work that asks again and again: gRPC polls the
-// call's queue to say it, which took 4 % of a frame's time. For one thread; `context` outlives it.
+// The same for work that asks again and again. Whether the call was cancelled is what it was a few
+// milliseconds ago: gRPC polls the call's queue to say it, which took 4 % of a frame's time. For
+// one thread; `context` outlives it.
 class AbandonedWatch {
  public:
-  explicit AbandonedWatch(const grpc::ServerContextBase& context) : context_(context) {}
+  explicit AbandonedWatch(const grpc::ServerContextBase& context)
+      : context_(context), deadline_(context.deadline()) {}
   bool IsAbandoned();
 
  private:
   const grpc::ServerContextBase& context_;
+  const std::chrono::system_clock::time_point deadline_;
   bool abandoned_ = false;
   std::chrono::steady_clock::time_point next_look_;  // the first one is at once
 };

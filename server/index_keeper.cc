@@ -18,7 +18,7 @@ constexpr std::int64_t kWorthWriting = 2'000;
 
 }  // namespace
 
-IndexKeeper::IndexKeeper(const storage::Catalogue& catalogue, const LiveCatalogue& live,
+IndexKeeper::IndexKeeper(const storage::Catalogue& catalogue, LiveCatalogue& live,
                          const recognition::DescriptorParameters& parameters)
     : catalogue_(catalogue),
       live_(live),
@@ -41,6 +41,7 @@ IndexKeeper::~IndexKeeper() {
 
 void IndexKeeper::Watch() {
   for (std::int64_t seen = -1; !Stopped(kBetweenLooks);) {
+    live_.CatchUp();
     const std::int64_t now = live_.snapshot()->revision;
     if (now == seen) WriteIfBehind(kWorthWriting);
     seen = now;

@@ -15,11 +15,12 @@ namespace graspdb::server {
 // Writes the index file of a catalogue on a thread of its own: at once where there is none that
 // can be used, later when it is many changes behind and nothing has changed for a while, and when
 // it is destroyed, if anything has changed. Requests do not wait for it. What cannot be written
-// is told in the log; the next start then takes longer.
+// is told in the log; the next start then takes longer. Lets the live catalogue catch up, too,
+// where it could not apply a change.
 class IndexKeeper {
  public:
   // The references must outlive this.
-  IndexKeeper(const storage::Catalogue& catalogue, const LiveCatalogue& live,
+  IndexKeeper(const storage::Catalogue& catalogue, LiveCatalogue& live,
               const recognition::DescriptorParameters& parameters);
   ~IndexKeeper();
   IndexKeeper(const IndexKeeper&) = delete;
@@ -31,7 +32,7 @@ class IndexKeeper {
   void WriteIfBehind(std::int64_t changes);
 
   const storage::Catalogue& catalogue_;
-  const LiveCatalogue& live_;
+  LiveCatalogue& live_;
   const recognition::DescriptorParameters parameters_;
   std::int64_t written_;  // revision of the file, as good as we could make it; on one thread
   absl::Mutex mutex_;

@@ -4,8 +4,10 @@
 #include <string>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/change_effects.h"
 #include "server/index_block.h"
 #include "server/records.h"
 #include "storage/family.h"
@@ -25,7 +27,12 @@ absl::Status CheckMadeFrom(const storage::IndexHeader& header, const storage::Ca
         absl::StrCat("it was made with other parameters, ", header.parameters()));
   }
   const absl::StatusOr<std::string> mark = catalogue.MarkOf(header.revision());
-  if (!mark.ok() || *mark != header.mark()) {
+  if (absl::IsNotFound(mark.status())) {
+    return absl::FailedPreconditionError(
+        "it was made from another database, or the changes since then are no longer kept");
+  }
+  if (!mark.ok()) return mark.status();
+  if (*mark != header.mark()) {
     return absl::FailedPreconditionError("it was made from another database");
   }
   const std::int64_t behind = catalogue.revision() - header.revision();
@@ -75,12 +82,17 @@ absl::Status AddUnchanged(storage::IndexFileReader& file, const Names& changed, 
 // The changed views as they are now; those that are gone stay out.
 absl::Status AddChanged(const storage::Catalogue& catalogue, const Names& changed,
                         const recognition::DescriptorParameters& parameters,
-                        ViewCollector& collector) {
+                        ViewCollector& collector, std::vector<std::string>& left_out) {
   for (const std::string& name : changed) {
     const absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
     if (absl::IsNotFound(record.status())) continue;
     if (!record.ok()) return record.status();
     auto view = IndexedViewFromRecord(*record, parameters);
+    if (absl::IsDataLoss(view.status())) {
+      LogLeftOut(name, view.status());
+      left_out.push_back(name);
+      continue;
+    }
     if (!view.ok()) return view.status();
     collector.Add(*std::move(view));
   }
@@ -118,10 +130,13 @@ absl::StatusOr<LoadedViews> ReadIndexSnapshot(const storage::Catalogue& catalogu
   const int size = recognition::DescriptorSize(parameters.kind);
   ViewCollector collector(size);
   status.Update(AddUnchanged(*file, *changed, size, collector));
-  if (status.ok()) status.Update(AddChanged(catalogue, *changed, parameters, collector));
+  std::vector<std::string> left_out;
+  if (status.ok()) status.Update(AddChanged(catalogue, *changed, parameters, collector, left_out));
   if (!status.ok()) return status;
   LoadedViews out = collector.Finish(catalogue.revision());
-  if (std::ssize(out.views) != catalogue.counts().views) {
+  out.left_out = std::move(left_out);
+  // Views that were left out when the file was written are in neither; the records tell them.
+  if (std::ssize(out.views) + std::ssize(out.left_out) != catalogue.counts().views) {
     return absl::DataLossError("the index file has other views than the database");
   }
   out.file_revision = file->header().revision();

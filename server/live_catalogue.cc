@@ -2,106 +2,25 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <string>
-#include <unordered_set>
+#include <exception>
 #include <utility>
-#include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "logging/log_field.h"
-#include "server/convert.h"
+#include "server/change_effects.h"
 #include "server/load_views.h"
-#include "server/records.h"
-#include "server/taught_poses.h"
-#include "storage/family.h"
 
 namespace graspdb::server {
 namespace {
 
-bool Knows(const TaughtPoses& poses, const std::string& view_name) {
-  const auto pose = poses.find(PoseOfView(view_name));
-  if (pose == poses.end()) return false;
-  const auto name = [](const auto& view) -> const std::string& { return view->name; };
-  return std::ranges::binary_search(pose->second->views, view_name, {}, name);
-}
-
-// What one change does to views and stable poses.
-struct Effects {
-  std::vector<recognition::IndexedView> added;
-  std::unordered_set<std::string> removed;
-  TaughtPoseChange poses;
-};
-
-TaughtOutcomes OutcomesFromRecord(const storage::GraspOutcomesRecord& record) {
-  TaughtOutcomes out = {.stable_pose = record.name(), .picks = {}};
-  for (const v1::GraspOutcomeCounts& counts : record.counts()) {
-    out.picks[counts.grasp_id()] = {counts.picked_count(), counts.missed_count(),
-                                    counts.slipped_count()};
+// What `work` throws, memory that ran out above all, as a status: the catalogue's listener must not
+// throw.
+absl::Status Guarded(absl::FunctionRef<absl::Status()> work) {
+  try {
+    return work();
+  } catch (const std::exception& e) {
+    return absl::InternalError(e.what());
   }
-  return out;
-}
-
-bool IsPut(const storage::Mutation& mutation) {
-  return mutation.kind() == storage::Mutation::KIND_PUT;
-}
-
-// A view that is written again is removed first.
-absl::Status AddViewEffect(const storage::Mutation& mutation, const TaughtPoses& known,
-                           const recognition::DescriptorParameters& parameters, Effects* out) {
-  if (Knows(known, mutation.key())) out->removed.insert(mutation.key());
-  if (!IsPut(mutation)) return absl::OkStatus();
-  storage::ViewRecord record;
-  if (!record.ParseFromString(mutation.value())) return absl::DataLossError("unreadable view");
-  absl::StatusOr<recognition::IndexedView> view = IndexedViewFromRecord(record, parameters);
-  if (!view.ok()) return view.status();
-  out->added.push_back(*std::move(view));
-  return absl::OkStatus();
-}
-
-absl::Status AddStablePoseEffect(const storage::Mutation& mutation, Effects* out) {
-  if (!IsPut(mutation)) {
-    out->poses.deleted.push_back(mutation.key());
-    return absl::OkStatus();
-  }
-  v1::StablePose record;
-  if (!record.ParseFromString(mutation.value())) {
-    return absl::DataLossError("unreadable stable pose");
-  }
-  auto pose = StablePoseFromProto(record);
-  if (!pose.ok()) return pose.status();
-  out->poses.written.push_back(*std::move(pose));
-  return absl::OkStatus();
-}
-
-absl::Status AddOutcomesEffect(const storage::Mutation& mutation, Effects* out) {
-  storage::GraspOutcomesRecord record;
-  record.set_name(mutation.key());
-  if (IsPut(mutation) && !record.ParseFromString(mutation.value())) {
-    return absl::DataLossError("unreadable outcomes");
-  }
-  out->poses.outcomes.push_back(OutcomesFromRecord(record));
-  return absl::OkStatus();
-}
-
-// Reads the after-images in a change.
-absl::StatusOr<Effects> EffectsOf(const storage::ChangeRecord& change, const TaughtPoses& known,
-                                  const recognition::DescriptorParameters& parameters) {
-  Effects out;
-  for (const storage::Mutation& mutation : change.mutations()) {
-    const std::string& family = mutation.column_family();
-    absl::Status status;
-    if (family == storage::FamilyName(storage::Family::kViews)) {
-      status = AddViewEffect(mutation, known, parameters, &out);
-    } else if (family == storage::FamilyName(storage::Family::kStablePoses)) {
-      status = AddStablePoseEffect(mutation, &out);
-    } else if (family == storage::FamilyName(storage::Family::kGraspOutcomes)) {
-      status = AddOutcomesEffect(mutation, &out);
-    }
-    if (!status.ok()) return status;
-  }
-  out.poses.removed_views.assign(out.removed.begin(), out.removed.end());
-  for (const auto& added : out.added) out.poses.added_views.push_back(added.view);
-  return out;
 }
 
 }  // namespace
@@ -118,7 +37,10 @@ LiveCatalogue::~LiveCatalogue() {
 absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
     storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters) {
   std::unique_ptr<LiveCatalogue> out(new LiveCatalogue(catalogue, parameters));
-  if (absl::Status status = out->Load(); !status.ok()) return status;
+  {
+    absl::MutexLock lock(&out->change_mutex_);
+    if (absl::Status status = out->Load(); !status.ok()) return status;
+  }
   absl::StatusOr<std::int64_t> from = catalogue.Subscribe(
       [live = out.get()](const storage::ChangeRecord& change) { live->Apply(change); });
   if (!from.ok()) return from.status();
@@ -132,43 +54,90 @@ absl::Status LiveCatalogue::Load() {
   absl::StatusOr<LoadedViews> loaded = LoadViews(catalogue_, parameters_);
   if (!loaded.ok()) return loaded.status();
   TaughtPoseChange poses;
-  storage::RecordVisitor visitor;
-  visitor.stable_pose = [&](const v1::StablePose& record) {
-    auto pose = StablePoseFromProto(record);
-    if (!pose.ok()) return pose.status();
-    poses.written.push_back(*std::move(pose));
-    return absl::OkStatus();
-  };
-  visitor.grasp_outcomes = [&](const storage::GraspOutcomesRecord& record) {
-    poses.outcomes.push_back(OutcomesFromRecord(record));
-    return absl::OkStatus();
-  };
-  const absl::StatusOr<std::int64_t> revision = catalogue_.ForEach(visitor);
+  const absl::StatusOr<std::int64_t> revision =
+      catalogue_.ForEach(StablePoseVisitor(&poses, &loaded->left_out));
   if (!revision.ok()) return revision.status();
   file_revision_ = loaded->file_revision;
-  poses.added_views = std::move(loaded->views);
-  Publish({loaded->revision, std::move(loaded->index),
-           std::make_shared<const TaughtPoses>(Changed({}, poses))});
+  Install(*std::move(loaded), std::move(poses));
   return absl::OkStatus();
 }
 
+absl::Status LiveCatalogue::Reload() {
+  TaughtPoseChange poses;
+  std::vector<std::string> left_out;
+  std::vector<std::string> undescribed;
+  absl::StatusOr<LoadedViews> loaded =
+      ReadViews(catalogue_, parameters_, StablePoseVisitor(&poses, &left_out), &undescribed);
+  if (!loaded.ok()) return loaded.status();
+  for (const auto& more : {left_out, undescribed}) {
+    loaded->left_out.insert(loaded->left_out.end(), more.begin(), more.end());
+  }
+  Install(*std::move(loaded), std::move(poses));
+  return absl::OkStatus();
+}
+
+void LiveCatalogue::Install(LoadedViews loaded, TaughtPoseChange poses) {
+  poses.added_views = std::move(loaded.views);
+  left_out_ = {loaded.left_out.begin(), loaded.left_out.end()};
+  Publish({loaded.revision, std::move(loaded.index),
+           std::make_shared<const TaughtPoses>(Changed({}, poses))});
+}
+
 void LiveCatalogue::Apply(const storage::ChangeRecord& change) {
-  Snapshot next = *snapshot();
-  next.revision = change.revision();
-  absl::StatusOr<Effects> effects = EffectsOf(change, *next.stable_poses, parameters_);
-  if (!effects.ok()) {
-    // Handlers check what they write; a record that they let through stays unknown
-    // to the recognition, and the log says so.
-    spdlog::error("event=change_ignored revision={} error={}", change.revision(),
-                  LogField(std::string(effects.status().message())));
-    Publish(std::move(next));
+  absl::MutexLock lock(&change_mutex_);
+  const std::shared_ptr<const Snapshot> current = snapshot();
+  if (change.revision() <= current->revision) return;  // read with another one already
+  const bool in_order = !stale_ && change.revision() == current->revision + 1;
+  // Until it is seen. Whatever ends this function, the next call notices.
+  stale_ = true;
+  const absl::Status advanced = Guarded([&]() -> absl::Status {
+    if (!in_order) return absl::FailedPreconditionError("a change before it is missing");
+    Advance(*current, change);
+    return absl::OkStatus();
+  });
+  if (advanced.ok()) {
+    stale_ = false;
     return;
   }
-  if (!effects->removed.empty()) next.index = next.index.Without(effects->removed);
-  if (!effects->added.empty()) next.index = next.index.With(effects->added);
+  spdlog::error("event=change_not_applied revision={} error={}", change.revision(),
+                LogField(std::string(advanced.message())));
+  Recover();
+}
+
+void LiveCatalogue::Advance(const Snapshot& current, const storage::ChangeRecord& change) {
+  Snapshot next = current;
+  next.revision = change.revision();
+  const Effects effects = EffectsOf(change, *next.stable_poses, parameters_);
+  if (!effects.removed.empty()) next.index = next.index.Without(effects.removed);
+  if (!effects.added.empty()) next.index = next.index.With(effects.added);
   next.stable_poses =
-      std::make_shared<const TaughtPoses>(Changed(*next.stable_poses, effects->poses));
+      std::make_shared<const TaughtPoses>(Changed(*next.stable_poses, effects.poses));
+  std::set<std::string> left_out = left_out_;
+  for (const std::string& name : effects.touched) left_out.erase(name);
+  left_out.insert(effects.left_out.begin(), effects.left_out.end());
   Publish(std::move(next));
+  left_out_ = std::move(left_out);
+}
+
+void LiveCatalogue::Recover() {
+  const absl::Status reloaded = Guarded([&] { return Reload(); });
+  if (reloaded.ok()) {
+    stale_ = false;
+    spdlog::info("event=catalogue_reloaded revision={}", snapshot()->revision);
+  } else {
+    spdlog::error("event=catalogue_behind revision={} error={}", snapshot()->revision,
+                  LogField(std::string(reloaded.message())));
+  }
+}
+
+void LiveCatalogue::CatchUp() {
+  absl::MutexLock lock(&change_mutex_);
+  if (stale_) Recover();
+}
+
+std::int64_t LiveCatalogue::left_out_count() const {
+  absl::MutexLock lock(&change_mutex_);
+  return std::ssize(left_out_);
 }
 
 void LiveCatalogue::Publish(Snapshot snapshot) {

@@ -4,20 +4,24 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "recognition/parameters.h"
 #include "recognition/recognizer.h"
+#include "server/loaded_views.h"
+#include "server/taught_poses.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
 
 // Follows a storage::Catalogue: loads it once, from the index beside the database if that is in
 // order and else from the records, then applies every change before
-// the call that made the change returns. Readers take a snapshot and never wait
-// for a writer. Thread-safe.
+// the call that made the change returns. Records that cannot be used are left out. Readers take a
+// snapshot and never wait for a writer. Thread-safe.
 class LiveCatalogue {
  public:
   // Loads `catalogue`, which must outlive this. Views whose descriptors were made
@@ -29,6 +33,18 @@ class LiveCatalogue {
   LiveCatalogue& operator=(const LiveCatalogue&) = delete;
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
+
+  // The listener of the catalogue: takes a change that was made, so that the next snapshot shows
+  // it. Where that fails (memory ran out) or a change before it was missed, all records are read
+  // anew; where that fails too, the log says so, and the next change or CatchUp() tries again.
+  void Apply(const storage::ChangeRecord& change) ABSL_LOCKS_EXCLUDED(change_mutex_);
+
+  // Reads all records anew if a change could not be applied; else does nothing. To be called now
+  // and then. Writers wait meanwhile.
+  void CatchUp() ABSL_LOCKS_EXCLUDED(change_mutex_);
+
+  // Stored views and stable poses that cannot be used; the log has their names.
+  std::int64_t left_out_count() const ABSL_LOCKS_EXCLUDED(change_mutex_);
 
   // The revision of the index file that it was loaded from; nothing where that was not used.
   std::optional<std::int64_t> file_revision() const { return file_revision_; }
@@ -48,13 +64,23 @@ class LiveCatalogue {
   using Snapshot = recognition::CatalogueSnapshot;
 
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
-  absl::Status Load();
-  void Apply(const storage::ChangeRecord& change);
+  absl::Status Load() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  absl::Status Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  void Install(LoadedViews loaded, TaughtPoseChange poses)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  void Advance(const Snapshot& current, const storage::ChangeRecord& change)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  void Recover() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Publish(Snapshot snapshot);
 
   storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
   std::optional<std::int64_t> file_revision_;
+
+  mutable absl::Mutex change_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  bool stale_ ABSL_GUARDED_BY(change_mutex_) = false;  // a change is not in the snapshot
+  std::set<std::string> left_out_ ABSL_GUARDED_BY(change_mutex_);
+
   mutable absl::Mutex mutex_;
   std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
 };

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "logging/log_field.h"
-#include "server/convert.h"
+#include "server/change_effects.h"
 #include "server/index_snapshot.h"
 #include "server/records.h"
 
@@ -25,58 +25,77 @@ absl::Status CannotDescribe(const std::string& name, const absl::Status& status)
                        "or delete it with them first")};
 }
 
-// Describes the named views again, and stores the result.
+// DATA_LOSS where record or cloud cannot be used; other errors where they cannot be described.
+absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
+    const storage::ViewRecord& record, std::string_view packed,
+    const recognition::DescriptorParameters& parameters) {
+  const auto view = ViewFromRecord(record);
+  if (!view.ok()) return view.status();
+  const recognition::Pose& sensor = (*view)->world_sensor;
+  const absl::StatusOr<recognition::OrientedCloud> cloud =
+      CloudFromPacked(packed, sensor, parameters);
+  if (!cloud.ok()) return absl::DataLossError(cloud.status().message());
+  return MakeDescriptorRecord(*cloud, sensor, parameters);
+}
+
+// Describes the named views again, and stores the result; without those that cannot be used.
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters) {
-  if (names.empty()) return absl::OkStatus();
   spdlog::info("event=redescribe views={} parameters={}", names.size(),
                LogField(parameters.Fingerprint()));
   std::vector<storage::DescriptorUpdate> updates;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(names[i]);
-    if (!record.ok()) return record.status();
-    absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(names[i]);
-    if (!packed.ok()) return packed.status();
-    absl::StatusOr<recognition::Pose> sensor = PoseFromProto(record->sensor_pose(), "sensor_pose");
-    if (!sensor.ok()) return sensor.status();
-    absl::StatusOr<recognition::OrientedCloud> cloud =
-        CloudFromPacked(*packed, *sensor, parameters);
-    if (!cloud.ok()) return cloud.status();
-    absl::StatusOr<storage::DescriptorRecord> descriptor =
-        MakeDescriptorRecord(*cloud, *sensor, parameters);
-    if (!descriptor.ok()) return CannotDescribe(names[i], descriptor.status());
-    updates.push_back({names[i], {*std::move(descriptor)}});
-    if (updates.size() < kRedescribeBatch && i + 1 < names.size()) continue;
-    if (auto revision = catalogue.ReplaceDescriptors(updates); !revision.ok()) {
-      return revision.status();
-    }
+  const auto store = [&] {
+    const absl::Status status = catalogue.ReplaceDescriptors(updates).status();
     updates.clear();
+    return status;
+  };
+  for (const std::string& name : names) {
+    const absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
+    if (!record.ok()) return record.status();
+    const absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(name);
+    if (!packed.ok()) return packed.status();
+    absl::StatusOr<storage::DescriptorRecord> descriptor =
+        DescribeAgain(*record, *packed, parameters);
+    if (absl::IsDataLoss(descriptor.status())) {
+      LogLeftOut(name, descriptor.status());
+      continue;
+    }
+    if (!descriptor.ok()) return CannotDescribe(name, descriptor.status());
+    updates.push_back({name, {*std::move(descriptor)}});
+    if (updates.size() < kRedescribeBatch) continue;
+    if (absl::Status status = store(); !status.ok()) return status;
   }
-  return absl::OkStatus();
-}
-
-// The views as the records have them; the names of those without the right descriptor in
-// `outdated`, which are left out.
-absl::StatusOr<LoadedViews> ReadRecords(const storage::Catalogue& catalogue,
-                                        const recognition::DescriptorParameters& parameters,
-                                        std::vector<std::string>* outdated) {
-  ViewCollector collector(recognition::DescriptorSize(parameters.kind));
-  const absl::StatusOr<std::int64_t> revision =
-      catalogue.ForEachView([&](const storage::ViewRecord& record) {
-        if (FindDescriptor(record, parameters) == nullptr) {
-          outdated->push_back(record.name());
-          return absl::OkStatus();
-        }
-        auto view = IndexedViewFromRecord(record, parameters);
-        if (!view.ok()) return view.status();
-        collector.Add(*std::move(view));
-        return absl::OkStatus();
-      });
-  if (!revision.ok()) return revision.status();
-  return collector.Finish(*revision);
+  return store();
 }
 
 }  // namespace
+
+absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
+                                      const recognition::DescriptorParameters& parameters,
+                                      storage::RecordVisitor others,
+                                      std::vector<std::string>* undescribed) {
+  ViewCollector collector(recognition::DescriptorSize(parameters.kind));
+  std::vector<std::string> left_out;
+  others.view = [&](const storage::ViewRecord& record) {
+    if (FindDescriptor(record, parameters) == nullptr) {
+      undescribed->push_back(record.name());
+      return absl::OkStatus();
+    }
+    auto view = IndexedViewFromRecord(record, parameters);
+    if (view.ok()) {
+      collector.Add(*std::move(view));
+    } else {
+      LogLeftOut(record.name(), view.status());
+      left_out.push_back(record.name());
+    }
+    return absl::OkStatus();
+  };
+  const absl::StatusOr<std::int64_t> revision = catalogue.ForEach(others);
+  if (!revision.ok()) return revision.status();
+  LoadedViews out = collector.Finish(*revision);
+  out.left_out = std::move(left_out);
+  return out;
+}
 
 absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters) {
@@ -87,12 +106,14 @@ absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
     spdlog::info("event=index_rebuild reason={}", LogField(std::string(kept.status().message())));
   }
   std::vector<std::string> outdated;
-  absl::StatusOr<LoadedViews> read = ReadRecords(catalogue, parameters, &outdated);
+  absl::StatusOr<LoadedViews> read = ReadViews(catalogue, parameters, {}, &outdated);
   if (!read.ok() || outdated.empty()) return read;
   absl::Status described = Redescribe(catalogue, outdated, parameters);
   if (!described.ok()) return described;
   outdated.clear();
-  return ReadRecords(catalogue, parameters, &outdated);
+  read = ReadViews(catalogue, parameters, {}, &outdated);
+  if (read.ok()) read->left_out.insert(read->left_out.end(), outdated.begin(), outdated.end());
+  return read;
 }
 
 }  // namespace graspdb::server

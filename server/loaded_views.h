@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "recognition/descriptor_index.h"
@@ -19,6 +20,7 @@ struct LoadedViews {
   recognition::DescriptorIndex index;
   std::vector<std::shared_ptr<const recognition::TaughtView>> views;
   std::optional<std::int64_t> file_revision = {};  // of the index file that they came from
+  std::vector<std::string> left_out = {};          // names of views that cannot be used
 };
 
 // Puts views into an index as they come. Portions of them are worked up on other threads, which

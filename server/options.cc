@@ -34,6 +34,11 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   number("--max-points", &o->max_points, "Points that a frame may have", 10, 100e6);
   number("--max-message-mib", &o->max_message_mib, "Size of a message, MiB", 1, 1024);
   number("--cache-mib", &o->cache_mib, "Memory for clouds of views, MiB", 1, 1 << 20);
+  number(
+      "--keep-changes", &o->keep_changes,
+      "Changes of the catalogue of which a record is kept; an index file that is behind by more is "
+      "made anew at the start",
+      1, 1e9);
   number("--drain", &o->drain_s, "Seconds that running calls get on a stop", 0, 3600);
   number("--voxel-size", &o->voxel_size_m,
          "Edge of a voxel, m; other values than those that views "

@@ -16,6 +16,7 @@ struct ServerOptions {
   int max_points = 2'000'000;
   int max_message_mib = 64;
   int cache_mib = 256;
+  int keep_changes = 50'000;  // change records in the database
   double drain_s = 10;
   double voxel_size_m = 0.003;
   double normal_radius_m = 0.010;

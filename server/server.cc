@@ -64,7 +64,7 @@ struct Server::Parts {
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
         recognition_service(recognizer, check, recognizing),
-        catalog_service({*catalogue, teaching, clouds, parameters, {max_points}}),
+        catalog_service({*catalogue, *live, teaching, clouds, parameters, {max_points}}),
         cell_service(*catalogue) {}
 
   recognition::RecognitionParameters parameters;
@@ -89,7 +89,7 @@ Server::~Server() { Stop(); }
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   if (absl::Status status = CheckListenAddress(options); !status.ok()) return status;
   absl::StatusOr<std::unique_ptr<storage::Catalogue>> catalogue =
-      storage::Catalogue::Open(options.database);
+      storage::Catalogue::Open(options.database, {.keep_changes = options.keep_changes});
   if (!catalogue.ok()) return catalogue.status();
   absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
       LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor);

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 namespace graspdb::server {
 
 using recognition::TaughtStablePose;
+using Views = std::vector<std::shared_ptr<const recognition::TaughtView>>;
 
 std::string PoseOfView(const std::string& view) { return view.substr(0, view.rfind("/views/")); }
 
@@ -23,6 +26,31 @@ void SetPicks(const std::map<std::string, recognition::PickCounts>& picks, Taugh
     const auto known = picks.find(grasp.id);
     grasp.picks = known == picks.end() ? recognition::PickCounts() : known->second;
   }
+}
+
+// The views of one stable pose that go and come.
+struct ViewChange {
+  std::unordered_set<std::string_view> removed;
+  Views added;
+};
+
+// By name again, in one pass over all of them: a change may be about all views of a stable pose.
+void ApplyTo(ViewChange change, Views* views) {
+  const auto name = [](const auto& view) -> const std::string& { return view->name; };
+  std::erase_if(*views, [&](const auto& view) { return change.removed.contains(view->name); });
+  std::ranges::stable_sort(change.added, {}, name);
+  const auto old_size = static_cast<std::ptrdiff_t>(views->size());
+  views->insert(views->end(), change.added.begin(), change.added.end());
+  std::ranges::inplace_merge(*views, views->begin() + old_size, {}, name);
+}
+
+std::map<std::string, ViewChange> ViewChangesOf(const TaughtPoseChange& change) {
+  std::map<std::string, ViewChange> out;
+  for (const std::string& name : change.removed_views) out[PoseOfView(name)].removed.insert(name);
+  for (const auto& view : change.added_views) out[view->stable_pose].added.push_back(view);
+  // Their views go with them.
+  for (const std::string& name : change.deleted) out.erase(name);
+  return out;
 }
 
 }  // namespace
@@ -45,16 +73,7 @@ TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change) {
     pose.views = std::move(views);
     SetPicks(picks, &pose);
   }
-  for (const std::string& name : change.removed_views) {
-    std::erase_if(edit(PoseOfView(name)).views,
-                  [&](const auto& view) { return view->name == name; });
-  }
-  for (const auto& view : change.added_views) {
-    auto& views = edit(view->stable_pose).views;
-    views.insert(std::ranges::lower_bound(views, view->name, {},
-                                          [](const auto& other) { return other->name; }),
-                 view);
-  }
+  for (auto& [name, views] : ViewChangesOf(change)) ApplyTo(std::move(views), &edit(name).views);
   for (const TaughtOutcomes& outcomes : change.outcomes) {
     SetPicks(outcomes.picks, &edit(outcomes.stable_pose));
   }

@@ -1,5 +1,6 @@
 #include "storage/catalogue.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "storage/change_key.h"
@@ -24,7 +25,9 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
   if (!meta.ok()) return meta.status();
   const absl::Status floor_written = WriteRevisionFloor(directory, meta->revision());
   if (!floor_written.ok()) return floor_written;
-  auto log = std::make_unique<ChangeLog>(**database, *std::move(meta), std::move(options.clock));
+  auto log = std::make_unique<ChangeLog>(**database, *std::move(meta),
+                                         std::max<std::int64_t>(1, options.keep_changes),
+                                         std::move(options.clock));
   // The constructor is private, so std::make_unique cannot call it.
   return std::unique_ptr<Catalogue>(new Catalogue(*std::move(database), std::move(log)));
 }

@@ -11,7 +11,8 @@
 // after such an error the catalogue refuses further changes until it is opened anew.
 //
 // Revisions: every change gets the next revision, 1 first, without gaps, and leaves a
-// change record in the same atomic write. Nothing writes around them.
+// change record in the same atomic write. Nothing writes around them. Old change records are
+// deleted in the write of a later change, see CatalogueOptions::keep_changes.
 //
 // Errors: each one is a status whose text says what to do next. Besides the codes that
 // the methods name, all of them can return DATA_LOSS (the database is damaged) and
@@ -49,6 +50,10 @@ struct CatalogueOptions {
   bool create_if_missing = true;
   // Source of create and update times. Called by one writer at a time; must not throw.
   std::function<absl::Time()> clock = absl::Now;
+  // Change records that are kept, the newest; at least 1. An index file that is behind by more is
+  // made anew (the server takes 20,000 for worth it). Twice as many take twice the disk: 1.5 KB a
+  // view.
+  std::int64_t keep_changes = 50'000;
   // Memory that each of the eight families may fill before it goes to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // How files are reached; not owned, must outlive the catalogue. Null: as the machine
@@ -103,7 +108,8 @@ struct RecordVisitor {
   std::function<absl::Status(const GraspOutcomesRecord&)> grasp_outcomes;
 };
 
-// Must not throw.
+// Should not throw: the change stands, and the listener is told of the next one, so that it can see
+// by the revision that it missed one.
 using ChangeListener = std::function<void(const ChangeRecord&)>;
 
 class Catalogue {
@@ -128,7 +134,8 @@ class Catalogue {
   const std::string& directory() const;
   // A text that no other database and no other past of this one has had at `revision`, so that
   // what was made from it can be told from what was not. Copies of a database have the same
-  // marks up to the revision at which they part. NOT_FOUND for a revision that is not reached.
+  // marks up to the revision at which they part. NOT_FOUND for a revision that is not reached or
+  // whose change record is no longer kept.
   absl::StatusOr<std::string> MarkOf(std::int64_t revision) const;
 
   // --- Objects, stable poses, cells -------------------------------------------------
@@ -220,7 +227,8 @@ class Catalogue {
   // The listener holds up all writers. It may call reading methods; changes and
   // Subscribe from within it are refused with FAILED_PRECONDITION.
   absl::StatusOr<std::int64_t> Subscribe(ChangeListener listener);
-  // At most `limit` (at least 1) change records after `after_revision`, oldest first.
+  // At most `limit` (at least 1) change records after `after_revision`, oldest first. OUT_OF_RANGE
+  // where some of them are no longer kept.
   absl::StatusOr<std::vector<ChangeRecord>> ReadChanges(std::int64_t after_revision,
                                                         std::size_t limit) const;
 

@@ -13,12 +13,24 @@
 namespace graspdb::storage {
 namespace {
 
-// Removes all records of a family below `prefix` in the change that has begun.
+// Removes all records of a family below `prefix` in the change that has begun. Reads their values,
+// so it is not for clouds.
 absl::Status RemoveBelow(const Database& database, Family family, const std::string& prefix,
                          ChangeBatch& batch) {
   return database.Scan(family, prefix, "",
                        [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
                          batch.Remove(family, key);
+                         return true;
+                       });
+}
+
+// Removes all views below `prefix` with their clouds, which lie under the same keys.
+absl::Status RemoveViewsBelow(const Database& database, const std::string& prefix,
+                              ChangeBatch& batch) {
+  return database.Scan(Family::kViews, prefix, "",
+                       [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
+                         batch.Remove(Family::kViews, key);
+                         batch.Remove(Family::kClouds, key);
                          return true;
                        });
 }
@@ -72,11 +84,10 @@ absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::str
     if (status.ok() && !force) {
       status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
     }
-    for (const Family family :
-         {Family::kStablePoses, Family::kViews, Family::kClouds, Family::kGraspOutcomes}) {
+    for (const Family family : {Family::kStablePoses, Family::kGraspOutcomes}) {
       if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
     }
-    return status;
+    return status.ok() && force ? RemoveViewsBelow(*database_, below, batch) : status;
   });
 }
 
@@ -118,9 +129,7 @@ absl::Status Catalogue::DeleteStablePose(std::string_view name, bool force, std:
     if (status.ok() && !force) {
       status = CheckChildless(*database_, Family::kViews, below, name, "views");
     }
-    for (const Family family : {Family::kViews, Family::kClouds}) {
-      if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
-    }
+    if (status.ok() && force) status = RemoveViewsBelow(*database_, below, batch);
     return status.ok() ? RemoveGraspOutcomes(*database_, batch, name) : status;
   });
 }

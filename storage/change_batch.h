@@ -28,9 +28,10 @@ class ChangeBatch {
   void Overwrite(Family family, std::string_view key, std::string_view value);
   // A key that is there: no longer counted.
   void Remove(Family family, std::string_view key);
-  // Adds the change records and the MetaRecord. After it only rocks() is of use. The
-  // first error of anything before, if there was one.
-  absl::Status Finish();
+  // Adds the change records, the deletion of old ones so that `keep` (at least 1) stay, and the
+  // MetaRecord. After it only rocks() is of use. The first error of anything before, if there was
+  // one.
+  absl::Status Finish(std::int64_t keep);
 
   const google::protobuf::Timestamp& time() const { return time_; }
   // Where the catalogue stands after it.
@@ -39,6 +40,7 @@ class ChangeBatch {
   rocksdb::WriteBatch& rocks() { return rocks_; }
 
  private:
+  void ForgetChanges(std::int64_t keep);
   void Note(Mutation::Kind kind, Family family, std::string_view key);
 
   const Database& database_;

@@ -6,6 +6,7 @@
 #include "google/protobuf/util/time_util.h"
 #include "storage/change_key.h"
 #include "storage/revision_floor.h"
+#include "storage/schema.h"
 
 namespace graspdb::storage {
 namespace {
@@ -15,8 +16,9 @@ constexpr std::int64_t kFloorInterval = 256;
 
 }  // namespace
 
-ChangeLog::ChangeLog(Database& database, MetaRecord meta, Clock clock)
+ChangeLog::ChangeLog(Database& database, MetaRecord meta, std::int64_t keep, Clock clock)
     : database_(database),
+      keep_(keep),
       clock_(std::move(clock)),
       floor_(meta.revision()),
       meta_(std::move(meta)) {}
@@ -34,7 +36,7 @@ absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fil
 }
 
 absl::Status ChangeLog::Commit(ChangeBatch& batch) {
-  if (auto finished = batch.Finish(); !finished.ok()) return finished;
+  if (auto finished = batch.Finish(keep_); !finished.ok()) return finished;
   if (auto written = database_.Write(batch.rocks()); !written.ok()) {
     // The batch may be on the disk or not. Going on could give its revision away twice.
     failure_ = absl::UnavailableError("the catalogue takes no changes since a write failed (" +
@@ -61,7 +63,12 @@ void ChangeLog::RaiseFloor(std::int64_t revision) {
 void ChangeLog::Notify(const std::vector<ChangeRecord>& changes) {
   if (!listener_) return;
   notifying_thread_ = std::this_thread::get_id();
-  for (const ChangeRecord& change : changes) listener_(change);
+  for (const ChangeRecord& change : changes) {
+    try {
+      listener_(change);
+    } catch (...) {  // NOLINT(bugprone-empty-catch): see Mutate()
+    }
+  }
   notifying_thread_ = std::thread::id();
 }
 
@@ -91,6 +98,16 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
     return absl::InvalidArgumentError(
         "give a revision of 0 or more and a limit of at least 1 to read changes");
   }
+  // Of one state: old change records may be deleted meanwhile.
+  const Database::Snapshot snapshot = database_.TakeSnapshot();
+  const auto meta = ReadMeta(database_, snapshot.get());
+  if (!meta.ok()) return meta.status();
+  if (after_revision < meta->change_horizon()) {
+    return absl::OutOfRangeError("changes up to revision " +
+                                 std::to_string(meta->change_horizon()) +
+                                 " are no longer kept; read all records and go on from their "
+                                 "revision, or keep more changes");
+  }
   std::int64_t expected = after_revision;
   const absl::Status scanned = database_.Scan(
       Family::kChanges, "", ChangeKey(after_revision),
@@ -105,7 +122,8 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
         }
         changes.push_back(std::move(change));
         return changes.size() < limit;
-      });
+      },
+      snapshot.get());
   if (!scanned.ok()) return scanned;
   return changes;
 }

@@ -26,14 +26,16 @@ class ChangeLog {
   using Clock = std::function<absl::Time()>;
   using Listener = std::function<void(const ChangeRecord&)>;
 
-  // `database` must outlive the log. `meta` is what the database holds.
-  ChangeLog(Database& database, MetaRecord meta, Clock clock);
+  // `database` must outlive the log. `meta` is what the database holds. `keep` (at least 1) change
+  // records stay.
+  ChangeLog(Database& database, MetaRecord meta, std::int64_t keep, Clock clock);
 
   // Lets `fill` put changes into a batch and commits it: all of it, durably, with the
   // listener told, or nothing. One mutation at a time: `fill` may read the database
   // and rely on what it reads. An error of `fill`, or a batch without a change,
   // changes nothing. FAILED_PRECONDITION from within the listener. After a write has
-  // failed, what is on the disk is uncertain: all further mutations get UNAVAILABLE.
+  // failed, what is on the disk is uncertain: all further mutations get UNAVAILABLE. A
+  // listener that throws has missed that change, which stands, and is told of the next.
   absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
@@ -44,7 +46,8 @@ class ChangeLog {
   // Where the catalogue stands; never waits for a disk.
   MetaRecord meta() const ABSL_LOCKS_EXCLUDED(meta_mutex_);
 
-  // Change records after a revision, oldest first, at most `limit`.
+  // Change records after a revision, oldest first, at most `limit`; OUT_OF_RANGE where some are no
+  // longer kept.
   absl::StatusOr<std::vector<ChangeRecord>> Read(std::int64_t after_revision,
                                                  std::size_t limit) const;
 
@@ -56,6 +59,7 @@ class ChangeLog {
   absl::Status CheckNotInListener() const;
 
   Database& database_;
+  const std::int64_t keep_;
   const Clock clock_;
 
   absl::Mutex writer_mutex_ ABSL_ACQUIRED_BEFORE(meta_mutex_);

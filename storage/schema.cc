@@ -67,8 +67,12 @@ absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
   if (!key.ok()) return key.status();
   const std::string expected = meta.revision() == 0 ? "" : ChangeKey(meta.revision());
   // They are written together, so they can only differ when one of them was lost.
-  return *key == expected ? absl::OkStatus()
-                          : Damaged(database, "its last change is not its revision");
+  if (*key != expected) return Damaged(database, "its last change is not its revision");
+  if (meta.revision() == 0) return absl::OkStatus();
+  const auto oldest = database.Contains(Family::kChanges, ChangeKey(meta.change_horizon() + 1));
+  if (!oldest.ok()) return oldest.status();
+  return *oldest ? absl::OkStatus()
+                 : Damaged(database, "the oldest change that it should have kept is missing");
 }
 
 // Version 2 has a family for the outcomes of grasps, empty at first. It may be there already, where
@@ -89,8 +93,8 @@ std::span<const Migration> Migrations() {
   return steps;
 }
 
-absl::StatusOr<MetaRecord> ReadMeta(const Database& database) {
-  const auto bytes = database.Get(Family::kMeta, kMetaKey);
+absl::StatusOr<MetaRecord> ReadMeta(const Database& database, const rocksdb::Snapshot* snapshot) {
+  const auto bytes = database.Get(Family::kMeta, kMetaKey, snapshot);
   if (!bytes.ok()) return bytes.status();
   MetaRecord meta;
   if (!meta.ParseFromString(*bytes) || meta.format() != kFormat) {

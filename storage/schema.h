@@ -34,8 +34,9 @@ struct Migration {
 // The steps that this program knows, oldest first.
 std::span<const Migration> Migrations();
 
-// Reads the MetaRecord. NOT_FOUND when there is none.
-absl::StatusOr<MetaRecord> ReadMeta(const Database& database);
+// Reads the MetaRecord, with a snapshot as it was then. NOT_FOUND when there is none.
+absl::StatusOr<MetaRecord> ReadMeta(const Database& database,
+                                    const rocksdb::Snapshot* snapshot = nullptr);
 
 // Brings `meta` and the database from their version to `target` through `steps`,
 // one batch a step. FAILED_PRECONDITION, with nothing changed, when the version is

@@ -1,7 +1,9 @@
 #include "client/robots/robot_jobs.h"
 
 #include <deque>
+#include <exception>
 #include <future>
+#include <new>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -13,6 +15,17 @@ JobAnswer Refusal(GriCode code, std::string why) { return {.code = code, .why = 
 
 JobAnswer Refusal(const absl::Status& status) {
   return Refusal(GriCodeOf(status), std::string(status.message()));
+}
+
+// What libraries throw must not leave a job running for ever.
+absl::StatusOr<std::vector<JobPose>> RunGuarded(JobRunner& runner, const JobRequest& request) {
+  try {
+    return runner.Run(request);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("no memory is left for the job; run it again later");
+  } catch (const std::exception& e) {
+    return absl::InternalError("the job failed (" + std::string(e.what()) + "); run it again");
+  }
 }
 
 JobAnswer StillRunning() {
@@ -135,7 +148,7 @@ JobAnswer RobotJobs::Check(int job) {
 JobAnswer RobotJobs::Run(const JobRequest& request) {
   Found* found = FoundOf(request.robot, request.job);
   if (!found->Begin()) return StillRunning();
-  found->End(runner_.Run(request));
+  found->End(RunGuarded(runner_, request));
   return Next(request.robot, request.job);
 }
 
@@ -144,7 +157,7 @@ JobAnswer RobotJobs::Start(const JobRequest& request) {
   if (!found->Begin()) return StillRunning();
   try {
     found->Keep(std::async(std::launch::async,
-                           [this, found, request] { found->End(runner_.Run(request)); }));
+                           [this, found, request] { found->End(RunGuarded(runner_, request)); }));
   } catch (const std::system_error&) {
     const auto error =
         absl::ResourceExhaustedError("no thread is left; see to the system's limits");

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/testing/status_matchers.h"
@@ -45,9 +47,77 @@ TEST(Admission, AMovedTicketGivesItsSlotBackOnce) {
   EXPECT_THAT(admission.Enter(kNever), StatusIs(absl::StatusCode::kResourceExhausted));
 }
 
-TEST(Admission, AFreeSlotIsTakenWithoutAskingTheCaller) {
+TEST(Admission, NothingIsBegunForACallerWhoHasLeft) {
   Admission admission(1, 0);
-  EXPECT_THAT(admission.Enter(kAlways), IsOk());
+  EXPECT_THAT(admission.Enter(kAlways), StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_THAT(admission.Enter(kNever), IsOk());
+}
+
+// Callers that wait for the only slot, which the rig has, one behind the other.
+class WaitingCallersTest : public ::testing::Test {
+ protected:
+  ~WaitingCallersTest() override {
+    for (std::thread& caller : callers_) caller.join();
+  }
+
+  // Returns when the caller waits; one that is let in says so in `order_` and goes.
+  void LetWait(int number, const std::atomic<bool>& has_left) {
+    std::atomic<bool> waits = false;
+    callers_.emplace_back([this, number, &waits, &has_left] {
+      bool told = false;
+      const auto entered = admission_.Enter([&] {
+        if (!std::exchange(told, true)) waits = true;
+        return has_left.load();
+      });
+      const std::lock_guard lock(mutex_);
+      if (entered.ok()) order_.push_back(number);
+    });
+    while (!waits) std::this_thread::yield();
+  }
+
+  void EnterMyself(int number) {
+    const auto entered = admission_.Enter(kNever);
+    ASSERT_THAT(entered, IsOk());
+    const std::lock_guard lock(mutex_);
+    order_.push_back(number);
+  }
+
+  // What the callers came to; when all are through.
+  std::vector<int> Order() {
+    for (std::thread& caller : callers_) caller.join();
+    callers_.clear();
+    return order_;
+  }
+
+  Admission admission_{1, 16};
+  std::optional<absl::StatusOr<Admission::Ticket>> working_{admission_.Enter(kNever)};
+  const std::atomic<bool> stays_ = false;
+  std::atomic<bool> leaves_ = false;
+  std::mutex mutex_;
+  std::vector<int> order_;
+  std::vector<std::thread> callers_;
+};
+
+TEST_F(WaitingCallersTest, AreLetInInTheOrderInWhichTheyCame) {
+  for (int i = 0; i < 8; ++i) LetWait(i, stays_);
+  working_.reset();
+  EXPECT_THAT(Order(), ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+TEST_F(WaitingCallersTest, AreNotOvertakenByANewcomer) {
+  LetWait(0, stays_);
+  working_.reset();
+  EnterMyself(1);
+  EXPECT_THAT(Order(), ::testing::ElementsAre(0, 1));
+}
+
+TEST_F(WaitingCallersTest, GiveTheirTurnAwayWhenTheyHaveLeft) {
+  LetWait(0, leaves_);
+  LetWait(1, stays_);
+  leaves_ = true;
+  working_.reset();
+  EnterMyself(2);
+  EXPECT_THAT(Order(), ::testing::ElementsAre(1, 2));
 }
 
 TEST(Admission, WhoeverIsCancelledWhileWaitingGivesThePlaceBack) {

@@ -4,7 +4,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/testing/status_matchers.h"
 
@@ -16,16 +18,21 @@ using graspdb::testing::StatusIs;
 
 int Niceness() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
 
-TEST(BackgroundTest, WorkGivesWayAndItsCallerDoesNot) {
-  const int before = Niceness();
-  int inside = before;
-  EXPECT_THAT(InBackground([&] {
-                inside = Niceness();
-                return absl::OkStatus();
-              }),
-              IsOk());
-  EXPECT_GT(inside, before);
-  EXPECT_EQ(Niceness(), before);
+TEST(BackgroundTest, WorkGivesWayAndItsCallerDoesNotHoweverNiceThatIs) {
+  static constexpr int kNicest = 19;
+  for (int caller = Niceness(); caller <= kNicest; ++caller) {
+    std::thread([caller] {
+      ASSERT_EQ(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), caller), 0);
+      int inside = -1;
+      EXPECT_THAT(InBackground([&] {
+                    inside = Niceness();
+                    return absl::OkStatus();
+                  }),
+                  IsOk());
+      EXPECT_EQ(inside, std::min(caller + 10, kNicest));
+      EXPECT_EQ(Niceness(), caller);
+    }).join();
+  }
 }
 
 TEST(BackgroundTest, ErrorsComeBack) {

@@ -89,6 +89,81 @@ TEST_F(LiveCatalogueTest, ParametersThatAViewCannotBeDescribedWithAreRefused) {
   EXPECT_EQ(Answer(request_).status(), v1::OK);
 }
 
+// Stores a view whose sensor pose is no rotation, one whose cloud is none (and which therefore has
+// no descriptor for the server's parameters), and a stable pose that no request could make.
+void StoreUnusable(storage::Catalogue& catalogue) {
+  auto taught = catalogue.GetView(FlatPoseOf("wedge") + "/views/turn-0");
+  ASSERT_THAT(taught, IsOk());
+  storage::NewView view = {*taught, *catalogue.GetPackedCloud(taught->name())};
+  view.record.set_name(FlatPoseOf("wedge") + "/views/no-pose");
+  view.record.mutable_sensor_pose()->clear_orientation();
+  ASSERT_THAT(catalogue.PutView(view), IsOk());
+  v1::StablePose pose;
+  pose.set_name("objects/wedge/stablePoses/odd");
+  pose.set_symmetry_order(1000);
+  ASSERT_THAT(catalogue.CreateStablePose(pose), IsOk());
+  view = {*taught, "no cloud"};
+  view.record.set_name("objects/wedge/stablePoses/odd/views/no-cloud");
+  view.record.clear_descriptors();
+  ASSERT_THAT(catalogue.PutView(view), IsOk());
+}
+
+TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAtTheStart) {
+  Teach("wedge", 2);
+  const v1::RecognizeResponse before = Answer(request_);
+  server_.reset();
+  {
+    const auto catalogue = storage::Catalogue::Open(options_.database);
+    ASSERT_THAT(catalogue, IsOk());
+    StoreUnusable(**catalogue);
+  }
+  for (const double voxel_size_m : {0.003, 0.0035, 0.003}) {
+    options_.voxel_size_m = voxel_size_m;
+    Start();
+    EXPECT_EQ(Status().left_out_record_count(), 3);
+    EXPECT_EQ(Status().view_count(), 4);
+    EXPECT_EQ(Answer(request_).detections(0).object(), "objects/wedge");
+    server_.reset();
+  }
+  Start();
+  EXPECT_EQ(Answer(request_).detections(0).SerializeAsString(),
+            before.detections(0).SerializeAsString());
+}
+
+TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAsTheyComeUntilTheyGo) {
+  Teach("wedge", 2);
+  server_.reset();
+  const auto catalogue = storage::Catalogue::Open(options_.database);
+  ASSERT_THAT(catalogue, IsOk());
+  const auto live = server::LiveCatalogue::Follow(**catalogue, ParametersOf(options_));
+  ASSERT_THAT(live, IsOk());
+  StoreUnusable(**catalogue);
+  EXPECT_EQ((*live)->left_out_count(), 3);
+  EXPECT_EQ((*live)->snapshot()->index.view_count(), 2U);
+  ASSERT_THAT((*catalogue)->DeleteView(FlatPoseOf("wedge") + "/views/no-pose"), IsOk());
+  EXPECT_EQ((*live)->left_out_count(), 2);
+  ASSERT_THAT((*catalogue)->DeleteObject("objects/wedge", /*force=*/true, ""), IsOk());
+  EXPECT_EQ((*live)->left_out_count(), 0);
+  EXPECT_EQ((*live)->snapshot()->stable_poses->size(), 0U);
+}
+
+TEST_F(LiveCatalogueTest, AChangeThatWasMissedIsSeenWithTheNextOne) {
+  Teach("wedge", 3);
+  server_.reset();
+  const auto catalogue = storage::Catalogue::Open(options_.database);
+  ASSERT_THAT(catalogue, IsOk());
+  const auto live = server::LiveCatalogue::Follow(**catalogue, ParametersOf(options_));
+  ASSERT_THAT(live, IsOk());
+  const auto listen = [&](const storage::ChangeRecord& change) { (*live)->Apply(change); };
+  ASSERT_THAT((*catalogue)->Subscribe({}), IsOk());
+  ASSERT_THAT((*catalogue)->DeleteView(FlatPoseOf("wedge") + "/views/turn-1"), IsOk());
+  ASSERT_THAT((*catalogue)->Subscribe(listen), IsOk());
+  EXPECT_EQ((*live)->snapshot()->index.view_count(), 3U);
+  ASSERT_THAT((*catalogue)->DeleteView(FlatPoseOf("wedge") + "/views/turn-2"), IsOk());
+  EXPECT_EQ((*live)->snapshot()->index.view_count(), 1U);
+  EXPECT_EQ((*live)->snapshot()->revision, (*catalogue)->revision());
+}
+
 TEST_F(LiveCatalogueTest, ASnapshotStaysWhatItWasWhileTheCatalogueChanges) {
   Teach("wedge", 3);
   server_.reset();

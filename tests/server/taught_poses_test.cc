@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <ctime>
+#include <limits>
+
 namespace graspdb::server {
 namespace {
 
@@ -70,6 +74,34 @@ TEST(TaughtPoses, WhatDoesNotChangeIsShared) {
   ASSERT_THAT(second, SizeIs(2));
   EXPECT_EQ(second.at(other.name), first.at(other.name));
   EXPECT_NE(second.at(kPose), first.at(kPose));
+}
+
+// Seconds of a core, the least of some tries, that it takes to forget all of `count` views of a
+// stable pose but one.
+double ForgettingTakes(int count) {
+  TaughtPoseChange taught;
+  for (int i = 0; i < count; ++i) taught.added_views.push_back(View(std::to_string(i)));
+  const TaughtPoses poses = Changed({}, taught);
+  TaughtPoseChange forgotten;
+  for (int i = 1; i < count; ++i)
+    forgotten.removed_views.push_back(taught.added_views[static_cast<std::size_t>(i)]->name);
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 5; ++i) {
+    const auto now = [] {
+      timespec time{};
+      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+      return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    };
+    const double start = now();
+    EXPECT_THAT(NamesOf(Changed(poses, forgotten)), ElementsAre("0"));
+    least = std::min(least, now() - start);
+  }
+  return least;
+}
+
+TEST(TaughtPoses, ForgettingViewsTakesNoMoreThanNLogN) {
+  // 16 times as many: 16 to 22 times as long, where all pairs would take 256.
+  EXPECT_LT(ForgettingTakes(32'000) / ForgettingTakes(2'000), 80);
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "storage/catalogue.h"
+#include "storage/resource_name.h"
 #include "tests/storage/catalogue_fixture.h"
+#include "tests/storage/rocksdb_access.h"
 
 namespace graspdb::storage {
 namespace {
@@ -243,6 +245,33 @@ TEST_F(CatalogueResourcesTest, CellsAreKeptBesideTheObjects) {
   EXPECT_TRUE(catalogue_->DeleteCell("cells/line-1", updated->etag()).ok());
   EXPECT_EQ(catalogue_->counts().cells, 0);
   EXPECT_EQ(catalogue_->counts().objects, 1);
+}
+
+TEST_F(CatalogueResourcesTest, ForcedDeletesReadNoCloud) {
+  constexpr std::size_t kInABlobFile = 10'000;  // bytes
+  for (const char* id : {"mug", "bowl"}) {
+    ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id)).ok());
+    ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose(id, "upright")).ok());
+    for (int i = 0; i < 20; ++i) {
+      const std::string name = MakeViewName(id, "upright", std::to_string(i));
+      ASSERT_TRUE(catalogue_->PutView(MakeView(name, i, kInABlobFile)).ok());
+    }
+  }
+  catalogue_.reset();
+  FlushToFiles(directory_ / "db");
+  catalogue_ = OpenOrDie(directory_ / "db");
+  const std::uint64_t before = BlobsReadHere();
+  ASSERT_TRUE(catalogue_->GetPackedCloud(MakeViewName("mug", "upright", "7")).ok());
+  ASSERT_EQ(BlobsReadHere(), before + 1) << "a cloud is no blob, or blobs are not counted";
+  ASSERT_TRUE(catalogue_->DeleteStablePose("objects/mug/stablePoses/upright", true, "").ok());
+  ASSERT_TRUE(catalogue_->DeleteObject("objects/bowl", true, "").ok());
+  EXPECT_EQ(BlobsReadHere(), before + 1);
+  EXPECT_EQ(catalogue_->counts().views, 0);
+  // Counts what is there of each kind.
+  EXPECT_TRUE(TakePicture(*catalogue_).ok());
+  ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
+  EXPECT_TRUE(
+      absl::IsNotFound(catalogue_->GetPackedCloud(MakeViewName("mug", "upright", "7")).status()));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "gtest/gtest.h"
 #include "rocksdb/db.h"
+#include "rocksdb/perf_context.h"
 #include "storage/records.pb.h"
 
 namespace graspdb::storage {
@@ -100,5 +101,7 @@ void FlushToFiles(const std::string& directory) {
     Check(db.Flush(rocksdb::FlushOptions(), handles));
   });
 }
+
+std::uint64_t BlobsReadHere() { return rocksdb::get_perf_context()->blob_read_count; }
 
 }  // namespace graspdb::storage

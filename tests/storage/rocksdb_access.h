@@ -1,6 +1,7 @@
 // Changes a closed database behind the catalogue's back, as only tests may.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -21,5 +22,8 @@ void AddFamily(const std::string& directory, const std::string& name);
 void DropFamily(const std::string& directory, const std::string& name);
 // Moves everything from the log to sorted files.
 void FlushToFiles(const std::string& directory);
+
+// Blobs, that is clouds, that this thread has read from files so far.
+std::uint64_t BlobsReadHere();
 
 }  // namespace graspdb::storage

@@ -1,0 +1,142 @@
+// The catalogue in memory when memory runs out while a change is applied, at whatever allocation.
+#include <gmock/gmock.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "server/live_catalogue.h"
+#include "tests/client/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace {
+
+// Allocations of this thread that succeed before `failures` of them fail; none fails below zero.
+thread_local int succeed_first = -1;
+thread_local int failures = 0;
+
+bool FailsNow() {
+  if (succeed_first < 0) return false;
+  if (succeed_first > 0) {
+    --succeed_first;
+    return false;
+  }
+  if (failures == 0) return false;
+  --failures;
+  return true;
+}
+
+}  // namespace
+
+// Not inlined: the compiler would take malloc and free for mismatched.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  void* memory = FailsNow() ? nullptr : std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept {
+  std::free(memory);
+}
+
+namespace graspdb::server {
+namespace {
+
+using testing::IsOk;
+
+constexpr char kPose[] = "objects/o/stablePoses/p";
+constexpr char kView[] = "objects/o/stablePoses/p/views/v";
+
+class LiveCatalogueMemoryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    spdlog::set_level(spdlog::level::off);
+    catalogue_ = storage::Catalogue::Open((folder_.path() / "db").string()).value();
+    v1::Object object;
+    object.set_name("objects/o");
+    ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
+    v1::StablePose pose;
+    pose.set_name(kPose);
+    ASSERT_THAT(catalogue_->CreateStablePose(pose), IsOk());
+    live_ = LiveCatalogue::Follow(*catalogue_, parameters_).value();
+    ASSERT_THAT(catalogue_->Subscribe([this](const storage::ChangeRecord& change) {
+      succeed_first = armed_;
+      try {
+        live_->Apply(change);
+      } catch (const std::bad_alloc&) {
+        // The catalogue passes over it as well.
+      }
+      struck_ = armed_ >= 0 && succeed_first == 0;
+      succeed_first = -1;
+    }),
+                IsOk());
+  }
+
+  // Stores the view while `count` allocations from the `first` one on fail.
+  void PutFailing(int first, int count) {
+    storage::NewView view;
+    view.record.set_name(kView);
+    view.record.set_content_digest("1");
+    view.record.mutable_object_pose()->mutable_orientation()->set_w(1);
+    view.record.mutable_sensor_pose()->mutable_orientation()->set_w(1);
+    storage::DescriptorRecord* descriptor = view.record.add_descriptors();
+    descriptor->set_parameters(parameters_.Fingerprint());
+    descriptor->mutable_bins()->Resize(recognition::DescriptorSize(parameters_.kind), 0.1F);
+    view.packed_cloud = "never read";
+    armed_ = first;
+    failures = count;
+    EXPECT_THAT(catalogue_->PutView(view), IsOk());
+    armed_ = -1;
+  }
+
+  void ExpectSeen(int first) {
+    const auto snapshot = live_->snapshot();
+    EXPECT_EQ(snapshot->revision, catalogue_->revision()) << "allocation " << first;
+    EXPECT_EQ(snapshot->index.view_count(), 1U) << "allocation " << first;
+    EXPECT_EQ(snapshot->stable_poses->at(kPose)->views.size(), 1U) << "allocation " << first;
+  }
+
+  void Delete() {
+    ASSERT_THAT(catalogue_->DeleteView(kView), IsOk());
+    ASSERT_EQ(live_->snapshot()->index.view_count(), 0U);
+  }
+
+  const client::TemporaryFolder folder_;
+  const recognition::DescriptorParameters parameters_;
+  std::unique_ptr<storage::Catalogue> catalogue_;
+  std::unique_ptr<LiveCatalogue> live_;
+  int armed_ = -1;
+  bool struck_ = false;  // whether the last change was long enough for the failure to happen
+};
+
+TEST_F(LiveCatalogueMemoryTest, AViewIsSeenAtOnceWhicheverAllocationFailed) {
+  int first = 0;
+  for (; first < 10'000; ++first) {
+    PutFailing(first, 1);
+    if (!struck_) break;
+    ExpectSeen(first);
+    Delete();
+  }
+  EXPECT_GT(first, 20);
+  EXPECT_LT(first, 10'000);
+}
+
+TEST_F(LiveCatalogueMemoryTest, AViewIsSeenOnceThereIsMemoryAgain) {
+  constexpr int kAll = std::numeric_limits<int>::max();
+  for (const int first : {0, 1, 5, 20}) {
+    PutFailing(first, kAll);
+    ASSERT_TRUE(struck_);
+    live_->CatchUp();
+    ExpectSeen(first);
+    Delete();
+    PutFailing(first, kAll);
+    ASSERT_THAT(catalogue_->UpdateStablePose(kPose, "", [](auto&) { return absl::OkStatus(); }),
+                IsOk());
+    ExpectSeen(first);
+    Delete();
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::server
