@@ -248,17 +248,17 @@ TEST_F(CatalogueResourcesTest, CellsAreKeptBesideTheObjects) {
 }
 
 TEST_F(CatalogueResourcesTest, ForcedDeletesReadNoCloud) {
-  constexpr std::size_t kInABlobFile = 10'000;  // bytes
+  // Large enough to lie in a blob file, and all together to be written there at the end.
+  constexpr std::size_t kCloudBytes = 50'000;
   for (const char* id : {"mug", "bowl"}) {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id)).ok());
     ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose(id, "upright")).ok());
     for (int i = 0; i < 20; ++i) {
       const std::string name = MakeViewName(id, "upright", std::to_string(i));
-      ASSERT_TRUE(catalogue_->PutView(MakeView(name, i, kInABlobFile)).ok());
+      ASSERT_TRUE(catalogue_->PutView(MakeView(name, i, kCloudBytes)).ok());
     }
   }
   catalogue_.reset();
-  FlushToFiles(directory_ / "db");
   catalogue_ = OpenOrDie(directory_ / "db");
   const std::uint64_t before = BlobsReadHere();
   ASSERT_TRUE(catalogue_->GetPackedCloud(MakeViewName("mug", "upright", "7")).ok());
