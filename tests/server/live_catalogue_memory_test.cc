@@ -12,12 +12,17 @@
 
 namespace {
 
-// Allocations of this thread that succeed before `failures` of them fail; none fails below zero.
+// What fails where memory is short are the large ones; small texts are made in functions of
+// libraries that must not throw.
+constexpr std::size_t kLarge = 256;  // bytes
+
+// Large allocations of this thread that succeed before `failures` of them fail; none fails below
+// zero.
 thread_local int succeed_first = -1;
 thread_local int failures = 0;
 
-bool FailsNow() {
-  if (succeed_first < 0) return false;
+bool FailsNow(std::size_t size) {
+  if (size < kLarge || succeed_first < 0) return false;
   if (succeed_first > 0) {
     --succeed_first;
     return false;
@@ -31,7 +36,7 @@ bool FailsNow() {
 
 // Not inlined: the compiler would take malloc and free for mismatched.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  void* memory = FailsNow() ? nullptr : std::malloc(size);
+  void* memory = FailsNow(size) ? nullptr : std::malloc(size);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -67,7 +72,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
       } catch (const std::bad_alloc&) {
         // The catalogue passes over it as well.
       }
-      struck_ = armed_ >= 0 && succeed_first == 0;
+      struck_ = armed_ >= 0 && failures < armed_failures_;
       succeed_first = -1;
     }),
                 IsOk());
@@ -85,7 +90,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
     descriptor->mutable_bins()->Resize(recognition::DescriptorSize(parameters_.kind), 0.1F);
     view.packed_cloud = "never read";
     armed_ = first;
-    failures = count;
+    failures = armed_failures_ = count;
     EXPECT_THAT(catalogue_->PutView(view), IsOk());
     armed_ = -1;
   }
@@ -107,6 +112,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
   std::unique_ptr<storage::Catalogue> catalogue_;
   std::unique_ptr<LiveCatalogue> live_;
   int armed_ = -1;
+  int armed_failures_ = 0;
   bool struck_ = false;  // whether the last change was long enough for the failure to happen
 };
 
@@ -118,13 +124,13 @@ TEST_F(LiveCatalogueMemoryTest, AViewIsSeenAtOnceWhicheverAllocationFailed) {
     ExpectSeen(first);
     Delete();
   }
-  EXPECT_GT(first, 20);
+  EXPECT_GT(first, 2);
   EXPECT_LT(first, 10'000);
 }
 
 TEST_F(LiveCatalogueMemoryTest, AViewIsSeenOnceThereIsMemoryAgain) {
   constexpr int kAll = std::numeric_limits<int>::max();
-  for (const int first : {0, 1, 5, 20}) {
+  for (const int first : {0, 1, 2}) {
     PutFailing(first, kAll);
     ASSERT_TRUE(struck_);
     live_->CatchUp();
