@@ -1,6 +1,7 @@
 #include "recognition/descriptor_index.h"
 
 #include <algorithm>
+#include <deque>
 #include <limits>
 #include <utility>
 
@@ -11,6 +12,14 @@ constexpr std::size_t kChunkViews = 512;
 // So many views for each that is wanted say how far the nearest are at most: the lowest bounds
 // mostly belong to the nearest.
 constexpr std::size_t kTriedFirst = 3;
+
+// From so many views on, bytes of fewer numbers than bins are worth their fitting (50 ms). Fewer
+// views are searched in 0.1 ms without.
+constexpr std::size_t kFirstFit = 4096;
+// Views that were not there when it was fitted are bounded less well, so that it is fitted again
+// when there are so many times as many; what is packed already stays as it is.
+constexpr std::size_t kFitAgain = 4;
+constexpr std::size_t kFitSample = 2048;
 
 constexpr float kAnything = std::numeric_limits<float>::infinity();
 
@@ -87,29 +96,84 @@ float Smallest(std::size_t count, std::vector<float> values) {
   return *at;
 }
 
+// The query's numbers for each projection that chunks have.
+class CodedQuery {
+ public:
+  explicit CodedQuery(const Descriptor& descriptor) : descriptor_(descriptor) {}
+
+  const CodedNumbers& For(const RootProjection* projection) {
+    for (const auto& [known, numbers] : coded_) {
+      if (known == projection) return numbers;
+    }
+    return coded_.emplace_back(projection, NumbersToCode(descriptor_, projection)).second;
+  }
+
+ private:
+  const Descriptor& descriptor_;
+  std::deque<std::pair<const RootProjection*, CodedNumbers>> coded_;
+};
+
+std::vector<IndexedView> ViewsOf(const DescriptorChunk& chunk) {
+  std::vector<IndexedView> out;
+  out.reserve(chunk.size());
+  for (std::size_t i = 0; i < chunk.size(); ++i) {
+    out.push_back({chunk.views()[i], chunk.DescriptorOf(i)});
+  }
+  return out;
+}
+
 }  // namespace
 
-DescriptorIndex::DescriptorIndex(int size) : bins_(static_cast<std::size_t>(size)) {}
+DescriptorIndex::DescriptorIndex(int size)
+    : bins_(static_cast<std::size_t>(size)), next_fit_(kFirstFit) {}
+
+DescriptorIndex DescriptorIndex::Empty() const {
+  DescriptorIndex out(static_cast<int>(bins_));
+  out.projection_ = projection_;
+  return out;
+}
+
+void DescriptorIndex::FitProjection() {
+  if (view_count_ < next_fit_) return;
+  next_fit_ = kFitAgain * view_count_;
+  const std::size_t step = std::max<std::size_t>(1, view_count_ / kFitSample);
+  std::vector<std::vector<float>> sample;
+  sample.reserve(view_count_ / step + 1);
+  std::size_t skipped = 0;  // views before the chunk
+  for (const Chunk& chunk : chunks_) {
+    for (std::size_t i = (step - skipped % step) % step; i < chunk->size(); i += step) {
+      sample.push_back(NumbersToCode(chunk->DescriptorOf(i), nullptr).values);
+    }
+    skipped += chunk->size();
+  }
+  if (auto fitted = RootProjection::Fit(sample)) projection_ = std::move(fitted);
+  CodeAgain();
+}
+
+void DescriptorIndex::CodeAgain() {
+  if (projection_ == nullptr) return;
+  for (Chunk& chunk : chunks_) {
+    if (chunk->projection() != nullptr) continue;
+    chunk = std::make_shared<const DescriptorChunk>(ViewsOf(*chunk), projection_);
+  }
+}
 
 DescriptorIndex DescriptorIndex::With(std::span<const IndexedView> views) const {
   DescriptorIndex out = *this;
   out.view_count_ += views.size();
   if (!out.chunks_.empty() && out.chunks_.back()->size() < kChunkViews && !views.empty()) {
     const DescriptorChunk& last = *out.chunks_.back();
-    std::vector<IndexedView> joined;
+    std::vector<IndexedView> joined = ViewsOf(last);
     const std::size_t taken = std::min(views.size(), kChunkViews - last.size());
-    joined.reserve(last.size() + taken);
-    for (std::size_t i = 0; i < last.size(); ++i) {
-      joined.push_back({last.views()[i], last.DescriptorOf(i)});
-    }
     joined.insert(joined.end(), views.begin(), views.begin() + static_cast<std::ptrdiff_t>(taken));
-    out.chunks_.back() = std::make_shared<const DescriptorChunk>(joined);
+    out.chunks_.back() = std::make_shared<const DescriptorChunk>(joined, projection_);
     views = views.subspan(taken);
   }
   for (; !views.empty(); views = views.subspan(std::min(views.size(), kChunkViews))) {
-    out.chunks_.push_back(
-        std::make_shared<const DescriptorChunk>(views.first(std::min(views.size(), kChunkViews))));
+    out.chunks_.push_back(std::make_shared<const DescriptorChunk>(
+        views.first(std::min(views.size(), kChunkViews)), projection_));
   }
+  out.FitProjection();
   return out;
 }
 
@@ -117,11 +181,15 @@ DescriptorIndex DescriptorIndex::Joined(const DescriptorIndex& other) const {
   DescriptorIndex out = *this;
   out.view_count_ += other.view_count_;
   out.chunks_.insert(out.chunks_.end(), other.chunks_.begin(), other.chunks_.end());
+  if (out.projection_ == nullptr) out.projection_ = other.projection_;
+  out.CodeAgain();
+  out.FitProjection();
   return out;
 }
 
 DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& names) const {
-  DescriptorIndex out(static_cast<int>(bins_));
+  DescriptorIndex out = Empty();
+  out.next_fit_ = next_fit_;
   for (const auto& chunk : chunks_) {
     std::vector<IndexedView> kept;
     for (std::size_t i = 0; i < chunk->size(); ++i) {
@@ -130,8 +198,9 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
     }
     if (kept.empty()) continue;
     out.view_count_ += kept.size();
-    out.chunks_.push_back(
-        kept.size() == chunk->size() ? chunk : std::make_shared<const DescriptorChunk>(kept));
+    out.chunks_.push_back(kept.size() == chunk->size()
+                              ? chunk
+                              : std::make_shared<const DescriptorChunk>(kept, chunk->projection()));
   }
   return out;
 }
@@ -139,12 +208,13 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
 std::vector<Match> DescriptorIndex::Nearest(const Descriptor& descriptor, int count) const {
   if (count <= 0 || descriptor.size() != bins_) return {};
   const DescriptorQuery query(descriptor);
+  CodedQuery coded(descriptor);
   const auto wanted = static_cast<std::size_t>(count);
   LowestBounds lowest(kTriedFirst * wanted);
   std::vector<std::vector<float>> bounds(chunks_.size());
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     bounds[c].resize(chunks_[c]->size());
-    chunks_[c]->Bound(query, bounds[c]);
+    chunks_[c]->Bound(coded.For(chunks_[c]->projection().get()), bounds[c]);
     lowest.Add(c, bounds[c]);
   }
   std::vector<float> tried;

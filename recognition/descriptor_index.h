@@ -45,9 +45,20 @@ class DescriptorIndex {
   // All views, some hundreds at a time.
   std::span<const std::shared_ptr<const DescriptorChunk>> chunks() const { return chunks_; }
 
+  // No views, which will be packed as those of this index: for parts of it that are made on other
+  // threads. Not needed for the answers to be right.
+  DescriptorIndex Empty() const;
+
  private:
+  using Chunk = std::shared_ptr<const DescriptorChunk>;
+
+  void FitProjection();
+  void CodeAgain();
+
   std::size_t bins_;
   std::size_t view_count_ = 0;
+  std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
+  std::size_t next_fit_;                              // at so many views
   std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
 };
 

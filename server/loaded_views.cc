@@ -13,7 +13,7 @@ constexpr std::size_t kPortion = 2048;
 }  // namespace
 
 ViewCollector::ViewCollector(int size)
-    : size_(size), most_at_work_(std::max(1U, std::thread::hardware_concurrency())), index_(size) {}
+    : most_at_work_(std::max(1U, std::thread::hardware_concurrency())), index_(size) {}
 
 void ViewCollector::Add(recognition::IndexedView view) {
   views_.push_back(view.view);
@@ -23,8 +23,8 @@ void ViewCollector::Add(recognition::IndexedView view) {
 
 void ViewCollector::HandOutPortion() {
   if (at_work_.size() == most_at_work_) TakeOldest();
-  auto work = [size = size_, portion = std::exchange(portion_, {})] {
-    return recognition::DescriptorIndex(size).With(portion);
+  auto work = [empty = index_.Empty(), portion = std::exchange(portion_, {})] {
+    return empty.With(portion);
   };
   at_work_.push_back(std::async(std::launch::async, std::move(work)));
 }

@@ -24,8 +24,8 @@ struct LoadedViews {
 };
 
 // Puts views into an index as they come. Portions of them are worked up on other threads, which
-// takes longer than reading them; no second copy of all descriptors is ever in memory. The result
-// does not depend on the threads. Not thread-safe.
+// takes longer than reading them; no second copy of all descriptors is ever in memory. What is
+// found in the result does not depend on the threads. Not thread-safe.
 class ViewCollector {
  public:
   // `size` bins a descriptor.
@@ -39,7 +39,6 @@ class ViewCollector {
   void HandOutPortion();
   void TakeOldest();
 
-  const int size_;
   const std::size_t most_at_work_;
   recognition::DescriptorIndex index_;
   std::deque<std::future<recognition::DescriptorIndex>> at_work_;  // the oldest in front
