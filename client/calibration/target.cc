@@ -38,9 +38,6 @@ constexpr double kRefinedSeen = 0.75;
 constexpr double kAboveTableM = 0.02;
 constexpr double kHighestM = 1.0;
 constexpr double kAroundM = 1.0;
-// Heights of HeldRegion, m.
-constexpr double kHeldAboveM = 0.06;
-constexpr double kHeldBelowM = 0.5;
 
 absl::StatusOr<std::string> StablePoseNamed(Client& client, const std::string& name) {
   if (absl::StrContains(name, "/stablePoses/")) return name;
@@ -182,10 +179,6 @@ absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& targ
   }
   return RefineStanding(target, scan, FromMessage(response->sensor_pose()),
                         FromMessage(found->refined_pose()));
-}
-
-Box HeldRegion(double half_width_m) {
-  return {{-half_width_m, -half_width_m, kHeldAboveM}, {half_width_m, half_width_m, kHeldBelowM}};
 }
 
 absl::StatusOr<SeenTarget> FindGrippedTarget(const Target& target, const StillScan& scan,

@@ -39,11 +39,6 @@ struct SeenTarget {
 absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& target,
                                               const StillScan& scan);
 
-// Where a gripper is asked to hold a target: less than `half_width_m` from the world's z axis along
-// x and y, and 6 to 50 cm above the table; world frame, m. The less there is beside gripper and
-// target, the quicker it is found and the less is taken for it.
-recognition::Box HeldRegion(double half_width_m);
-
 // A target that a gripper holds above the table: whatever attitude it has, which
 // no server is asked for, because objects stand upright there. `world_sensor` is the level of the
 // camera, `region` (world frame) where the target is held; without it, anywhere up to a metre above

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "client/cell/calibrations.h"
+#include "client/cell/calibration_config.h"
 #include "settings/listen_address.h"
 #include "settings/settings_file.h"
 #include "settings/version.h"

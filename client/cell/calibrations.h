@@ -1,31 +1,15 @@
 // The hand-eye calibrations that a cell's robots may drive.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/calibration/cell_calibrator.h"
+#include "client/cell/calibration_config.h"
 #include "client/cell/cell_keeper.h"
 #include "client/robots/robot_calibrator.h"
 
 namespace graspdb::client {
-
-struct CalibrationConfig {
-  int pipeline = 0;
-  HandEyeSetup setup;
-};
-
-// A calibration as a line of text: its pipeline's number, then words.
-//   0 target=calibration-block mount=fixed region=0.3
-//   1 target=calibration-block mount=flange frames=10
-// `cell` is a resource name. INVALID_ARGUMENT, with the line and what may stand there, where it is
-// none, or where two have the same number.
-absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
-    const std::vector<std::string>& lines, const std::string& cell);
-
-// How to write them, for --help.
-std::string CalibrationHelp();
 
 // Calibrates over the cell's camera and server; what was found is used by the next job.
 // Thread-safe.

@@ -10,6 +10,7 @@
 
 #include "client/calibration/calibrated_cell.h"
 #include "client/calibration/cell_calibrator.h"
+#include "client/calibration/held_region.h"
 #include "client/files/pose_message.h"
 #include "client/robots/rotation_vector.h"
 #include "tests/client/calibration/calibration_server.h"

@@ -1,0 +1,212 @@
+#include "tests/fuzz/calls.h"
+
+#include "tests/fuzz/requirement.h"
+
+namespace graspdb::fuzz {
+namespace {
+
+constexpr int kPage = 1000;  // more than a sequence makes
+
+using Catalog = v1::CatalogService::Stub;
+using CellStub = v1::CellService::Stub;
+
+template <typename Stub, typename Request, typename Response>
+grpc::Status Call(Stub& stub,
+                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                  const Request& request, Response* response) {
+  grpc::ClientContext context;
+  return (stub.*method)(&context, request, response);
+}
+
+template <typename Stub, typename Request, typename Response>
+void Ask(Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+         const Request& request) {
+  Response ignored;
+  RequireAnswer(Call(stub, method, request, &ignored));
+}
+
+void AskStream(v1::RecognitionService::Stub& stub, const Frames& frames) {
+  grpc::ClientContext context;
+  const auto stream = stub.RecognizeStream(&context);
+  int written = 0;
+  for (const v1::RecognizeStreamRequest& frame : frames.frames()) {
+    if (!stream->Write(frame)) break;
+    ++written;
+  }
+  stream->WritesDone();
+  v1::RecognizeStreamResponse response;
+  int answered = 0;
+  while (stream->Read(&response)) ++answered;
+  const grpc::Status status = stream->Finish();
+  RequireAnswer(status);
+  Require(!status.ok() || answered == written, "an answer to each frame");
+}
+
+void AskThresholds(v1::RecognitionService::Stub& stub,
+                   const v1::ProposeThresholdsRequest& request) {
+  grpc::ClientContext context;
+  const auto stream = stub.ProposeThresholds(&context, request);
+  v1::ProposeThresholdsResponse response;
+  while (stream->Read(&response)) {
+  }
+  RequireAnswer(stream->Finish());
+}
+
+}  // namespace
+
+void RequireAnswer(const grpc::Status& status) {
+  const bool fault = status.error_code() == grpc::StatusCode::INTERNAL ||
+                     status.error_code() == grpc::StatusCode::UNKNOWN ||
+                     status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                     status.error_code() == grpc::StatusCode::DATA_LOSS;
+  if (fault) std::fprintf(stderr, "%s\n", status.error_message().c_str());
+  Require(!fault, "an answer or a refusal");
+}
+
+void Calls::Do(const Operation& o) {
+  Catalog& catalog = server_.catalog();
+  CellStub& cells = server_.cells();
+  v1::UploadViewsResponse uploaded;
+  switch (o.request_case()) {
+    case Operation::kCreateObject:
+      return Ask(catalog, &Catalog::CreateObject, o.create_object());
+    case Operation::kGetObject:
+      return Ask(catalog, &Catalog::GetObject, o.get_object());
+    case Operation::kListObjects:
+      return Ask(catalog, &Catalog::ListObjects, o.list_objects());
+    case Operation::kUpdateObject:
+      return Ask(catalog, &Catalog::UpdateObject, o.update_object());
+    case Operation::kDeleteObject:
+      return Ask(catalog, &Catalog::DeleteObject, o.delete_object());
+    case Operation::kCreateStablePose:
+      return Ask(catalog, &Catalog::CreateStablePose, o.create_stable_pose());
+    case Operation::kGetStablePose:
+      return Ask(catalog, &Catalog::GetStablePose, o.get_stable_pose());
+    case Operation::kListStablePoses:
+      return Ask(catalog, &Catalog::ListStablePoses, o.list_stable_poses());
+    case Operation::kUpdateStablePose:
+      return Ask(catalog, &Catalog::UpdateStablePose, o.update_stable_pose());
+    case Operation::kDeleteStablePose:
+      return Ask(catalog, &Catalog::DeleteStablePose, o.delete_stable_pose());
+    case Operation::kGetView:
+      return Ask(catalog, &Catalog::GetView, o.get_view());
+    case Operation::kListViews:
+      return Ask(catalog, &Catalog::ListViews, o.list_views());
+    case Operation::kDeleteView:
+      return Ask(catalog, &Catalog::DeleteView, o.delete_view());
+    case Operation::kUploadViews:
+      return RequireAnswer(server_.Upload(o.upload_views().views(), &uploaded));
+    case Operation::kReportGraspOutcome:
+      return Ask(catalog, &Catalog::ReportGraspOutcome, o.report_grasp_outcome());
+    case Operation::kGetCatalogStatus:
+      return Ask(catalog, &Catalog::GetCatalogStatus, o.get_catalog_status());
+    case Operation::kCreateCell:
+      return Ask(cells, &CellStub::CreateCell, o.create_cell());
+    case Operation::kGetCell:
+      return Ask(cells, &CellStub::GetCell, o.get_cell());
+    case Operation::kListCells:
+      return Ask(cells, &CellStub::ListCells, o.list_cells());
+    case Operation::kUpdateCell:
+      return Ask(cells, &CellStub::UpdateCell, o.update_cell());
+    case Operation::kDeleteCell:
+      return Ask(cells, &CellStub::DeleteCell, o.delete_cell());
+    case Operation::kRecognize:
+      return Ask(server_.recognition(), &v1::RecognitionService::Stub::Recognize, o.recognize());
+    case Operation::kRecognizeStream:
+      return AskStream(server_.recognition(), o.recognize_stream());
+    case Operation::kFindLookAlikes:
+      return Ask(server_.recognition(), &v1::RecognitionService::Stub::FindLookAlikes,
+                 o.find_look_alikes());
+    case Operation::kProposeThresholds:
+      return AskThresholds(server_.recognition(), o.propose_thresholds());
+    case Operation::REQUEST_NOT_SET:
+      return;
+  }
+}
+
+v1::ListObjectsResponse Calls::Objects() {
+  v1::ListObjectsRequest request;
+  request.set_page_size(kPage);
+  v1::ListObjectsResponse response;
+  Require(Call(server_.catalog(), &Catalog::ListObjects, request, &response).ok(),
+          "objects are listed");
+  return response;
+}
+
+v1::ListCellsResponse Calls::Cells() {
+  v1::ListCellsRequest request;
+  request.set_page_size(kPage);
+  v1::ListCellsResponse response;
+  Require(Call(server_.cells(), &CellStub::ListCells, request, &response).ok(), "cells are listed");
+  return response;
+}
+
+std::vector<std::string> Calls::Listed() {
+  std::vector<std::string> names;
+  const v1::ListObjectsResponse objects = Objects();
+  const v1::ListCellsResponse cells = Cells();
+  for (const v1::Object& object : objects.objects()) names.push_back(object.name());
+  for (const v1::Cell& cell : cells.cells()) names.push_back(cell.name());
+  return names;
+}
+
+void Calls::RequireListed() {
+  v1::CatalogStatus status;
+  Require(
+      Call(server_.catalog(), &Catalog::GetCatalogStatus, v1::GetCatalogStatusRequest(), &status)
+          .ok(),
+      "a status");
+  Require(status.catalog_revision() >= revision_, "a revision that does not go back");
+  revision_ = status.catalog_revision();
+  Require(status.object_count() == Objects().objects_size(), "as many objects as are counted");
+  Cells();
+}
+
+void Calls::RequireViewsReadable(const std::string& stable_pose) {
+  v1::ListViewsRequest request;
+  request.set_parent(stable_pose);
+  request.set_page_size(kPage);
+  v1::ListViewsResponse views;
+  Require(Call(server_.catalog(), &Catalog::ListViews, request, &views).ok(), "views are listed");
+  for (const v1::View& view : views.views()) {
+    v1::GetViewRequest get;
+    get.set_name(view.name());
+    get.set_detail(v1::VIEW_DETAIL_FULL);
+    v1::View got;
+    Require(Call(server_.catalog(), &Catalog::GetView, get, &got).ok(), "a view is read");
+  }
+}
+
+void Calls::RequireReadable() {
+  const v1::ListObjectsResponse objects = Objects();
+  for (const v1::Object& object : objects.objects()) {
+    v1::ListStablePosesRequest request;
+    request.set_parent(object.name());
+    request.set_page_size(kPage);
+    v1::ListStablePosesResponse poses;
+    Require(Call(server_.catalog(), &Catalog::ListStablePoses, request, &poses).ok(),
+            "stable poses are listed");
+    for (const v1::StablePose& pose : poses.stable_poses()) RequireViewsReadable(pose.name());
+  }
+}
+
+void Calls::DeleteAll() {
+  google::protobuf::Empty nothing;
+  const v1::ListObjectsResponse objects = Objects();
+  for (const v1::Object& object : objects.objects()) {
+    v1::DeleteObjectRequest request;
+    request.set_name(object.name());
+    request.set_force(true);
+    Require(Call(server_.catalog(), &Catalog::DeleteObject, request, &nothing).ok(),
+            "an object is deleted");
+  }
+  const v1::ListCellsResponse cells = Cells();
+  for (const v1::Cell& cell : cells.cells()) {
+    v1::DeleteCellRequest request;
+    request.set_name(cell.name());
+    Require(Call(server_.cells(), &CellStub::DeleteCell, request, &nothing).ok(),
+            "a cell is deleted");
+  }
+}
+
+}  // namespace graspdb::fuzz

@@ -1,0 +1,17 @@
+// What must hold after an input of a fuzzer.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace graspdb::fuzz {
+
+// Ends the process where `holds` is false, which libFuzzer reports with the input; in every build
+// type, as opposed to assert.
+inline void Require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "violated: %s\n", what);
+  std::abort();
+}
+
+}  // namespace graspdb::fuzz

@@ -1,0 +1,29 @@
+// What fuzzing begins with: tests/fuzz/corpus, made by graspdb_fuzz_seeds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace graspdb::fuzz {
+
+// Writes files DIR/TARGET/NAME. Ends the process where one cannot be written or made.
+class SeedWriter {
+ public:
+  explicit SeedWriter(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  void Write(const std::string& target, const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::filesystem::path directory_;
+};
+
+// Point files, depth images, meshes, capture sets.
+void WriteFileSeeds(const SeedWriter& out);
+// What robots send, and what programs are started with.
+void WriteTextSeeds(const SeedWriter& out);
+// Requests with scans of sample parts.
+void WriteRequestSeeds(const SeedWriter& out);
+// Packed clouds, index files, records.
+void WriteStorageSeeds(const SeedWriter& out);
+
+}  // namespace graspdb::fuzz

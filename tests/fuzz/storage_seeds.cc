@@ -1,0 +1,110 @@
+#include <fstream>
+#include <iterator>
+
+#include "recognition/parameters.h"
+#include "storage/catalogue.h"
+#include "storage/family.h"
+#include "storage/index_file.h"
+#include "storage/packed_cloud.h"
+#include "tests/fuzz/fuzz_server.h"
+#include "tests/fuzz/operations.pb.h"
+#include "tests/fuzz/requirement.h"
+#include "tests/fuzz/seed_writer.h"
+
+namespace graspdb::fuzz {
+namespace {
+
+std::string BytesOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+storage::ViewRecord FirstView(const storage::Catalogue& catalogue) {
+  storage::ViewRecord out;
+  const auto read = catalogue.ForEachView([&](const storage::ViewRecord& view) {
+    if (out.name().empty()) out = view;
+    return absl::OkStatus();
+  });
+  Require(read.ok() && !out.name().empty(), "a view was taught");
+  return out;
+}
+
+StoredRecord& Add(StoredDatabase& database, storage::Family family) {
+  StoredRecord& record = *database.add_records();
+  record.set_family(static_cast<int>(family));
+  return record;
+}
+
+void WriteFiles(const SeedWriter& out, const storage::Catalogue& catalogue,
+                const storage::ViewRecord& view) {
+  const absl::StatusOr<std::string> cloud = catalogue.GetPackedCloud(view.name());
+  Require(cloud.ok(), "a view has a cloud");
+  out.Write("storage_file", "cloud", *cloud);
+  const ScratchFolder folder;
+  storage::IndexHeader header;
+  header.set_mark("mark");
+  header.set_view_count(1);
+  header.set_block_count(1);
+  storage::IndexBlock block;
+  block.add_names(view.name());
+  block.add_content_digests("digest");
+  for (int i = 0; i < 24; ++i) block.add_poses(i);
+  storage::IndexFileWriter writer(folder.path().string(), header);
+  Require(writer.Append(block).ok() && writer.Commit().ok(), "an index is written");
+  out.Write("storage_file", "index", BytesOf(folder.path() / storage::kIndexFile));
+}
+
+void WriteLogs(const SeedWriter& out, const std::string& directory) {
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    const bool is_log = entry.path().extension() == ".log";
+    const bool is_manifest = entry.path().filename().string().starts_with("MANIFEST-");
+    if (!is_log && !is_manifest) continue;
+    out.Write("storage_file", is_log ? "log" : "manifest", BytesOf(entry.path()).substr(0, 4000));
+  }
+}
+
+void WriteRecords(const SeedWriter& out, const storage::Catalogue& catalogue,
+                  const storage::ViewRecord& view) {
+  StoredDatabase records;
+  *Add(records, storage::Family::kViews).mutable_view() = view;
+  StoredRecord& cloud = Add(records, storage::Family::kClouds);
+  cloud.set_key(view.name());
+  const auto points = storage::UnpackCloud(*catalogue.GetPackedCloud(view.name()));
+  for (std::size_t i = 0; i < points->size(); i += 4) {
+    cloud.mutable_floats()->append(reinterpret_cast<const char*>((*points)[i].data()), 12);
+  }
+  out.Write("records", "view", records.SerializeAsString());
+  StoredDatabase others;
+  const std::string pose_name = view.name().substr(0, view.name().find("/views/"));
+  *Add(others, storage::Family::kStablePoses).mutable_stable_pose() =
+      catalogue.GetStablePose(pose_name).value();
+  Add(others, storage::Family::kObjects).mutable_object()->set_name("objects/z");
+  Add(others, storage::Family::kCells).mutable_cell()->set_name("cells/z");
+  auto& outcomes = *Add(others, storage::Family::kGraspOutcomes).mutable_outcomes();
+  outcomes.set_name(pose_name);
+  outcomes.add_counts()->set_grasp_id("top");
+  out.Write("records", "others", others.SerializeAsString());
+  StoredDatabase index;
+  storage::IndexBlock& block = *index.add_index_blocks();
+  block.add_names(view.name());
+  block.add_content_digests(view.content_digest());
+  for (int i = 0; i < 24; ++i) block.add_poses(i % 5 == 0 ? 1 : 0);
+  block.add_object_poses_given(true);
+  *block.mutable_bins() = view.descriptors(0).bins();
+  out.Write("records", "index", index.SerializeAsString());
+}
+
+}  // namespace
+
+void WriteStorageSeeds(const SeedWriter& out) {
+  FuzzServer server;
+  server.TeachParts();
+  server.Stop();
+  const auto catalogue = storage::Catalogue::Open(server.database()).value();
+  const storage::ViewRecord view = FirstView(*catalogue);
+  WriteFiles(out, *catalogue, view);
+  WriteLogs(out, server.database());
+  WriteRecords(out, *catalogue, view);
+}
+
+}  // namespace graspdb::fuzz

@@ -1,0 +1,58 @@
+#include "client/robots/gri_message.h"
+#include "tests/fuzz/seed_writer.h"
+
+namespace graspdb::fuzz {
+namespace {
+
+std::string Gri(client::GriAction action, int format) {
+  client::GriRequest request;
+  request.action = static_cast<std::uint8_t>(action);
+  request.pose_format = static_cast<std::uint8_t>(format);
+  request.job_id = 1;
+  request.pose.rotation = {1'000'000, 0, 0, 0};
+  request.data = {0, 1, 0, 0};
+  const auto bytes = client::GriBytes(request);
+  return {bytes.begin(), bytes.end()};
+}
+
+void WriteRobots(const SeedWriter& out) {
+  using client::GriAction;
+  out.Write("robots", "gri-sync",
+            Gri(GriAction::kTriggerJobSync, 1) + Gri(GriAction::kGetRelatedPose, 3) +
+                Gri(GriAction::kGetNextPose, 51));
+  out.Write("robots", "gri-async",
+            Gri(GriAction::kTriggerJobAsync, 20) + Gri(GriAction::kGetJobStatus, 20) +
+                Gri(GriAction::kStatus, 20));
+  out.Write("robots", "gri-calibration",
+            Gri(GriAction::kHecInit, 1) + Gri(GriAction::kHecSetPose, 1) +
+                Gri(GriAction::kHecCalibrate, 1));
+  out.Write(
+      "robots", "line-run",
+      "STATUS\nFORMAT STAUBLI\r\nRUN 1 300 0 200 0 180 0\nRELATED 1\nGRASP 1\nNEXT 1\nPICKED\n"
+      "MISSED\nHELP\nQUIT\n");
+  out.Write("robots", "line-start",
+            "FORMAT 1 START 2 1 2 3 1 0 0 0\nSTATE 2\nFORMAT KUKA NEXT 2\nNEXT 3\nRUN 4\nRUN 5\n"
+            "SLIPPED\n");
+}
+
+void WriteSettings(const SeedWriter& out) {
+  out.Write("settings", "server",
+            "--db=/var/lib/graspdb\n--workers=2\nGRASPDB_QUEUE=8\nmax-points=1000000\n"
+            "listen=\"127.0.0.1:0\"\ndescriptor=vfh308\nlog-level=\"off\"\n");
+  out.Write("settings", "agent",
+            "--cell=press-3\n--sensor=simulated\nGRASPDB_LINE_FORMAT=ABB\n"
+            "job=[\"1 any\",\"2 object=flange primary=object limit=500ms\",\"91 outcome=picked\"]\n"
+            "calibrate=[\"0 target=block mount=fixed region=0.3\"]\nallow-remote-robots=true\n"
+            "# a comment\n[section]\nsensor: simulated:parts=l-bracket+flange,seed=3,rate=2\n"
+            "sensor: files:/a/b?width=640&height=480&fx=500&fy=500&cx=320&cy=240&once\n");
+  out.Write("settings", "help", "--help\n--version\n");
+}
+
+}  // namespace
+
+void WriteTextSeeds(const SeedWriter& out) {
+  WriteRobots(out);
+  WriteSettings(out);
+}
+
+}  // namespace graspdb::fuzz
