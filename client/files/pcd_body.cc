@@ -20,6 +20,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD bodies are little-endian");
 
+// Three bytes of LZF repeat 264 at the most; what promises more would take memory for nothing.
+constexpr std::int64_t kMostUnpacked = 264 / 3;
+
 absl::Status Damaged(const std::filesystem::path& path, const std::string& what) {
   return absl::InvalidArgumentError(
       absl::StrCat(path.string(), " is damaged: ", what, "; copy or capture the cloud again"));
@@ -87,6 +90,10 @@ absl::Status CheckCompressed(const std::filesystem::path& path, const PcdHeader&
   if (sizes[0] == 0 || sizes[0] > there) {
     return Damaged(path, absl::StrCat("its body says that it has ", sizes[0],
                                       " compressed bytes, and ", there, " are there"));
+  }
+  if (promised > std::int64_t{sizes[0]} * kMostUnpacked) {
+    return Damaged(path, absl::StrCat("its ", sizes[0], " compressed bytes cannot hold the ",
+                                      promised, " bytes that its header promises"));
   }
   return absl::OkStatus();
 }

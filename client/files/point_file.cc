@@ -12,6 +12,7 @@
 #include "client/files/atomic_file.h"
 #include "client/files/pcd_body.h"
 #include "client/files/pcd_header.h"
+#include "client/files/pcd_points.h"
 #include "client/files/pcl_pcd.h"
 #include "client/files/ply_file.h"
 

@@ -136,6 +136,22 @@ TEST(PcdMalformed, CompressedBodies) {
   ExpectRefused(padded + std::string(60, 'x'), "padding fields");
 }
 
+// A few bytes cannot unpack to a million points, so no memory is taken for them.
+TEST(PcdMalformed, CompressedBodiesThatPromiseMoreThanTheirBytesCanHold) {
+  const Lines lines = {{"DATA", "binary_compressed"}, {"WIDTH", "1000000"}, {"POINTS", "1000000"}};
+  const std::string sizes("\x0a\0\0\0\x00\x1b\xb7\x00", 8);  // 10, 12 million
+  ExpectRefused(Header(lines) + sizes + std::string(10, 'x'), "10 compressed bytes cannot hold");
+}
+
+// As editors on other systems leave them. PCL's reader ends its header there, and then crashes.
+TEST(PcdMalformed, BlankLinesInTheHeaderArePassedOver) {
+  const TemporaryFolder folder;
+  const std::string bytes = "\n\r\n \n" + Header({{"DATA", "binary"}}) + std::string(36, '\x3e');
+  const auto read = ReadPointFile(folder.Write("cloud.pcd", bytes));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->points.size(), 3U);
+}
+
 TEST(PcdMalformed, Viewpoints) {
   ExpectRefused(Header({{"VIEWPOINT", "0 0 1 0 0 0 0"}}) + kRows, "norm 0 instead of 1");
   ExpectRefused(Header({{"VIEWPOINT", "0 0 1 1 1 0 0"}}) + kRows, "instead of 1");
