@@ -4,12 +4,14 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -113,6 +115,22 @@ std::string PaddedPly(const std::filesystem::path& path) {
   return bytes;
 }
 
+// What assimp's steps take for granted, and end the process where it does not hold.
+absl::Status CheckFaces(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
+      if (corners.empty()) return absl::InvalidArgumentError("a face has no corners");
+      if (*std::ranges::max_element(corners) >= mesh.mNumVertices) {
+        return absl::InvalidArgumentError("a face has a corner that is no vertex");
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
   try {
     Assimp::Importer importer;
@@ -121,9 +139,13 @@ absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const std::string ply = PaddedPly(path);
     const std::string extension(absl::StripPrefix(path.extension().string(), "."));
-    const aiScene* scene = ply.empty() ? importer.ReadFile(path.string(), kSteps)
-                                       : importer.ReadFileFromMemory(ply.data(), ply.size(), kSteps,
-                                                                     extension.c_str());
+    const aiScene* scene =
+        ply.empty() ? importer.ReadFile(path.string(), 0)
+                    : importer.ReadFileFromMemory(ply.data(), ply.size(), 0, extension.c_str());
+    if (scene != nullptr) {
+      if (absl::Status faces = CheckFaces(*scene); !faces.ok()) return faces;
+      scene = importer.ApplyPostProcessing(kSteps);
+    }
     if (scene == nullptr || scene->mRootNode == nullptr) {
       return absl::InvalidArgumentError(importer.GetErrorString());
     }

@@ -20,9 +20,9 @@ class Calls {
 
   void Do(const Operation& operation);
 
-  // Objects and cells can be listed, the status counts them, and the revision does not go back.
-  void RequireListed();
-  // So can stable poses and views be, and be read one by one.
+  // The status counts the objects that are listed, and the revision does not go back.
+  void RequireCounted();
+  // Stable poses and views can be listed, and views be read one by one.
   void RequireReadable();
   // Names of objects and cells.
   std::vector<std::string> Listed();

@@ -12,7 +12,7 @@ namespace {
 // A new database after so many inputs: it keeps every change, and memory is short.
 constexpr int kInputsOfDatabase = 500;
 constexpr int kInputsOfStart = 50;
-constexpr int kMostOperations = 32;
+constexpr int kMostOperations = 16;
 
 const std::vector<std::string>& Words() {
   static const std::vector<std::string> words = {"a",
@@ -54,7 +54,7 @@ void Run(const Operations& operations) {
   Calls calls(server);
   for (const Operation& operation : operations.operations()) {
     calls.Do(operation);
-    calls.RequireListed();
+    calls.RequireCounted();
   }
   calls.RequireReadable();
   if (inputs % kInputsOfStart == 0) {

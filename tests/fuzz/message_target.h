@@ -1,6 +1,8 @@
 // The entry points of a fuzzer whose inputs are serialized messages of one type.
 #pragma once
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,6 +30,10 @@ Message Parsed(const std::uint8_t* data, std::size_t size) {
 
 // `words` as for MessageMutator; `run` takes a const Message&.
 #define GRASPDB_FUZZ_MESSAGES(Message, words, run)                                          \
+  extern "C" int LLVMFuzzerInitialize(int*, char***) {                                      \
+    google::protobuf::SetLogHandler(nullptr);                                               \
+    return 0;                                                                               \
+  }                                                                                         \
   extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,      \
                                                  std::size_t max_size, unsigned int seed) { \
     auto message = graspdb::fuzz::Parsed<Message>(data, size);                              \

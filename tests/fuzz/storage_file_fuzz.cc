@@ -1,6 +1,8 @@
 // Bytes of the storage: packed clouds ("GPC"), index files ("GIX") and RocksDB's logs (all
 // others). Checksums are put right before an input is read, so that what stands behind them is
 // reached.
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -84,6 +86,11 @@ void Read(std::string_view bytes) {
 
 }  // namespace
 }  // namespace graspdb::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   graspdb::fuzz::Read({reinterpret_cast<const char*>(data), size});

@@ -45,6 +45,15 @@ std::string TrianglePly(bool big_endian, const std::string& line_end, char first
   return bytes;
 }
 
+// Three vertices and a face, which is a line of text.
+std::string FacePly(const std::string& face) {
+  return absl::StrCat(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n",
+      face, "\n");
+}
+
 TEST(MeshFile, PlyRoundTrip) {
   const TemporaryFolder folder;
   const TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
@@ -152,6 +161,8 @@ TEST(MeshFile, WhatIsNoMeshIsRefusedWithThePath) {
   const std::filesystem::path bad[] = {
       folder.path(),
       folder.Write("empty.ply", ""),
+      folder.Write("cornerless.ply", FacePly("0")),
+      folder.Write("beyond.ply", FacePly("3 0 1 9")),
       folder.Write("text.stl", "Dear diary"),
       folder.Write("unknown.xyzzy", "1 2 3"),
       folder.Write("short.ply", whole.substr(0, whole.size() - 20)),
