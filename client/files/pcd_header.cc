@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -107,7 +108,8 @@ absl::Status ParseViewpoint(const Words& values, PcdHeader& header) {
   std::array<double, 7> v{};
   bool good = values.size() == v.size();
   for (std::size_t i = 0; good && i < v.size(); ++i) {
-    good = absl::SimpleAtod(values[i], &v[i]) && std::isfinite(v[i]);
+    good = absl::SimpleAtod(values[i], &v[i]) &&
+           std::abs(v[i]) <= static_cast<double>(std::numeric_limits<float>::max());
   }
   if (!good) return Bad("its VIEWPOINT line does not give seven numbers, tx ty tz qw qx qy qz");
   const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);

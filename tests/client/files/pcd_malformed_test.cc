@@ -157,6 +157,9 @@ TEST(PcdMalformed, Viewpoints) {
   ExpectRefused(Header({{"VIEWPOINT", "0 0 1 1 1 0 0"}}) + kRows, "instead of 1");
   ExpectRefused(Header({{"VIEWPOINT", "0 0 1"}}) + kRows, "does not give seven numbers");
   ExpectRefused(Header({{"VIEWPOINT", "0 0 nan 1 0 0 0"}}) + kRows, "does not give seven numbers");
+  // It could not be written again, in single precision.
+  ExpectRefused(Header({{"VIEWPOINT", "0 0 -1e39 1 0 0 0"}}) + kRows,
+                "does not give seven numbers");
 }
 
 // Whatever bytes are changed: a value or an error, never a crash or a short cloud.
