@@ -13,7 +13,7 @@
 namespace graspdb::fuzz {
 
 // A folder of this process in memory where the machine has such a file system, as an execution
-// writes a file each; removed at the end unless the process crashes.
+// writes a file each. libFuzzer ends the process without destructors: fuzz.sh removes what is left.
 class ScratchFolder {
  public:
   ScratchFolder() {
