@@ -8,6 +8,7 @@ namespace graspdb::recognition {
 struct AnsweredSegment {
   Segment segment;
   Detection detection;
+  const Segment* seen = nullptr;  // as it was found in the scan; null for a part of one
 };
 
 }  // namespace graspdb::recognition

@@ -80,14 +80,14 @@ std::vector<CellGrid::Cell> CellGrid::OccupiedCells() const {
   std::vector<Cell> out;
   Eigen::Vector3i at = Eigen::Vector3i::Zero();
   std::uint64_t row_begin = 0;  // the key of the row's first cell
-  const auto row = static_cast<std::uint64_t>(last_.x() + 1);
+  const std::uint64_t row = static_cast<std::uint64_t>(last_.x()) + 1;
   for (std::size_t cell = 0; cell + 1 < start_.size(); ++cell) {
     if (start_[cell] == start_[cell + 1]) continue;
     const std::uint64_t key = keys_.empty() ? cell : keys_[cell];
     if (key - row_begin >= row) {
       row_begin = key / row * row;
-      at.y() = static_cast<int>(key / row % static_cast<std::uint64_t>(last_.y() + 1));
-      at.z() = static_cast<int>(key / row / static_cast<std::uint64_t>(last_.y() + 1));
+      at.y() = static_cast<int>(key / row % (static_cast<std::uint64_t>(last_.y()) + 1));
+      at.z() = static_cast<int>(key / row / (static_cast<std::uint64_t>(last_.y()) + 1));
     }
     at.x() = static_cast<int>(key - row_begin);
     out.push_back({at, start_[cell], start_[cell + 1]});

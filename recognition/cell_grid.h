@@ -29,10 +29,10 @@ struct CellBlock {
   }
 };
 
-// Memory grows with the points: where a table of all cells would be larger than 16 MB, only occupied
-// cells are listed, and finding one takes a binary search. Building is O(n) with a table and
-// O(n log n) with a list. Deterministic; safe for concurrent reads. Points must be finite and within
-// 1 km of the origin; metres, any frame.
+// Memory grows with the points: where a table of all cells would be larger than 16 MB, only
+// occupied cells are listed, and finding one takes a binary search. Building is O(n) with a table
+// and O(n log n) with a list. Deterministic; safe for concurrent reads. Points must be finite and
+// within 1 km of the origin; metres, any frame.
 class CellGrid {
  public:
   // One occupied cell.
@@ -101,9 +101,9 @@ class CellGrid {
  private:
   // By z, y, x.
   std::uint64_t KeyOf(const Eigen::Vector3i& c) const {
-    return (static_cast<std::uint64_t>(c.z()) * static_cast<std::uint64_t>(last_.y() + 1) +
+    return (static_cast<std::uint64_t>(c.z()) * (static_cast<std::uint64_t>(last_.y()) + 1) +
             static_cast<std::uint64_t>(c.y())) *
-               static_cast<std::uint64_t>(last_.x() + 1) +
+               (static_cast<std::uint64_t>(last_.x()) + 1) +
            static_cast<std::uint64_t>(c.x());
   }
   // In order_: of the first point in this cell or one behind it.

@@ -49,8 +49,8 @@ bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
 }
 
 // The sets of points that steps of at most the tolerance lead between.
-DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid,
-                            float squared_tolerance, CancellationPoll& poll) {
+DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float squared_tolerance,
+                            CancellationPoll& poll) {
   const std::vector<CellGrid::Cell> groups = grid.OccupiedCells();
   const std::span order(grid.order());
   DisjointSets sets(points.size());

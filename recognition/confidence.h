@@ -23,8 +23,8 @@ Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double table
 // scenes, half of which show something that was never taught (docs/experiment.md).
 double Confidence(const Doubt& doubt);
 
-// Which doubt weighs most.
-enum class Gate { kScan, kModel, kResidual };
+// Which doubt weighs most; kExtent: the segment is too large to be one object.
+enum class Gate { kScan, kModel, kResidual, kExtent };
 Gate HeaviestDoubt(const Doubt& doubt);
 
 }  // namespace graspdb::recognition

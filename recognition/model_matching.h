@@ -1,36 +1,55 @@
-// Which taught stable pose, where: hypotheses from taught views, refined and judged on fused
-// models.
+// Which taught stable pose, where: the views that are tried for one segment, and in which order.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "recognition/ranking.h"
-#include "recognition/recognizer.h"
+#include "absl/status/statusor.h"
+#include "recognition/segment_matcher.h"
 
 namespace graspdb::recognition {
 
-// What is asked: one segment of a scan.
+// What is searched for: one segment of a scan.
 struct MatchingInput {
   const Scan& scan;
   const Segmentation& segmentation;
   const Segment& segment;
-  bool nearest_only = false;  // what the nearest views do not explain is left for later
 };
 
-// The hypotheses that explain the segment best, ranked (see RankClosely);
-// different from each other.
-//
-// First the stable poses and azimuths of `nearest`, the views with the most similar descriptors.
-// Where none of them explains the segment, or something hides a part of it so that its
-// descriptor says little, further views, the most similar first, 600 at most. Where none of these
-// explains anything and an answer is wanted all the same (min_score 0), the nearest view alone.
-// With `nearest_only` nothing further is asked, and there is no hypothesis unless one explains it.
-// Stable poses without a model are left out. `nearest` is not empty and holds what the index finds
-// for `descriptor`, that of the segment. Errors as LoadModel; CANCELLED.
-absl::StatusOr<std::vector<PoseHypothesis>> MatchModels(
-    const MatchingInput& input, const Descriptor& descriptor, std::span<const Match> nearest,
-    const CatalogueSnapshot& catalogue, ViewClouds& clouds, const MatchingParameters& parameters,
-    const IsCancelled& is_cancelled);
+// The search for the hypotheses that explain a segment best. It can end after the nearest views and
+// go on later: nothing is done twice. Stable poses without a model are left out. Deterministic but
+// for the budget's clock. Not thread-safe; all references must outlive it.
+class ModelSearch {
+ public:
+  // `nearest` is not empty and holds the views with the descriptors most similar to `descriptor`,
+  // that of the segment.
+  ModelSearch(const MatchingInput& input, Descriptor descriptor, std::span<const Match> nearest,
+              const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+              const MatchingParameters& parameters, const IsCancelled& is_cancelled);
+
+  // The stable poses and azimuths of the nearest views; whether they explain the segment. Errors as
+  // LoadModel; CANCELLED.
+  absl::StatusOr<bool> TryNearest();
+
+  // Where they do not, or something hides a part of the segment so that its descriptor says little:
+  // further views, the most similar first, MatchingParameters::further_view_count at most and as
+  // many as the budget allows. Where none of these explains anything and an answer is wanted all
+  // the same (min_score 0), the nearest view alone.
+  absl::Status TryFurther(SearchBudget& budget);
+
+  // Ranked (see RankClosely), different from each other. Ends the search.
+  std::vector<PoseHypothesis> TakeRanked() { return matcher_.TakeRanked(); }
+
+ private:
+  bool IsCutOff() const { return hidden_ != Sight::Sides{}; }
+  Views FurtherViews() const;
+
+  const Descriptor descriptor_;
+  const CatalogueSnapshot& catalogue_;
+  const MatchingParameters& parameters_;
+  SegmentMatcher matcher_;
+  const Sight::Sides hidden_;
+  Views nearest_;
+};
 
 }  // namespace graspdb::recognition

@@ -78,6 +78,8 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
   std::int32_t count = 1;  // the first one is empty
   Eigen::Array3i last_low = Eigen::Array3i::Constant(-1);
   Eigen::Array3i last_high = last_low;
+  const auto row = static_cast<std::ptrdiff_t>(block_count_.x());
+  const std::ptrdiff_t layer = row * block_count_.y();
   for (const Eigen::Vector3f& p : points) {
     const Eigen::Array3i at = Place(p).cast<int>();
     const Eigen::Array3i low = BlockAt((at - reach).max(0));
@@ -89,8 +91,7 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int x = low.x(); x <= high.x(); ++x) {
-          std::int32_t& begin = blocks_[static_cast<std::size_t>(
-              (z * block_count_.y() + y) * block_count_.x() + x)];
+          std::int32_t& begin = blocks_[static_cast<std::size_t>(z * layer + y * row + x)];
           if (begin == 0) begin = wide::kBlockCells * count++;
         }
       }

@@ -56,7 +56,7 @@ class NearestGrid {
     std::size_t CellOf(const Eigen::Array3f& place) const {
       const Eigen::Array3i at = place.cast<int>();
       const std::int32_t block = blocks_[static_cast<std::size_t>(wide::BlockOf(table(), at))];
-      return static_cast<std::size_t>(block + wide::CellInBlock(at));
+      return static_cast<std::size_t>(block) + static_cast<std::size_t>(wide::CellInBlock(at));
     }
     wide::BlockTable table() const {
       return {blocks_.data(), block_count_.x(), block_count_.x() * block_count_.y()};

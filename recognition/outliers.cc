@@ -115,7 +115,8 @@ class SumsOfNearest {
     }
     for (int reach = 1; reach <= kMaxReach && !in_cell_.empty(); reach *= 2) {
       const std::size_t count = grid.CountAround(cell.at, reach);
-      const auto rows = static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1));
+      const auto rows =
+          static_cast<std::size_t>(2 * reach + 1) * static_cast<std::size_t>(2 * reach + 1);
       const std::size_t work = count * (in_cell_.size() + 1) + kWorkPerRow * rows;
       work_ += work;
       if (work_ > kMaxWork || poll_.After(work)) return false;

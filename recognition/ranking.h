@@ -25,6 +25,7 @@ struct PoseHypothesis {
   Pose rough = Pose::Identity();  // T_world_object
   Pose refined = Pose::Identity();
   int iterations = 0;      // of the last refinement
+  bool finished = false;   // refined in full
   bool settled = false;    // after the refinement, see settling.h
   Evidence evidence;       // within the support distance
   double close_score = 0;  // within the noise of the scan

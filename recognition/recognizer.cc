@@ -1,7 +1,10 @@
 #include "recognition/recognizer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
+#include <memory>
+#include <unordered_map>
 
 #include "absl/status/status.h"
 #include "recognition/fragments.h"
@@ -16,7 +19,8 @@ absl::StatusOr<std::vector<AnsweredSegment>> Part(std::vector<AnsweredSegment> a
                                                   const Scan& scan,
                                                   const Segmentation& segmentation,
                                                   const RecognitionParameters& parameters,
-                                                  const RecognizeAlone& recognize) {
+                                                  const RecognizeAlone& recognize,
+                                                  const RecognizeAlone& glance) {
   const PartingOptions options{
       .min_count = static_cast<std::size_t>(parameters.segmentation.min_cluster_point_count),
       .support_distance_m = parameters.matching.support_distance_m,
@@ -25,25 +29,92 @@ absl::StatusOr<std::vector<AnsweredSegment>> Part(std::vector<AnsweredSegment> a
   out.reserve(answers.size());
   for (AnsweredSegment& answer : answers) {
     auto things = PartTouching({scan, segmentation, answer.segment}, std::move(answer.detection),
-                               options, recognize);
+                               options, recognize, glance);
     if (!things.ok()) return things.status();
     std::ranges::move(*things, std::back_inserter(out));
   }
   return out;
 }
 
-// Those that the nearest views explain. What lies on one of them is a piece of it, about which
-// nothing needs to be asked: many views would be, for a descriptor of a piece says little.
-absl::Status AnswerEasyOnes(const RecognizeAlone& recognize, double support_distance_m,
-                            std::vector<AnsweredSegment>* answers) {
-  for (AnsweredSegment& answer : *answers) {
-    absl::StatusOr<Detection> detection = recognize(answer.segment);
-    if (!detection.ok()) return detection.status();
-    answer.detection = *std::move(detection);
+// Searches that are kept while other segments are recognised; a megabyte each, mostly.
+constexpr std::size_t kMaxOpenSearches = 32;
+
+// Recognises the segments of one scan.
+class SegmentAnswers {
+ public:
+  SegmentAnswers(const Scan& scan, const Segmentation& segmentation,
+                 const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                 const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
+                 StageLog* log)
+      : scan_(scan),
+        segmentation_(segmentation),
+        catalogue_(catalogue),
+        clouds_(clouds),
+        parameters_(parameters),
+        is_cancelled_(is_cancelled),
+        log_(log),
+        budget_(static_cast<std::size_t>(parameters.matching.further_view_budget),
+                std::chrono::duration<double>(parameters.matching.search_ceiling_s)) {}
+
+  // One segment alone.
+  absl::StatusOr<Detection> Answer(const Segment& segment) {
+    return SearchIn(segment)->Answer(&budget_);
   }
-  JoinFragments(support_distance_m, answers);
-  return absl::OkStatus();
-}
+
+  // The same, but not of further views.
+  absl::StatusOr<Detection> AnswerOfNearest(const Segment& segment) {
+    return SearchIn(segment)->Answer(nullptr);
+  }
+
+  // Those that the nearest views explain are answered first. What lies on one of them is a piece of
+  // it, which needs no search of its own: it would be long, for a descriptor of a piece says
+  // little.
+  absl::StatusOr<std::vector<AnsweredSegment>> AnswerAll() {
+    std::vector<AnsweredSegment> answers;
+    std::unordered_map<const Segment*, std::unique_ptr<SegmentRecognition>> open;
+    for (const Segment& segment : segmentation_.segments) {
+      answers.push_back({segment, {}, &segment});
+      std::unique_ptr<SegmentRecognition> search = SearchIn(segment);
+      absl::StatusOr<bool> explained = search->TryNearest();
+      if (explained.ok() && !*explained) {
+        if (open.size() < kMaxOpenSearches) open[&segment] = std::move(search);
+        continue;
+      }
+      absl::StatusOr<Detection> detection =
+          explained.ok() ? search->Answer(&budget_) : explained.status();
+      if (!detection.ok()) return detection.status();
+      answers.back().detection = *std::move(detection);
+    }
+    JoinFragments(parameters_.matching.support_distance_m, &answers);
+    for (AnsweredSegment& answer : answers) {
+      if (answer.detection.model != nullptr) continue;
+      const auto known = open.find(answer.seen);
+      absl::StatusOr<Detection> detection =
+          known != open.end() ? known->second->Answer(&budget_) : Answer(*answer.seen);
+      if (!detection.ok()) return detection.status();
+      answer.detection = *std::move(detection);
+    }
+    return answers;
+  }
+
+  const SearchBudget& budget() const { return budget_; }
+
+ private:
+  std::unique_ptr<SegmentRecognition> SearchIn(const Segment& segment) {
+    return std::make_unique<SegmentRecognition>(MatchingInput{scan_, segmentation_, segment},
+                                                catalogue_, clouds_, parameters_, is_cancelled_,
+                                                log_);
+  }
+
+  const Scan& scan_;
+  const Segmentation& segmentation_;
+  const CatalogueSnapshot& catalogue_;
+  ViewClouds& clouds_;
+  const RecognitionParameters& parameters_;
+  const IsCancelled& is_cancelled_;
+  StageLog* log_;
+  SearchBudget budget_;
+};
 
 // The best that can be said of the frame as a whole.
 RecognitionOutcome Summarize(const std::vector<Detection>& detections) {
@@ -67,31 +138,16 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.revision = catalogue.revision;
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
-  const auto recognize_by = [&](bool nearest_only) -> RecognizeAlone {
-    return [&, nearest_only](const Segment& segment) {
-      return RecognizeSegment({scan, *segmentation, segment, nearest_only}, catalogue, clouds,
-                              parameters, is_cancelled, &log);
-    };
-  };
-  const RecognizeAlone recognize = recognize_by(/*nearest_only=*/false);
+  SegmentAnswers recognition(scan, *segmentation, catalogue, clouds, parameters, is_cancelled,
+                             &log);
+  auto all = recognition.AnswerAll();
+  if (!all.ok()) return all.status();
+  std::vector<AnsweredSegment> answers = *std::move(all);
   // A scan of one thing alone is that, whatever it looks like.
-  const bool may_be_several = parameters.matching.verified_view_count > 1 && !scan.segmented;
-  std::vector<AnsweredSegment> answers;
-  answers.reserve(segmentation->segments.size());
-  for (const Segment& segment : segmentation->segments) answers.push_back({segment, {}});
-  if (may_be_several && answers.size() > 1) {
-    const absl::Status status = AnswerEasyOnes(recognize_by(/*nearest_only=*/true),
-                                               parameters.matching.support_distance_m, &answers);
-    if (!status.ok()) return status;
-  }
-  for (AnsweredSegment& answer : answers) {
-    if (answer.detection.model != nullptr) continue;
-    absl::StatusOr<Detection> detection = recognize(answer.segment);
-    if (!detection.ok()) return detection.status();
-    answer.detection = *std::move(detection);
-  }
-  if (may_be_several) {
-    auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize);
+  if (parameters.matching.verified_view_count > 1 && !scan.segmented) {
+    const auto recognize = [&](const Segment& s) { return recognition.Answer(s); };
+    const auto glance = [&](const Segment& s) { return recognition.AnswerOfNearest(s); };
+    auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize, glance);
     if (!things.ok()) return things.status();
     answers = *std::move(things);
   }
@@ -102,6 +158,8 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   });
   for (AnsweredSegment& answer : answers) out.detections.push_back(std::move(answer.detection));
   out.stages = log.reports();
+  out.untried_view_count = recognition.budget().untried();
+  out.out_of_time = recognition.budget().out_of_time();
   switch (segmentation->outcome) {
     case SegmentationOutcome::kEmptyRegion:
       out.outcome = RecognitionOutcome::kEmptyRegion;

@@ -95,6 +95,10 @@ struct Recognition {
   WorldFrame world_frame = WorldFrame::kGiven;
   std::vector<Detection> detections;  // the nearest to the sensor first
   std::vector<StageReport> stages;
+  // Views that were not looked at since further_view_budget was spent, and whether the search ended
+  // early since search_ceiling_s had passed.
+  std::size_t untried_view_count = 0;
+  bool out_of_time = false;
 };
 
 // Recognises everything in a scan. The same scan against the same snapshot gives

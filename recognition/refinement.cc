@@ -122,7 +122,8 @@ Step StepFrom(const SurfaceModel& model, const RefinementTarget& target, const P
   const Vector3f center = (world_object * model.center.cast<double>()).cast<float>();
   Step out;
   AddScan(model, target, world_object, static_cast<float>(reach), &out);
-  AddEdges(surface, target, world_object, center, static_cast<float>(reach), edge_share, &out);
+  if (options.edges)
+    AddEdges(surface, target, world_object, center, static_cast<float>(reach), edge_share, &out);
   if (target.on_table && !out.is_empty()) {
     AddTable(model, target.table, world_object, center, options, &out);
   }

@@ -27,6 +27,9 @@ struct RefinementOptions {
   double first_reach_m = 0.02;
   double last_reach_m = 0.005;
   bool coarse = false;  // the model's coarse surface, for its edges
+  // Whether the model's edges are pulled as well; without them it takes a third of the time, and
+  // flat things may slide.
+  bool edges = true;
   // How firmly the object stands on the table: the deviations in height and tilt that a
   // calibration leaves; half of them where the table was measured. Small: only place and turn on
   // the table are refined.

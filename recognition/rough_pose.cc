@@ -71,6 +71,13 @@ Points WithoutLow(Points points, const Pose& world_object, double table_reach_m)
 
 }  // namespace
 
+double TurnOf(const TaughtView& view, const SeenSegment& segment) {
+  const Eigen::Matrix3d& taught = view.world_object.linear();
+  return Azimuth(segment.world_sensor, segment.centroid) -
+         Azimuth(view.world_sensor, view.world_object.translation()) +
+         std::atan2(taught(1, 0), taught(0, 0));
+}
+
 Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
   Extent out;
   if (points.empty()) return out;

@@ -27,6 +27,10 @@ struct SeenSegment {
   double table_reach_m = 0;  // what is no higher was removed as table; 0: nothing was
 };
 
+// About the turn of those poses over the table, from what the view's stable pose calls zero, rad:
+// for comparing views of one model.
+double TurnOf(const TaughtView& view, const SeenSegment& segment);
+
 // T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
 // the side has turned since it was taught (SideSeen), what the camera sees of `model` with its
 // mean on that of the segment. Where sides of the segment are `hidden`, another one, with

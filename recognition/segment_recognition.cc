@@ -82,93 +82,124 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise
   }
 }
 
-// Models of what the nearest views show are aligned and judged.
-absl::Status VerifyModels(const MatchingInput& input, const Descriptor& descriptor,
-                          const std::vector<Match>& nearest, const CatalogueSnapshot& catalogue,
-                          ViewClouds& clouds, const MatchingParameters& parameters,
-                          const IsCancelled& is_cancelled, Detection* detection) {
-  const auto hypotheses =
-      MatchModels(input, descriptor, nearest, catalogue, clouds, parameters, is_cancelled);
-  if (!hypotheses.ok()) return hypotheses.status();
-  if (hypotheses->empty()) return absl::OkStatus();
-  const PoseHypothesis& best = hypotheses->front();
-  detection->view = best.view;
-  detection->model = best.model;
-  detection->evidence = best.evidence;
-  detection->doubt = DoubtsOf(best.evidence, *best.model, input.segmentation.table_noise_m,
-                              parameters.support_distance_m);
-  detection->score = Confidence(detection->doubt);
-  detection->rough_pose = best.rough;
-  detection->refined_pose = best.refined;
-  detection->registration = {.target_source = Pose::Identity(),
-                             .converged = true,
-                             .iterations = best.iterations,
-                             .rms_error_m = best.evidence.rms_m,
-                             .inlier_fraction = best.evidence.scan_explained};
-  AddRivals(*hypotheses, input.segmentation.table_noise_m, parameters, detection);
-  for (Candidate& candidate : detection->candidates) {
-    for (const PoseHypothesis& h : *hypotheses) {
+}  // namespace
+
+SegmentRecognition::SegmentRecognition(const MatchingInput& input,
+                                       const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                                       const RecognitionParameters& parameters,
+                                       const IsCancelled& is_cancelled, StageLog* log)
+    : input_(input),
+      catalogue_(catalogue),
+      clouds_(clouds),
+      parameters_(parameters),
+      is_cancelled_(is_cancelled),
+      log_(log) {
+  out_.point_count = input.segment.cloud.points.size();
+  out_.centroid = input.segment.centroid;
+}
+
+absl::StatusOr<bool> SegmentRecognition::TryNearest() {
+  absl::StatusOr<bool> explained = false;
+  if (search_ || input_.segment.too_large || !FindNearest()) return explained;
+  if (parameters_.matching.verified_view_count == 1) return explained;
+  log_->Measure("register", out_.point_count, [&] {
+    search_.emplace(input_, *descriptor_, matches_, catalogue_, clouds_, parameters_.matching,
+                    is_cancelled_);
+    explained = search_->TryNearest();
+    return out_.point_count;
+  });
+  explained_ = explained.ok() && *explained;
+  return explained;
+}
+
+// False for a shape that cannot be described, which is not known.
+bool SegmentRecognition::FindNearest() {
+  const MatchingParameters& matching = parameters_.matching;
+  log_->Measure("descriptor", out_.point_count, [&] {
+    auto descriptor = Describe(input_.segment.cloud, input_.segmentation.world_sensor,
+                               parameters_.descriptor.kind);
+    if (descriptor.ok()) descriptor_ = *std::move(descriptor);
+    return out_.point_count;
+  });
+  if (!descriptor_) return false;
+  log_->Measure("match", out_.point_count, [&] {
+    matches_ = catalogue_.index.Nearest(
+        *descriptor_, std::max(matching.candidate_count, matching.verified_view_count));
+    return out_.point_count;
+  });
+  const auto listed =
+      std::min(matches_.size(),
+               std::max<std::size_t>(1, static_cast<std::size_t>(matching.candidate_count)));
+  for (const Match& match : std::span(matches_).first(listed)) {
+    out_.candidates.push_back({match.view, match.distance, std::nullopt});
+  }
+  return !matches_.empty();
+}
+
+absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget* further) {
+  if (!search_ && out_.candidates.empty()) {
+    if (auto tried = TryNearest(); !tried.ok()) return tried.status();
+  }
+  absl::Status status;
+  log_->Measure("register", 0, [&] {
+    if (search_) {
+      if (!explained_ && further != nullptr) status = search_->TryFurther(*further);
+      if (status.ok()) TakeBest(search_->TakeRanked());
+    } else if (!matches_.empty()) {
+      status = TrustDescriptor(input_, matches_.front(), clouds_, parameters_.matching, &out_);
+    }
+    return std::size_t{0};
+  });
+  if (!status.ok()) return status;
+  Decide();
+  return std::move(out_);
+}
+
+void SegmentRecognition::TakeBest(const std::vector<PoseHypothesis>& hypotheses) {
+  if (hypotheses.empty()) return;
+  const double noise = input_.segmentation.table_noise_m;
+  const PoseHypothesis& best = hypotheses.front();
+  out_.view = best.view;
+  out_.model = best.model;
+  out_.evidence = best.evidence;
+  out_.doubt = DoubtsOf(best.evidence, *best.model, noise, parameters_.matching.support_distance_m);
+  out_.score = Confidence(out_.doubt);
+  out_.rough_pose = best.rough;
+  out_.refined_pose = best.refined;
+  out_.registration = {.target_source = Pose::Identity(),
+                       .converged = true,
+                       .iterations = best.iterations,
+                       .rms_error_m = best.evidence.rms_m,
+                       .inlier_fraction = best.evidence.scan_explained};
+  AddRivals(hypotheses, noise, parameters_.matching, &out_);
+  for (Candidate& candidate : out_.candidates) {
+    for (const PoseHypothesis& h : hypotheses) {
       if (h.view == candidate.view && !candidate.verification_score)
         candidate.verification_score = h.evidence.score;
     }
   }
-  return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::StatusOr<Detection> RecognizeSegment(const MatchingInput& input,
-                                           const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-                                           const RecognitionParameters& parameters,
-                                           const IsCancelled& is_cancelled, StageLog* log) {
-  const Segment& segment = input.segment;
-  Detection out;
-  out.point_count = segment.cloud.points.size();
-  out.centroid = segment.centroid;
-  absl::StatusOr<Descriptor> descriptor;
-  log->Measure("descriptor", out.point_count, [&] {
-    descriptor =
-        Describe(segment.cloud, input.segmentation.world_sensor, parameters.descriptor.kind);
-    return out.point_count;
-  });
-  if (!descriptor.ok()) return out;  // a shape that cannot be described is not known
-  std::vector<Match> matches;
-  const MatchingParameters& matching = parameters.matching;
-  log->Measure("match", out.point_count, [&] {
-    matches = catalogue.index.Nearest(
-        *descriptor, std::max(matching.candidate_count, matching.verified_view_count));
-    return out.point_count;
-  });
-  if (matches.empty()) return out;
-  const auto listed = std::min(matches.size(), static_cast<std::size_t>(matching.candidate_count));
-  for (const Match& match : std::span(matches).first(std::max<std::size_t>(1, listed))) {
-    out.candidates.push_back({match.view, match.distance, std::nullopt});
-  }
-  absl::Status status;
-  log->Measure("register", out.point_count, [&] {
-    status = matching.verified_view_count > 1
-                 ? VerifyModels(input, *descriptor, matches, catalogue, clouds, matching,
-                                is_cancelled, &out)
-                 : TrustDescriptor(input, matches.front(), clouds, matching, &out);
-    return out.point_count;
-  });
-  if (!status.ok()) return status;
-  const TaughtStablePose* taught = StablePoseOf(catalogue, out);
-  if (out.score < MinScore(taught, matching)) {
-    out.outcome = RecognitionOutcome::kUnknownObject;
-    if (out.view && matching.verified_view_count > 1) out.rejected_by = HeaviestDoubt(out.doubt);
-    out.view = nullptr;
-  } else if (out.registration.inlier_fraction < matching.min_inlier_fraction) {
-    out.outcome = RecognitionOutcome::kIcpRejected;
-    out.view = nullptr;
+// Whether what was found is an answer.
+void SegmentRecognition::Decide() {
+  if (input_.segment.too_large) out_.rejected_by = Gate::kExtent;
+  if (out_.candidates.empty()) return;
+  const MatchingParameters& matching = parameters_.matching;
+  const TaughtStablePose* taught = StablePoseOf(catalogue_, out_);
+  if (out_.score < MinScore(taught, matching)) {
+    out_.outcome = RecognitionOutcome::kUnknownObject;
+    if (out_.view && matching.verified_view_count > 1) out_.rejected_by = HeaviestDoubt(out_.doubt);
+    out_.view = nullptr;
+  } else if (out_.registration.inlier_fraction < matching.min_inlier_fraction) {
+    out_.outcome = RecognitionOutcome::kIcpRejected;
+    out_.view = nullptr;
   } else {
-    AddDeclaredTurns(taught, &out);
-    CarryGrasps(taught, parameters.workspace, &out);
-    if (out.ambiguous && out.outcome == RecognitionOutcome::kOk) {
-      out.outcome = RecognitionOutcome::kAmbiguous;
+    AddDeclaredTurns(taught, &out_);
+    CarryGrasps(taught, parameters_.workspace, &out_);
+    if (out_.ambiguous && out_.outcome == RecognitionOutcome::kOk) {
+      out_.outcome = RecognitionOutcome::kAmbiguous;
     }
   }
-  return out;
 }
 
 }  // namespace graspdb::recognition

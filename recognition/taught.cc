@@ -8,9 +8,16 @@ bool HaveSameModel(const TaughtView& a, const TaughtView& b) {
 
 std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
                                             const TaughtStablePose& stable_pose) {
-  std::vector<const TaughtView*> out;
+  // Not looked for among all others: a stable pose may have thousands of such views.
+  if (!view.shares_frame) return {&view};
+  std::vector<const TaughtView*> all;
   for (const auto& other : stable_pose.views) {
-    if (HaveSameModel(view, *other)) out.push_back(other.get());
+    if (HaveSameModel(view, *other)) all.push_back(other.get());
+  }
+  if (all.size() <= kMaxFusedViews) return all;
+  std::vector<const TaughtView*> out;
+  for (std::size_t i = 0; i < kMaxFusedViews; ++i) {
+    out.push_back(all[i * all.size() / kMaxFusedViews]);
   }
   return out;
 }

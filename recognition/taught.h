@@ -61,7 +61,12 @@ struct TaughtStablePose {
 // Whether both are fused into the same model: views of one stable pose that share a frame.
 bool HaveSameModel(const TaughtView& a, const TaughtView& b);
 
-// The views of `stable_pose` that have the same model as `view`, one of them.
+// Views that are fused into one model, at most. A turntable's steps of 5 degrees from five heights
+// are 360; what more add is below the camera's noise, and each takes a millisecond or two.
+inline constexpr std::size_t kMaxFusedViews = 400;
+
+// The views of `stable_pose` that have the same model as `view`, one of them; of more than
+// kMaxFusedViews so many, evenly chosen by name.
 std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
                                             const TaughtStablePose& stable_pose);
 

@@ -84,12 +84,14 @@ std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
 
 class Parter {
  public:
-  Parter(const MatchingInput& input, const PartingOptions& options, const RecognizeAlone& recognize)
+  Parter(const MatchingInput& input, const PartingOptions& options, const RecognizeAlone& recognize,
+         const RecognizeAlone& glance)
       : input_(input),
         min_count_(options.min_count),
         support_(static_cast<float>(options.support_distance_m)),
         piece_gap_(std::max(kPieceGapM, kPieceGapVoxels * options.voxel_size_m)),
-        recognize_(recognize) {}
+        recognize_(recognize),
+        glance_(glance) {}
 
   // Puts what `whole` consists of behind `out`, where that is known; says whether it is. An answer
   // that is not as sure as `least` is none.
@@ -154,10 +156,11 @@ class Parter {
   }
 
   // Nothing more is known of a cluster that was asked about too often.
-  absl::StatusOr<Detection> Ask(const Segment& segment) {
+  absl::StatusOr<Detection> Ask(const Segment& segment) { return Ask(segment, recognize_); }
+  absl::StatusOr<Detection> Ask(const Segment& segment, const RecognizeAlone& recognize) {
     if (questions_ == kMostQuestions) return Detection();
     ++questions_;
-    return recognize_(segment);
+    return recognize(segment);
   }
 
   // The answers for both halves of `whole`.
@@ -170,7 +173,8 @@ class Parter {
                           (p.head<2>() - middles[0]).squaredNorm());
       });
       if (half.cloud.points.size() < min_count_) continue;
-      auto answer = Ask(half);
+      // It is only where to begin: not worth a long search.
+      auto answer = Ask(half, glance_);
       if (!answer.ok()) return answer.status();
       out.push_back(*std::move(answer));
     }
@@ -219,17 +223,18 @@ class Parter {
   const float support_;
   const double piece_gap_;
   const RecognizeAlone& recognize_;
+  const RecognizeAlone& glance_;
   int questions_ = 0;
 };
 
 }  // namespace
 
 absl::StatusOr<Answers> PartTouching(const MatchingInput& whole, Detection answer,
-                                     const PartingOptions& options,
-                                     const RecognizeAlone& recognize) {
+                                     const PartingOptions& options, const RecognizeAlone& recognize,
+                                     const RecognizeAlone& glance) {
   Answers out;
   const auto known =
-      Parter(whole, options, recognize).Take({whole.segment, answer}, kKnown, kDepth, &out);
+      Parter(whole, options, recognize, glance).Take({whole.segment, answer}, kKnown, kDepth, &out);
   if (!known.ok()) return known.status();
   if (!*known) out.push_back({whole.segment, std::move(answer)});
   return out;

@@ -57,9 +57,10 @@ void Admission::Leave(Waiter& waiter) {
 absl::StatusOr<Admission::Ticket> Admission::Enter(const std::function<bool()>& is_cancelled) {
   Waiter waiter;
   if (!Arrive(waiter)) {
-    return WithReason(absl::ResourceExhaustedError(
-                          "the server is busy and its queue is full; try again a little later"),
-                      "QUEUE_FULL");
+    return TryAgainLater(
+        WithReason(absl::ResourceExhaustedError(
+                       "the server is busy and its queue is full; try again a little later"),
+                   "QUEUE_FULL"));
   }
   for (bool has_slot = false; !has_slot;) {
     has_slot = Await(waiter);

@@ -48,6 +48,8 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
       return v1::REJECTION_GATE_MODEL;
     case recognition::Gate::kResidual:
       return v1::REJECTION_GATE_RESIDUAL;
+    case recognition::Gate::kExtent:
+      return v1::REJECTION_GATE_EXTENT;
   }
   return v1::REJECTION_GATE_UNSPECIFIED;
 }
@@ -139,6 +141,8 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
     report->set_output_point_count(static_cast<int>(stage.output_points));
     if (!context.omit_timings) report->set_duration_ms(stage.duration_ms);
   }
+  out.set_untried_view_count(static_cast<int>(recognition.untried_view_count));
+  out.set_search_timed_out(recognition.out_of_time);
   if (!context.omit_timings) AddTimings(recognition, context, out.mutable_timings());
   return out;
 }

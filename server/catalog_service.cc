@@ -58,6 +58,18 @@ v1::CacheStatus UseToProto(const CacheUse& use) {
   return out;
 }
 
+v1::MemoryStatus MemoryToProto(const CatalogContext& context) {
+  v1::MemoryStatus out;
+  const RequestMemory::Use use = context.request_memory.use();
+  out.set_byte_budget(static_cast<std::int64_t>(context.memory.total));
+  out.set_cache_byte_budget(static_cast<std::int64_t>(context.memory.caches));
+  out.set_request_byte_budget(static_cast<std::int64_t>(context.memory.requests));
+  out.set_request_byte_count(static_cast<std::int64_t>(use.bytes));
+  out.set_refused_request_count(use.refused);
+  out.set_resident_byte_count(static_cast<std::int64_t>(ResidentBytes()));
+  return out;
+}
+
 }  // namespace
 
 CatalogService::CatalogService(CatalogContext context)
@@ -256,6 +268,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     response->set_schema_version(context_.catalogue.schema_version());
     *response->mutable_model_cache() = UseToProto(context_.clouds.model_use());
     *response->mutable_cloud_cache() = UseToProto(context_.clouds.cloud_use());
+    *response->mutable_memory() = MemoryToProto(context_);
     return SumGraspOutcomes(context_.catalogue, response);
   });
 }

@@ -5,6 +5,7 @@
 #include "recognition/recognizer.h"
 #include "server/admission.h"
 #include "server/live_catalogue.h"
+#include "server/memory_budget.h"
 #include "server/teacher.h"
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
@@ -17,6 +18,8 @@ struct CatalogContext {
   const LiveCatalogue& live;
   Admission& teaching;
   const ViewCloudCache& clouds;
+  MemoryShares memory;
+  RequestMemory& request_memory;
   recognition::RecognitionParameters parameters;
   TeachLimits limits;
 };

@@ -111,6 +111,14 @@ absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view pat
   status.Update(Apply(p.has_icp_iteration_count(), p.icp_iteration_count(), 0, 1000, path,
                       "icp_iteration_count", &m.icp_iteration_count));
   status.Update(Apply(p.has_min_score(), p.min_score(), 0.0, 1.0, path, "min_score", &m.min_score));
+  status.Update(
+      Apply(p.has_max_range_m(), p.max_range_m(), 0.1, 100.0, path, "max_range_m", &s.max_range_m));
+  status.Update(Apply(p.has_max_object_size_m(), p.max_object_size_m(), 0.01, 5.0, path,
+                      "max_object_size_m", &s.max_object_size_m));
+  status.Update(Apply(p.has_further_view_count(), p.further_view_count(), 0, 10'000, path,
+                      "further_view_count", &m.further_view_count));
+  status.Update(Apply(p.has_further_view_budget(), p.further_view_budget(), 0, 100'000, path,
+                      "further_view_budget", &m.further_view_budget));
   return status;
 }
 

@@ -9,6 +9,9 @@
 namespace graspdb::server {
 namespace {
 
+// After a tenth of a second a frame or two are answered. Doubled, robots wait longer than they
+// need.
+constexpr std::int32_t kRetryDelayNs = 100'000'000;
 constexpr std::string_view kDomain = "graspdb";
 constexpr std::string_view kTypePrefix = "type.googleapis.com/";
 
@@ -49,6 +52,13 @@ absl::Status AtField(std::string_view path, const absl::Status& status) {
   const bool needs_field =
       absl::IsInvalidArgument(status) && !status.GetPayload(TypeUrl<google::rpc::BadRequest>());
   return needs_field ? InvalidField(path, std::string(status.message())) : status;
+}
+
+absl::Status TryAgainLater(absl::Status status) {
+  google::rpc::RetryInfo info;
+  info.mutable_retry_delay()->set_nanos(kRetryDelayNs);
+  Attach(info, &status);
+  return status;
 }
 
 absl::Status WithReason(absl::Status status, std::string_view reason) {

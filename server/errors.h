@@ -22,6 +22,9 @@ absl::Status InvalidField(std::string_view path, std::string_view description);
 // they are.
 absl::Status AtField(std::string_view path, const absl::Status& status);
 
+// Adds a google.rpc.RetryInfo: the same call may succeed a little later.
+absl::Status TryAgainLater(absl::Status status);
+
 // `status` with a google.rpc.ErrorInfo attached: `reason` in UPPER_SNAKE_CASE.
 absl::Status WithReason(absl::Status status, std::string_view reason);
 

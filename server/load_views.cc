@@ -45,7 +45,7 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
                LogField(parameters.Fingerprint()));
   std::vector<storage::DescriptorUpdate> updates;
   const auto store = [&] {
-    const absl::Status status = catalogue.ReplaceDescriptors(updates).status();
+    absl::Status status = catalogue.ReplaceDescriptors(updates).status();
     updates.clear();
     return status;
   };

@@ -33,7 +33,12 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   number("--queue", &o->queue, "Frames that may wait; more are turned away", 0, 100000);
   number("--max-points", &o->max_points, "Points that a frame may have", 10, 100e6);
   number("--max-message-mib", &o->max_message_mib, "Size of a message, MiB", 1, 1024);
-  number("--cache-mib", &o->cache_mib, "Memory for clouds of views, MiB", 1, 1 << 20);
+  number("--memory-mib", &o->memory_mib,
+         "Memory of the server, MiB, shared out among caches, requests and calls; 0: half of what "
+         "the machine has",
+         0, 1 << 24);
+  number("--cache-mib", &o->cache_mib, "Of that for models and clouds of views, MiB; 0: half of it",
+         0, 1 << 24);
   number(
       "--keep-changes", &o->keep_changes,
       "Changes of the catalogue of which a record is kept; an index file that is behind by more is "

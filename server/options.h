@@ -15,7 +15,8 @@ struct ServerOptions {
   int queue = 64;   // frames that may wait for a worker
   int max_points = 2'000'000;
   int max_message_mib = 64;
-  int cache_mib = 256;
+  int memory_mib = 0;         // of the whole server; 0: half of what the machine has
+  int cache_mib = 0;          // of that for models and clouds; 0: half of it
   int keep_changes = 50'000;  // change records in the database
   double drain_s = 10;
   double voxel_size_m = 0.003;

@@ -52,6 +52,8 @@ absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& i
 absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context,
                                               const v1::RecognizeRequest& request,
                                               v1::RecognizeResponse* response) {
+  const auto memory = memory_.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
+  if (!memory.ok()) return memory.status();
   const auto answer = [&](const auto& is_cancelled) {
     return recognizer_.Answer(request, is_cancelled);
   };

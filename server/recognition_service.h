@@ -5,14 +5,16 @@
 #include "server/admission.h"
 #include "server/catalogue_check.h"
 #include "server/frame_recognizer.h"
+#include "server/memory_budget.h"
 
 namespace graspdb::server {
 
 // Thread-safe. The references must outlive it.
 class RecognitionService final : public v1::RecognitionService::Service {
  public:
-  RecognitionService(FrameRecognizer& recognizer, CatalogueCheck& check, Admission& admission)
-      : recognizer_(recognizer), check_(check), admission_(admission) {}
+  RecognitionService(FrameRecognizer& recognizer, CatalogueCheck& check, Admission& admission,
+                     RequestMemory& memory)
+      : recognizer_(recognizer), check_(check), admission_(admission), memory_(memory) {}
 
   grpc::Status Recognize(grpc::ServerContext* context, const v1::RecognizeRequest* request,
                          v1::RecognizeResponse* response) override;
@@ -34,6 +36,7 @@ class RecognitionService final : public v1::RecognitionService::Service {
   FrameRecognizer& recognizer_;
   CatalogueCheck& check_;
   Admission& admission_;
+  RequestMemory& memory_;
 };
 
 }  // namespace graspdb::server

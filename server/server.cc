@@ -2,6 +2,7 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
 
@@ -17,6 +18,7 @@
 #include "server/frame_recognizer.h"
 #include "server/index_keeper.h"
 #include "server/live_catalogue.h"
+#include "server/memory_budget.h"
 #include "server/recognition_service.h"
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
@@ -29,6 +31,10 @@ constexpr int kTeachQueue = 64;
 
 // Threads that wait for calls, at least that many of which are kept.
 constexpr int kLeastPollers = 8;
+
+// Threads of calls, at least and at most, whatever the memory.
+constexpr int kLeastThreads = 16;
+constexpr std::size_t kMostThreads = 256;
 
 // A shutdown ends the streams of those who watch the health, told or not.
 constexpr std::chrono::milliseconds kTimeToBeHeard{200};
@@ -47,24 +53,40 @@ int WorkersOf(const ServerOptions& options) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+// Threads of calls, each of which may have parsed a message of the largest size, within the memory
+// for requests; but enough for the workers, and for calls that wait or are idle streams.
+int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
+               const ServerOptions& options) {
+  const std::size_t fit = memory.requests / max_message_bytes;
+  const int least = kLeastThreads + 2 * WorkersOf(options);
+  return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMostThreads)));
+}
+
 }  // namespace
 
 // Everything below gRPC, in the order in which the parts need each other.
 struct Server::Parts {
-  Parts(const ServerOptions& options, std::unique_ptr<storage::Catalogue> catalogue_in,
-        std::unique_ptr<LiveCatalogue> live_in)
+  Parts(const ServerOptions& options, const MemoryShares& memory,
+        std::unique_ptr<storage::Catalogue> catalogue_in, std::unique_ptr<LiveCatalogue> live_in)
       : parameters(ParametersOf(options)),
         max_points(static_cast<std::size_t>(options.max_points)),
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
         index_keeper(*catalogue, *live, parameters.descriptor),
-        clouds(*catalogue, parameters.descriptor,
-               static_cast<std::size_t>(options.cache_mib) << 20U),
+        request_memory(memory.requests),
+        clouds(*catalogue, parameters.descriptor, memory.caches),
         recognizing(WorkersOf(options), options.queue),
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
-        recognition_service(recognizer, check, recognizing),
-        catalog_service({*catalogue, *live, teaching, clouds, parameters, {max_points}}),
+        recognition_service(recognizer, check, recognizing, request_memory),
+        catalog_service({*catalogue,
+                         *live,
+                         teaching,
+                         clouds,
+                         memory,
+                         request_memory,
+                         parameters,
+                         {max_points}}),
         cell_service(*catalogue) {}
 
   recognition::RecognitionParameters parameters;
@@ -72,6 +94,7 @@ struct Server::Parts {
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
   IndexKeeper index_keeper;
+  RequestMemory request_memory;
   ViewCloudCache clouds;
   Admission recognizing;
   Admission teaching{1, kTeachQueue};
@@ -94,8 +117,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
       LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor);
   if (!live.ok()) return live.status();
-  std::unique_ptr<Server> out(
-      new Server(std::make_unique<Parts>(options, *std::move(catalogue), *std::move(live))));
+  const MemoryShares memory = ShareMemory(options.memory_mib, options.cache_mib);
+  std::unique_ptr<Server> out(new Server(
+      std::make_unique<Parts>(options, memory, *std::move(catalogue), *std::move(live))));
   out->drain_time_ = std::chrono::duration<double>(options.drain_s);
 
   grpc::EnableDefaultHealthCheckService(true);
@@ -109,6 +133,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   // A thread that finds more pollers than this ends, and the next frame starts a new one.
   builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
                               std::max(kLeastPollers, 2 * WorkersOf(options)));
+  // What is read of messages that are not complete yet; where it is used up, gRPC reads no further,
+  // and ends calls that wait. A call beyond the threads is refused before its message is parsed.
+  grpc::ResourceQuota quota("graspdb");
+  quota.Resize(memory.requests);
+  quota.SetMaxThreads(ThreadsFor(memory, static_cast<std::size_t>(max_bytes), options));
+  builder.SetResourceQuota(quota);
   int port = 0;
   builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&out->parts_->catalog_service);

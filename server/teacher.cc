@@ -96,6 +96,20 @@ absl::StatusOr<std::string> PackSegment(const recognition::Points& scan, const S
   return storage::PackCloud(points);
 }
 
+// What a camera adds to a view far from the object would be taught with it.
+absl::Status CheckExtent(const Segmentation& segmentation, const Segment& segment,
+                         double max_object_size_m) {
+  if (segmentation.far_point_count > 0) {
+    return InvalidField("view.cloud", absl::StrCat("has ", segmentation.far_point_count,
+                                                   " points more than ", max_object_size_m,
+                                                   " m from the others; leave out what is not the "
+                                                   "object's"));
+  }
+  if (!segment.too_large) return absl::OkStatus();
+  return InvalidField("view.cloud", absl::StrCat("shows an object larger than ", max_object_size_m,
+                                                 " m; leave out what is not the object's"));
+}
+
 absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {
   if (!request.has_cloud_crc32c()) return absl::OkStatus();
   if (storage::Crc32c(request.view().cloud().data()) == request.cloud_crc32c())
@@ -126,6 +140,8 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   if (!segmentation.ok()) return segmentation.status();
   absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture->object_pose);
   if (!segment.ok()) return segment.status();
+  const double max_size_m = parameters.segmentation.max_object_size_m;
+  if (auto status = CheckExtent(*segmentation, **segment, max_size_m); !status.ok()) return status;
 
   storage::NewView out;
   absl::StatusOr<std::string> packed = PackSegment(capture->scan.points, **segment);

@@ -32,6 +32,9 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
   if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
     return pose.status();
   }
+  const auto memory =
+      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
+  if (!memory.ok()) return memory.status();
   absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
   if (!ticket.ok()) return ticket.status();
   absl::StatusOr<storage::NewView> view =

@@ -139,6 +139,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status->missed_count()),
               static_cast<long long>(status->slipped_count()));
   std::printf("descriptor  %s\n", status->descriptor_name().c_str());
+  std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
   std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
   std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
   const std::string advice = CacheAdvice(status->model_cache());

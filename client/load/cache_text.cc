@@ -25,6 +25,14 @@ v1::CacheStatus Between(const v1::CacheStatus& before, const v1::CacheStatus& af
   return out;
 }
 
+std::string MemoryText(const v1::MemoryStatus& memory) {
+  const auto mib = [](std::int64_t bytes) { return static_cast<double>(bytes) / kBytesPerMib; };
+  return absl::StrFormat("%.0f of %.0f MiB, requests %.0f of %.0f MiB, %d refused",
+                         mib(memory.resident_byte_count()), mib(memory.byte_budget()),
+                         mib(memory.request_byte_count()), mib(memory.request_byte_budget()),
+                         memory.refused_request_count());
+}
+
 std::string CacheText(const v1::CacheStatus& cache) {
   const std::string memory =
       absl::StrFormat("%.0f of %.0f MiB", static_cast<double>(cache.byte_count()) / kBytesPerMib,
@@ -40,7 +48,7 @@ std::string CacheAdvice(const v1::CacheStatus& models) {
   if (static_cast<double>(models.byte_count()) < kFull * budget) return "";
   if (static_cast<double>(models.miss_count()) <= kFewMissing * Asked(models)) return "";
   return "models that are not in memory are fused from their views, some 10 ms each; start the "
-         "server with a larger --cache-mib";
+         "server with a larger --memory-mib";
 }
 
 }  // namespace graspdb::client

@@ -1,6 +1,7 @@
 #include "client/simulation/scene_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -50,7 +51,9 @@ std::uint64_t SeedOf(const v1::CaptureSet& set) {
   for (const v1::Capture& capture : set.captures()) {
     const v1::Pose& pose = capture.object_pose();
     for (const double number : {pose.position().x(), pose.position().y(), pose.orientation().z()}) {
-      seed = MixBits(seed ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(number * 1e9)));
+      // An integer has no room for what is farther away, nor for what is not a number.
+      const double bounded = std::isnan(number) ? 0 : std::clamp(number, -1e9, 1e9);
+      seed = MixBits(seed ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded * 1e9)));
     }
   }
   return seed;

@@ -26,6 +26,7 @@ constexpr int kWorkers = 2;
 struct Variant {
   std::size_t number = 0;
   std::vector<Eigen::Vector3f> factors;  // a part
+  bool object_poses = true;              // views say where the object is
 };
 
 std::string ObjectId(const client::Workpiece& part, const Variant& variant) {
@@ -38,7 +39,7 @@ std::string StablePoseName(const client::Workpiece& part, const Variant& variant
 
 // As server/teacher.cc makes a view of what it found in a capture.
 absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vector3f& factors,
-                                          const std::string& name) {
+                                          const std::string& name, bool object_poses) {
   const recognition::DescriptorParameters parameters;
   const Eigen::Isometry3f sensor_world = seen.world_sensor.inverse().cast<float>();
   std::vector<storage::CloudPoint> points;
@@ -58,7 +59,7 @@ absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vec
   out.record.set_content_digest(server::Sha256(name + out.packed_cloud));
   *out.record.mutable_sensor_pose() = server::PoseToProto(seen.world_sensor);
   *out.record.mutable_object_pose() = server::PoseToProto(seen.world_object);
-  out.record.set_object_pose_given(true);
+  out.record.set_object_pose_given(object_poses);
   out.record.set_point_count(static_cast<int>(points.size()));
   *out.record.add_descriptors() = *std::move(descriptor);
   return out;
@@ -90,7 +91,7 @@ absl::StatusOr<std::size_t> Store(storage::Catalogue& catalogue,
     const std::size_t part = seen[i].part;
     const std::string name =
         absl::StrFormat("%s/views/turn-%03d", StablePoseName(parts[part], variant), i);
-    auto view = MakeView(seen[i], variant.factors[part], name);
+    auto view = MakeView(seen[i], variant.factors[part], name, variant.object_poses);
     if (!view.ok()) return view.status();
     views[i] = *std::move(view);
     return absl::OkStatus();
@@ -103,7 +104,7 @@ absl::StatusOr<std::size_t> Store(storage::Catalogue& catalogue,
   return views.size();
 }
 
-absl::Status Fill(const std::string& directory, int view_count) {
+absl::Status Fill(const std::string& directory, int view_count, bool object_poses) {
   auto catalogue = storage::Catalogue::Open(directory);
   if (!catalogue.ok()) return catalogue.status();
   if ((*catalogue)->revision() != 0) {
@@ -118,7 +119,8 @@ absl::Status Fill(const std::string& directory, int view_count) {
   const auto wanted = static_cast<std::size_t>(view_count);
   std::size_t done = 0;
   for (std::size_t number = 0; done < wanted; ++number) {
-    auto stored = Store(**catalogue, parts, seen, {number, stretches.Next()}, wanted - done);
+    auto stored =
+        Store(**catalogue, parts, seen, {number, stretches.Next(), object_poses}, wanted - done);
     if (!stored.ok()) return stored.status();
     done += *stored;
     progress.Report(static_cast<int>(done), view_count);
@@ -138,9 +140,12 @@ int main(int argc, char** argv) {
   int views = 0;
   app.add_option("DATA_DIR", directory, "Folder of the database; none may be there")->required();
   app.add_option("VIEWS", views, "How many views")->required()->check(CLI::Range(1, 10'000'000));
+  bool no_object_poses = false;
+  app.add_flag("--no-object-poses", no_object_poses,
+               "Views do not say where the object is, so that each is a model of its own");
   app.footer("Example: graspdb_fill /tmp/big 100000 && graspdb-server --db /tmp/big");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = graspdb::bench::Fill(directory, views);
+  const absl::Status status = graspdb::bench::Fill(directory, views, !no_object_poses);
   if (status.ok()) return 0;
   std::fprintf(stderr, "graspdb_fill: %s\n", std::string(status.message()).c_str());
   return 1;

@@ -3,7 +3,6 @@
 
 #include "tests/fuzz/calls.h"
 #include "tests/fuzz/message_target.h"
-#include "tests/fuzz/open_issues.h"
 #include "tests/fuzz/requirement.h"
 
 namespace graspdb::fuzz {
@@ -47,7 +46,6 @@ void Run(const Operations& operations) {
   static int inputs = 0;
   if (operations.operations_size() > kMostOperations) return;
   for (const Operation& operation : operations.operations()) {
-    if (IsOpenIssue(operation)) return;
   }
   if (inputs % kInputsOfDatabase == 0) server.StartAnew();
   ++inputs;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # fuzz.sh BUILD SECONDS TARGET...: runs fuzzers of a build folder, two at a time, each SECONDS long,
-# from the kept inputs and those of the runs before. BUILD/corpus/TARGET grows; what is found lies in
+# (0: the kept inputs alone) from the kept inputs and those of the runs before. BUILD/corpus/TARGET grows; what is found lies in
 # BUILD/findings, and the log beside it. Fails when anything was found.
 set -euo pipefail
 build=$1 seconds=$2
@@ -27,7 +27,9 @@ longest() {
 run_one() {
   local target=$1 log=$build/findings/$1.log status=0
   mkdir -p "$build/corpus/$target"
-  "$build/bin/fuzz_$target" -max_total_time="$seconds" -max_len="$(longest "$target")" \
+  local length=(-max_total_time="$seconds")
+  [ "$seconds" != 0 ] || length=(-runs=0)
+  "$build/bin/fuzz_$target" "${length[@]}" -max_len="$(longest "$target")" \
     -timeout=$slowest -rss_limit_mb=$most_memory -print_final_stats=1 \
     -artifact_prefix="$build/findings/$target-" \
     "$build/corpus/$target" "$here/corpus/$target" >"$log" 2>&1 &

@@ -15,7 +15,6 @@
 #include "storage/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/message_target.h"
-#include "tests/fuzz/open_issues.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 
@@ -137,7 +136,6 @@ void Run(const StoredDatabase& database) {
     server.Stop();
     return server.database();
   }();
-  if (IsOpenIssue(database)) return;
   const std::string copy = original + ".copy";
   fs::remove_all(copy);
   fs::copy(original, copy, fs::copy_options::recursive);

@@ -133,7 +133,8 @@ TEST_F(BoundedSegmentationTest, CancellingIsNoticedWithinEachStep) {
   EXPECT_GT(calls, 50);
   for (int last = 1; last < calls; last += 1 + calls / 20) {
     int asked = 0;
-    EXPECT_THAT(SegmentScan(scan, parameters_, {}, [&] { return ++asked >= last; }, &log),
+    EXPECT_THAT(SegmentScan(
+                    scan, parameters_, {}, [&] { return ++asked >= last; }, &log),
                 StatusIs(absl::StatusCode::kCancelled));
     // Each loop on its way out may look once more.
     EXPECT_LE(asked, last + 2);

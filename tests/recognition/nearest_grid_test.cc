@@ -66,7 +66,8 @@ TEST(NearestGrid, MemoryGrowsWithThePointsAndNotWithTheVolume) {
   const NearestGrid grid(points, kCell, kReach);
   EXPECT_LT(grid.bytes(), compact + (1U << 20U));
   EXPECT_EQ(grid.Nearest({0, 0, 0.61F}), 3000);
-  EXPECT_EQ(grid.Nearest(points.front()), NearestGrid(points, kCell, kReach).Nearest(points.front()));
+  EXPECT_EQ(grid.Nearest(points.front()),
+            NearestGrid(points, kCell, kReach).Nearest(points.front()));
 }
 
 TEST(NearestGrid, FarPointsDoNotFillTheMemory) {

@@ -101,8 +101,8 @@ TEST_F(TouchingTest, AKnownThingThatTouchesAStrangerSaysSo) {
     ++asked;
     return Detection();
   };
-  const auto things =
-      PartTouching({scan, *seen, seen->segments[0]}, answer, PartingOptions(), knows_nothing);
+  const auto things = PartTouching({scan, *seen, seen->segments[0]}, answer, PartingOptions(),
+                                   knows_nothing, knows_nothing);
   ASSERT_THAT(things, IsOk());
   ASSERT_THAT(*things, SizeIs(1));
   EXPECT_EQ(things->front().detection.view, answer.view);

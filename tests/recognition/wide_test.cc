@@ -169,8 +169,8 @@ std::vector<std::int32_t> Spread(const Functions& wide) {
   std::vector<std::int32_t> out;
   for (int x = 3; x < 17; ++x) {
     const int at[3] = {x, 0, 0};
-    out.push_back(nearest[static_cast<std::size_t>(begins[BlockOf(cells.blocks, at)] +
-                                                   CellInBlock(at))]);
+    out.push_back(
+        nearest[static_cast<std::size_t>(begins[BlockOf(cells.blocks, at)] + CellInBlock(at))]);
   }
   return out;
 }

@@ -19,7 +19,7 @@ ServiceRig::ServiceRig(const std::string& directory, int slots, int waiting)
       admission_(slots, waiting),
       recognizer_(*catalogue_, *live_, clouds_, parameters_, kMaxPoints),
       check_(*live_, clouds_, parameters_),
-      service_(recognizer_, check_, admission_) {
+      service_(recognizer_, check_, admission_, memory_) {
   spdlog::set_level(spdlog::level::off);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service_);

@@ -36,6 +36,7 @@ class ServiceRig {
   server::Admission admission_;
   server::FrameRecognizer recognizer_;
   server::CatalogueCheck check_;
+  server::RequestMemory memory_{std::size_t{1} << 30U};
   server::RecognitionService service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::RecognitionService::Stub> stub_;

@@ -27,7 +27,7 @@ TEST(CacheTextTest, ARunCountsWhatWasAskedForMeanwhile) {
 }
 
 TEST(CacheTextTest, OnlyAFullMemoryThatLacksMuchIsTooSmall) {
-  EXPECT_THAT(CacheAdvice(Cache(90, 10, 190)), HasSubstr("--cache-mib"));
+  EXPECT_THAT(CacheAdvice(Cache(90, 10, 190)), HasSubstr("--memory-mib"));
   EXPECT_EQ(CacheAdvice(Cache(90, 10, 100)), "");
   EXPECT_EQ(CacheAdvice(Cache(97, 3, 190)), "");
   EXPECT_EQ(CacheAdvice(Cache(0, 0, 190)), "");

@@ -78,9 +78,9 @@ TEST(LoadText, ModelsThatWereNotInMemoryAreSaid) {
   report.models.set_miss_count(1);
   report.models.set_byte_budget(1 << 20);
   EXPECT_THAT(LoadText(report), AllOf(HasSubstr("models in memory         75.0 % of 4 found"),
-                                      Not(HasSubstr("--cache-mib"))));
+                                      Not(HasSubstr("--memory-mib"))));
   report.models.set_byte_count(1 << 20);
-  EXPECT_THAT(LoadText(report), HasSubstr("--cache-mib"));
+  EXPECT_THAT(LoadText(report), HasSubstr("--memory-mib"));
 }
 
 TEST(LoadText, WithoutAnAnswerThereIsNoLatency) {

@@ -1,0 +1,103 @@
+// Hypotheses about one segment: made from taught views, refined and judged on fused models.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "recognition/nearest_grid.h"
+#include "recognition/oriented_columns.h"
+#include "recognition/ranking.h"
+#include "recognition/recognizer.h"
+#include "recognition/refinement.h"
+#include "recognition/rough_pose.h"
+#include "recognition/search_budget.h"
+#include "recognition/sight.h"
+
+namespace graspdb::recognition {
+
+// An explanation that is not surer than this is none.
+inline constexpr double kExplainsNothing = 0.01;
+
+using Views = std::vector<std::shared_ptr<const TaughtView>>;
+
+// Aligns models with one segment and keeps the best hypotheses. What it looks things up in is made
+// once for a segment, however often more views are proposed. Not thread-safe; all references must
+// outlive it.
+class SegmentMatcher {
+ public:
+  SegmentMatcher(const Scan& scan, const Segmentation& segmentation, const Segment& segment,
+                 const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                 const MatchingParameters& parameters, const IsCancelled& is_cancelled);
+
+  // Hypotheses from these views, refined, the best of them and of those before kept. `hidden`:
+  // sides on which the segment may go on. CANCELLED; errors of LoadModel.
+  absl::Status Propose(std::span<const Views::value_type> views, const Sight::Sides& hidden);
+
+  // The same of those views only that look best after a glance, which takes a quarter of the time;
+  // of as many as the budget allows, the first ones.
+  absl::Status ProposeBest(std::span<const Views::value_type> views, const Sight::Sides& hidden,
+                           SearchBudget& budget);
+
+  // No other view needs to be tried.
+  bool IsExplained() const;
+  // And nothing of what explains it is hidden: then nothing larger would do so as well.
+  bool IsExplainedWhole() const;
+  bool ExplainsNothing() const;
+
+  void Forget() { hypotheses_.clear(); }
+
+  const Sight& sight() const { return sight_; }
+
+  // What ranks first has settled. Not before: what is far from its place would be explained well
+  // enough to end the search, and have no good pose.
+  std::vector<PoseHypothesis> TakeRanked();
+
+ private:
+  using Model = std::shared_ptr<const SurfaceModel>;
+
+  // A view's model where it may stand.
+  struct Start {
+    std::shared_ptr<const TaughtView> view;
+    int symmetry_order = 1;
+    Model model;
+    Pose rough;
+    double score = 0;  // of a glance
+  };
+
+  // Those of one view; none where it is not taught any more.
+  absl::StatusOr<std::vector<Start>> StartsOf(const std::shared_ptr<const TaughtView>& view,
+                                              const Sight::Sides& hidden);
+  absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose);
+  double Glance(const Start& start) const;
+  void Try(const Start& start);
+  absl::Status KeepAndFinish();
+  absl::Status FinishAll();
+  absl::Status CheckNotCancelled() const;
+  bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const;
+  void Finish(const RefinementOptions& options, PoseHypothesis* h) const;
+  void Polish();
+  void LetSettle(PoseHypothesis* h) const;
+  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const;
+  Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const;
+
+  const Segmentation& segmentation_;
+  const CatalogueSnapshot& catalogue_;
+  ViewClouds& clouds_;
+  const MatchingParameters& parameters_;
+  const IsCancelled& is_cancelled_;
+  const Sight sight_;
+  const NearestGrid grid_;
+  const SeenSegment seen_;
+  const OrientedColumns columns_;
+  const OrientedColumns rough_columns_;  // some of them
+  const RefinementTarget target_;
+  const RefinementTarget rough_target_;
+  std::unordered_map<const void*, Model> models_;  // by stable pose, or by view
+  std::vector<PoseHypothesis> hypotheses_;
+};
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,89 @@
+// How much is searched for what nothing explains, and what the answer says of the rest.
+#include "recognition/search_budget.h"
+
+#include <gtest/gtest.h>
+
+#include "recognition/recognizer.h"
+#include "tests/recognition/taught_shapes.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::Solid;
+using ::graspdb::testing::TaughtShapes;
+
+TEST(SearchBudgetTest, WhatIsNotGivenIsCounted) {
+  SearchBudget budget(10, std::chrono::hours(1));
+  EXPECT_TRUE(budget.Take(8));
+  EXPECT_FALSE(budget.Take(3));
+  EXPECT_TRUE(budget.Take(2));
+  EXPECT_EQ(budget.untried(), 3U);
+  EXPECT_FALSE(budget.OutOfTime());
+}
+
+TEST(SearchBudgetTest, NothingIsLeftAfterItsTime) {
+  SearchBudget budget(10, std::chrono::seconds(-1));
+  EXPECT_TRUE(budget.OutOfTime());
+  EXPECT_FALSE(budget.Take(1));
+  EXPECT_TRUE(budget.out_of_time());
+}
+
+class SearchTest : public ::testing::Test {
+ protected:
+  SearchTest() { parameters_.matching.verified_view_count = 5; }
+
+  Recognition Run(const std::vector<Solid>& parts) {
+    const auto found = Recognize(TaughtShapes::See(parts), taught_.snapshot(), taught_, parameters_,
+                                 [] { return false; });
+    EXPECT_THAT(found, IsOk());
+    return found.value_or(Recognition());
+  }
+
+  // Nothing that was taught.
+  static Solid Stranger() {
+    Solid out;
+    out.boxes = {{{-0.02, -0.06, 0}, {0.02, 0.06, 0.1}}};
+    return out;
+  }
+
+  TaughtShapes taught_;
+  RecognitionParameters parameters_;
+};
+
+TEST_F(SearchTest, WhatIsExplainedNeedsNoBudget) {
+  parameters_.matching.further_view_budget = 0;
+  const Recognition found = Run({TaughtShapes::Part("bracket", 0, 0, 7)});
+  EXPECT_EQ(found.outcome, RecognitionOutcome::kOk);
+  EXPECT_EQ(found.untried_view_count, 0U);
+}
+
+TEST_F(SearchTest, ViewsThatWereNotTriedAreCounted) {
+  EXPECT_EQ(Run({Stranger()}).untried_view_count, 0U);
+  parameters_.matching.further_view_budget = 7;
+  const Recognition found = Run({Stranger()});
+  EXPECT_EQ(found.outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_GT(found.untried_view_count, 20U);
+  EXPECT_FALSE(found.out_of_time);
+  EXPECT_EQ(Run({Stranger()}).untried_view_count, found.untried_view_count);
+}
+
+TEST_F(SearchTest, TheAnswerSaysThatItsTimeWasOver) {
+  parameters_.matching.search_ceiling_s = 0;
+  const Recognition found = Run({Stranger()});
+  EXPECT_EQ(found.outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_TRUE(found.out_of_time);
+  EXPECT_GT(found.untried_view_count, 0U);
+}
+
+TEST_F(SearchTest, WhatIsTooLargeForOneObjectIsUnknownForThatReason) {
+  parameters_.segmentation.max_object_size_m = 0.05;
+  const Recognition found = Run({TaughtShapes::Part("bracket", 0, 0, 7)});
+  ASSERT_EQ(found.detections.size(), 1U);
+  EXPECT_EQ(found.detections.front().outcome, RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(found.detections.front().rejected_by, Gate::kExtent);
+}
+
+}  // namespace
+}  // namespace graspdb::recognition

@@ -1,0 +1,55 @@
+#include "server/memory_budget.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::server {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+
+constexpr std::size_t kMebi = std::size_t{1} << 20U;
+
+TEST(ShareMemoryTest, HalfIsForCachesAndAQuarterForRequests) {
+  const MemoryShares shares = ShareMemory(1000, 0);
+  EXPECT_EQ(shares.total, 1000 * kMebi);
+  EXPECT_EQ(shares.caches, 500 * kMebi);
+  EXPECT_EQ(shares.requests, 250 * kMebi);
+  EXPECT_EQ(ShareMemory(1000, 64).caches, 64 * kMebi);
+}
+
+TEST(ShareMemoryTest, WithoutANumberItIsAShareOfTheMachine) {
+  const MemoryShares shares = ShareMemory(0, 0);
+  EXPECT_GT(shares.total, 64 * kMebi);
+  EXPECT_EQ(shares.caches, shares.total / 2);
+}
+
+TEST(RequestMemoryTest, WhatDoesNotFitIsRefusedUntilThereIsRoom) {
+  RequestMemory memory(100);
+  {
+    const auto first = memory.Reserve(60);
+    ASSERT_THAT(first, IsOk());
+    const auto second = memory.Reserve(41);
+    EXPECT_THAT(second, StatusIs(absl::StatusCode::kResourceExhausted));
+    EXPECT_TRUE(second.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo"));
+    EXPECT_THAT(memory.Reserve(40), IsOk());
+    EXPECT_EQ(memory.use().bytes, 60U);
+    EXPECT_EQ(memory.use().refused, 1);
+  }
+  EXPECT_EQ(memory.use().bytes, 0U);
+  EXPECT_THAT(memory.Reserve(41), IsOk());
+}
+
+TEST(RequestMemoryTest, ARequestLargerThanTheBudgetGoesInAlone) {
+  RequestMemory memory(100);
+  const auto large = memory.Reserve(1000);
+  ASSERT_THAT(large, IsOk());
+  EXPECT_THAT(memory.Reserve(1), StatusIs(absl::StatusCode::kResourceExhausted));
+}
+
+}  // namespace
+}  // namespace graspdb::server
