@@ -158,8 +158,8 @@ TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
 // memory.
 std::vector<std::int32_t> Spread(const Functions& wide) {
   const std::int32_t begins[3] = {kBlockCells, 2 * kBlockCells, 0};
-  std::vector<float> best(3 * kBlockCells, 9);
-  std::vector<std::int32_t> nearest(3 * kBlockCells, -1);
+  std::vector<float> best(std::size_t{3} * kBlockCells, 9);
+  std::vector<std::int32_t> nearest(std::size_t{3} * kBlockCells, -1);
   const Cells cells = {{begins, 3, 3}, 1, best.data(), nearest.data()};
   const BallRow row = {0, 0, 4};
   for (const int i : {0, 1}) {
@@ -169,8 +169,8 @@ std::vector<std::int32_t> Spread(const Functions& wide) {
   std::vector<std::int32_t> out;
   for (int x = 3; x < 17; ++x) {
     const int at[3] = {x, 0, 0};
-    out.push_back(
-        nearest[static_cast<std::size_t>(begins[BlockOf(cells.blocks, at)] + CellInBlock(at))]);
+    out.push_back(nearest[static_cast<std::size_t>(begins[BlockOf(cells.blocks, at)]) +
+                          static_cast<std::size_t>(CellInBlock(at))]);
   }
   return out;
 }

@@ -108,7 +108,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
   }
 
   const client::TemporaryFolder folder_;
-  const recognition::DescriptorParameters parameters_;
+  const recognition::DescriptorParameters parameters_ = {};
   std::unique_ptr<storage::Catalogue> catalogue_;
   std::unique_ptr<LiveCatalogue> live_;
   int armed_ = -1;

@@ -17,7 +17,6 @@
 namespace graspdb::testing {
 namespace {
 
-using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::MethodDescriptor;
@@ -81,7 +80,7 @@ class RequestLimitsTest : public ServerTest {
     for (const char* name : {"objects/a", "objects/b", "objects/c"}) {
       v1::Object object;
       object.set_name(name);
-      object.set_display_name(std::string(40'000'000, 'x'));
+      object.mutable_display_name()->resize(40'000'000, 'x');
       ASSERT_THAT((*catalogue)->CreateObject(object), IsOk());
     }
     catalogue->reset();
