@@ -18,7 +18,11 @@ class CancellationPoll {
   // Adds `steps` of about a nanosecond each; true when the loop should end.
   bool After(std::size_t steps) {
     steps_ += steps;
-    if (steps_ < kInterval || cancelled_) return cancelled_;
+    return steps_ < kInterval ? cancelled_ : Now();
+  }
+  // Asks at once.
+  bool Now() {
+    if (cancelled_) return true;
     steps_ = 0;
     cancelled_ = is_cancelled_ && is_cancelled_();
     return cancelled_;

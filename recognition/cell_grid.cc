@@ -17,7 +17,8 @@ constexpr double kMaxCellsPerAxis = 2e6;
 
 }  // namespace
 
-CellGrid::CellGrid(const Points& points, float cell_m) : cell_m_(cell_m) {
+CellGrid::CellGrid(const Points& points, float cell_m, const IsCancelled& is_cancelled)
+    : cell_m_(cell_m) {
   Eigen::Vector3d extent = Eigen::Vector3d::Zero();
   if (!points.empty()) {
     const Eigen::AlignedBox3f bounds = BoundsOf(points);
@@ -33,7 +34,11 @@ CellGrid::CellGrid(const Points& points, float cell_m) : cell_m_(cell_m) {
   if (cell_count <= kMaxTable) {
     MakeTable(points, static_cast<std::size_t>(cell_count));
   } else {
-    MakeList(points);
+    MakeList(points, is_cancelled);
+  }
+  if (is_cancelled && is_cancelled()) {
+    *this = CellGrid({}, cell_m);
+    return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     sorted_[axis].reserve(points.size());
@@ -61,12 +66,12 @@ void CellGrid::MakeTable(const Points& points, std::size_t cell_count) {
   start_.back() = static_cast<std::int32_t>(points.size());
 }
 
-void CellGrid::MakeList(const Points& points) {
+void CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled) {
   std::vector<KeyedPoint> sorted(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     sorted[i] = {KeyOf(CellOf(points[i])), static_cast<std::int32_t>(i)};
   }
-  SortByKey(KeyOf(last_), &sorted);
+  SortByKey(KeyOf(last_), &sorted, is_cancelled);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     order_[i] = sorted[i].point;
     if (i > 0 && sorted[i].key == sorted[i - 1].key) continue;
@@ -74,6 +79,21 @@ void CellGrid::MakeList(const Points& points) {
     start_.push_back(static_cast<std::int32_t>(i));
   }
   start_.push_back(static_cast<std::int32_t>(points.size()));
+  MakeBuckets();
+}
+
+// About one for each occupied cell, so that most hold few.
+void CellGrid::MakeBuckets() {
+  const std::uint64_t largest = KeyOf(last_);
+  while ((largest >> bucket_bits_) > keys_.size()) ++bucket_bits_;
+  // One more for the key behind the last.
+  const auto count = static_cast<std::size_t>((largest + 1) >> bucket_bits_) + 1;
+  first_in_bucket_.reserve(count + 1);
+  std::size_t at = 0;
+  for (std::size_t bucket = 0; bucket <= count; ++bucket) {
+    while (at < keys_.size() && (keys_[at] >> bucket_bits_) < bucket) ++at;
+    first_in_bucket_.push_back(static_cast<std::int32_t>(at));
+  }
 }
 
 std::vector<CellGrid::Cell> CellGrid::OccupiedCells() const {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "recognition/cancellation.h"
 #include "recognition/types.h"
 #include "recognition/wide.h"
 
@@ -30,9 +31,9 @@ struct CellBlock {
 };
 
 // Memory grows with the points: where a table of all cells would be larger than 16 MB, only
-// occupied cells are listed, and finding one takes a binary search. Building is O(n) with a table
-// and O(n log n) with a list. Deterministic; safe for concurrent reads. Points must be finite and
-// within 1 km of the origin; metres, any frame.
+// occupied cells are listed, and finding one takes a binary search among those near it. Building is
+// O(n) with a table and O(n log n) with a list. Deterministic; safe for concurrent reads. Points
+// must be finite and within 1 km of the origin; metres, any frame.
 class CellGrid {
  public:
   // One occupied cell.
@@ -42,8 +43,9 @@ class CellGrid {
     std::int32_t end;
   };
 
-  // Cells of edge `cell_m`; larger ones only where an axis would have more than two million.
-  CellGrid(const Points& points, float cell_m);
+  // Cells of edge `cell_m`; larger ones only where an axis would have more than two million. Once
+  // cancelled, a grid without points.
+  CellGrid(const Points& points, float cell_m, const IsCancelled& is_cancelled = {});
 
   float cell_m() const { return cell_m_; }
   // The points cell by cell, those of a cell in the order of the cloud.
@@ -111,17 +113,22 @@ class CellGrid {
   std::int32_t BeginAfter(const Eigen::Vector3i& c) const { return BeginAtKey(KeyOf(c) + 1); }
   std::int32_t BeginAtKey(std::uint64_t key) const {
     if (keys_.empty()) return start_[key];
-    return start_[static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), key) -
-                                           keys_.begin())];
+    const auto bucket = static_cast<std::size_t>(key >> bucket_bits_);
+    const auto at = std::lower_bound(keys_.begin() + first_in_bucket_[bucket],
+                                     keys_.begin() + first_in_bucket_[bucket + 1], key);
+    return start_[static_cast<std::size_t>(at - keys_.begin())];
   }
   void MakeTable(const Points& points, std::size_t cell_count);
-  void MakeList(const Points& points);
+  void MakeList(const Points& points, const IsCancelled& is_cancelled);
+  void MakeBuckets();
 
   float cell_m_;
   float inverse_cell_ = 0;
   Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
   Eigen::Vector3i last_ = Eigen::Vector3i::Zero();  // the cell farthest from the origin
   std::vector<std::uint64_t> keys_;                 // of the occupied cells; none: of all cells
+  int bucket_bits_ = 0;                             // keys that differ in higher ones lie apart
+  std::vector<std::int32_t> first_in_bucket_;       // position in keys_
   std::vector<std::int32_t> start_;                 // of each cell in order_, and the end
   std::vector<std::int32_t> order_;
   std::array<std::vector<float>, 3> sorted_;  // coordinates of the points, in that order

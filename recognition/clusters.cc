@@ -92,7 +92,7 @@ class SupportSearch {
                 const IsCancelled& is_cancelled)
       : points_(points),
         max_gap_m_(static_cast<float>(max_gap_m)),
-        grid_(points, max_gap_m_),
+        grid_(points, max_gap_m_, is_cancelled),
         cluster_of_(points.size(), -1),
         poll_(is_cancelled) {
     for (std::size_t c = 0; c < clusters.size(); ++c) SetCluster(clusters[c], static_cast<int>(c));
@@ -140,7 +140,7 @@ class SupportSearch {
 std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std::size_t min_count,
                                   const IsCancelled& is_cancelled) {
   if (points.empty()) return {};
-  const CellGrid grid(points, static_cast<float>(kCellShare * tolerance_m));
+  const CellGrid grid(points, static_cast<float>(kCellShare * tolerance_m), is_cancelled);
   const auto tolerance = static_cast<float>(tolerance_m);
   CancellationPoll poll(is_cancelled);
   DisjointSets sets = JoinNeighbours(points, grid, tolerance * tolerance, poll);

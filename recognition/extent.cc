@@ -15,15 +15,15 @@ float MedianAlong(const Points& points, Eigen::Index axis) {
   return *middle;
 }
 
-bool IsLongerThan(double size_m, const Points& points) {
-  return !points.empty() && BoundsOf(points).sizes().maxCoeff() > static_cast<float>(size_m);
-}
-
 }  // namespace
+
+bool IsTooLarge(const Points& points, double max_size_m) {
+  return !points.empty() && BoundsOf(points).sizes().maxCoeff() > static_cast<float>(max_size_m);
+}
 
 std::size_t LeaveOutFarPoints(double max_size_m, RegionPoints* cloud) {
   // Most scans need no median.
-  if (!IsLongerThan(max_size_m, cloud->points)) return 0;
+  if (!IsTooLarge(cloud->points, max_size_m)) return 0;
   Eigen::Vector3f median;
   for (const Eigen::Index axis : {0, 1, 2}) median[axis] = MedianAlong(cloud->points, axis);
   const auto reach = static_cast<float>(max_size_m);
@@ -38,12 +38,6 @@ std::size_t LeaveOutFarPoints(double max_size_m, RegionPoints* cloud) {
   cloud->points.resize(kept);
   cloud->indices.resize(kept);
   return left_out;
-}
-
-bool IsTooLarge(const Points& voxels, double max_size_m, double voxel_size_m) {
-  const double on_edge = max_size_m / voxel_size_m;
-  return static_cast<double>(voxels.size()) > 3 * on_edge * on_edge ||
-         IsLongerThan(max_size_m, voxels);
 }
 
 }  // namespace graspdb::recognition

@@ -12,9 +12,8 @@ namespace graspdb::recognition {
 // that size reaches there from where most of its points are. Returns how many. O(n).
 std::size_t LeaveOutFarPoints(double max_size_m, RegionPoints* cloud);
 
-// Whether voxels of edge `voxel_size_m` cannot be the surface of one object of `max_size_m`: their
-// bounding box has a longer side, or there are more of them than on the three sides of a cube of
-// that size which a camera can see. O(n).
-bool IsTooLarge(const Points& voxels, double max_size_m, double voxel_size_m);
+// Whether the points cannot be one object of `max_size_m`: their bounding box has a longer side.
+// O(n).
+bool IsTooLarge(const Points& points, double max_size_m);
 
 }  // namespace graspdb::recognition

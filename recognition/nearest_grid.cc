@@ -15,6 +15,8 @@ constexpr std::int32_t kMaxBlocks = 65536;
 // Places in the table of blocks, 4 MB: enough for a cube of 1.5 m in cells of 3 mm.
 constexpr double kMaxTable = 1 << 20;
 constexpr int kMaxCellsPerAxis = 1 << 20;
+// What it takes to tell the cells around a point of it, ns.
+constexpr std::size_t kStepsPerPoint = 500;
 
 // The most cells between a point's and one whose centre is within reach.
 int LayersWithin(float reach_m, float cell_m) {
@@ -47,7 +49,8 @@ std::vector<wide::BallRow> RowsWithin(float reach) {
 
 }  // namespace
 
-NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m)
+NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m,
+                          const IsCancelled& is_cancelled)
     : inverse_cell_(1 / cell_m), cells_(wide::kBlockCells, -1) {
   if (points.empty()) return;
   while (!Allocate(points, cell_m, reach_m)) cell_m *= 2;
@@ -55,7 +58,9 @@ NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m)
   std::vector<float> best(cells_.size(), far * far);
   const std::vector<wide::BallRow> rows = RowsWithin(far * inverse_cell_);
   const wide::Cells all = {table(), cell_m, best.data(), cells_.data()};
+  CancellationPoll poll(is_cancelled);
   for (const std::int32_t i : OneEachCell(points)) {
+    if (poll.After(kStepsPerPoint)) return;
     const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     wide::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
@@ -133,8 +138,10 @@ wide::NearestCells NearestGrid::Level::cells() const {
   return out;
 }
 
-NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m)
-    : near_(points, cell_m, 2 * cell_m), far_(points, 2 * cell_m, reach_m) {}
+NearestGrid::NearestGrid(const Points& points, float cell_m, float reach_m,
+                         const IsCancelled& is_cancelled)
+    : near_(points, cell_m, 2 * cell_m, is_cancelled),
+      far_(points, 2 * cell_m, reach_m, is_cancelled) {}
 
 wide::LookUp NearestGrid::LookUpIn(const OrientedCloud& cloud) const {
   return {.near = near_.cells(),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "recognition/cancellation.h"
 #include "recognition/types.h"
 #include "recognition/wide_surface.h"
 
@@ -18,12 +19,14 @@ namespace graspdb::recognition {
 // Cells are kept in blocks, and only blocks that a point reaches: memory and time to build grow
 // with the points, not with the volume between them. 64 MB at most while it is built, 36 MB after
 // that for each size of cells: points that are so scattered that they would need more get cells
-// twice as large, as often as it takes. Points must be finite.
+// twice as large, as often as it takes. Points must be finite. Once cancelled, some cells know no
+// point.
 class NearestGrid {
  public:
   // Small cells of `cell_m` metres whose centres are up to twice as far from a point know one, and
   // large ones whose centres are up to `reach_m` metres away (and half a cell's diagonal).
-  NearestGrid(const Points& points, float cell_m, float reach_m);
+  NearestGrid(const Points& points, float cell_m, float reach_m,
+              const IsCancelled& is_cancelled = {});
 
   // The position of the nearest point; -1 when there is none within reach.
   int Nearest(const Eigen::Vector3f& query) const {
@@ -40,7 +43,7 @@ class NearestGrid {
   // Cells of one size.
   class Level {
    public:
-    Level(const Points& points, float cell_m, float reach_m);
+    Level(const Points& points, float cell_m, float reach_m, const IsCancelled& is_cancelled);
 
     int Nearest(const Eigen::Vector3f& query) const {
       const Eigen::Array3f at = Place(query);

@@ -32,7 +32,7 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
                         const IsCancelled& is_cancelled) {
   const wide::Functions& wide = wide::Best();
   const auto radius = static_cast<float>(radius_m);
-  const CellGrid grid(points, kRoundingMargin * radius);
+  const CellGrid grid(points, kRoundingMargin * radius, is_cancelled);
   Normals normals(points.size());
   CellBlock block;
   CancellationPoll poll(is_cancelled);

@@ -28,9 +28,10 @@ constexpr int kGuesses = 24;
 
 // Edge of cells of which 27 mostly hold the `count` nearest neighbours, were the points evenly
 // spread over a surface.
-float CellSizeFor(const Points& points, std::size_t count) {
-  const CellGrid probe(points, kProbeCellM);
-  const double occupied = static_cast<double>(probe.OccupiedCells().size());
+float CellSizeFor(const Points& points, std::size_t count, const IsCancelled& is_cancelled) {
+  const CellGrid probe(points, kProbeCellM, is_cancelled);
+  const double occupied =
+      static_cast<double>(std::max<std::size_t>(1, probe.OccupiedCells().size()));
   const double per_area = static_cast<double>(points.size()) /
                           (occupied * static_cast<double>(probe.cell_m() * probe.cell_m()));
   const double radius = std::sqrt(static_cast<double>(count) / (per_area * std::numbers::pi));
@@ -82,15 +83,20 @@ class RootsOfSmallest {
 class SumsOfNearest {
  public:
   SumsOfNearest(const Points& points, std::size_t count, const IsCancelled& is_cancelled)
-      : points_(points), count_(count), poll_(is_cancelled), sums_(points.size()) {}
+      : points_(points),
+        count_(count),
+        is_cancelled_(is_cancelled),
+        poll_(is_cancelled),
+        sums_(points.size()) {}
 
   // Of all points; none when that takes too long.
   std::optional<std::vector<float>> Take() {
     Indices open(points_.size());
     std::iota(open.begin(), open.end(), 0);
     // What a grid's cells are too small for is left to one with larger cells.
-    for (float cell_m = CellSizeFor(points_, count_); !open.empty(); cell_m *= kCoarser) {
-      if (!SumWith(CellGrid(points_, cell_m), &open)) return std::nullopt;
+    float cell_m = CellSizeFor(points_, count_, is_cancelled_);
+    for (; !open.empty(); cell_m *= kCoarser) {
+      if (!SumWith(CellGrid(points_, cell_m, is_cancelled_), &open)) return std::nullopt;
     }
     return std::move(sums_);
   }
@@ -98,6 +104,7 @@ class SumsOfNearest {
  private:
   // Leaves in `open` the points that have no sum yet; false when it takes too long.
   bool SumWith(const CellGrid& grid, Indices* open) {
+    if (poll_.Now()) return false;
     is_open_.assign(points_.size(), 0);
     for (const std::int32_t i : *open) is_open_[static_cast<std::size_t>(i)] = 1;
     open->clear();
@@ -144,6 +151,7 @@ class SumsOfNearest {
   const wide::Functions& wide_ = wide::Best();
   const Points& points_;
   const std::size_t count_;
+  const IsCancelled& is_cancelled_;
   CancellationPoll poll_;
   std::size_t work_ = 0;
   RootsOfSmallest roots_;

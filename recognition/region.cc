@@ -11,6 +11,9 @@
 namespace graspdb::recognition {
 namespace {
 
+// What it takes to crop a point, ns.
+constexpr std::size_t kStepsPerPoint = 40;
+
 // The region's corners; without one nothing bounds it.
 struct Bounds {
   explicit Bounds(const std::optional<Box>& region) {
@@ -37,7 +40,8 @@ std::size_t CountBeyond(const wide::DepthRow& row) {
 }  // namespace
 
 bool IsMeasurement(const Eigen::Vector3f& p) {
-  return p.allFinite() && !p.isZero(0) && p.stableNorm() <= static_cast<float>(kSensorRangeM);
+  constexpr auto kFarthest = static_cast<float>(kSensorRangeM * kSensorRangeM);
+  return !p.isZero(0) && p.squaredNorm() <= kFarthest;  // false for what is not a number
 }
 
 bool HasMeasurement(const Scan& scan) {
@@ -46,12 +50,15 @@ bool HasMeasurement(const Scan& scan) {
 }
 
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
-                          const std::optional<Box>& region, double max_range_m) {
+                          const std::optional<Box>& region, double max_range_m,
+                          const IsCancelled& is_cancelled) {
   RegionPoints out;
+  CancellationPoll poll(is_cancelled);
   const auto farthest = static_cast<float>(max_range_m * max_range_m);
   const Bounds bounds(region);
   const Motion motion(a_sensor);
   for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (poll.After(kStepsPerPoint)) break;
     if (scan[i].squaredNorm() > farthest) {  // false for what is not a number
       out.beyond_range_count += scan[i].allFinite();
       continue;
@@ -113,9 +120,9 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
 }
 
 RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region,
-                      double max_range_m) {
+                      double max_range_m, const IsCancelled& is_cancelled) {
   return scan.is_image() ? CropImage(scan.depth_image, a_sensor, region, max_range_m)
-                         : CropToRegion(scan.points, a_sensor, region, max_range_m);
+                         : CropToRegion(scan.points, a_sensor, region, max_range_m, is_cancelled);
 }
 
 }  // namespace graspdb::recognition

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "recognition/cancellation.h"
 #include "recognition/scan.h"
 #include "recognition/types.h"
 
@@ -25,16 +26,17 @@ bool IsMeasurement(const Eigen::Vector3f& p);
 
 // Moves the measurements of `scan` (sensor frame, metres) by T_a_sensor and keeps
 // those in `region` (frame a), all of them without a region, that are at most `max_range_m` metres
-// from the sensor. O(n).
+// from the sensor. O(n). Once cancelled, some of them.
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
-                          const std::optional<Box>& region, double max_range_m = kSensorRangeM);
+                          const std::optional<Box>& region, double max_range_m = kSensorRangeM,
+                          const IsCancelled& is_cancelled = {});
 // The same of an image, in one pass: no other point is ever made. Bit by bit what comes of the
 // image's points.
 RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
                        const std::optional<Box>& region, double max_range_m = kSensorRangeM);
 // Either, as the scan has it.
 RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region,
-                      double max_range_m = kSensorRangeM);
+                      double max_range_m = kSensorRangeM, const IsCancelled& is_cancelled = {});
 
 // Whether anything was measured at all.
 bool HasMeasurement(const Scan& scan);

@@ -14,6 +14,9 @@ namespace {
 
 // Points of the segment that first looks are taken with.
 constexpr std::size_t kRoughPoints = 200;
+// ... and refined with. Only of segments with twice as many some are left out: a part of half a
+// metre, whose place is then held by more points than it takes.
+constexpr std::size_t kFullPoints = 20'000;
 // Hypotheses that are refined in full.
 constexpr std::size_t kFinalists = 8;
 // A hypothesis with this score needs no other to be asked for.
@@ -62,6 +65,11 @@ constexpr std::size_t kTriedStarts = 24;
 // ... unless they looked so much worse than the best of them; in those scenes at least 0.69.
 constexpr double kTriedShare = 0.6;
 
+// So that about `wanted` points are left.
+std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
+  return std::max<std::size_t>(1, segment.cloud.points.size() / wanted);
+}
+
 }  // namespace
 
 SegmentMatcher::SegmentMatcher(const Scan& scan, const Segmentation& segmentation,
@@ -74,13 +82,12 @@ SegmentMatcher::SegmentMatcher(const Scan& scan, const Segmentation& segmentatio
       parameters_(parameters),
       is_cancelled_(is_cancelled),
       sight_(scan, segmentation.world_sensor, segment),
-      grid_(segment.cloud.points, kCellM, kReachM),
+      grid_(segment.cloud.points, kCellM, kReachM, is_cancelled),
       seen_{segmentation.world_sensor, segment.centroid,
             ExtentOf(segment.cloud.points, sight_.sensor_world()),
             segmentation.world_frame != WorldFrame::kSensor, segmentation.table_reach_m},
-      columns_(segment.cloud),
-      rough_columns_(segment.cloud,
-                     std::max<std::size_t>(1, columns_.point_count() / kRoughPoints)),
+      columns_(segment.cloud, StrideFor(segment, kFullPoints)),
+      rough_columns_(segment.cloud, StrideFor(segment, kRoughPoints)),
       target_{segment.cloud, columns_, grid_, sight_, seen_.on_table, segmentation.table},
       rough_target_{segment.cloud, rough_columns_, grid_,
                     sight_,        seen_.on_table, segmentation.table} {}

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/strings/str_format.h"
 #include "recognition/clusters.h"
 #include "recognition/extent.h"
 #include "recognition/normals.h"
@@ -125,8 +126,7 @@ std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& v
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     segments[c].cloud = {Select(voxels.points, clusters[c]), Select(normals, clusters[c])};
     segments[c].centroid = Centroid(segments[c].cloud.points);
-    segments[c].too_large =
-        IsTooLarge(segments[c].cloud.points, parameters.max_object_size_m, descriptor.voxel_size_m);
+    segments[c].too_large = IsTooLarge(segments[c].cloud.points, parameters.max_object_size_m);
     for (const std::int32_t v : clusters[c]) {
       cluster_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(c);
     }
@@ -166,12 +166,28 @@ std::vector<Indices> ClusterVoxels(const Points& voxels, bool segmented,
                          kJoinReach * parameters.cluster_tolerance_m, is_cancelled);
 }
 
+absl::Status TooManyVoxels(std::size_t count, double voxel_size_m) {
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "the region of interest holds %d voxels of %g mm besides the table, more than the %d that "
+      "are looked at; give a smaller region, or larger voxels in the pipeline's parameters",
+      count, voxel_size_m * 1e3, kMaxVoxels));
+}
+
 // Outliers, voxels, clusters and normals of what stands on the table.
 absl::Status FindSegments(RegionPoints cloud, bool segmented,
                           const SegmentationParameters& parameters,
                           const DescriptorParameters& descriptor, const IsCancelled& is_cancelled,
                           StageLog* log, Segmentation* out) {
+  VoxelCloud voxels;
+  const auto downsample = [&] {
+    voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m, is_cancelled);
+    return voxels.points.size();
+  };
   if (!segmented) {
+    // What is refused anyway is not worth the outliers, which take longest.
+    if (cloud.points.size() > kMaxVoxels && downsample() > kMaxVoxels) {
+      return TooManyVoxels(voxels.points.size(), descriptor.voxel_size_m);
+    }
     log->Measure("outliers", cloud.points.size(), [&] {
       const std::optional<Indices> kept =
           RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,
@@ -181,12 +197,11 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
     });
   }
   if (is_cancelled()) return CancelledAfter("the outliers");
-  VoxelCloud voxels;
-  log->Measure("voxels", cloud.points.size(), [&] {
-    voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m);
-    return voxels.points.size();
-  });
+  log->Measure("voxels", cloud.points.size(), downsample);
   if (is_cancelled()) return CancelledAfter("the voxels");
+  if (voxels.points.size() > kMaxVoxels) {
+    return TooManyVoxels(voxels.points.size(), descriptor.voxel_size_m);
+  }
   std::vector<Indices> clusters;
   log->Measure("clusters", voxels.points.size(), [&] {
     clusters = ClusterVoxels(voxels.points, segmented, parameters, out->table, is_cancelled);
@@ -253,16 +268,16 @@ absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationPar
     if (!status.ok()) return std::size_t{0};
     std::optional<Box> region = scan.region;
     if (!region && !scan.segmented) region = DefaultRegion(out.world_sensor);
-    cloud = CropScan(scan, out.world_sensor, region, parameters.max_range_m);
+    cloud = CropScan(scan, out.world_sensor, region, parameters.max_range_m, is_cancelled);
     return cloud.points.size();
   });
   if (!status.ok()) return status;
+  if (is_cancelled()) return CancelledAfter("the region of interest");
   LogLeftOut("range", cloud.points.size(), cloud.beyond_range_count, log);
   if (cloud.points.empty()) {
     out.outcome = SegmentationOutcome::kEmptyRegion;
     return out;
   }
-  if (is_cancelled()) return CancelledAfter("the region of interest");
   if (scan.segmented) {
     out.far_point_count = LeaveOutFarPoints(parameters.max_object_size_m, &cloud);
     LogLeftOut("extent", cloud.points.size(), out.far_point_count, log);

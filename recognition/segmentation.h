@@ -56,6 +56,10 @@ struct Segmentation {
   std::size_t far_point_count = 0;
 };
 
+// The most voxels that a scan may have besides the table: as many as on three sides of a cube of 1
+// m at 3 mm, several times what a tabletop full of objects has. Twice as many take twice as long.
+inline constexpr std::size_t kMaxVoxels = 300'000;
+
 // Finds the objects in a scan and appends what each step did to `log`. Steps "range" and "extent"
 // are there where points were left out: those beyond max_range_m, and those of a segmented scan
 // that are farther than max_object_size_m from the median. Where outliers would take too long to
@@ -66,7 +70,8 @@ struct Segmentation {
 // Without a plane in the region nothing is removed as table. A scan that is
 // `segmented` is one segment, whatever it holds, as long as it has
 // min_cluster_point_count voxels. FAILED_PRECONDITION when the sensor pose is not
-// known and there is no plane that could stand in for it; CANCELLED.
+// known and there is no plane that could stand in for it; INVALID_ARGUMENT when there are more than
+// kMaxVoxels; CANCELLED.
 absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
                                          const DescriptorParameters& descriptor,
                                          const IsCancelled& is_cancelled, StageLog* log);

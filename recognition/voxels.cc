@@ -11,13 +11,17 @@ namespace {
 
 using Coordinates = Eigen::Array<std::int64_t, 3, 1>;
 
+// What it takes to find the voxel of a point, or to add a point to it, ns.
+constexpr std::size_t kStepsPerPoint = 40;
+
 Coordinates VoxelOf(const Eigen::Vector3f& p, double inverse_size) {
   return (p.cast<double>().array() * inverse_size).floor().cast<std::int64_t>();
 }
 
 }  // namespace
 
-VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m) {
+VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
+                              const IsCancelled& is_cancelled) {
   VoxelCloud out;
   if (points.empty()) return out;
   const double inverse_size = 1 / voxel_size_m;
@@ -26,12 +30,14 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m) {
   const Coordinates first = VoxelOf(bounds.min(), inverse_size);
   const Coordinates size = VoxelOf(bounds.max(), inverse_size) - first + 1;
   std::vector<KeyedPoint> order(points.size());
+  CancellationPoll poll(is_cancelled);
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (poll.After(kStepsPerPoint)) return out;
     const Coordinates c = VoxelOf(points[i], inverse_size) - first;
     order[i] = {static_cast<std::uint64_t>((c.z() * size.y() + c.y()) * size.x() + c.x()),
                 static_cast<std::int32_t>(i)};
   }
-  SortByKey(static_cast<std::uint64_t>(size.prod() - 1), &order);
+  SortByKey(static_cast<std::uint64_t>(size.prod() - 1), &order, is_cancelled);
 
   out.voxel_of.resize(points.size());
   out.points.reserve(points.size());
@@ -44,6 +50,7 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m) {
       out.voxel_of[point] = static_cast<std::int32_t>(out.points.size());
     }
     out.points.push_back((sum / static_cast<double>(end - begin)).cast<float>());
+    if (poll.After(kStepsPerPoint * (end - begin))) return {};
     begin = end;
   }
   return out;

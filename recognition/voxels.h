@@ -1,6 +1,7 @@
 // Thinning to one point a voxel.
 #pragma once
 
+#include "recognition/cancellation.h"
 #include "recognition/types.h"
 
 namespace graspdb::recognition {
@@ -14,7 +15,8 @@ struct VoxelCloud {
 // Voxel grid: cubes of edge `voxel_size_m`, aligned with the origin, each
 // replaced by the centroid of its points (paper, section 3.1). The voxels come
 // out in the order of their coordinates (z, y, x), whatever the order of the
-// input. Points must be finite and within 1 km of the origin.
-VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m);
+// input. Points must be finite and within 1 km of the origin. None once cancelled.
+VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
+                              const IsCancelled& is_cancelled = {});
 
 }  // namespace graspdb::recognition

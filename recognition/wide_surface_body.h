@@ -137,18 +137,17 @@ inline Support SupportOf(const Coordinates& points, const Rigid& to_from, const 
   return {Sum(explained), Sum(squares), Sum(near)};
 }
 
-// What is nearer to the lens has no place in an image that a float holds, m.
-constexpr float kNearestM = 1e-6F;
-
 inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface,
                  float least_facing, float* x, float* y, float* z, std::uint8_t* facing) {
   const Floats least = All(least_facing * least_facing);
+  // What is nearer to the lens has no place in an image that a float holds, m.
+  const Floats nearest = All(1e-6F);
   for (std::size_t i = 0; i < surface.points.count; i += kLanes) {
     const Floats3 p = Point(sensor_surface, Load3(surface.points, i));
     const Floats3 normal = Direction(sensor_surface, Load3(surface.normals, i));
     const Floats towards = -Dot(normal, p);
     const Ints faces =
-        (p.z > All(kNearestM)) & (towards > All(0)) & (towards * towards >= least * Dot(p, p));
+        (p.z > nearest) & (towards > All(0)) & (towards * towards >= least * Dot(p, p));
     std::memcpy(x + i, &p.x, sizeof(p.x));
     std::memcpy(y + i, &p.y, sizeof(p.y));
     std::memcpy(z + i, &p.z, sizeof(p.z));

@@ -25,7 +25,7 @@ for file in "$@"; do
   key=$( (clang-tidy --version; echo "${CHECKS-}"; cat .clang-tidy tests/.clang-tidy; cat "$file"; preprocessed "$file") |
     sha256sum | cut -d' ' -f1)
   [ -e "$cache/$key" ] && continue
-  if clang-tidy -p "$build" --quiet --checks="${CHECKS-}" --extra-arg=-Wno-unknown-warning-option "$file" 2>/dev/null; then
+  if clang-tidy --load="$build/own_declarations.so" -p "$build" --quiet --checks="${CHECKS-}" --extra-arg=-Wno-unknown-warning-option "$file" 2>/dev/null; then
     touch "$cache/$key"
   else
     failed=1

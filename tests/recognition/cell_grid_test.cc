@@ -88,6 +88,14 @@ TEST(CellGridTest, AListOfCellsFindsWhatATableFinds) {
   }
 }
 
+TEST(CellGridTest, OnceCancelledItHasNoPoints) {
+  for (const float cell_m : {0.02F, 1e-4F}) {
+    const CellGrid grid({{0, 0, 0}, {0.1F, 0.1F, 0.1F}}, cell_m, [] { return true; });
+    EXPECT_THAT(grid.OccupiedCells(), IsEmpty());
+    EXPECT_EQ(grid.CountAround(grid.CellOf({0.1F, 0.1F, 0.1F}), 2), 0U);
+  }
+}
+
 TEST(CellGridTest, ClustersAreApartThoughPointsAreFar) {
   const Points points = {{0, 0, 0}, {90, 90, 90}, {0, 0, 0.03F}, {0, 0, 0.01F}, {90, 90, 90.01F}};
   EXPECT_THAT(FindClusters(points, 0.015, 1),

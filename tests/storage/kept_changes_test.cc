@@ -81,6 +81,7 @@ TEST_F(KeptChangesTest, ABacklogGoesWithTheNextChanges) {
   Open(1'000'000);
   MakeHistory(*catalogue_, [] {});
   std::vector<NewView> views;
+  views.reserve(1500);
   for (int i = 0; i < 1500; ++i) {
     views.push_back(MakeView(MakeViewName("mug", "upright", "more-" + std::to_string(i)), i,
                              /*cloud_bytes=*/1));
@@ -101,6 +102,7 @@ TEST_F(KeptChangesTest, OneWriteMayMakeMoreChangesThanAreKept) {
   Open(2);
   MakeHistory(*catalogue_, [] {});
   std::vector<NewView> views;
+  views.reserve(7);
   for (int i = 0; i < 7; ++i) {
     views.push_back(MakeView(MakeViewName("mug", "upright", "more-" + std::to_string(i)), i));
   }

@@ -1,0 +1,144 @@
+// graspdb_flood HOST:PORT: many clients send messages of the largest size at once, while a robot
+// asks about its frame; tells what became of them and how much memory the server took.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "client/api/client.h"
+#include "recognition/types.h"
+#include "server/scan_from_proto.h"
+
+namespace graspdb::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// As long as robots wait, and as patient clients do.
+constexpr absl::Duration kFrameTimeout = absl::Seconds(10);
+constexpr absl::Duration kFloodTimeout = absl::Seconds(60);
+constexpr std::chrono::milliseconds kBetweenFrames{20};
+
+client::Client Connect(const std::string& server) {
+  return client::Client({.server = server, .own_connection = true});
+}
+
+// A segmented cloud of so many bytes, all of it in one place.
+v1::RecognizeRequest CloudOf(std::size_t bytes) {
+  const recognition::Points points(bytes / sizeof(Eigen::Vector3f), {0.1F, 0.1F, 0.6F});
+  v1::RecognizeRequest out;
+  *out.mutable_cloud() = server::PointsToProto(points);
+  out.set_segmented(true);
+  return out;
+}
+
+// What the calls ended with, by the status.
+class Outcomes {
+ public:
+  void Add(const absl::Status& status, double ms) {
+    const std::scoped_lock lock(mutex_);
+    const std::string code = absl::StatusCodeToString(status.code());
+    times_[code].push_back(ms);
+    if (!status.ok()) messages_.insert({code, std::string(status.message())});
+  }
+
+  void Print(const char* name) {
+    for (auto& [outcome, times] : times_) {
+      std::ranges::sort(times);
+      std::printf("| %s | %s | %zu | %.0f | %.0f |\n", name, outcome.c_str(), times.size(),
+                  times[times.size() / 2], times.back());
+    }
+    for (const auto& [code, message] : messages_) {
+      std::fprintf(stderr, "%s, %s: %s\n", name, code.c_str(), message.substr(0, 120).c_str());
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::vector<double>> times_;
+  std::map<std::string, std::string> messages_;  // one of each kind
+};
+
+void Ask(client::Client& server, const v1::RecognizeRequest& request, absl::Duration timeout,
+         Outcomes* outcomes) {
+  const auto start = Clock::now();
+  const absl::Status status = server.Recognize(request, timeout).status();
+  outcomes->Add(status, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+}
+
+void Flood(const std::string& server, int clients, std::size_t bytes, int rounds) {
+  const v1::RecognizeRequest large = CloudOf(bytes);
+  const v1::RecognizeRequest frame = CloudOf(10'000);
+  Outcomes floods;
+  Outcomes frames;
+  std::atomic<bool> done = false;
+  std::int64_t most_bytes = 0;
+  std::thread watch([&] {
+    client::Client client = Connect(server);
+    while (!done) {
+      if (const auto status = client.GetCatalogStatus(); status.ok()) {
+        most_bytes = std::max(most_bytes, status->memory().resident_byte_count());
+      }
+      std::this_thread::sleep_for(kBetweenFrames);
+    }
+  });
+  std::thread robot([&] {
+    client::Client client = Connect(server);
+    while (!done) {
+      Ask(client, frame, kFrameTimeout, &frames);
+      std::this_thread::sleep_for(kBetweenFrames);
+    }
+  });
+  std::vector<std::thread> flood;
+  for (int i = 0; i < clients; ++i) {
+    flood.emplace_back([&] {
+      client::Client client = Connect(server);
+      for (int round = 0; round < rounds; ++round) Ask(client, large, kFloodTimeout, &floods);
+    });
+  }
+  for (std::thread& client : flood) client.join();
+  done = true;
+  robot.join();
+  watch.join();
+  std::printf(
+      "| call | ended with | calls | ms, median | longest |\n| --- | --- | --- | --- | --- |\n");
+  floods.Print("large");
+  frames.Print("robot's frame");
+  std::printf("\nResident, at most: %.0f MiB.\n", static_cast<double>(most_bytes) / (1 << 20));
+}
+
+}  // namespace
+}  // namespace graspdb::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "graspdb_flood sends large messages to a server from many clients at once, and prints what "
+      "became of them, of a robot's frames meanwhile, and how much memory the server took.",
+      "graspdb_flood");
+  std::string server;
+  app.add_option("SERVER", server, "HOST:PORT")->required();
+  int clients = 64;
+  app.add_option("--clients", clients, "How many, each with a connection of its own")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  int mb = 60;
+  app.add_option("--mb", mb, "Size of a message, 10^6 bytes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  int rounds = 1;
+  app.add_option("--rounds", rounds, "Messages that each client sends, one after the other")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  graspdb::bench::Flood(server, clients, static_cast<std::size_t>(mb) * 1'000'000, rounds);
+  return 0;
+}
