@@ -50,6 +50,7 @@ class DescriptorChunk {
                   std::shared_ptr<const RootProjection> projection);
 
   std::size_t size() const { return views_.size(); }
+  std::size_t bins() const { return bins_; }
   const std::vector<std::shared_ptr<const TaughtView>>& views() const { return views_; }
   Descriptor DescriptorOf(std::size_t i) const;
   // Null: there is none.

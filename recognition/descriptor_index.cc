@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <limits>
+#include <unordered_map>
 #include <utility>
 
 namespace graspdb::recognition {
@@ -30,11 +31,15 @@ bool Before(const Match& a, const Match& b) {
 // The best `count` matches so far that are no farther than `limit`, names breaking ties.
 class BestMatches {
  public:
-  BestMatches(std::size_t count, float limit) : count_(count), limit_(limit) {}
+  explicit BestMatches(std::size_t count) : count_(count) {}
+
+  void Lower(float limit) { limit_ = std::min(limit_, limit); }
 
   // What is farther away than this is none of them.
   float worst() const {
-    return matches_.size() < count_ ? limit_ : static_cast<float>(matches_.front().distance);
+    const float known =
+        matches_.size() < count_ ? kAnything : static_cast<float>(matches_.front().distance);
+    return std::min(limit_, known);
   }
 
   void Add(const std::shared_ptr<const TaughtView>& view, float distance) {
@@ -53,7 +58,7 @@ class BestMatches {
 
  private:
   std::size_t count_;
-  float limit_;
+  float limit_ = kAnything;
   std::vector<Match> matches_;  // a heap, the worst in front
 };
 
@@ -113,6 +118,31 @@ class CodedQuery {
   std::deque<std::pair<const RootProjection*, CodedNumbers>> coded_;
 };
 
+// Adds the nearest of some chunks to `best`: first those with the lowest bounds, then all whose
+// bounds are not above the worst of the best.
+void Scan(std::span<const std::shared_ptr<const DescriptorChunk>> chunks,
+          const Descriptor& descriptor, const DescriptorQuery& query, std::size_t wanted,
+          BestMatches* best) {
+  CodedQuery coded(descriptor);
+  LowestBounds lowest(kTriedFirst * wanted);
+  std::vector<std::vector<float>> bounds(chunks.size());
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    bounds[c].resize(chunks[c]->size());
+    chunks[c]->Bound(coded.For(chunks[c]->projection().get()), bounds[c]);
+    lowest.Add(c, bounds[c]);
+  }
+  std::vector<float> tried;
+  tried.reserve(lowest.all().size());
+  for (const Bounded& b : lowest.all()) tried.push_back(chunks[b.chunk]->Distance(query, b.row));
+  best->Lower(Smallest(wanted, std::move(tried)));
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    for (std::size_t row = 0; row < bounds[c].size(); ++row) {
+      if (bounds[c][row] > best->worst()) continue;
+      best->Add(chunks[c]->views()[row], chunks[c]->Distance(query, row));
+    }
+  }
+}
+
 std::vector<IndexedView> ViewsOf(const DescriptorChunk& chunk) {
   std::vector<IndexedView> out;
   out.reserve(chunk.size());
@@ -161,7 +191,7 @@ void DescriptorIndex::CodeAgain() {
 DescriptorIndex DescriptorIndex::With(std::span<const IndexedView> views) const {
   DescriptorIndex out = *this;
   out.view_count_ += views.size();
-  if (!out.chunks_.empty() && out.chunks_.back()->size() < kChunkViews && !views.empty()) {
+  if (out.chunks_.size() > covered_ && out.chunks_.back()->size() < kChunkViews && !views.empty()) {
     const DescriptorChunk& last = *out.chunks_.back();
     std::vector<IndexedView> joined = ViewsOf(last);
     const std::size_t taken = std::min(views.size(), kChunkViews - last.size());
@@ -188,12 +218,19 @@ DescriptorIndex DescriptorIndex::Joined(const DescriptorIndex& other) const {
 }
 
 DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& names) const {
-  DescriptorIndex out = Empty();
-  out.next_fit_ = next_fit_;
-  for (const auto& chunk : chunks_) {
+  DescriptorIndex out = *this;
+  out.view_count_ = 0;
+  out.chunks_.clear();
+  std::unordered_set<const TaughtView*> removed;
+  for (std::size_t c = 0; c < chunks_.size(); ++c) {
+    const Chunk& chunk = chunks_[c];
+    if (c == covered_) out.covered_ = out.chunks_.size();
     std::vector<IndexedView> kept;
     for (std::size_t i = 0; i < chunk->size(); ++i) {
-      if (names.contains(chunk->views()[i]->name)) continue;
+      if (names.contains(chunk->views()[i]->name)) {
+        if (c < covered_) removed.insert(chunk->views()[i].get());
+        continue;
+      }
       kept.push_back({chunk->views()[i], chunk->DescriptorOf(i)});
     }
     if (kept.empty()) continue;
@@ -202,31 +239,91 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
                               ? chunk
                               : std::make_shared<const DescriptorChunk>(kept, chunk->projection()));
   }
+  if (covered_ == chunks_.size()) out.covered_ = out.chunks_.size();
+  out.PassOver(removed);
   return out;
+}
+
+void DescriptorIndex::PassOver(const std::unordered_set<const TaughtView*>& removed) {
+  if (removed.empty()) return;
+  auto gone = std::make_shared<std::vector<bool>>(*gone_);
+  const auto places = approximate_->places();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if ((*gone)[i]) continue;
+    (*gone)[i] = removed.contains(places[i].chunk->views()[places[i].row].get());
+  }
+  gone_ = std::move(gone);
+}
+
+DescriptorIndex DescriptorIndex::WithApproximate(
+    std::shared_ptr<const ApproximateIndex> approximate) const {
+  DescriptorIndex out = *this;
+  out.approximate_ = std::move(approximate);
+  out.gone_ = nullptr;
+  out.covered_ = 0;
+  if (out.approximate_ == nullptr) return out;
+  std::unordered_map<const TaughtView*, std::size_t> numbers;
+  const auto places = out.approximate_->places();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].chunk != nullptr) numbers[places[i].chunk->views()[places[i].row].get()] = i;
+  }
+  auto gone = std::make_shared<std::vector<bool>>(places.size(), true);
+  std::vector<IndexedView> newer;
+  out.chunks_.clear();
+  for (const Chunk& chunk : chunks_) {
+    std::vector<std::size_t> known;
+    for (std::size_t row = 0; row < chunk->size(); ++row) {
+      const auto found = numbers.find(chunk->views()[row].get());
+      if (found == numbers.end()) {
+        newer.push_back({chunk->views()[row], chunk->DescriptorOf(row)});
+      } else {
+        known.push_back(row);
+        (*gone)[found->second] = false;
+      }
+    }
+    if (known.size() == chunk->size()) {
+      out.chunks_.push_back(chunk);
+    } else if (!known.empty()) {
+      std::vector<IndexedView> kept;
+      for (const std::size_t row : known) {
+        kept.push_back({chunk->views()[row], chunk->DescriptorOf(row)});
+      }
+      out.chunks_.push_back(std::make_shared<const DescriptorChunk>(kept, chunk->projection()));
+    }
+  }
+  out.covered_ = out.chunks_.size();
+  out.gone_ = std::move(gone);
+  out.view_count_ -= newer.size();
+  return out.With(newer);
+}
+
+std::size_t DescriptorIndex::newer_view_count() const {
+  std::size_t out = 0;
+  for (std::size_t c = covered_; c < chunks_.size(); ++c) out += chunks_[c]->size();
+  return out;
+}
+
+std::size_t DescriptorIndex::gone_view_count() const {
+  return gone_ == nullptr ? 0 : static_cast<std::size_t>(std::ranges::count(*gone_, true));
 }
 
 std::vector<Match> DescriptorIndex::Nearest(const Descriptor& descriptor, int count) const {
   if (count <= 0 || descriptor.size() != bins_) return {};
   const DescriptorQuery query(descriptor);
-  CodedQuery coded(descriptor);
   const auto wanted = static_cast<std::size_t>(count);
-  LowestBounds lowest(kTriedFirst * wanted);
-  std::vector<std::vector<float>> bounds(chunks_.size());
-  for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    bounds[c].resize(chunks_[c]->size());
-    chunks_[c]->Bound(coded.For(chunks_[c]->projection().get()), bounds[c]);
-    lowest.Add(c, bounds[c]);
-  }
-  std::vector<float> tried;
-  tried.reserve(lowest.all().size());
-  for (const Bounded& b : lowest.all()) tried.push_back(chunks_[b.chunk]->Distance(query, b.row));
-  BestMatches best(wanted, Smallest(wanted, std::move(tried)));
-  for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    for (std::size_t row = 0; row < bounds[c].size(); ++row) {
-      if (bounds[c][row] > best.worst()) continue;
-      best.Add(chunks_[c]->views()[row], chunks_[c]->Distance(query, row));
+  BestMatches best(wanted);
+  std::span<const Chunk> scanned(chunks_);
+  if (approximate_ != nullptr && wanted <= ApproximateIndex::kMostNeighbors) {
+    // Where FLANN fails, all are scanned.
+    if (const auto proposed = approximate_->Propose(descriptor, *gone_); proposed.ok()) {
+      for (const std::size_t i : *proposed) {
+        const ApproximateIndex::Place& at = approximate_->places()[i];
+        best.Add(at.chunk->views()[at.row], at.chunk->Distance(query, at.row));
+      }
+      scanned = scanned.subspan(covered_);
     }
   }
+  Scan(scanned, descriptor, query, wanted, &best);
   return best.TakeSorted();
 }
 

@@ -1,4 +1,5 @@
-// Exact nearest neighbours among the descriptors of all views.
+// Nearest neighbours among the descriptors of all views: exact, or nearly so with an
+// ApproximateIndex.
 #pragma once
 
 #include <memory>
@@ -7,6 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "recognition/approximate_index.h"
 #include "recognition/descriptor_chunk.h"
 #include "recognition/taught.h"
 
@@ -21,7 +23,7 @@ struct Match {
 // An immutable index; copies share their content, and With/Without share what
 // does not change, so that a write costs one chunk and not the whole. Searches
 // are exact: bytes say which views may be among the nearest (see DescriptorChunk),
-// and these are measured. Their result does not depend on the order in which the
+// and these are measured. The result of a search does not depend on the order in which the
 // views came. Thread-safe.
 class DescriptorIndex {
  public:
@@ -37,8 +39,21 @@ class DescriptorIndex {
   // This index without the views of these resource names.
   DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
 
-  // The `count` nearest views, nearest first; equal distances by name.
+  // The `count` nearest views, nearest first; equal distances by name. With an approximate index up
+  // to ApproximateIndex::kMostNeighbors are the nearest of those that it proposes and of those
+  // that came after it.
   std::vector<Match> Nearest(const Descriptor& query, int count) const;
+
+  // This index with an approximate one of some of its views, or without any where it is null. Views
+  // of it that are not here are passed over, views that are not in it are searched exactly. With
+  // and Without keep it. O(views).
+  DescriptorIndex WithApproximate(std::shared_ptr<const ApproximateIndex> approximate) const;
+
+  // Null: there is none.
+  const std::shared_ptr<const ApproximateIndex>& approximate() const { return approximate_; }
+  // Views that are not in the approximate index, and views of it that are not here any more.
+  std::size_t newer_view_count() const;
+  std::size_t gone_view_count() const;
 
   std::size_t view_count() const { return view_count_; }
 
@@ -54,11 +69,15 @@ class DescriptorIndex {
 
   void FitProjection();
   void CodeAgain();
+  void PassOver(const std::unordered_set<const TaughtView*>& removed);
 
   std::size_t bins_;
   std::size_t view_count_ = 0;
   std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
   std::size_t next_fit_;                              // at so many views
+  std::shared_ptr<const ApproximateIndex> approximate_;
+  std::shared_ptr<const std::vector<bool>> gone_;  // one a view of it
+  std::size_t covered_ = 0;                        // chunks, the first ones, that are in it
   std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
 };
 

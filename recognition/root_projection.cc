@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace graspdb::recognition {
 namespace {
@@ -48,9 +49,14 @@ std::shared_ptr<const RootProjection> RootProjection::Fit(
   }
   const Eigen::MatrixXf axes =
       (Hadamard() * solver.eigenvectors().rightCols(kAxes).transpose()).cast<float>();
+  return FromNumbers(
+      {{mean.data(), mean.data() + mean.size()}, {axes.data(), axes.data() + axes.size()}});
+}
+
+std::shared_ptr<const RootProjection> RootProjection::FromNumbers(Numbers numbers) {
+  if (numbers.axes.size() != kComponents * numbers.means.size()) return nullptr;
   std::shared_ptr<RootProjection> out(new RootProjection);
-  out->mean_.assign(mean.data(), mean.data() + mean.size());
-  out->axes_.assign(axes.data(), axes.data() + axes.size());
+  out->numbers_ = std::move(numbers);
   return out;
 }
 
@@ -58,11 +64,11 @@ RootProjection::Projection RootProjection::Project(std::span<const float> roots)
   Projection out{std::vector<float>(kComponents, 0.0F)};
   double squares = 0;
   double length = 0;
-  for (std::size_t bin = 0; bin < mean_.size(); ++bin) {
-    const float off = roots[bin] - mean_[bin];
+  for (std::size_t bin = 0; bin < numbers_.means.size(); ++bin) {
+    const float off = roots[bin] - numbers_.means[bin];
     squares += static_cast<double>(off) * off;
     length += static_cast<double>(roots[bin]) * roots[bin];
-    const float* axis = axes_.data() + bin * kComponents;
+    const float* axis = numbers_.axes.data() + bin * kComponents;
     for (std::size_t i = 0; i < kComponents; ++i) out.components[i] += axis[i] * off;
   }
   // A sum of n products is off by at most n + 4 half units in the last place (the difference, the
@@ -70,9 +76,9 @@ RootProjection::Projection RootProjection::Project(std::span<const float> roots)
   // 5e-5 for 288 bins of mass 1, where distances of neighbours are about 0.15.
   const double unit = std::numeric_limits<float>::epsilon();
   const double sums = std::sqrt(static_cast<double>(kComponents));
-  out.rounding =
-      static_cast<float>(unit * (static_cast<double>(mean_.size() + 4) * sums * std::sqrt(squares) +
-                                 std::sqrt(length)));
+  out.rounding = static_cast<float>(
+      unit * (static_cast<double>(numbers_.means.size() + 4) * sums * std::sqrt(squares) +
+              std::sqrt(length)));
   return out;
 }
 

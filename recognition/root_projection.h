@@ -26,6 +26,18 @@ class RootProjection {
   // bins than components, or numbers that are not finite.
   static std::shared_ptr<const RootProjection> Fit(const std::vector<std::vector<float>>& sample);
 
+  // What a projection consists of, to be kept.
+  struct Numbers {
+    std::vector<float> means;  // of the sample, one a bin
+    std::vector<float> axes;   // kComponents values for each bin
+  };
+  const Numbers& numbers() const { return numbers_; }
+  // Null for numbers that do not fit together. The axes must be those of numbers(): whether they
+  // are orthonormal is not checked.
+  static std::shared_ptr<const RootProjection> FromNumbers(Numbers numbers);
+
+  std::size_t bins() const { return numbers_.means.size(); }
+
   struct Projection {
     std::vector<float> components;
     float rounding = 0;  // an upper bound of how far floats moved them
@@ -37,8 +49,7 @@ class RootProjection {
  private:
   RootProjection() = default;
 
-  std::vector<float> mean_;  // of the sample
-  std::vector<float> axes_;  // kComponents values for each bin
+  Numbers numbers_;
 };
 
 }  // namespace graspdb::recognition

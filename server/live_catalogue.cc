@@ -62,6 +62,14 @@ absl::Status LiveCatalogue::Load() {
   return absl::OkStatus();
 }
 
+void LiveCatalogue::UseApproximate(
+    std::shared_ptr<const recognition::ApproximateIndex> approximate) {
+  absl::MutexLock lock(&change_mutex_);
+  Snapshot next = *snapshot();
+  next.index = next.index.WithApproximate(std::move(approximate));
+  Publish(std::move(next));
+}
+
 absl::Status LiveCatalogue::Reload() {
   TaughtPoseChange poses;
   std::vector<std::string> left_out;

@@ -46,6 +46,11 @@ class LiveCatalogue {
   // Stored views and stable poses that cannot be used; the log has their names.
   std::int64_t left_out_count() const ABSL_LOCKS_EXCLUDED(change_mutex_);
 
+  // Searches with this approximate index from now on, or exactly where it is null. Waits for a
+  // change that is being applied. O(views).
+  void UseApproximate(std::shared_ptr<const recognition::ApproximateIndex> approximate)
+      ABSL_LOCKS_EXCLUDED(change_mutex_);
+
   // The revision of the index file that it was loaded from; nothing where that was not used.
   std::optional<std::int64_t> file_revision() const { return file_revision_; }
 

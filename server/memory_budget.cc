@@ -54,11 +54,23 @@ RequestMemory::Reservation::~Reservation() {
   if (memory_ == nullptr) return;
   absl::MutexLock lock(&memory_->mutex_);
   memory_->use_.bytes -= bytes_;
+  if (memory_->IsLarge(bytes_)) memory_->large_bytes_ -= bytes_;
+}
+
+bool RequestMemory::HasRoom(std::size_t bytes) const {
+  if (!IsLarge(bytes)) return bytes <= budget_ - std::min(budget_, use_.bytes - Overdraft());
+  const std::size_t most = budget_ - budget_ / kSmallShare;
+  return large_bytes_ == 0 || bytes <= most - std::min(most, large_bytes_);
+}
+
+std::size_t RequestMemory::Overdraft() const {
+  const std::size_t most = budget_ - budget_ / kSmallShare;
+  return large_bytes_ - std::min(most, large_bytes_);
 }
 
 absl::StatusOr<RequestMemory::Reservation> RequestMemory::Reserve(std::size_t bytes) {
   absl::MutexLock lock(&mutex_);
-  if (use_.bytes > 0 && bytes > budget_ - std::min(budget_, use_.bytes)) {
+  if (!HasRoom(bytes)) {
     ++use_.refused;
     return TryAgainLater(WithReason(
         absl::ResourceExhaustedError("the server has no memory left for another request; try again "
@@ -66,6 +78,7 @@ absl::StatusOr<RequestMemory::Reservation> RequestMemory::Reserve(std::size_t by
         "MEMORY_FULL"));
   }
   use_.bytes += bytes;
+  if (IsLarge(bytes)) large_bytes_ += bytes;
   return Reservation(this, bytes);
 }
 

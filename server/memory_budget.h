@@ -54,15 +54,26 @@ class RequestMemory {
   static constexpr std::size_t kBytesPerWireByte = 3;
 
   // RESOURCE_EXHAUSTED, with the time after which to try again, when there is no room for `bytes`
-  // more. A request that is larger than the budget goes in alone.
+  // more. A quarter of the budget is left for requests that take less than a sixteenth of it, as
+  // robots' frames do: large ones cannot keep them out. Of requests that are larger than the rest
+  // one goes in at a time.
   absl::StatusOr<Reservation> Reserve(std::size_t bytes);
 
   Use use() const;
 
  private:
+  static constexpr std::size_t kSmallShare = 4;
+  static constexpr std::size_t kSmall = 16;
+
+  bool IsLarge(std::size_t bytes) const { return bytes > budget_ / kSmall; }
+  bool HasRoom(std::size_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // What large requests take of the small ones' quarter, bytes.
+  std::size_t Overdraft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
   const std::size_t budget_;
   mutable absl::Mutex mutex_;
   Use use_ ABSL_GUARDED_BY(mutex_);
+  std::size_t large_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace graspdb::server

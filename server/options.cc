@@ -54,6 +54,11 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   app.add_option("--descriptor", o->descriptor, "Descriptor that finds the views")
       ->check(CLI::IsMember(recognition::DescriptorNames()))
       ->capture_default_str();
+  app.add_option("--index", o->index,
+                 "How the nearest views are found: exact looks at all; flann at some thousand, for "
+                 "catalogues of 100,000 views and more")
+      ->check(CLI::IsMember({"exact", "flann"}))
+      ->capture_default_str();
   app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/admission.h"
+#include "server/approximate_keeper.h"
 #include "server/catalog_service.h"
 #include "server/cell_service.h"
 #include "server/frame_recognizer.h"
@@ -73,6 +74,9 @@ struct Server::Parts {
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
         index_keeper(*catalogue, *live, parameters.descriptor),
+        approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateKeeper>(
+                                                          *catalogue, *live, parameters.descriptor)
+                                                    : nullptr),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
         recognizing(WorkersOf(options), options.queue),
@@ -94,6 +98,7 @@ struct Server::Parts {
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
   IndexKeeper index_keeper;
+  std::unique_ptr<ApproximateKeeper> approximate_keeper;  // null: searches are exact
   RequestMemory request_memory;
   ViewCloudCache clouds;
   Admission recognizing;

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "absl/status/status.h"
+#include "storage/approximate_file.h"
 #include "storage/index_file.h"
 #include "storage/revision_floor.h"
 
@@ -48,7 +49,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name == "CURRENT") return DirectoryContent::kDatabase;
-    ours |= name == kRevisionFloorFile || name == kIndexFile;
+    ours |= name == kRevisionFloorFile || name == kIndexFile || name == kApproximateFile;
     foreign |= !MayPrecedeDatabase(name);
   }
   if (error) return CannotRead(directory, error);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/thresholds_command.h"
 #include "client/load/cache_text.h"
@@ -123,6 +124,14 @@ absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
   return absl::OkStatus();
 }
 
+std::string IndexText(const v1::CatalogStatus& status) {
+  if (!status.has_approximate_index()) return "exact";
+  const v1::ApproximateIndexStatus& index = status.approximate_index();
+  return absl::StrFormat("%s, %d views and %d newer ones, recall of the 10 nearest %.1f %%, %d MiB",
+                         index.name(), index.view_count(), index.newer_view_count(),
+                         100 * index.recall_at_10(), index.byte_count() >> 20);
+}
+
 absl::Status ShowStatus(const GlobalOptions& global) {
   absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
   if (!status.ok()) return status.status();
@@ -139,6 +148,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status->missed_count()),
               static_cast<long long>(status->slipped_count()));
   std::printf("descriptor  %s\n", status->descriptor_name().c_str());
+  std::printf("index       %s\n", IndexText(*status).c_str());
   std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
   std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
   std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "recognition/descriptor_index.h"
+#include "recognition/recall.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/suite.h"
 
@@ -121,6 +122,16 @@ SearchFor Ours(const Rows& rows) {
   };
 }
 
+SearchFor Approximate(const Rows& rows) {
+  auto index = recognition::WithNewApproximate(rows.index);
+  if (!index.ok()) return [](const Descriptor&) { return std::set<std::size_t>(); };
+  return [index = *std::move(index)](const Descriptor& query) {
+    std::set<std::size_t> out;
+    for (const auto& match : index.Nearest(query, kCount)) out.insert(PositionOf(match));
+    return out;
+  };
+}
+
 SearchFor Flann(const Rows& rows, const flann::IndexParams& kind, int checks) {
   const auto index = std::make_shared<flann::Index<flann::ChiSquareDistance<float>>>(
       flann::Matrix<float>(const_cast<float*>(rows.values.data()), rows.count, kBins), kind);
@@ -173,6 +184,7 @@ void AddSize(std::size_t count) {
     Add(work, who, rows, Lazy<SearchFor>([=] { return make(*rows); }));
   };
   add("graspdb", Ours);
+  add("graspdb, --index flann", Approximate);
   add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
   if (count > kMostForPeers) return;
   add("FLANN kd-forest", [](const Rows& r) { return Flann(r, flann::KDTreeIndexParams(4), 128); });

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "google/rpc/error_details.pb.h"
 #include "tests/testing/status_matchers.h"
 
@@ -29,26 +32,45 @@ TEST(ShareMemoryTest, WithoutANumberItIsAShareOfTheMachine) {
 }
 
 TEST(RequestMemoryTest, WhatDoesNotFitIsRefusedUntilThereIsRoom) {
-  RequestMemory memory(100);
+  RequestMemory memory(160);
   {
-    const auto first = memory.Reserve(60);
+    const auto first = memory.Reserve(80);
     ASSERT_THAT(first, IsOk());
     const auto second = memory.Reserve(41);
     EXPECT_THAT(second, StatusIs(absl::StatusCode::kResourceExhausted));
     EXPECT_TRUE(second.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo"));
     EXPECT_THAT(memory.Reserve(40), IsOk());
-    EXPECT_EQ(memory.use().bytes, 60U);
+    EXPECT_EQ(memory.use().bytes, 80U);
     EXPECT_EQ(memory.use().refused, 1);
   }
   EXPECT_EQ(memory.use().bytes, 0U);
-  EXPECT_THAT(memory.Reserve(41), IsOk());
+  EXPECT_THAT(memory.Reserve(120), IsOk());
 }
 
-TEST(RequestMemoryTest, ARequestLargerThanTheBudgetGoesInAlone) {
-  RequestMemory memory(100);
-  const auto large = memory.Reserve(1000);
-  ASSERT_THAT(large, IsOk());
-  EXPECT_THAT(memory.Reserve(1), StatusIs(absl::StatusCode::kResourceExhausted));
+TEST(RequestMemoryTest, OfRequestsLargerThanTheBudgetOneGoesInAtATime) {
+  RequestMemory memory(160);
+  {
+    const auto large = memory.Reserve(1000);
+    ASSERT_THAT(large, IsOk());
+    EXPECT_THAT(memory.Reserve(1000), StatusIs(absl::StatusCode::kResourceExhausted));
+    EXPECT_THAT(memory.Reserve(11), StatusIs(absl::StatusCode::kResourceExhausted));
+  }
+  EXPECT_THAT(memory.Reserve(1000), IsOk());
+}
+
+TEST(RequestMemoryTest, LargeRequestsLeaveRoomForSmallOnes) {
+  for (const std::size_t large_bytes : {120U, 1000U}) {
+    RequestMemory memory(160);
+    const auto large = memory.Reserve(large_bytes);
+    ASSERT_THAT(large, IsOk());
+    std::vector<RequestMemory::Reservation> small;
+    for (int i = 0; i < 4; ++i) {
+      auto next = memory.Reserve(10);
+      ASSERT_THAT(next, IsOk());
+      small.push_back(*std::move(next));
+    }
+    EXPECT_THAT(memory.Reserve(10), StatusIs(absl::StatusCode::kResourceExhausted));
+  }
 }
 
 }  // namespace

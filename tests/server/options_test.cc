@@ -42,6 +42,14 @@ absl::Status CheckListen(const std::string& listen, bool allow_remote = false) {
   return CheckListenAddress(options);
 }
 
+TEST(Options, TheIndexIsExactUnlessItIsAskedFor) {
+  EXPECT_EQ(Parse({"--db", "/d"}).options.index, "exact");
+  EXPECT_EQ(Parse({"--db", "/d", "--index", "flann"}).options.index, "flann");
+  EXPECT_EQ(Parse({"--db", "/d", "--index", "faiss"}).exit_status, 2);
+  const Variable variable("GRASPDB_INDEX", "flann");
+  EXPECT_EQ(Parse({"--db", "/d"}).options.index, "flann");
+}
+
 TEST(Options, FlagsAreRead) {
   const ParsedOptions parsed =
       Parse({"--db", "/d", "--listen", "127.0.0.1:0", "--queue", "3", "--descriptor", "vfh263",

@@ -1,0 +1,66 @@
+#include "storage/approximate_file.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "storage/crc32c.h"
+#include "storage/file_replacement.h"
+
+namespace graspdb::storage {
+namespace {
+
+// The last byte is the version of the layout; the checksum and the record follow.
+constexpr std::string_view kMagic("GAX\x01", 4);
+constexpr std::size_t kChecksumBytes = 4;
+constexpr std::size_t kStartBytes = kMagic.size() + kChecksumBytes;
+
+std::string PathOf(const std::string& directory) {
+  return directory + "/" + std::string(kApproximateFile);
+}
+
+std::string ChecksumOf(std::string_view bytes) {
+  const std::uint32_t checksum = Crc32c(bytes, Crc32c(kMagic));
+  std::string out;
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    out += static_cast<char>((checksum >> shift) & 0xffU);
+  }
+  return out;
+}
+
+absl::Status Damaged() { return absl::DataLossError("the approximate index's file is damaged"); }
+
+}  // namespace
+
+absl::Status WriteApproximateFile(const std::string& directory,
+                                  const ApproximateIndexRecord& record) {
+  std::string bytes;
+  if (!record.SerializeToString(&bytes)) {
+    return absl::UnavailableError("the approximate index is too large for its file");
+  }
+  FileReplacement file(PathOf(directory));
+  absl::Status status = file.Append(std::string(kMagic) + ChecksumOf(bytes));
+  status.Update(file.Append(bytes));
+  if (!status.ok()) return status;
+  return file.Commit();
+}
+
+absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(PathOf(directory), error);
+  if (error == std::errc::no_such_file_or_directory) {
+    return absl::NotFoundError("there is no file of an approximate index");
+  }
+  if (error || size < kStartBytes) return Damaged();
+  std::ifstream file(PathOf(directory), std::ios::binary);
+  std::string bytes(size, '\0');
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return Damaged();
+  const std::string_view record = std::string_view(bytes).substr(kStartBytes);
+  if (bytes.substr(0, kStartBytes) != std::string(kMagic) + ChecksumOf(record)) return Damaged();
+  ApproximateIndexRecord out;
+  if (!out.ParseFromArray(record.data(), static_cast<int>(record.size()))) return Damaged();
+  return out;
+}
+
+}  // namespace graspdb::storage

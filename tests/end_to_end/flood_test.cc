@@ -1,0 +1,73 @@
+// More messages at once than the server may have in memory.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "client/api/client.h"
+#include "server/scan_from_proto.h"
+#include "tests/end_to_end/programs_fixture.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::end_to_end {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kClients = 16;
+constexpr int kMemoryMib = 256;
+constexpr std::size_t kLargePoints = 1'900'000;  // 23 MB, within the limit for points
+constexpr absl::Duration kPatience = absl::Minutes(5);
+
+class FloodTest : public ProgramsTest {
+ protected:
+  client::Client Connect() const {
+    return client::Client({.server = address_, .timeout = kPatience, .own_connection = true});
+  }
+  static v1::RecognizeRequest CloudOf(std::size_t points) {
+    v1::RecognizeRequest out;
+    *out.mutable_cloud() = server::PointsToProto(recognition::Points(points, {0.1F, 0.1F, 0.6F}));
+    out.set_segmented(true);
+    return out;
+  }
+};
+
+TEST_F(FloodTest, TheServerLivesWithinItsMemoryAndRobotsAreAnswered) {
+  StartServer("db", {"--memory-mib", std::to_string(kMemoryMib)});
+  const v1::RecognizeRequest large = CloudOf(kLargePoints);
+  std::atomic<int> running = kClients;
+  std::vector<absl::Status> ends(kClients);
+  std::vector<std::thread> flood;
+  for (absl::Status& end : ends) {
+    flood.emplace_back([&] {
+      end = Connect().Recognize(large).status();
+      --running;
+    });
+  }
+  const v1::RecognizeRequest frame = CloudOf(1000);
+  client::Client robot = Connect();
+  std::int64_t most_bytes = 0;
+  while (running > 0) {
+    // gRPC may close a connection when memory is short; the server has room for a small frame.
+    const absl::Status answer = robot.Recognize(frame).status();
+    EXPECT_THAT(answer.message(), Not(HasSubstr("no memory left")));
+    if (const auto status = robot.GetCatalogStatus(); status.ok()) {
+      most_bytes = std::max(most_bytes, status->memory().resident_byte_count());
+    }
+  }
+  for (std::thread& client : flood) client.join();
+  for (const absl::Status& end : ends) {
+    EXPECT_THAT(end.code(), AnyOf(absl::StatusCode::kOk, absl::StatusCode::kResourceExhausted,
+                                  absl::StatusCode::kUnavailable))
+        << end;
+  }
+  EXPECT_THAT(robot.Recognize(frame), IsOk());
+  EXPECT_LT(most_bytes, std::int64_t{kMemoryMib + 256} << 20);
+}
+
+}  // namespace
+}  // namespace graspdb::end_to_end
