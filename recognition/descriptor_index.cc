@@ -285,6 +285,7 @@ DescriptorIndex DescriptorIndex::WithApproximate(
       out.chunks_.push_back(chunk);
     } else if (!known.empty()) {
       std::vector<IndexedView> kept;
+      kept.reserve(known.size());
       for (const std::size_t row : known) {
         kept.push_back({chunk->views()[row], chunk->DescriptorOf(row)});
       }

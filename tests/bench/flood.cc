@@ -99,6 +99,7 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
     }
   });
   std::vector<std::thread> flood;
+  flood.reserve(static_cast<std::size_t>(clients));
   for (int i = 0; i < clients; ++i) {
     flood.emplace_back([&] {
       client::Client client = Connect(server);

@@ -42,6 +42,7 @@ TEST_F(FloodTest, TheServerLivesWithinItsMemoryAndRobotsAreAnswered) {
   std::atomic<int> running = kClients;
   std::vector<absl::Status> ends(kClients);
   std::vector<std::thread> flood;
+  flood.reserve(ends.size());
   for (absl::Status& end : ends) {
     flood.emplace_back([&] {
       end = Connect().Recognize(large).status();
