@@ -21,7 +21,16 @@ constexpr char kLibrary[] = "FLANN " FLANN_VERSION_ ", k-means";
 constexpr int kBranching = 32;
 // More than 7 rounds of k-means change the recall by less than another seed does.
 constexpr int kRounds = 7;
+// Views that the projection is fitted to.
 constexpr std::size_t kSample = 2048;
+// Limits of what a file may ask for; both are far above what calibration chooses.
+constexpr int kMaxChecks = 1'000'000;
+constexpr int kMaxCandidates = 10'000;
+
+bool IsWithinLimits(const ApproximateIndex::SearchParameters& search) {
+  return search.checks > 0 && search.checks <= kMaxChecks && search.candidates > 0 &&
+         search.candidates <= kMaxCandidates;
+}
 
 absl::Status Failed(const std::exception& error) {
   return absl::InternalError(
@@ -33,10 +42,10 @@ struct Close {
 };
 using File = std::unique_ptr<std::FILE, Close>;
 
-// The nearest `count` that are not gone.
+// The nearest `count` that are not deleted.
 class Nearest : public flann::ResultSet<float> {
  public:
-  Nearest(std::size_t count, const std::vector<bool>& gone) : count_(count), gone_(gone) {
+  Nearest(std::size_t count, const std::vector<bool>& deleted) : count_(count), deleted_(deleted) {
     heap_.reserve(count + 1);
   }
 
@@ -45,7 +54,7 @@ class Nearest : public flann::ResultSet<float> {
     return full() ? heap_.front().first : std::numeric_limits<float>::max();
   }
   void addPoint(float distance, std::size_t index) override {
-    if (!gone_.empty() && gone_[index]) return;
+    if (!deleted_.empty() && deleted_[index]) return;
     // Ties by number, so that the order of visits does not matter.
     const std::pair<float, std::size_t> at(distance, index);
     if (full() && at >= heap_.front()) return;
@@ -65,7 +74,7 @@ class Nearest : public flann::ResultSet<float> {
 
  private:
   std::size_t count_;
-  const std::vector<bool>& gone_;
+  const std::vector<bool>& deleted_;
   std::vector<std::pair<float, std::size_t>> heap_;  // the worst in front
 };
 
@@ -121,7 +130,7 @@ std::vector<float> RootsAt(const ApproximateIndex::Place& place) {
   return NumbersToCode(place.chunk->DescriptorOf(place.row), nullptr).values;
 }
 
-// The points of the tree; those of views that are gone are never looked at.
+// The points of the tree; those of deleted views are never read.
 std::vector<float> PointsOf(std::span<const ApproximateIndex::Place> places,
                             const RootProjection& projection) {
   std::vector<float> out;
@@ -139,10 +148,10 @@ std::vector<float> PointsOf(std::span<const ApproximateIndex::Place> places,
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const ApproximateIndex>> ApproximateIndex::Build(
-    std::span<const Chunk> chunks, const Effort& effort) {
+absl::StatusOr<std::shared_ptr<ApproximateIndex>> ApproximateIndex::Build(
+    std::span<const Chunk> chunks, const SearchParameters& search) {
   std::shared_ptr<ApproximateIndex> out(new ApproximateIndex);
-  out->effort_ = effort;
+  out->search_ = search;
   out->chunks_.assign(chunks.begin(), chunks.end());
   for (const Chunk& chunk : chunks) {
     for (std::size_t row = 0; row < chunk->size(); ++row)
@@ -154,7 +163,7 @@ absl::StatusOr<std::shared_ptr<const ApproximateIndex>> ApproximateIndex::Build(
     sample.push_back(RootsAt(out->places_[i]));
   }
   out->projection_ = RootProjection::Fit(sample);
-  if (out->projection_ == nullptr || out->places_.size() < kMostNeighbors) {
+  if (out->projection_ == nullptr || out->places_.size() < kMaxNeighbors) {
     return absl::FailedPreconditionError(
         "there are too few views for an approximate index, or no two are alike; they are searched "
         "exactly");
@@ -177,8 +186,11 @@ absl::StatusOr<std::shared_ptr<const ApproximateIndex>> ApproximateIndex::Load(
   if (saved.view_count != places.size()) {
     return absl::FailedPreconditionError("it was made with another number of views");
   }
+  if (!IsWithinLimits(saved.search)) {
+    return absl::FailedPreconditionError("its search parameters are outside of their limits");
+  }
   std::shared_ptr<ApproximateIndex> out(new ApproximateIndex);
-  out->effort_ = saved.effort;
+  out->search_ = saved.search;
   out->recall_at_10_ = saved.recall_at_10;
   out->chunks_ = std::move(chunks);
   out->places_ = std::move(places);
@@ -204,30 +216,18 @@ absl::StatusOr<ApproximateIndex::Saved> ApproximateIndex::Save() const {
     absl::StatusOr<std::string> tree = tree_->Save();
     if (!tree.ok()) return tree.status();
     return Saved{kLibrary, projection_->numbers(), *std::move(tree), places_.size(),
-                 effort_,  recall_at_10_};
+                 search_,  recall_at_10_};
   } catch (const std::exception& error) {
     return Failed(error);
   }
 }
 
-std::shared_ptr<const ApproximateIndex> ApproximateIndex::Calibrated(const Effort& effort,
-                                                                     double recall_at_10) const {
-  std::shared_ptr<ApproximateIndex> out(new ApproximateIndex);
-  out->chunks_ = chunks_;
-  out->places_ = places_;
-  out->projection_ = projection_;
-  out->tree_ = tree_;
-  out->effort_ = effort;
-  out->recall_at_10_ = recall_at_10;
-  return out;
-}
-
-absl::StatusOr<std::vector<std::size_t>> ApproximateIndex::Propose(
-    const Descriptor& query, const std::vector<bool>& gone) const {
+absl::StatusOr<std::vector<std::size_t>> ApproximateIndex::FindCandidates(
+    const Descriptor& query, const std::vector<bool>& deleted) const {
   const auto projected = projection_->Project(NumbersToCode(query, nullptr).values);
   try {
-    Nearest nearest(static_cast<std::size_t>(std::max(1, effort_.proposals)), gone);
-    tree_->Find(projected.components.data(), effort_.checks, &nearest);
+    Nearest nearest(static_cast<std::size_t>(search_.candidates), deleted);
+    tree_->Find(projected.components.data(), search_.checks, &nearest);
     return nearest.Numbers();
   } catch (const std::exception& error) {
     return Failed(error);

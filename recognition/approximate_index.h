@@ -1,4 +1,4 @@
-// Nearly all of the nearest views, without looking at every one: FLANN's hierarchical k-means tree.
+// Approximate nearest neighbours: FLANN's hierarchical k-means tree.
 #pragma once
 
 #include <cstdint>
@@ -13,71 +13,75 @@
 
 namespace graspdb::recognition {
 
-// A tree over the projections of descriptors (see RootProjection), in which a search looks at some
-// thousand views. It proposes; what it proposes is ranked by the exact distance (DescriptorIndex).
+// A tree over the projections of descriptors (see RootProjection), of which a search checks some
+// thousand. It finds candidates, which DescriptorIndex ranks by the exact distance.
 //
-// FLANN takes its random numbers from the system: two trees of the same views propose different
-// ones. A tree that was saved and loaded proposes what it did before. Views that are gone stay in
-// the tree and are passed over. Immutable; safe for concurrent reads.
+// FLANN seeds from the system: two trees of the same views find different candidates. A tree that
+// was saved and loaded finds the same ones. Deleted views stay in the tree and are skipped.
+// Immutable, but for Calibrate; safe for concurrent reads.
 class ApproximateIndex {
  public:
   using Chunk = std::shared_ptr<const DescriptorChunk>;
 
-  // How thoroughly a search looks.
-  struct Effort {
-    int checks = 1024;  // views that are looked at, at least
-    // So many of the projections' nearest are ranked exactly. Among a million views 200 leave out
-    // 2.5 % of the 10 nearest of unknown parts and 400 leave out 1.7 %; 1,000 double the time.
-    int proposals = 500;
+  struct SearchParameters {
+    int checks = 1024;  // FLANN's SearchParams::checks: views whose distance is computed, at least
+    // The nearest projections, which are ranked exactly. Among a million views 200 miss 2.5 % of
+    // the 10 nearest of unknown parts and 400 miss 1.7 %; doubled, a search takes twice as long.
+    int candidates = 500;
   };
-  // More than so many neighbours are not asked of the tree: the exact search is as fast.
-  static constexpr std::size_t kMostNeighbors = 50;
+  // The largest k that is searched for in the tree; for more the exact search is as fast.
+  static constexpr std::size_t kMaxNeighbors = 50;
 
-  // Numbers of views in the tree. A view that is gone has no place.
+  // Where the descriptor of a view in the tree is; null for a view that was deleted.
   struct Place {
     const DescriptorChunk* chunk = nullptr;
     std::size_t row = 0;
   };
 
-  // What is kept of a tree, besides the names of its views in the order of their numbers.
+  // What a file keeps of an index, besides the names of its views in the order of their numbers.
   struct Saved {
     std::string library;  // and its version
     RootProjection::Numbers projection;
-    // FLANN's. It ends the process on bytes that it did not write: check where they come from.
+    // Serialised by FLANN, which ends the process on bytes that it did not write: the caller must
+    // have verified a checksum.
     std::string tree;
     std::size_t view_count = 0;
-    Effort effort;
+    SearchParameters search;
     double recall_at_10 = 0;
   };
 
-  // Over all views of some chunks, which have `size` bins each; a second for 100,000 views.
-  // FAILED_PRECONDITION where no projection fits them, and for fewer than kMostNeighbors views;
-  // INTERNAL when FLANN fails.
-  static absl::StatusOr<std::shared_ptr<const ApproximateIndex>> Build(
-      std::span<const Chunk> chunks, const Effort& effort);
+  // An index of all views of `chunks`; 1 s for 100,000 views. FAILED_PRECONDITION where no
+  // projection fits them, and for fewer than kMaxNeighbors views; INTERNAL when FLANN fails.
+  static absl::StatusOr<std::shared_ptr<ApproximateIndex>> Build(std::span<const Chunk> chunks,
+                                                                 const SearchParameters& search);
 
-  // The tree that was saved, over the same views in the same order; `chunks` hold those that
-  // are still there. FAILED_PRECONDITION for another library's, INTERNAL when FLANN fails.
+  // The index that was saved, of the same views in the same order; `chunks` hold those that are
+  // not deleted. FAILED_PRECONDITION for another library's, other views' or search parameters
+  // outside of their limits; DATA_LOSS for a projection that is damaged; INTERNAL when FLANN fails.
   static absl::StatusOr<std::shared_ptr<const ApproximateIndex>> Load(const Saved& saved,
                                                                       std::vector<Place> places,
                                                                       std::vector<Chunk> chunks);
+  // INTERNAL when FLANN fails.
   absl::StatusOr<Saved> Save() const;
 
-  // The same with another effort, and the recall that was measured with it.
-  std::shared_ptr<const ApproximateIndex> Calibrated(const Effort& effort,
-                                                     double recall_at_10) const;
+  // Sets the search parameters, and the recall that was measured with them. Not while another
+  // thread uses the index.
+  void Calibrate(const SearchParameters& search, double recall_at_10) {
+    search_ = search;
+    recall_at_10_ = recall_at_10;
+  }
 
   ~ApproximateIndex() = default;
   ApproximateIndex(const ApproximateIndex&) = delete;
   ApproximateIndex& operator=(const ApproximateIndex&) = delete;
 
-  // Numbers of views that are near, in no order; none of those that are `gone` (one a view; empty:
-  // none are). INTERNAL when FLANN fails.
-  absl::StatusOr<std::vector<std::size_t>> Propose(const Descriptor& query,
-                                                   const std::vector<bool>& gone) const;
+  // Numbers of views that are near, in no order, without the `deleted` ones (one flag a view;
+  // empty: none is). INTERNAL when FLANN fails.
+  absl::StatusOr<std::vector<std::size_t>> FindCandidates(const Descriptor& query,
+                                                          const std::vector<bool>& deleted) const;
 
   std::span<const Place> places() const { return places_; }
-  const Effort& effort() const { return effort_; }
+  const SearchParameters& search() const { return search_; }
   double recall_at_10() const { return recall_at_10_; }
   std::size_t byte_count() const;
 
@@ -90,7 +94,7 @@ class ApproximateIndex {
   std::vector<Place> places_;
   std::shared_ptr<const RootProjection> projection_;
   std::shared_ptr<const Tree> tree_;
-  Effort effort_;
+  SearchParameters search_;
   double recall_at_10_ = 0;
 };
 

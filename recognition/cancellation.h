@@ -9,6 +9,13 @@ namespace graspdb::recognition {
 // Whether nobody waits for the result any more. Once true, it stays true.
 using IsCancelled = std::function<bool()>;
 
+// Does not call `is_cancelled`, which must outlive it, again once that was true. Not thread-safe.
+inline IsCancelled Latched(const IsCancelled& is_cancelled) {
+  return [&is_cancelled, cancelled = false]() mutable {
+    return cancelled = cancelled || (is_cancelled && is_cancelled());
+  };
+}
+
 // Counts the steps of a loop and calls IsCancelled after every so many. Not thread-safe; the
 // function must outlive it.
 class CancellationPoll {
@@ -20,7 +27,7 @@ class CancellationPoll {
     steps_ += steps;
     return steps_ < kInterval ? cancelled_ : Now();
   }
-  // Asks at once.
+  // Calls it now.
   bool Now() {
     if (cancelled_) return true;
     steps_ = 0;

@@ -82,7 +82,7 @@ void CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled) {
   MakeBuckets();
 }
 
-// About one for each occupied cell, so that most hold few.
+// About one bucket for each occupied cell, so that most hold few keys.
 void CellGrid::MakeBuckets() {
   const std::uint64_t largest = KeyOf(last_);
   while ((largest >> bucket_bits_) > keys_.size()) ++bucket_bits_;

@@ -31,9 +31,9 @@ struct CellBlock {
 };
 
 // Memory grows with the points: where a table of all cells would be larger than 16 MB, only
-// occupied cells are listed, and finding one takes a binary search among those near it. Building is
-// O(n) with a table and O(n log n) with a list. Deterministic; safe for concurrent reads. Points
-// must be finite and within 1 km of the origin; metres, any frame.
+// occupied cells are listed, and a look-up takes a binary search in a bucket of neighbours.
+// Building is O(n) with a table and O(n log n) with a list. Deterministic; safe for concurrent
+// reads. Points must be finite and within 1 km of the origin; metres, any frame.
 class CellGrid {
  public:
   // One occupied cell.

@@ -239,7 +239,7 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
                               : std::make_shared<const DescriptorChunk>(kept, chunk->projection()));
   }
   if (covered_ == chunks_.size()) out.covered_ = out.chunks_.size();
-  out.PassOver(removed);
+  out.MarkDeleted(removed);
   return out;
 }
 
@@ -249,10 +249,11 @@ std::vector<Match> DescriptorIndex::Nearest(const Descriptor& descriptor, int co
   const auto wanted = static_cast<std::size_t>(count);
   BestMatches best(wanted);
   std::span<const Chunk> scanned(chunks_);
-  if (approximate_ != nullptr && wanted <= ApproximateIndex::kMostNeighbors) {
+  if (approximate_ != nullptr && wanted <= ApproximateIndex::kMaxNeighbors) {
     // Where FLANN fails, all are scanned.
-    if (const auto proposed = approximate_->Propose(descriptor, *gone_); proposed.ok()) {
-      for (const std::size_t i : *proposed) {
+    if (const auto candidates = approximate_->FindCandidates(descriptor, *deleted_);
+        candidates.ok()) {
+      for (const std::size_t i : *candidates) {
         const ApproximateIndex::Place& at = approximate_->places()[i];
         best.Add(at.chunk->views()[at.row], at.chunk->Distance(query, at.row));
       }

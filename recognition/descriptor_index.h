@@ -40,20 +40,20 @@ class DescriptorIndex {
   DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
 
   // The `count` nearest views, nearest first; equal distances by name. With an approximate index up
-  // to ApproximateIndex::kMostNeighbors are the nearest of those that it proposes and of those
-  // that came after it.
+  // to ApproximateIndex::kMaxNeighbors are the nearest of its candidates and of the views
+  // that are not in it.
   std::vector<Match> Nearest(const Descriptor& query, int count) const;
 
-  // This index with an approximate one of some of its views, or without any where it is null. Views
-  // of it that are not here are passed over, views that are not in it are searched exactly. With
-  // and Without keep it. O(views).
+  // This index with an approximate index of some of its views, or without one where it is null.
+  // Views of it that are not here count as deleted, views that are not in it are searched exactly.
+  // With and Without keep it. O(views).
   DescriptorIndex WithApproximate(std::shared_ptr<const ApproximateIndex> approximate) const;
 
   // Null: there is none.
   const std::shared_ptr<const ApproximateIndex>& approximate() const { return approximate_; }
-  // Views that are not in the approximate index, and views of it that are not here any more.
+  // Views that are not in the approximate index, and deleted views that are in it.
   std::size_t newer_view_count() const;
-  std::size_t gone_view_count() const;
+  std::size_t deleted_view_count() const;
 
   std::size_t view_count() const { return view_count_; }
 
@@ -69,15 +69,15 @@ class DescriptorIndex {
 
   void FitProjection();
   void CodeAgain();
-  void PassOver(const std::unordered_set<const TaughtView*>& removed);
+  void MarkDeleted(const std::unordered_set<const TaughtView*>& removed);
 
   std::size_t bins_;
   std::size_t view_count_ = 0;
   std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
   std::size_t next_fit_;                              // at so many views
   std::shared_ptr<const ApproximateIndex> approximate_;
-  std::shared_ptr<const std::vector<bool>> gone_;  // one a view of it
-  std::size_t covered_ = 0;                        // chunks, the first ones, that are in it
+  std::shared_ptr<const std::vector<bool>> deleted_;  // a flag for each view in it
+  std::size_t covered_ = 0;                           // chunks, the first ones, that are in it
   std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
 };
 

@@ -7,22 +7,22 @@
 
 namespace graspdb::recognition {
 
-void DescriptorIndex::PassOver(const std::unordered_set<const TaughtView*>& removed) {
+void DescriptorIndex::MarkDeleted(const std::unordered_set<const TaughtView*>& removed) {
   if (removed.empty()) return;
-  auto gone = std::make_shared<std::vector<bool>>(*gone_);
+  auto deleted = std::make_shared<std::vector<bool>>(*deleted_);
   const auto places = approximate_->places();
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if ((*gone)[i]) continue;
-    (*gone)[i] = removed.contains(places[i].chunk->views()[places[i].row].get());
+    if ((*deleted)[i]) continue;
+    (*deleted)[i] = removed.contains(places[i].chunk->views()[places[i].row].get());
   }
-  gone_ = std::move(gone);
+  deleted_ = std::move(deleted);
 }
 
 DescriptorIndex DescriptorIndex::WithApproximate(
     std::shared_ptr<const ApproximateIndex> approximate) const {
   DescriptorIndex out = *this;
   out.approximate_ = std::move(approximate);
-  out.gone_ = nullptr;
+  out.deleted_ = nullptr;
   out.covered_ = 0;
   if (out.approximate_ == nullptr) return out;
   std::unordered_map<const TaughtView*, std::size_t> numbers;
@@ -30,7 +30,7 @@ DescriptorIndex DescriptorIndex::WithApproximate(
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i].chunk != nullptr) numbers[places[i].chunk->views()[places[i].row].get()] = i;
   }
-  auto gone = std::make_shared<std::vector<bool>>(places.size(), true);
+  auto deleted = std::make_shared<std::vector<bool>>(places.size(), true);
   std::vector<IndexedView> newer;
   out.chunks_.clear();
   for (const Chunk& chunk : chunks_) {
@@ -41,7 +41,7 @@ DescriptorIndex DescriptorIndex::WithApproximate(
         newer.push_back({chunk->views()[row], chunk->DescriptorOf(row)});
       } else {
         known.push_back(row);
-        (*gone)[found->second] = false;
+        (*deleted)[found->second] = false;
       }
     }
     if (known.size() == chunk->size()) {
@@ -56,7 +56,7 @@ DescriptorIndex DescriptorIndex::WithApproximate(
     }
   }
   out.covered_ = out.chunks_.size();
-  out.gone_ = std::move(gone);
+  out.deleted_ = std::move(deleted);
   out.view_count_ -= newer.size();
   return out.With(newer);
 }
@@ -67,8 +67,8 @@ std::size_t DescriptorIndex::newer_view_count() const {
   return out;
 }
 
-std::size_t DescriptorIndex::gone_view_count() const {
-  return gone_ == nullptr ? 0 : static_cast<std::size_t>(std::ranges::count(*gone_, true));
+std::size_t DescriptorIndex::deleted_view_count() const {
+  return deleted_ == nullptr ? 0 : static_cast<std::size_t>(std::ranges::count(*deleted_, true));
 }
 
 }  // namespace graspdb::recognition

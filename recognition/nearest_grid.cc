@@ -15,7 +15,7 @@ constexpr std::int32_t kMaxBlocks = 65536;
 // Places in the table of blocks, 4 MB: enough for a cube of 1.5 m in cells of 3 mm.
 constexpr double kMaxTable = 1 << 20;
 constexpr int kMaxCellsPerAxis = 1 << 20;
-// What it takes to tell the cells around a point of it, ns.
+// Time to write the cells around a point, ns.
 constexpr std::size_t kStepsPerPoint = 500;
 
 // The most cells between a point's and one whose centre is within reach.

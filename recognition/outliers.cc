@@ -166,7 +166,8 @@ class SumsOfNearest {
 
 std::optional<Indices> RemoveStatisticalOutliers(const Points& points, int neighbor_count,
                                                  double deviation_factor,
-                                                 const IsCancelled& is_cancelled) {
+                                                 const IsCancelled& cancelled_by_caller) {
+  const IsCancelled is_cancelled = Latched(cancelled_by_caller);
   Indices kept(points.size());
   std::iota(kept.begin(), kept.end(), 0);
   if (neighbor_count <= 0 || points.size() <= static_cast<std::size_t>(neighbor_count)) return kept;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace graspdb::recognition {
@@ -9,9 +11,9 @@ namespace {
 
 constexpr int kNeighbors = 10;
 constexpr std::size_t kSample = 100;
-constexpr double kLeastRecall = 0.995;
-// 10 ms a search; more is slower than looking at all.
-constexpr int kMostChecks = 32'768;
+constexpr double kMinRecall = 0.995;
+// About 10 ms a search; with more the exact search is faster.
+constexpr int kMaxChecks = 32'768;
 
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
 
@@ -25,41 +27,65 @@ Views Others(const DescriptorIndex& index, const TaughtView* self, const Descrip
   return out;
 }
 
+// Views that are spread evenly over an index, and the exact neighbours of each.
+class Sample {
+ public:
+  explicit Sample(const DescriptorIndex& index) {
+    const DescriptorIndex exact = index.WithApproximate(nullptr);
+    const std::size_t step = std::max<std::size_t>(1, index.view_count() / kSample);
+    std::size_t skipped = 0;  // views before the chunk
+    for (const auto& chunk : index.chunks()) {
+      for (std::size_t i = (step - skipped % step) % step; i < chunk->size(); i += step) {
+        const auto& view = chunk->views()[i];
+        Descriptor descriptor = chunk->DescriptorOf(i);
+        Views nearest = Others(exact, view.get(), descriptor);
+        queries_.push_back({view, std::move(descriptor), std::move(nearest)});
+      }
+      skipped += chunk->size();
+    }
+  }
+
+  // The share of these neighbours that `index` finds; 1 where there are none.
+  double RecallOf(const DescriptorIndex& index) const {
+    std::size_t wanted = 0;
+    std::size_t hits = 0;
+    for (const Query& query : queries_) {
+      const Views found = Others(index, query.view.get(), query.descriptor);
+      wanted += query.nearest.size();
+      hits += static_cast<std::size_t>(std::ranges::count_if(query.nearest, [&](const auto& view) {
+        return std::ranges::find(found, view) != found.end();
+      }));
+    }
+    return wanted == 0 ? 1 : static_cast<double>(hits) / static_cast<double>(wanted);
+  }
+
+ private:
+  struct Query {
+    std::shared_ptr<const TaughtView> view;
+    Descriptor descriptor;
+    Views nearest;
+  };
+  std::vector<Query> queries_;
+};
+
 }  // namespace
 
-double RecallAt10(const DescriptorIndex& index) {
-  const DescriptorIndex exact = index.WithApproximate(nullptr);
-  const std::size_t step = std::max<std::size_t>(1, index.view_count() / kSample);
-  std::size_t wanted = 0;
-  std::size_t hits = 0;
-  std::size_t skipped = 0;  // views before the chunk
-  for (const auto& chunk : index.chunks()) {
-    for (std::size_t i = (step - skipped % step) % step; i < chunk->size(); i += step) {
-      const TaughtView* self = chunk->views()[i].get();
-      const Descriptor descriptor = chunk->DescriptorOf(i);
-      const Views found = Others(index, self, descriptor);
-      for (const auto& view : Others(exact, self, descriptor)) {
-        ++wanted;
-        hits += std::ranges::find(found, view) != found.end() ? 1 : 0;
-      }
-    }
-    skipped += chunk->size();
-  }
-  return wanted == 0 ? 1 : static_cast<double>(hits) / static_cast<double>(wanted);
-}
+double RecallAt10(const DescriptorIndex& index) { return Sample(index).RecallOf(index); }
 
 absl::StatusOr<DescriptorIndex> WithNewApproximate(const DescriptorIndex& index) {
-  ApproximateIndex::Effort effort;
-  const auto made = ApproximateIndex::Build(index.chunks(), effort);
+  ApproximateIndex::SearchParameters search;
+  const auto made = ApproximateIndex::Build(index.chunks(), search);
   if (!made.ok()) return made.status();
-  DescriptorIndex out = index.WithApproximate(*made);
-  while (effort.checks < kMostChecks && RecallAt10(out) < kLeastRecall) {
-    effort.checks *= 2;
-    out = out.WithApproximate((*made)->Calibrated(effort, 0));
-  }
-  effort.checks = std::min(2 * effort.checks, kMostChecks);
-  out = out.WithApproximate((*made)->Calibrated(effort, 0));
-  return out.WithApproximate((*made)->Calibrated(effort, RecallAt10(out)));
+  const DescriptorIndex out = index.WithApproximate(*made);
+  const Sample sample(out);
+  const auto recall = [&] {
+    (*made)->Calibrate(search, 0);
+    return sample.RecallOf(out);
+  };
+  while (search.checks < kMaxChecks && recall() < kMinRecall) search.checks *= 2;
+  search.checks = std::min(2 * search.checks, kMaxChecks);
+  (*made)->Calibrate(search, recall());
+  return out;
 }
 
 }  // namespace graspdb::recognition

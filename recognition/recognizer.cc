@@ -128,7 +128,8 @@ RecognitionOutcome Summarize(const std::vector<Detection>& detections) {
 
 absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot& catalogue,
                                       ViewClouds& clouds, const RecognitionParameters& parameters,
-                                      const IsCancelled& is_cancelled) {
+                                      const IsCancelled& cancelled_by_caller) {
+  const IsCancelled is_cancelled = Latched(cancelled_by_caller);
   StageLog log;
   absl::StatusOr<Segmentation> segmentation =
       SegmentScan(scan, parameters.segmentation, parameters.descriptor, is_cancelled, &log);

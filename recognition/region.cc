@@ -11,7 +11,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// What it takes to crop a point, ns.
+// Time to crop a point, ns.
 constexpr std::size_t kStepsPerPoint = 40;
 
 // The region's corners; without one nothing bounds it.

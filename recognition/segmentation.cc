@@ -168,8 +168,8 @@ std::vector<Indices> ClusterVoxels(const Points& voxels, bool segmented,
 
 absl::Status TooManyVoxels(std::size_t count, double voxel_size_m) {
   return absl::InvalidArgumentError(absl::StrFormat(
-      "the region of interest holds %d voxels of %g mm besides the table, more than the %d that "
-      "are looked at; give a smaller region, or larger voxels in the pipeline's parameters",
+      "the region of interest holds %d voxels of %g mm besides the table, and at most %d can be "
+      "segmented; give a smaller region, or start the server with a larger --voxel-size",
       count, voxel_size_m * 1e3, kMaxVoxels));
 }
 
@@ -258,7 +258,8 @@ OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoin
 
 absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
                                          const DescriptorParameters& descriptor,
-                                         const IsCancelled& is_cancelled, StageLog* log) {
+                                         const IsCancelled& cancelled_by_caller, StageLog* log) {
+  const IsCancelled is_cancelled = Latched(cancelled_by_caller);
   Segmentation out;
   RegionPoints cloud;
   absl::Status status;

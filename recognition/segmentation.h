@@ -56,8 +56,8 @@ struct Segmentation {
   std::size_t far_point_count = 0;
 };
 
-// The most voxels that a scan may have besides the table: as many as on three sides of a cube of 1
-// m at 3 mm, several times what a tabletop full of objects has. Twice as many take twice as long.
+// Limit for the voxels of a scan besides the table: about what three sides of a cube of 1 m have at
+// 3 mm, several times those of a tabletop full of objects. Doubled, a scan takes up to 3 s.
 inline constexpr std::size_t kMaxVoxels = 300'000;
 
 // Finds the objects in a scan and appends what each step did to `log`. Steps "range" and "extent"

@@ -11,7 +11,7 @@ namespace {
 
 using Coordinates = Eigen::Array<std::int64_t, 3, 1>;
 
-// What it takes to find the voxel of a point, or to add a point to it, ns.
+// Time to find the voxel of a point, or to add the point to it, ns.
 constexpr std::size_t kStepsPerPoint = 40;
 
 Coordinates VoxelOf(const Eigen::Vector3f& p, double inverse_size) {

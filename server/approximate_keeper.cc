@@ -10,7 +10,6 @@
 #include "absl/time/clock.h"
 #include "logging/log_field.h"
 #include "recognition/recall.h"
-#include "server/background.h"
 #include "storage/approximate_file.h"
 
 namespace graspdb::server {
@@ -19,21 +18,20 @@ namespace {
 using recognition::ApproximateIndex;
 using recognition::DescriptorIndex;
 
-constexpr absl::Duration kBetweenLooks = absl::Seconds(10);
-// One in so many views may be newer than the index, or gone. An exact search of them takes as long
-// as one in the index does at 10,000 views.
+// The index is rebuilt once more than a fifth of its views were added or deleted since. Among
+// 10,000 views an exact search of a fifth takes as long as one in the index.
 constexpr std::size_t kShareOutdated = 5;
 
 bool IsOutdated(const DescriptorIndex& index, std::size_t tried) {
   if (index.approximate() == nullptr) {
-    return index.view_count() >= ApproximateIndex::kMostNeighbors &&
+    return index.view_count() >= ApproximateIndex::kMaxNeighbors &&
            index.view_count() > tried + tried / kShareOutdated;
   }
-  return kShareOutdated * (index.newer_view_count() + index.gone_view_count()) >
+  return kShareOutdated * (index.newer_view_count() + index.deleted_view_count()) >
          index.approximate()->places().size();
 }
 
-// Where the views of the file are in the index; those that are gone have no place.
+// Where the descriptors of the file's views are; null for views that were deleted.
 std::vector<ApproximateIndex::Place> PlacesOf(const storage::ApproximateIndexRecord& record,
                                               const DescriptorIndex& index) {
   std::unordered_map<std::string, std::size_t> numbers;
@@ -63,18 +61,8 @@ ApproximateKeeper::ApproximateKeeper(const storage::Catalogue& catalogue, LiveCa
                  LogField(std::string(loaded.message())));
   }
   RebuildIfOutdated();
-  thread_ = std::thread([this] {
-    GiveWay();
-    Watch();
-  });
-}
-
-ApproximateKeeper::~ApproximateKeeper() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stop_ = true;
-  }
-  thread_.join();
+  idle_task_.emplace(
+      live, [] {}, [this] { RebuildIfOutdated(); });
 }
 
 absl::Status ApproximateKeeper::Load() {
@@ -93,7 +81,7 @@ absl::Status ApproximateKeeper::Load() {
   saved.projection.axes.assign(record->axes().begin(), record->axes().end());
   saved.tree = std::move(*record->mutable_tree());
   saved.view_count = static_cast<std::size_t>(record->names_size());
-  saved.effort = {record->checks(), record->proposals()};
+  saved.search = {record->checks(), record->candidates()};
   saved.recall_at_10 = record->recall_at_10();
   auto loaded = ApproximateIndex::Load(saved, PlacesOf(*record, snapshot->index),
                                        {chunks.begin(), chunks.end()});
@@ -118,14 +106,14 @@ absl::Status ApproximateKeeper::Write(const ApproximateIndex& index) {
   record.mutable_means()->Add(projection.means.begin(), projection.means.end());
   record.mutable_axes()->Add(projection.axes.begin(), projection.axes.end());
   record.set_tree(std::move(saved->tree));
-  record.set_checks(saved->effort.checks);
-  record.set_proposals(saved->effort.proposals);
+  record.set_checks(saved->search.checks);
+  record.set_candidates(saved->search.candidates);
   record.set_recall_at_10(saved->recall_at_10);
   return storage::WriteApproximateFile(catalogue_.directory(), record);
 }
 
 void ApproximateKeeper::RebuildIfOutdated() {
-  // Where all records were read anew the snapshot has no index, but the file has it.
+  // A reload of all records leaves a snapshot without one.
   if (on_file_ && live_.snapshot()->index.approximate() == nullptr) on_file_ = Load().ok();
   if (IsOutdated(live_.snapshot()->index, tried_)) Rebuild();
 }
@@ -151,22 +139,8 @@ void ApproximateKeeper::Rebuild() {
   }
   live_.UseApproximate(index);
   spdlog::info("event=approximate_index_made views={} checks={} recall_at_10={:.4f} ms={}",
-               index->places().size(), index->effort().checks, index->recall_at_10(),
+               index->places().size(), index->search().checks, index->recall_at_10(),
                absl::ToInt64Milliseconds(absl::Now() - begin));
-}
-
-void ApproximateKeeper::Watch() {
-  for (std::int64_t seen = -1; !Stopped(kBetweenLooks);) {
-    const std::int64_t now = live_.snapshot()->revision;
-    if (now == seen) RebuildIfOutdated();
-    seen = now;
-  }
-}
-
-bool ApproximateKeeper::Stopped(absl::Duration wait) {
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&stop_), wait);
-  return stop_;
 }
 
 }  // namespace graspdb::server

@@ -5,14 +5,11 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "logging/log_field.h"
-#include "server/background.h"
 #include "server/index_snapshot.h"
 
 namespace graspdb::server {
 namespace {
 
-// Quiet: no change from one look to the next.
-constexpr absl::Duration kBetweenLooks = absl::Seconds(10);
 // A start reads so many changed records in some 50 ms.
 constexpr std::int64_t kWorthWriting = 2'000;
 
@@ -23,35 +20,19 @@ IndexKeeper::IndexKeeper(const storage::Catalogue& catalogue, LiveCatalogue& liv
     : catalogue_(catalogue),
       live_(live),
       parameters_(parameters),
-      written_(live.file_revision().value_or(0)),
-      thread_([this, has_file = live.file_revision().has_value()] {
-        GiveWay();
+      written_(live.file_revision().value_or(0)) {
+  const bool has_file = live.file_revision().has_value();
+  idle_task_.emplace(
+      live,
+      [this, has_file] {
         if (!has_file) WriteIfBehind(1);
-        Watch();
-      }) {}
+      },
+      [this] { WriteIfBehind(kWorthWriting); });
+}
 
 IndexKeeper::~IndexKeeper() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stop_ = true;
-  }
-  thread_.join();
+  idle_task_.reset();
   WriteIfBehind(1);
-}
-
-void IndexKeeper::Watch() {
-  for (std::int64_t seen = -1; !Stopped(kBetweenLooks);) {
-    live_.CatchUp();
-    const std::int64_t now = live_.snapshot()->revision;
-    if (now == seen) WriteIfBehind(kWorthWriting);
-    seen = now;
-  }
-}
-
-bool IndexKeeper::Stopped(absl::Duration wait) {
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&stop_), wait);
-  return stop_;
 }
 
 void IndexKeeper::WriteIfBehind(std::int64_t changes) {

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <thread>
+#include <optional>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "recognition/parameters.h"
+#include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "storage/catalogue.h"
 
@@ -15,8 +14,7 @@ namespace graspdb::server {
 // Writes the index file of a catalogue on a thread of its own: at once where there is none that
 // can be used, later when it is many changes behind and nothing has changed for a while, and when
 // it is destroyed, if anything has changed. Requests do not wait for it. What cannot be written
-// is told in the log; the next start then takes longer. Lets the live catalogue catch up, too,
-// where it could not apply a change.
+// is told in the log; the next start then takes longer.
 class IndexKeeper {
  public:
   // The references must outlive this.
@@ -27,17 +25,13 @@ class IndexKeeper {
   IndexKeeper& operator=(const IndexKeeper&) = delete;
 
  private:
-  void Watch();
-  bool Stopped(absl::Duration wait) ABSL_LOCKS_EXCLUDED(mutex_);
   void WriteIfBehind(std::int64_t changes);
 
   const storage::Catalogue& catalogue_;
   LiveCatalogue& live_;
   const recognition::DescriptorParameters parameters_;
   std::int64_t written_;  // revision of the file, as good as we could make it; on one thread
-  absl::Mutex mutex_;
-  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  std::optional<IdleTask> idle_task_;  // the last member: it uses the others
 };
 
 }  // namespace graspdb::server

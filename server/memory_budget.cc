@@ -53,38 +53,31 @@ std::size_t ResidentBytes() {
 RequestMemory::Reservation::~Reservation() {
   if (memory_ == nullptr) return;
   absl::MutexLock lock(&memory_->mutex_);
-  memory_->use_.bytes -= bytes_;
-  if (memory_->IsLarge(bytes_)) memory_->large_bytes_ -= bytes_;
+  memory_->PoolFor(bytes_).bytes -= bytes_;
 }
 
-bool RequestMemory::HasRoom(std::size_t bytes) const {
-  if (!IsLarge(bytes)) return bytes <= budget_ - std::min(budget_, use_.bytes - Overdraft());
-  const std::size_t most = budget_ - budget_ / kSmallShare;
-  return large_bytes_ == 0 || bytes <= most - std::min(most, large_bytes_);
-}
-
-std::size_t RequestMemory::Overdraft() const {
-  const std::size_t most = budget_ - budget_ / kSmallShare;
-  return large_bytes_ - std::min(most, large_bytes_);
-}
+RequestMemory::RequestMemory(std::size_t byte_budget)
+    : max_small_(byte_budget / kSmallShare),
+      small_{byte_budget / kSmallPoolShare},
+      large_{byte_budget - byte_budget / kSmallPoolShare} {}
 
 absl::StatusOr<RequestMemory::Reservation> RequestMemory::Reserve(std::size_t bytes) {
   absl::MutexLock lock(&mutex_);
-  if (!HasRoom(bytes)) {
-    ++use_.refused;
+  Pool& pool = PoolFor(bytes);
+  if (pool.bytes > 0 && bytes > pool.budget - std::min(pool.budget, pool.bytes)) {
+    ++refused_;
     return TryAgainLater(WithReason(
         absl::ResourceExhaustedError("the server has no memory left for another request; try again "
                                      "a little later, or give it more with --memory-mib"),
         "MEMORY_FULL"));
   }
-  use_.bytes += bytes;
-  if (IsLarge(bytes)) large_bytes_ += bytes;
+  pool.bytes += bytes;
   return Reservation(this, bytes);
 }
 
 RequestMemory::Use RequestMemory::use() const {
   absl::MutexLock lock(&mutex_);
-  return use_;
+  return {small_.bytes + large_.bytes, refused_};
 }
 
 }  // namespace graspdb::server

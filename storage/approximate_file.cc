@@ -1,32 +1,26 @@
 #include "storage/approximate_file.h"
 
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 
 #include "storage/crc32c.h"
 #include "storage/file_replacement.h"
+#include "storage/little_endian.h"
 
 namespace graspdb::storage {
 namespace {
 
 // The last byte is the version of the layout; the checksum and the record follow.
 constexpr std::string_view kMagic("GAX\x01", 4);
-constexpr std::size_t kChecksumBytes = 4;
-constexpr std::size_t kStartBytes = kMagic.size() + kChecksumBytes;
+constexpr std::size_t kStartBytes = kMagic.size() + kUint32Bytes;
 
 std::string PathOf(const std::string& directory) {
   return directory + "/" + std::string(kApproximateFile);
 }
 
-std::string ChecksumOf(std::string_view bytes) {
-  const std::uint32_t checksum = Crc32c(bytes, Crc32c(kMagic));
-  std::string out;
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    out += static_cast<char>((checksum >> shift) & 0xffU);
-  }
-  return out;
+std::string ChecksumOf(std::string_view record) {
+  return ToLittleEndian(Crc32c(record, Crc32c(kMagic)));
 }
 
 absl::Status Damaged() { return absl::DataLossError("the approximate index's file is damaged"); }

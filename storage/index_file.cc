@@ -6,32 +6,16 @@
 #include <system_error>
 
 #include "storage/crc32c.h"
+#include "storage/little_endian.h"
 
 namespace graspdb::storage {
 namespace {
 
 // The last byte is the version of the layout.
 constexpr std::string_view kMagic("GIX\x01", 4);
-constexpr std::size_t kNumberBytes = 4;
 
 std::string PathOf(const std::string& directory) {
   return directory + "/" + std::string(kIndexFile);
-}
-
-std::string LittleEndian(std::uint32_t number) {
-  std::string bytes;
-  for (std::size_t i = 0; i < kNumberBytes; ++i) {
-    bytes += static_cast<char>((number >> (8 * i)) & 0xff);
-  }
-  return bytes;
-}
-
-std::uint32_t FromLittleEndian(std::string_view bytes) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < kNumberBytes; ++i) {
-    number |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << (8 * i);
-  }
-  return number;
 }
 
 absl::Status Damaged(std::string_view what) {
@@ -50,7 +34,7 @@ absl::Status IndexFileWriter::AppendPart(const std::string& bytes) {
   // Chained, so that a part in another place or of another file does not pass.
   checksum_ = Crc32c(bytes, checksum_);
   const auto size = static_cast<std::uint32_t>(bytes.size());
-  status_.Update(file_.Append(LittleEndian(size) + LittleEndian(checksum_)));
+  status_.Update(file_.Append(ToLittleEndian(size) + ToLittleEndian(checksum_)));
   status_.Update(file_.Append(bytes));
   return status_;
 }
@@ -90,14 +74,14 @@ absl::Status IndexFileReader::ReadStart() {
 }
 
 absl::Status IndexFileReader::ReadPart() {
-  std::array<char, 2 * kNumberBytes> start{};
+  std::array<char, 2 * kUint32Bytes> start{};
   if (bytes_left_ < start.size() ||
       std::fread(start.data(), 1, start.size(), file_.get()) != start.size()) {
     return Damaged("its end is missing");
   }
   bytes_left_ -= start.size();
-  const std::uint32_t size = FromLittleEndian({start.data(), kNumberBytes});
-  const std::uint32_t checksum = FromLittleEndian({start.data() + kNumberBytes, kNumberBytes});
+  const std::uint32_t size = FromLittleEndian({start.data(), kUint32Bytes});
+  const std::uint32_t checksum = FromLittleEndian({start.data() + kUint32Bytes, kUint32Bytes});
   if (size > bytes_left_) return Damaged("its end is missing");
   part_.resize(size);
   if (std::fread(part_.data(), 1, size, file_.get()) != size) return Damaged("it cannot be read");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "storage/crc32c.h"
+#include "storage/little_endian.h"
 
 namespace graspdb::storage {
 namespace {
@@ -31,24 +32,16 @@ struct Record {
   std::size_t size;  // of the payload
 };
 
-std::uint32_t ReadLittleEndian(std::string_view bytes, std::size_t offset, std::size_t size) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
-  }
-  return value;
-}
-
 // The intact record at `offset`, if there is one.
 std::optional<Record> ReadRecord(std::string_view log, std::size_t offset) {
   const std::size_t block_end = std::min(log.size(), (offset / kBlockSize + 1) * kBlockSize);
   if (offset + kHeaderSize > block_end) return std::nullopt;
   const auto type = static_cast<unsigned char>(log[offset + 6]);
-  const std::size_t size = ReadLittleEndian(log, offset + 4, 2);
+  const std::size_t size = FromLittleEndian(log.substr(offset + 4, 2));
   if (type < kFull || type > kLast || offset + kHeaderSize + size > block_end) return std::nullopt;
   // RocksDB rotates the checksum and adds a constant, because a checksum of data that
   // contains checksums is weak.
-  const std::uint32_t rotated = ReadLittleEndian(log, offset, 4) - 0xa282ead8U;
+  const std::uint32_t rotated = FromLittleEndian(log.substr(offset, 4)) - 0xa282ead8U;
   const std::uint32_t checksum = (rotated >> 17) | (rotated << 15);
   if (Crc32c(log.substr(offset + 6, size + 1)) != checksum) return std::nullopt;
   return Record{static_cast<RecordType>(type), size};

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "storage/crc32c.h"
+#include "storage/little_endian.h"
 
 namespace graspdb::storage {
 namespace {
@@ -26,18 +27,6 @@ constexpr std::int32_t kMaxSteps = 2'000'000;
 absl::Status Damaged(std::string_view what) {
   return absl::DataLossError("the packed cloud is damaged (" + std::string(what) +
                              "); restore the database from a backup or teach the view again");
-}
-
-void AppendUint32(std::uint32_t value, std::string& out) {
-  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>((value >> shift) & 0xff);
-}
-
-std::uint32_t ReadUint32(std::string_view bytes, std::size_t offset) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
-  }
-  return value;
 }
 
 // Small differences of either sign become small unsigned numbers.
@@ -134,19 +123,19 @@ absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points) {
   auto frame = Compress(*raw);
   if (!frame.ok()) return frame.status();
   std::string packed(kMagic);
-  AppendUint32(static_cast<std::uint32_t>(points.size()), packed);
-  AppendUint32(Crc32c(*frame, Crc32c(packed)), packed);
+  packed += ToLittleEndian(static_cast<std::uint32_t>(points.size()));
+  packed += ToLittleEndian(Crc32c(*frame, Crc32c(packed)));
   return packed + *frame;
 }
 
 absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed) {
   if (packed.size() < kHeaderSize) return Damaged("it is shorter than its header");
   if (!packed.starts_with(kMagic)) return Damaged("it is none, or of an unknown version");
-  const std::size_t count = ReadUint32(packed, kCountOffset);
+  const std::size_t count = FromLittleEndian(packed.substr(kCountOffset, kUint32Bytes));
   if (count > kMaxCloudPoints) return Damaged("it claims too many points");
   const std::string_view frame = packed.substr(kHeaderSize);
   if (Crc32c(frame, Crc32c(packed.substr(0, kChecksumOffset))) !=
-      ReadUint32(packed, kChecksumOffset)) {
+      FromLittleEndian(packed.substr(kChecksumOffset, kUint32Bytes))) {
     return Damaged("its checksum does not match");
   }
   // The checksum stops accidents; what follows also stops malice.

@@ -1,5 +1,5 @@
 // graspdb_flood HOST:PORT: many clients send messages of the largest size at once, while a robot
-// asks about its frame; tells what became of them and how much memory the server took.
+// program sends small frames. Prints status codes, latencies and the server's resident memory.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// As long as robots wait, and as patient clients do.
+// Deadlines of a robot program and of a batch client.
 constexpr absl::Duration kFrameTimeout = absl::Seconds(10);
 constexpr absl::Duration kFloodTimeout = absl::Seconds(60);
 constexpr std::chrono::milliseconds kBetweenFrames{20};
@@ -32,7 +32,7 @@ client::Client Connect(const std::string& server) {
   return client::Client({.server = server, .own_connection = true});
 }
 
-// A segmented cloud of so many bytes, all of it in one place.
+// A segmented cloud of `bytes` bytes whose points coincide.
 v1::RecognizeRequest CloudOf(std::size_t bytes) {
   const recognition::Points points(bytes / sizeof(Eigen::Vector3f), {0.1F, 0.1F, 0.6F});
   v1::RecognizeRequest out;
@@ -41,7 +41,7 @@ v1::RecognizeRequest CloudOf(std::size_t bytes) {
   return out;
 }
 
-// What the calls ended with, by the status.
+// Latencies of the calls by their status code.
 class Outcomes {
  public:
   void Add(const absl::Status& status, double ms) {
@@ -122,8 +122,8 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "graspdb_flood sends large messages to a server from many clients at once, and prints what "
-      "became of them, of a robot's frames meanwhile, and how much memory the server took.",
+      "graspdb_flood sends large messages to a server from many clients at once and small frames "
+      "of a robot program meanwhile. It prints status codes, latencies and resident memory.",
       "graspdb_flood");
   std::string server;
   app.add_option("SERVER", server, "HOST:PORT")->required();

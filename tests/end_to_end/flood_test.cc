@@ -1,4 +1,4 @@
-// More messages at once than the server may have in memory.
+// More messages at once than fit into the memory budget of the server.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -21,12 +21,12 @@ using ::testing::Not;
 constexpr int kClients = 16;
 constexpr int kMemoryMib = 256;
 constexpr std::size_t kLargePoints = 1'900'000;  // 23 MB, within the limit for points
-constexpr absl::Duration kPatience = absl::Minutes(5);
+constexpr absl::Duration kTimeout = absl::Minutes(5);
 
 class FloodTest : public ProgramsTest {
  protected:
   client::Client Connect() const {
-    return client::Client({.server = address_, .timeout = kPatience, .own_connection = true});
+    return client::Client({.server = address_, .timeout = kTimeout, .own_connection = true});
   }
   static v1::RecognizeRequest CloudOf(std::size_t points) {
     v1::RecognizeRequest out;

@@ -25,9 +25,9 @@ using ::graspdb::testing::StatusIs;
 using ::graspdb::testing::ViewsOf;
 using ::testing::SizeIs;
 
-// So few that a search misses some of the nearest.
-constexpr ApproximateIndex::Effort kFew = {40, 15};
-constexpr ApproximateIndex::Effort kMany = {4096, 500};
+// With few checks a search misses some of the nearest.
+constexpr ApproximateIndex::SearchParameters kFew = {40, 15};
+constexpr ApproximateIndex::SearchParameters kMany = {4096, 500};
 
 using Found = std::vector<std::pair<double, std::string>>;
 
@@ -46,8 +46,8 @@ class ApproximateIndexTest : public ::testing::Test {
     exact_ = exact_.With(views_);
   }
 
-  DescriptorIndex Approximate(const ApproximateIndex::Effort& effort) {
-    const auto made = ApproximateIndex::Build(exact_.chunks(), effort);
+  DescriptorIndex Approximate(const ApproximateIndex::SearchParameters& search) {
+    const auto made = ApproximateIndex::Build(exact_.chunks(), search);
     EXPECT_THAT(made, IsOk());
     return made.ok() ? exact_.WithApproximate(*made) : exact_;
   }
@@ -148,10 +148,10 @@ TEST_F(ApproximateIndexTest, ALoadedOneAnswersAsTheSavedOneWhenViewsHaveComeAndG
   }
   const DescriptorIndex index = Approximate(kFew).Without(names).With(newer);
   EXPECT_EQ(index.newer_view_count(), 700U);
-  EXPECT_EQ(index.gone_view_count(), names.size());
+  EXPECT_EQ(index.deleted_view_count(), names.size());
   const DescriptorIndex loaded = Reloaded(*index.approximate(), index);
   EXPECT_EQ(loaded.newer_view_count(), 700U);
-  EXPECT_EQ(loaded.gone_view_count(), names.size());
+  EXPECT_EQ(loaded.deleted_view_count(), names.size());
   EXPECT_EQ(loaded.view_count(), index.view_count());
   for (int i = 0; i < 40; ++i) {
     const Descriptor query = shapes_.Next();
@@ -208,6 +208,12 @@ TEST_F(ApproximateIndexTest, TooFewViewsAndOtherLibrariesAreRefused) {
   const std::vector<ApproximateIndex::Place> places(views_.size());
   EXPECT_THAT(ApproximateIndex::Load(*saved, {places.begin(), places.begin() + 5}, {}),
               StatusIs(absl::StatusCode::kFailedPrecondition));
+  for (const auto& search : {ApproximateIndex::SearchParameters{0, 15}, {40, -1}, {40, 1 << 30}}) {
+    auto with = *saved;
+    with.search = search;
+    EXPECT_THAT(ApproximateIndex::Load(with, places, {}),
+                StatusIs(absl::StatusCode::kFailedPrecondition));
+  }
   saved->library = "FLANN 1.8";
   EXPECT_THAT(ApproximateIndex::Load(*saved, places, {}),
               StatusIs(absl::StatusCode::kFailedPrecondition));

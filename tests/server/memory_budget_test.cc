@@ -58,6 +58,19 @@ TEST(RequestMemoryTest, OfRequestsLargerThanTheBudgetOneGoesInAtATime) {
   EXPECT_THAT(memory.Reserve(1000), IsOk());
 }
 
+TEST(RequestMemoryTest, SmallAndLargeOnesTogetherStayWithinTheBudget) {
+  RequestMemory memory(160);
+  std::vector<RequestMemory::Reservation> all;
+  for (const std::size_t bytes : {10U, 120U}) {
+    while (true) {
+      auto next = memory.Reserve(bytes);
+      if (!next.ok()) break;
+      all.push_back(*std::move(next));
+    }
+  }
+  EXPECT_EQ(memory.use().bytes, 160U);
+}
+
 TEST(RequestMemoryTest, LargeRequestsLeaveRoomForSmallOnes) {
   for (const std::size_t large_bytes : {120U, 1000U}) {
     RequestMemory memory(160);
