@@ -36,11 +36,11 @@ CellGrid::CellGrid(const Points& points, float cell_m, const IsCancelled& is_can
   } else {
     MakeList(points, is_cancelled);
   }
-  if (is_cancelled && is_cancelled()) {
-    *this = CellGrid({}, cell_m);
-    return;
-  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (is_cancelled && is_cancelled()) {
+      *this = CellGrid({}, cell_m);
+      return;
+    }
     sorted_[axis].reserve(points.size());
     for (const std::int32_t i : order_) {
       sorted_[axis].push_back(points[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(axis)]);

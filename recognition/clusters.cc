@@ -16,7 +16,9 @@ constexpr double kCellShare = 0.577;
 // Cells within the tolerance of each other are at most so many apart along an axis.
 constexpr int kReach = 2;
 // What looking at the cells around one takes, about, in distances.
-constexpr std::size_t kStepsPerCell = 500;
+constexpr std::size_t kStepsPerCell = 2000;
+// What finding the set of a point takes.
+constexpr std::size_t kStepsPerPoint = 50;
 // Distances that joining computes in all, about 1 s; a frame of a million voxels takes a tenth.
 constexpr std::size_t kMaxJoinWork = 1'000'000'000;
 
@@ -62,6 +64,7 @@ DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float sq
   };
   std::vector<std::int32_t> end_of(order.size());  // of the group that begins there
   for (const CellGrid::Cell& group : groups) {
+    if (poll.After(kStepsPerPoint * static_cast<std::size_t>(group.end - group.begin))) break;
     end_of[static_cast<std::size_t>(group.begin)] = group.end;
     for (std::int32_t i = group.begin + 1; i < group.end; ++i) {
       sets.Join(first(i), first(group.begin));
@@ -148,6 +151,7 @@ std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std:
   constexpr auto kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(points.size(), kNone);  // of the cluster of a set
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (poll.After(kStepsPerPoint)) return {};
     std::size_t& cluster = number[sets.Find(i)];
     if (cluster == kNone) {
       cluster = clusters.size();

@@ -29,6 +29,7 @@ inline void SortByKey(std::uint64_t largest, std::vector<KeyedPoint>* points,
     std::array<std::uint32_t, kBuckets> begin = {};
     const auto bucket = [&](const KeyedPoint& p) { return (p.key >> shift) % kBuckets; };
     for (const KeyedPoint& p : *points) ++begin[bucket(p)];
+    if (is_cancelled && is_cancelled()) return;
     std::uint32_t sum = 0;
     for (std::uint32_t& count : begin) sum += std::exchange(count, sum);
     for (const KeyedPoint& p : *points) other[begin[bucket(p)]++] = p;

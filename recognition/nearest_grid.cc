@@ -17,6 +17,8 @@ constexpr double kMaxTable = 1 << 20;
 constexpr int kMaxCellsPerAxis = 1 << 20;
 // Time to write the cells around a point, ns.
 constexpr std::size_t kStepsPerPoint = 500;
+// Time to find the blocks that a point meets, or its cell, ns.
+constexpr std::size_t kStepsPerLookUp = 50;
 
 // The most cells between a point's and one whose centre is within reach.
 int LayersWithin(float reach_m, float cell_m) {
@@ -53,20 +55,22 @@ NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m,
                           const IsCancelled& is_cancelled)
     : inverse_cell_(1 / cell_m), cells_(wide::kBlockCells, -1) {
   if (points.empty()) return;
-  while (!Allocate(points, cell_m, reach_m)) cell_m *= 2;
+  CancellationPoll poll(is_cancelled);
+  while (!Allocate(points, cell_m, reach_m, poll)) cell_m *= 2;
+  if (poll.Now()) return;
   const float far = reach_m + std::sqrt(0.75F) * cell_m;
   std::vector<float> best(cells_.size(), far * far);
   const std::vector<wide::BallRow> rows = RowsWithin(far * inverse_cell_);
   const wide::Cells all = {table(), cell_m, best.data(), cells_.data()};
-  CancellationPoll poll(is_cancelled);
-  for (const std::int32_t i : OneEachCell(points)) {
+  for (const std::int32_t i : OneEachCell(points, poll)) {
     if (poll.After(kStepsPerPoint)) return;
     const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     wide::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
 }
 
-bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reach_m) {
+bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reach_m,
+                                  CancellationPoll& poll) {
   inverse_cell_ = 1 / cell_m;
   const Eigen::AlignedBox3f bounds = BoundsOf(points);
   const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
@@ -86,6 +90,10 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
   const auto row = static_cast<std::ptrdiff_t>(block_count_.x());
   const std::ptrdiff_t layer = row * block_count_.y();
   for (const Eigen::Vector3f& p : points) {
+    if (poll.After(kStepsPerLookUp)) {
+      std::ranges::fill(blocks_, 0);
+      return true;
+    }
     const Eigen::Array3i at = Place(p).cast<int>();
     const Eigen::Array3i low = BlockAt((at - reach).max(0));
     const Eigen::Array3i high = BlockAt((at + reach).min(size_.array() - 1));
@@ -109,13 +117,14 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
 
 // Of the points in one cell the nearest to its centre stands for all of them. Uses the cells, and
 // leaves them empty.
-Indices NearestGrid::Level::OneEachCell(const Points& points) {
+Indices NearestGrid::Level::OneEachCell(const Points& points, CancellationPoll& poll) {
   Indices occupied;
   const auto place = [&](std::int32_t i) { return Place(points[static_cast<std::size_t>(i)]); };
   const auto off = [](const Eigen::Array3f& at) {
     return (at - at.floor() - 0.5F).matrix().squaredNorm();
   };
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
+    if (poll.After(kStepsPerLookUp)) break;
     const Eigen::Array3f at = place(i);
     const std::size_t cell = CellOf(at);
     std::int32_t& known = cells_[cell];

@@ -64,9 +64,10 @@ class NearestGrid {
     wide::BlockTable table() const {
       return {blocks_.data(), block_count_.x(), block_count_.x() * block_count_.y()};
     }
-    // Whether cells of that size fit the limits; if so, their blocks are there.
-    bool Allocate(const Points& points, float cell_m, float reach_m);
-    Indices OneEachCell(const Points& points);
+    // Whether cells of that size fit the limits; if so, their blocks are there, or all of them are
+    // the empty one where the search was cancelled.
+    bool Allocate(const Points& points, float cell_m, float reach_m, CancellationPoll& poll);
+    Indices OneEachCell(const Points& points, CancellationPoll& poll);
 
     Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
     Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  // cells

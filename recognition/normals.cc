@@ -11,6 +11,10 @@ namespace {
 // So much larger are cells than the radius, lest rounding moves a neighbour two cells away.
 constexpr float kRoundingMargin = 1.001F;
 
+// Time to gather a cell's neighbours, and to find a point's normal besides, ns.
+constexpr std::size_t kStepsPerCell = 500;
+constexpr std::size_t kStepsPerPoint = 300;
+
 // The direction of least spread about the mean.
 Eigen::Vector3d LeastSpread(const wide::Moments& m) {
   const auto number = [](float v) { return static_cast<double>(v); };
@@ -38,7 +42,8 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
   CancellationPoll poll(is_cancelled);
   for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
     grid.Gather(cell.at, 1, &block);
-    if (poll.After(block.x.size() * static_cast<std::size_t>(cell.end - cell.begin))) break;
+    const auto members = static_cast<std::size_t>(cell.end - cell.begin);
+    if (poll.After(kStepsPerCell + members * (kStepsPerPoint + block.x.size()))) break;
     for (std::int32_t i = cell.begin; i < cell.end; ++i) {
       const auto point = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(i)]);
       const wide::Moments moments =

@@ -7,6 +7,7 @@
 #include "recognition/confidence.h"
 #include "recognition/distinct_hypotheses.h"
 #include "recognition/settling.h"
+#include "recognition/top_scores.h"
 #include "recognition/tried_turns.h"
 
 namespace graspdb::recognition {
@@ -107,6 +108,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
                                          const Sight::Sides& hidden, SearchBudget& budget) {
   std::vector<Start> all;
   TriedTurns turns;
+  TopScores top(kTriedStarts, kTriedShare);
   for (const auto& view : views) {
     if (!turns.Add(*view, seen_)) continue;
     if (budget.OutOfTime() || !budget.Take(1)) {
@@ -116,14 +118,15 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
     auto starts = StartsOf(view, hidden);
     if (!starts.ok()) return starts.status();
     for (Start& start : *starts) {
-      start.score = Glance(start);
+      start.score = Glance(start, top.min());
+      top.Add(start.score);
       all.push_back(std::move(start));
     }
   }
   std::ranges::stable_sort(all, std::greater(), &Start::score);
   if (all.size() > kTriedStarts) all.resize(kTriedStarts);
   for (const Start& start : all) {
-    if (start.score < kTriedShare * all.front().score) break;
+    if (start.score < top.min()) break;
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
     Try(start);
   }
@@ -145,10 +148,12 @@ bool SegmentMatcher::ExplainsNothing() const {
              kExplainsNothing;
 }
 
+bool SegmentMatcher::MayBeAnswer() const {
+  return parameters_.min_score < kExplainsNothing || !ExplainsNothing();
+}
+
 std::vector<PoseHypothesis> SegmentMatcher::TakeRanked() {
-  // What explains nothing is no answer, wherever it settles, unless one is wanted all the same.
-  const bool settles = parameters_.min_score < kExplainsNothing || !ExplainsNothing();
-  while (settles && !hypotheses_.empty() && !hypotheses_.front().settled) {
+  while (MayBeAnswer() && !hypotheses_.empty() && !hypotheses_.front().settled) {
     LetSettle(&hypotheses_.front());
     RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
   }
@@ -180,9 +185,9 @@ absl::StatusOr<SegmentMatcher::Model> SegmentMatcher::ModelOf(const TaughtView& 
   return model;
 }
 
-double SegmentMatcher::Glance(const Start& start) const {
+double SegmentMatcher::Glance(const Start& start, double min_score) const {
   const Pose pose = Refine(*start.model, rough_target_, start.rough, kGlanceSteps).world_object;
-  return VerifyRoughly(*start.model, pose).score;
+  return VerifyRoughly(*start.model, pose, min_score).score;
 }
 
 void SegmentMatcher::Try(const Start& start) {
@@ -200,7 +205,7 @@ absl::Status SegmentMatcher::KeepAndFinish() {
   KeepBest(kFinalists, &hypotheses_);
   if (absl::Status status = FinishAll(); !status.ok()) return status;
   KeepBest(kFinalists, &hypotheses_);
-  Polish();
+  if (MayBeAnswer()) Polish();
   return CheckNotCancelled();
 }
 
@@ -209,9 +214,11 @@ absl::Status SegmentMatcher::CheckNotCancelled() const {
                          : absl::OkStatus();
 }
 
-Evidence SegmentMatcher::VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const {
-  return Verify(model, world_object, rough_columns_, sight_,
-                {.tolerance_m = parameters_.support_distance_m, .coarse = true});
+Evidence SegmentMatcher::VerifyRoughly(const SurfaceModel& model, const Pose& world_object,
+                                       double min_score) const {
+  return Verify(
+      model, world_object, rough_columns_, sight_,
+      {.tolerance_m = parameters_.support_distance_m, .coarse = true, .min_score = min_score});
 }
 
 Evidence SegmentMatcher::VerifyClosely(const SurfaceModel& model, const Pose& world_object) const {

@@ -72,16 +72,19 @@ class SegmentMatcher {
   absl::StatusOr<std::vector<Start>> StartsOf(const std::shared_ptr<const TaughtView>& view,
                                               const Sight::Sides& hidden);
   absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose);
-  double Glance(const Start& start) const;
+  double Glance(const Start& start, double min_score) const;
   void Try(const Start& start);
   absl::Status KeepAndFinish();
   absl::Status FinishAll();
   absl::Status CheckNotCancelled() const;
+  // What explains nothing is no answer at any pose near its own, unless min_score lets it be one.
+  bool MayBeAnswer() const;
   bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const;
   void Finish(const RefinementOptions& options, PoseHypothesis* h) const;
   void Polish();
   void LetSettle(PoseHypothesis* h) const;
-  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const;
+  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object,
+                         double min_score = 0) const;
   Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const;
 
   const Segmentation& segmentation_;

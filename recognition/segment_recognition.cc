@@ -101,6 +101,7 @@ SegmentRecognition::SegmentRecognition(const MatchingInput& input,
 absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   absl::StatusOr<bool> explained = false;
   if (search_ || input_.segment.too_large || !FindNearest()) return explained;
+  if (is_cancelled_()) return absl::CancelledError("cancelled after the descriptor");
   if (parameters_.matching.verified_view_count == 1) return explained;
   log_->Measure("register", out_.point_count, [&] {
     search_.emplace(input_, *descriptor_, matches_, catalogue_, clouds_, parameters_.matching,

@@ -188,6 +188,7 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
     if (cloud.points.size() > kMaxVoxels && downsample() > kMaxVoxels) {
       return TooManyVoxels(voxels.points.size(), descriptor.voxel_size_m);
     }
+    if (is_cancelled()) return CancelledAfter("the table plane");
     log->Measure("outliers", cloud.points.size(), [&] {
       const std::optional<Indices> kept =
           RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,

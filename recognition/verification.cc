@@ -95,6 +95,9 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Orien
   out.scan_explained = static_cast<double>(support.explained) / points;
   out.rms_m = support.near > 0 ? static_cast<double>(std::sqrt(support.squares / support.near)) : 0;
 
+  // The score if all of the model were seen.
+  if (2 * out.scan_explained < options.min_score * (1 + out.scan_explained)) return out;
+
   const Motion sensor_object(sight.sensor_world() * world_object.cast<float>());
   const Surface& surface = options.coarse ? model.coarse : model.fine;
   Facing facing(surface, sensor_object);

@@ -22,6 +22,9 @@ struct Evidence {
 struct VerificationOptions {
   double tolerance_m = 0.008;
   bool coarse = false;
+  // Where the segment's points alone show that the score is lower, the rest is not computed; the
+  // score is 0 then.
+  double min_score = 0;
 };
 Evidence Verify(const SurfaceModel& model, const Pose& world_object, const OrientedColumns& segment,
                 const Sight& sight, const VerificationOptions& options);

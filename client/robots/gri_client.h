@@ -1,7 +1,11 @@
 // The robot's side of the Generic Robot Interface.
 #pragma once
 
+// clang-format off
+// Before Asio, which otherwise allocates with one function here and frees with another elsewhere.
+#include <version>
 #include <asio/ip/tcp.hpp>
+// clang-format on
 #include <chrono>
 #include <cstdint>
 #include <string>

@@ -45,8 +45,6 @@ void Run(const Operations& operations) {
   static FuzzServer server;
   static int inputs = 0;
   if (operations.operations_size() > kMostOperations) return;
-  for (const Operation& operation : operations.operations()) {
-  }
   if (inputs % kInputsOfDatabase == 0) server.StartAnew();
   ++inputs;
   Calls calls(server);

@@ -15,6 +15,7 @@
 #include "storage/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/message_target.h"
+#include "tests/fuzz/operations.pb.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 

@@ -1,14 +1,16 @@
-// Bytes of the storage: packed clouds ("GPC"), index files ("GIX") and RocksDB's logs (all
-// others). Checksums are put right before an input is read, so that what stands behind them is
-// reached.
+// Bytes of the storage: packed clouds ("GPC"), index files ("GIX"), files of an approximate index
+// ("GAX") and RocksDB's logs (all others). Checksums are corrected before an input is read, so that
+// what follows them is parsed.
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstdint>
 #include <string>
 #include <string_view>
 
+#include "storage/approximate_file.h"
 #include "storage/crc32c.h"
 #include "storage/index_file.h"
+#include "storage/little_endian.h"
 #include "storage/log_check.h"
 #include "storage/packed_cloud.h"
 #include "tests/fuzz/requirement.h"
@@ -74,11 +76,29 @@ void ReadIndex(std::string bytes) {
   if (blocks == reader->header().block_count()) reader->Finish().IgnoreError();
 }
 
+void ReadApproximate(std::string bytes) {
+  static const ScratchFolder folder;
+  constexpr std::size_t kRecordAt = kMagicBytes + 4;
+  if (bytes.size() >= kRecordAt) {
+    const std::string_view all = bytes;
+    const std::uint32_t start = storage::Crc32c(all.substr(0, kMagicBytes));
+    PutUint32(storage::Crc32c(all.substr(kRecordAt), start), kMagicBytes, bytes);
+  }
+  folder.Write(std::string(storage::kApproximateFile), bytes);
+  const std::string directory = folder.path().string();
+  const auto record = storage::ReadApproximateFile(directory);
+  if (!record.ok()) return;
+  Require(storage::WriteApproximateFile(directory, *record).ok(), "what was read can be written");
+  Require(storage::ReadApproximateFile(directory).ok(), "and read again");
+}
+
 void Read(std::string_view bytes) {
   if (bytes.starts_with("GPC")) {
     ReadCloud(std::string(bytes));
   } else if (bytes.starts_with("GIX\x01")) {
     ReadIndex(std::string(bytes));
+  } else if (bytes.starts_with("GAX\x01")) {
+    ReadApproximate(std::string(bytes));
   } else {
     storage::InspectLog(bytes);
   }

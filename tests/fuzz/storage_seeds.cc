@@ -2,6 +2,7 @@
 #include <iterator>
 
 #include "recognition/parameters.h"
+#include "storage/approximate_file.h"
 #include "storage/catalogue.h"
 #include "storage/family.h"
 #include "storage/index_file.h"
@@ -52,6 +53,17 @@ void WriteFiles(const SeedWriter& out, const storage::Catalogue& catalogue,
   storage::IndexFileWriter writer(folder.path().string(), header);
   Require(writer.Append(block).ok() && writer.Commit().ok(), "an index is written");
   out.Write("storage_file", "index", BytesOf(folder.path() / storage::kIndexFile));
+  storage::ApproximateIndexRecord approximate;
+  approximate.set_library("library");
+  approximate.add_names(view.name());
+  approximate.add_content_digests("digest");
+  approximate.add_means(0.5F);
+  approximate.add_axes(1);
+  approximate.set_tree("tree");
+  approximate.set_checks(1024);
+  Require(storage::WriteApproximateFile(folder.path().string(), approximate).ok(),
+          "an approximate index is written");
+  out.Write("storage_file", "approximate", BytesOf(folder.path() / storage::kApproximateFile));
 }
 
 void WriteLogs(const SeedWriter& out, const std::string& directory) {

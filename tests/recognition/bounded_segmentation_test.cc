@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "recognition/segmentation.h"
 #include "tests/recognition/synthetic_clouds.h"
 #include "tests/recognition/table_scene.h"
@@ -18,6 +20,7 @@ using ::graspdb::testing::SmallCamera;
 using ::graspdb::testing::StatusIs;
 using ::graspdb::testing::TakePicture;
 using ::graspdb::testing::WavySurface;
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 bool Never() { return false; }
@@ -132,6 +135,24 @@ TEST_F(BoundedSegmentationTest, AScanOfMoreVoxelsThanAreLookedAtIsRefused) {
   // As many points in fewer voxels are looked at.
   for (Eigen::Vector3f& p : scan.points) p *= 0.03F;
   EXPECT_THAT(Run(scan), IsOk());
+}
+
+TEST_F(BoundedSegmentationTest, OnceCancelledNoFurtherStepBegins) {
+  Random random(7);
+  Scan scan;
+  scan.points = RandomPoints(random, kMaxVoxels + 100'000, 0.02);
+  scan.world_sensor = Pose::Identity();
+  scan.region = Box{Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5)};
+  StageLog log;
+  int polls = 0;  // since the table was looked for
+  const auto while_voxels_are_counted = [&] {
+    const bool has_table = std::ranges::any_of(
+        log.reports(), [](const StageReport& stage) { return stage.stage == "plane"; });
+    return has_table && ++polls > 1;
+  };
+  const auto found = SegmentScan(scan, parameters_, {}, while_voxels_are_counted, &log);
+  EXPECT_THAT(found, StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_THAT(found.status().message(), HasSubstr("table plane"));
 }
 
 TEST_F(BoundedSegmentationTest, CancellingIsNoticedWithinEachStep) {

@@ -48,7 +48,8 @@ class VerificationTest : public ::testing::Test {
   // The evidence for `model` at `claimed` when the camera sees `solids`, the first alone in the
   // region of interest.
   Evidence MustVerify(const SurfaceModel& model, const Pose& claimed,
-                      const std::vector<testing::Solid>& solids, bool segmented = false) {
+                      const std::vector<testing::Solid>& solids, bool segmented = false,
+                      double min_score = 0) {
     const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
     Scan scan{.points = TakePicture({.solids = solids}, world_sensor, SmallCamera()).points,
               .world_sensor = world_sensor,
@@ -69,7 +70,8 @@ class VerificationTest : public ::testing::Test {
     }
     const Segment& segment = segmentation->segments.front();
     return Verify(model, claimed, OrientedColumns(segment.cloud),
-                  Sight(scan, world_sensor, segment), {.tolerance_m = kTolerance});
+                  Sight(scan, world_sensor, segment),
+                  {.tolerance_m = kTolerance, .min_score = min_score});
   }
 
   static Pose At(double x, double y, double yaw_rad) {
@@ -111,6 +113,18 @@ TEST_F(VerificationTest, AThingTooSmallLeavesTheScanUnexplained) {
 }
 
 // Of the brick cut out of the scan a half is lost.
+TEST_F(VerificationTest, AScoreThatTheSegmentsPointsExcludeIsNotComputed) {
+  const SurfaceModel smaller(SurfaceOf({{-0.04, -0.03, 0}, {0.015, 0.03, 0.05}}), 1);
+  const Evidence all = MustVerify(smaller, truth_, {BoxAt(truth_)});
+  const double bound = 2 * all.scan_explained / (1 + all.scan_explained);
+  ASSERT_LE(all.score, bound);
+  const auto score = [&](double min_score) {
+    return MustVerify(smaller, truth_, {BoxAt(truth_)}, false, min_score).score;
+  };
+  EXPECT_EQ(score(bound - 1e-9), all.score);
+  EXPECT_EQ(score(bound + 1e-9), 0);
+}
+
 TEST_F(VerificationTest, WhatAScanOfOneThingDoesNotShowSpeaksLessAgainstItThanFreeSight) {
   const Box half{{-0.04, -0.03, 0}, {0, 0.03, 0.05}};
   const Evidence cut_out = MustVerify(model_, truth_, {BoxAt(truth_, half)}, /*segmented=*/true);
