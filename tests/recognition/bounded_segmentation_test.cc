@@ -25,6 +25,16 @@ using ::testing::SizeIs;
 
 bool Never() { return false; }
 
+// More points than voxels that are segmented, in a cube of `size_m`.
+Scan ManyPoints(double size_m) {
+  Random random(6);
+  Scan out;
+  out.points = RandomPoints(random, kMaxVoxels + 100'000, size_m);
+  out.world_sensor = Pose::Identity();
+  out.region = Box{Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5)};
+  return out;
+}
+
 class BoundedSegmentationTest : public ::testing::Test {
  protected:
   absl::StatusOr<Segmentation> Run(const Scan& scan) {
@@ -124,11 +134,7 @@ TEST_F(BoundedSegmentationTest, ManyPointsInOnePlaceAreOneVoxel) {
 }
 
 TEST_F(BoundedSegmentationTest, AScanOfMoreVoxelsThanAreLookedAtIsRefused) {
-  Random random(6);
-  Scan scan;
-  scan.points = RandomPoints(random, kMaxVoxels + 100'000, 0.8);
-  scan.world_sensor = Pose::Identity();
-  scan.region = Box{Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5)};
+  Scan scan = ManyPoints(0.8);
   EXPECT_THAT(Run(scan), StatusIs(absl::StatusCode::kInvalidArgument));
   scan.segmented = true;
   EXPECT_THAT(Run(scan), StatusIs(absl::StatusCode::kInvalidArgument));
@@ -138,11 +144,7 @@ TEST_F(BoundedSegmentationTest, AScanOfMoreVoxelsThanAreLookedAtIsRefused) {
 }
 
 TEST_F(BoundedSegmentationTest, OnceCancelledNoFurtherStepBegins) {
-  Random random(7);
-  Scan scan;
-  scan.points = RandomPoints(random, kMaxVoxels + 100'000, 0.02);
-  scan.world_sensor = Pose::Identity();
-  scan.region = Box{Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5)};
+  const Scan scan = ManyPoints(0.02);
   StageLog log;
   int polls = 0;  // since the table was looked for
   const auto while_voxels_are_counted = [&] {
