@@ -37,10 +37,7 @@ LiveCatalogue::~LiveCatalogue() {
 absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
     storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters) {
   std::unique_ptr<LiveCatalogue> out(new LiveCatalogue(catalogue, parameters));
-  {
-    absl::MutexLock lock(&out->change_mutex_);
-    if (absl::Status status = out->Load(); !status.ok()) return status;
-  }
+  if (absl::Status status = out->Load(); !status.ok()) return status;
   absl::StatusOr<std::int64_t> from = catalogue.Subscribe(
       [live = out.get()](const storage::ChangeRecord& change) { live->Apply(change); });
   if (!from.ok()) return from.status();
@@ -58,6 +55,7 @@ absl::Status LiveCatalogue::Load() {
       catalogue_.ForEach(StablePoseVisitor(&poses, &loaded->left_out));
   if (!revision.ok()) return revision.status();
   file_revision_ = loaded->file_revision;
+  absl::MutexLock lock(&change_mutex_);
   Install(*std::move(loaded), std::move(poses));
   return absl::OkStatus();
 }

@@ -69,7 +69,8 @@ class LiveCatalogue {
   using Snapshot = recognition::CatalogueSnapshot;
 
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
-  absl::Status Load() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  // Changes the catalogue, whose writers wait for change_mutex_: that is not to be held.
+  absl::Status Load() ABSL_LOCKS_EXCLUDED(change_mutex_);
   absl::Status Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Install(LoadedViews loaded, TaughtPoseChange poses)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);

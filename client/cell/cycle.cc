@@ -66,8 +66,9 @@ absl::Status Cycle::Run(const std::optional<recognition::Pose>& base_flange, abs
     absl::Status status = Try(base_flange, deadline, look);
     if (status.ok()) return status;
     if (absl::IsUnavailable(status)) no_server = status;
-    if (absl::IsDeadlineExceeded(status) && absl::IsUnavailable(cell_.state())) {
-      return cell_.state();  // nobody was there to be slow
+    if (absl::IsDeadlineExceeded(status)) {  // where nobody was there, nobody was slow
+      if (absl::IsUnavailable(cell_.state())) return cell_.state();
+      return no_server.ok() ? status : no_server;
     }
     if (!IsPassing(status)) return status;
     const bool is_late = absl::Now() + pause >= deadline;

@@ -46,7 +46,7 @@ run_one() {
   return 1
 }
 
-export LSAN_OPTIONS="suppressions=$here/lsan.txt print_suppressions=0 ${LSAN_OPTIONS:-}"
+export LSAN_OPTIONS="suppressions=$here/../sanitizers/lsan.txt print_suppressions=0 ${LSAN_OPTIONS:-}"
 export build seconds here slowest most_memory
 export -f run_one longest
 printf '%s\n' "$@" | xargs -P 2 -I{} bash -euo pipefail -c 'run_one {}'

@@ -40,6 +40,7 @@ const std::vector<std::string>& Words() {
 
 std::string CloudOf(const std::string& floats) {
   std::vector<storage::CloudPoint> points(floats.size() / sizeof(storage::CloudPoint));
+  if (points.empty()) return floats;
   std::memcpy(points.data(), floats.data(), points.size() * sizeof(storage::CloudPoint));
   return storage::PackCloud(points).value_or(floats);
 }

@@ -76,6 +76,14 @@ TEST_F(LiveCatalogueTest, ARestartWithAnotherDescriptorDescribesViewsAgain) {
   }
 }
 
+TEST_F(LiveCatalogueTest, ViewsAreTaughtAfterARestartThatDescribedOthersAgain) {
+  Teach("wedge", 2);
+  options_.descriptor = "vfh263";
+  Restart();
+  Teach("handle", 2);
+  EXPECT_EQ(Status().view_count(), 4);
+}
+
 TEST_F(LiveCatalogueTest, ParametersThatAViewCannotBeDescribedWithAreRefused) {
   Teach("wedge", 2);
   server_.reset();

@@ -110,7 +110,16 @@ TEST_F(CycleTest, WithoutAServerTheJobEndsWithinItsTime) {
   refused_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
   EXPECT_THAT(Run(absl::Milliseconds(200)), StatusIs(absl::StatusCode::kUnavailable));
-  EXPECT_GT(asked_, 1);
+}
+
+TEST_F(CycleTest, ALastCallWithoutTimeDoesNotHideThatNobodyWasThere) {
+  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  server_.recognize = [this, deadline](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+    if (++asked_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - absl::Now());
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+  };
+  EXPECT_THAT(Run(deadline - absl::Now()),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
 }
 
 TEST_F(CycleTest, WhatTheServerRefusesIsNotAskedAgain) {
@@ -139,11 +148,13 @@ TEST_F(CycleTest, ACameraThatStaysAwayIsNotTakenForTheServer) {
 TEST_F(CycleTest, TheServersFaultIsNotPutOnACameraThatHasNoTimeLeft) {
   refused_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
-  give_ = [this]() -> absl::StatusOr<SensorFrame> {
-    if (given_ > 1) return absl::DeadlineExceededError("no frame in time");
-    return FrameNow();
+  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  give_ = [this, deadline]() -> absl::StatusOr<SensorFrame> {
+    if (given_ == 1) return FrameNow();
+    absl::SleepFor(deadline - absl::Now());
+    return absl::DeadlineExceededError("no frame in time");
   };
-  EXPECT_THAT(Run(absl::Milliseconds(200)),
+  EXPECT_THAT(Run(deadline - absl::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
   EXPECT_EQ(asked_, 1);
 }
