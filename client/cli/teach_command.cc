@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,7 +29,8 @@ struct Options : GuidedTeachOptions {
   std::string camera = "v2";
   double look_down_deg = 40;
   double distance_m = 0.8;
-  double min_probability = 0.01;
+  double min_probability = CadOptions{}.poses.min_probability;
+  double stands_deg = CadOptions{}.poses.stands_rad * 180 / std::numbers::pi;
   double gripper_max_m = ParallelGripper{}.max_opening_m;
   std::vector<int> poses;
   std::string pictures;
@@ -55,7 +57,9 @@ Examples:
 absl::StatusOr<CadPart> PartOf(const Options& options) {
   const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
   if (!mesh.ok()) return mesh.status();
-  CadOptions cad{.min_probability = options.min_probability, .gripper = {}};
+  CadOptions cad;
+  cad.poses = {.min_probability = options.min_probability,
+               .stands_rad = options.stands_deg * std::numbers::pi / 180};
   cad.gripper.max_opening_m = options.gripper_max_m;
   const std::string& name = options.display_name.empty() ? options.object : options.display_name;
   absl::StatusOr<CadPart> part = ProposeCadPart(options.object, name, *mesh, cad);
@@ -152,9 +156,16 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
           ->check(CLI::IsMember(LengthUnitNames())));
   command
       .add_option("--min-probability", o.min_probability,
-                  "Stable poses in which a dropped object ends less often are left out")
+                  "Stable poses in which a dropped object ends less often are left out ...")
       ->needs(mesh)
       ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--stands", o.stands_deg,
+                  "... unless they tip over only when the table is tilted by so many degrees, as a "
+                  "bottle stands that somebody put there")
+      ->needs(mesh)
+      ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
   command.add_option("--poses", o.poses, "Only these stable poses, as --dry-run counts them")
       ->needs(mesh)
@@ -179,9 +190,12 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
 }
 
 void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Options& o) {
-  command.add_option("--camera", o.camera, "Kinect v1 (640x480) or v2 (512x424)")
+  command
+      .add_option("--camera", o.camera,
+                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
+                  "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
       ->needs(mesh)
-      ->check(CLI::IsMember({"v1", "v2"}))
+      ->check(CLI::IsMember(SimulatedCameras()))
       ->capture_default_str();
   command
       .add_option("--look-down", o.look_down_deg, "Angle of the camera below the horizon, degrees")

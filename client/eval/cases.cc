@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/eval/close_scene.h"
 #include "client/simulation/counter_random.h"
 
@@ -21,6 +22,37 @@ constexpr double kAskStepDeg = 3;
 
 CameraStand StandOf(const Stand& stand) {
   return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
+}
+
+// All objects, taught without the errors of a real camera and seen with them.
+void AddRealCameras(std::vector<ExperimentCase>* cases) {
+  struct Camera {
+    const char* name;
+    DepthCameraModel model;
+    double distance_m;
+  };
+  for (const Camera& camera : {Camera{"kinect-v1", RealKinectV1(), 1.0},
+                               {"kinect-v2", RealKinectV2(), 0.8},
+                               {"realsense-d4xx", RealSenseD4xx(), 0.8},
+                               {"carmine", Carmine(), 0.8}}) {
+    ExperimentCase seen{.name = std::string("real-") + camera.name,
+                        .teach_step_deg = 20,
+                        .asked = {.camera = camera.model, .distance_m = camera.distance_m},
+                        .parts = PartChoice::kEverything,
+                        .only_named = true};
+    cases->push_back(seen);
+    for (const int percent : {20, 40}) {
+      cases->push_back(seen);
+      cases->back().name += absl::StrCat("-hidden-", percent);
+      cases->back().hidden_share = percent / 100.0;
+    }
+    cases->push_back(cases->back());
+    cases->back().name = seen.name + "-segmented-40";
+    cases->back().cut_out = true;
+    cases->push_back(seen);
+    cases->back().name += "-unknown";
+    cases->back().parts = PartChoice::kStrangers;
+  }
 }
 
 // Every part at the centre, turned to azimuths between those that were taught.
@@ -89,6 +121,10 @@ std::vector<ExperimentCase> ExperimentCases() {
   hidden_stranger.parts = PartChoice::kStrangers;
   hidden_stranger.hidden_share = 0.2;
   add("twins").parts = PartChoice::kTwins;
+  ExperimentCase& cut_out = add("segmented-40");
+  cut_out.hidden_share = 0.4;
+  cut_out.cut_out = true;
+  AddRealCameras(&cases);
   return cases;
 }
 
@@ -130,7 +166,8 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question) {
   return {.hidden_share = experiment.hidden_share,
           .direction_rad =
-              2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, question)};
+              2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, question),
+          .cut_out = experiment.cut_out};
 }
 
 }  // namespace graspdb::client

@@ -26,11 +26,13 @@ struct ExperimentCase {
   bool between_taught_azimuths = false;
   double area_half_width_m = 0.15;
   double hidden_share = 0;
+  bool cut_out = false;       // see Obstacle
   int objects_per_scene = 1;  // more than one: close together, and asked about each
   double gap_m = 0.03;        // between those
   PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;
+  bool only_named = false;  // not run unless it is named: one of many alike
   // What was taught and asked, in words, where it is not what the members above say.
   std::string settings = {};
 };

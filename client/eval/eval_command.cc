@@ -13,13 +13,14 @@ namespace {
 
 constexpr char kDescription[] =
     "Measure how often the answer is right, on meshes that a simulated Kinect sees, on a capture "
-    "set or on BigBIRD.\n"
+    "set, on BigBIRD or on frames of real cameras.\n"
     "Each mesh is taught on a turntable in the attitude in which it most often comes to rest, and "
     "asked about in new scenes. Of a capture set, the TEACH captures are taught and the QUERY "
     "captures asked about; options about cases, seeds and meshes do not touch it. Of a folder in "
     "BigBIRD's layout (OBJECT/calibration.h5 with clouds or depth maps), the paper's experiment is "
-    "done again: every --teach-step-deg degrees a view is taught, the others are asked about. No "
-    "server is needed.";
+    "done again: every --teach-step-deg degrees a view is taught, the others are asked about. Of a "
+    "folder with frames of real cameras and frames.json, the meshes that this names are taught and "
+    "the frames asked; of what is not found, it prints which step lost it. No server is needed.";
 
 constexpr char kFooter[] =
     "Right: ADD-S under 5 % of the diameter. Strictly right: no point farther off than 8 mm, or\n"
@@ -28,6 +29,8 @@ constexpr char kFooter[] =
     "  graspdb eval meshes/*.ply\n"
     "  graspdb eval meshes/*.ply --out report             # then open report/report.html\n"
     "  graspdb eval meshes/*.ply --case hidden-20,hidden-40 --trials 8 --list\n"
+    "  graspdb eval meshes/*.ply --case real-carmine,real-carmine-hidden-20 --trials 2\n"
+    "  graspdb eval my-frames                            # with frames.json\n"
     "  graspdb eval my-captures --leave-one-out --descriptors --out report\n"
     "  graspdb eval bigbird --descriptors --verified-views 1 --min-score 0   # as the paper";
 
@@ -62,12 +65,15 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
   command->footer(kFooter);
   command
       ->add_option("inputs", arguments->inputs,
-                   "Mesh files (PLY, OBJ, STL), or the folder of a capture set, of BigBIRD or of "
-                   "one of its objects")
+                   "Mesh files (PLY, OBJ, STL), or the folder of a capture set, of frames with "
+                   "frames.json, of BigBIRD or of one of its objects")
       ->required()
       ->check(CLI::ExistingPath);
   AddFolderOptions(command, arguments.get());
-  command->add_option("--case", arguments->cases, "Cases to run; all without it")
+  command
+      ->add_option("--case", arguments->cases,
+                   "Cases to run; without it all but real-..., which look through "
+                   "simulated cameras with the errors of real ones")
       ->delimiter(',')
       ->check(CLI::IsMember(CaseNames()));
   command

@@ -14,6 +14,8 @@
 #include "client/eval/descriptor_comparison.h"
 #include "client/eval/experiment.h"
 #include "client/eval/fallen_parts.h"
+#include "client/eval/frames_file.h"
+#include "client/eval/frames_run.h"
 #include "client/eval/gallery.h"
 #include "client/eval/report/match_drawing.h"
 #include "client/eval/report/report_writer.h"
@@ -78,10 +80,8 @@ void PrintWrong(const CaseResult& result) {
 std::vector<ExperimentCase> ChosenCases(const EvalArguments& arguments) {
   std::vector<ExperimentCase> out;
   for (ExperimentCase& experiment : ExperimentCases()) {
-    if (!arguments.cases.empty() &&
-        std::ranges::find(arguments.cases, experiment.name) == arguments.cases.end()) {
-      continue;
-    }
+    const bool named = std::ranges::find(arguments.cases, experiment.name) != arguments.cases.end();
+    if (arguments.cases.empty() ? experiment.only_named : !named) continue;
     experiment.trials_per_part = arguments.trials;
     experiment.seed = arguments.seed;
     out.push_back(std::move(experiment));
@@ -222,6 +222,7 @@ absl::Status RunEval(const EvalArguments& arguments) {
   const auto sets = std::ranges::count_if(arguments.inputs, is_set);
   if (sets == 0 && !arguments.leave_one_out) return RunMeshes(arguments);
   if (sets == 1 && arguments.inputs.size() == 1) {
+    if (HasFrames(arguments.inputs.front())) return RunFrames(arguments);
     return IsBigBird(arguments.inputs.front()) ? RunBigBird(arguments) : RunCaptureSet(arguments);
   }
   return absl::InvalidArgumentError(sets == 0

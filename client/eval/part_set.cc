@@ -54,7 +54,8 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
   for (const std::filesystem::path& path : paths) {
     const absl::StatusOr<Workpiece> as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
     if (!as_it_lies.ok()) return as_it_lies.status();
-    const auto found = FindStablePoses(as_it_lies->mesh, selection.min_probability);
+    const auto found =
+        FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
     if (!found.ok()) return found.status();
     const auto count = std::min(found->poses.size(), static_cast<std::size_t>(selection.attitudes));
     for (std::size_t i = 0; i < count; ++i) {

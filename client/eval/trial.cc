@@ -49,6 +49,17 @@ Vector3d MeanSeen(const DepthFrame& frame, int object, const Trial& trial) {
   return sum / count;
 }
 
+// Leaves what is seen of the first object.
+void CutOut(const DepthFrame& frame, recognition::Scan* scan) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < frame.surface.size(); ++i) {
+    if (frame.surface[i] == 0) scan->points[kept++] = scan->points[i];
+  }
+  scan->points.resize(kept);
+  scan->region.reset();
+  scan->segmented = true;
+}
+
 }  // namespace
 
 absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<Workpiece>& parts,
@@ -104,6 +115,7 @@ absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
   for (std::size_t i = 0; i < out.truth.size(); ++i) {
     out.seen.push_back(MeanSeen(*frame, static_cast<int>(i), out));
   }
+  if (obstacle.cut_out) CutOut(*frame, &out.scan);
   return out;
 }
 

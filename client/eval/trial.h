@@ -27,6 +27,8 @@ struct Trial {
 struct Obstacle {
   double hidden_share = 0;  // 0: there is none
   double direction_rad = 0;
+  // The scan is what is seen of the first object and nothing else, as if it had been cut out.
+  bool cut_out = false;
 };
 
 // Renders planned captures of `parts`, which outlives it. Thread-safe.

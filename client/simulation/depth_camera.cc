@@ -5,8 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-
 namespace graspdb::client {
 namespace {
 
@@ -53,13 +51,6 @@ DepthCameraModel KinectV2() {
   return model;
 }
 
-absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name) {
-  if (name == "v1") return KinectV1();
-  if (name == "v2") return KinectV2();
-  return absl::InvalidArgumentError(
-      absl::StrCat("there is no simulated camera \"", name, "\"; v1 and v2 are Kinects"));
-}
-
 absl::StatusOr<DepthCamera> DepthCamera::Create(const DepthCameraModel& model) {
   absl::StatusOr<RayCaster> rays = RayCaster::Create();
   if (!rays.ok()) return rays.status();
@@ -71,7 +62,9 @@ absl::StatusOr<DepthFrame> DepthCamera::Render(const Scene& scene,
                                                std::uint64_t seed) const {
   absl::StatusOr<IdealFrame> frame = rays_.Cast(scene, model_.intrinsics, world_sensor);
   if (!frame.ok()) return frame.status();
+  ApplyEdgeEffects(model_.effects, model_.intrinsics.fx, seed, *frame);
   ApplyNoise(model_.noise, seed, *frame);
+  ApplyDepthEffects(model_.effects, seed, *frame);
   for (std::size_t i = 0; i < frame->depth_m.size(); ++i) {
     const double depth = frame->depth_m[i];
     if (depth >= model_.min_depth_m && depth <= model_.max_depth_m) continue;

@@ -10,6 +10,7 @@
 #include "client/simulation/depth_noise.h"
 #include "client/simulation/ray_caster.h"
 #include "client/simulation/scene.h"
+#include "client/simulation/sensor_effects.h"
 #include "recognition/types.h"
 
 namespace graspdb::client {
@@ -20,6 +21,7 @@ struct DepthCameraModel {
   double min_depth_m = 0;
   double max_depth_m = 0;
   DepthNoise noise;
+  SensorEffects effects = {};
 };
 
 // Structured light, 640 x 480. Axial noise after Nguyen, Izadi and Lovell,
@@ -32,7 +34,16 @@ DepthCameraModel KinectV1();
 // 2015: 1.3 mm at 0.8 m, 1.7 mm at 2 m.
 DepthCameraModel KinectV2();
 
-// The one that command lines and sensors call "v1" or "v2". INVALID_ARGUMENT for another name.
+// Cameras with all that real ones do to a frame; camera_presets.cc says what each value was
+// measured on. The first two are those above, besides.
+DepthCameraModel RealKinectV1();
+DepthCameraModel RealKinectV2();
+DepthCameraModel RealSenseD4xx();
+DepthCameraModel Carmine();
+
+// What command lines and sensors call them: "v1", "v2" (with the noise of pixels alone),
+// "kinect-v1", "kinect-v2", "realsense-d4xx", "carmine". INVALID_ARGUMENT for another name.
+std::vector<std::string> SimulatedCameras();
 absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name);
 
 // A depth image, row by row.

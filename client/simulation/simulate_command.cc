@@ -176,8 +176,11 @@ void AddPlanOptions(CLI::App& command, Arguments& a) {
 }
 
 void AddCameraOptions(CLI::App& command, Arguments& a) {
-  command.add_option("--camera", a.camera, "Kinect v1 (640x480) or v2 (512x424)")
-      ->check(CLI::IsMember({"v1", "v2"}))
+  command
+      .add_option("--camera", a.camera,
+                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
+                  "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
+      ->check(CLI::IsMember(SimulatedCameras()))
       ->capture_default_str();
   command
       .add_option("--look-down", a.look_down_deg,

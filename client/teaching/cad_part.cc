@@ -8,7 +8,7 @@ namespace graspdb::client {
 absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
                                        const std::string& display_name, const TriangleMesh& mesh,
                                        const CadOptions& options) {
-  absl::StatusOr<MeshStablePoses> found = FindStablePoses(mesh, options.min_probability);
+  absl::StatusOr<MeshStablePoses> found = FindStablePoses(mesh, options.poses);
   if (!found.ok()) return found.status();
   CadPart out{.workpieces = {}, .found = *std::move(found)};
   for (const MeshStablePose& pose : out.found.poses) {

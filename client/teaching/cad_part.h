@@ -1,6 +1,7 @@
 // A mesh as what is to be taught of it.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,9 @@
 namespace graspdb::client {
 
 struct CadOptions {
-  double min_probability = 0.01;  // of a stable pose
+  // What falls so in one of a hundred drops, or stands where somebody puts it: tables are level
+  // within a degree or two and get knocked.
+  StablePoseChoice poses{.min_probability = 0.01, .stands_rad = 5 * std::numbers::pi / 180};
   ParallelGripper gripper;
 };
 

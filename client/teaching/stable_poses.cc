@@ -129,7 +129,8 @@ Pose PutDown(const TriangleMesh& mesh, const Vector3d& down) {
   return pose;
 }
 
-absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double min_probability) {
+absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh,
+                                                const StablePoseChoice& choice) {
   if (absl::Status checked = CheckMesh(mesh); !checked.ok()) return checked;
   const absl::StatusOr<ConvexHull> hull = HullOf(mesh.vertices);
   if (!hull.ok()) return hull.status();
@@ -140,14 +141,16 @@ absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double
   if (!facets.ok()) return facets.status();
   for (const Look& look : LooksOf(mesh, AttitudesOf(*facets))) {
     const Attitude& a = look.attitude;
-    if (a.probability < min_probability && !out.poses.empty()) {
+    const double tips = TipAngle(*hull, out.mass.center, a.down, kTouchingShare * diameter);
+    const bool wanted = a.probability >= choice.min_probability || tips >= choice.stands_rad;
+    if (!wanted && !out.poses.empty()) {
       out.left_out += a.probability;
       continue;
     }
     MeshStablePose pose;
     pose.object_mesh = PutDown(mesh, a.down);
     pose.probability = a.probability;
-    pose.tip_angle_rad = TipAngle(*hull, out.mass.center, a.down, kTouchingShare * diameter);
+    pose.tip_angle_rad = tips;
     pose.rolls = a.rolls;
     pose.facet_count = a.facet_count;
     pose.symmetry = recognition::FindSymmetry(look.model);

@@ -2,6 +2,7 @@
 // different from the others.
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -36,20 +37,28 @@ struct MeshStablePose {
 
 struct MeshStablePoses {
   std::vector<MeshStablePose> poses;  // the most probable first
-  double left_out = 0;                // probability of those below the least one
+  double left_out = 0;                // probability of the others
   MassCenter mass;                    // mesh frame
 };
 
-// All stable poses with at least `min_probability`, see RestingFacets. One pose are facets between
+// Which stable poses are wanted.
+struct StablePoseChoice {
+  double min_probability = 0;
+  // Others too that tip over only when the table is tilted by so much, rad: nobody drops a bottle,
+  // and it stands all the same. Nothing is tilted by pi.
+  double stands_rad = std::numbers::pi;
+};
+
+// All stable poses of `choice`, see RestingFacets. One pose are facets between
 // which the centre of mass is lifted by less than 0.5 % of the diameter (curved and noisy
 // surfaces) and that are less than 12 degrees apart (1 degree where more than 5 % of all drops end
 // on each of the two: the thing rocks), and all poses that look the same on the table to a depth
 // camera (recognition::FindLikeness within 1.5 mm, where both roll within AlikeM): the sides of a
-// cylinder are one, so are the faces of a cube. What has no pose at or above the least probability
-// has its most probable one.
+// cylinder are one, so are the faces of a cube. Where none is chosen, the most probable one is.
 //
 // Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh; errors as HullOf and RestingFacets.
-absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh, double min_probability);
+absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh,
+                                                const StablePoseChoice& choice);
 
 // T_object_mesh of a mesh that rests with `down` (mesh frame, length one): the lowest point on z =
 // 0, the middle of the bounding box on the z axis, turned as little as possible.

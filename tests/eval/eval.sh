@@ -78,6 +78,24 @@ turntable() {
   done
 }
 
+# Frames of real cameras, taught from the meshes, and simulated cameras with such errors.
+real_cameras() {
+  if [ ! -d "$data/real_frames" ]; then
+    echo "== frames of real cameras: skipped, $data is not there"
+    return
+  fi
+  echo "== frames of real cameras, taught from meshes"
+  "$bin/graspdb" eval "$data/real_frames" 2>/dev/null
+  echo "== simulated cameras with the errors of real ones, two scenes of every stable pose"
+  local camera cases=
+  for camera in kinect-v1 kinect-v2 realsense-d4xx carmine; do
+    cases+="real-$camera,real-$camera-hidden-20,real-$camera-hidden-40,"
+    cases+="real-$camera-segmented-40,real-$camera-unknown,"
+  done
+  "$bin/graspdb" eval "$data"/ycb_meshes/*.ply --objects "$scanned_objects" --case "${cases%,}" \
+    --seed 2 --trials 2 --out "$out/real-cameras-report" 2>/dev/null
+}
+
 real() {
   local frames=$data/realsense_tabletop name
   if [ ! -d "$frames" ]; then
@@ -107,3 +125,4 @@ simulated
 scanned
 turntable
 real
+real_cameras

@@ -48,9 +48,19 @@ void WriteSettings(const SeedWriter& out) {
   out.Write("settings", "help", "--help\n--version\n");
 }
 
+void WriteFrames(const SeedWriter& out) {
+  out.Write("frames", "two.json",
+            R"([{"frame":"frames/a.pcd","sensor":"x","objects":[)"
+            R"({"object":"can","mesh":"can.ply","meshUnit":"mm","T_sensor_mesh":)"
+            R"([[0,-1,0,0.1],[1,0,0,-0.2],[0,0,1,0.8],[0,0,0,1]]},{"object":null},)"
+            R"({"object":"box","mesh":"box.obj","meshUnit":"m","T_sensor_mesh":null}]}])"
+            "\n");
+}
+
 }  // namespace
 
 void WriteTextSeeds(const SeedWriter& out) {
+  WriteFrames(out);
   WriteRobots(out);
   WriteSettings(out);
 }

@@ -23,7 +23,7 @@ using ::testing::DoubleNear;
 using ::testing::UnorderedElementsAre;
 
 std::vector<MeshStablePose> PosesOf(const TriangleMesh& mesh, double min_probability = 0) {
-  const auto found = FindStablePoses(mesh, min_probability);
+  const auto found = FindStablePoses(mesh, {.min_probability = min_probability});
   EXPECT_THAT(found, IsOk());
   return found.ok() ? found->poses : std::vector<MeshStablePose>();
 }
@@ -179,22 +179,35 @@ TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
   }
 }
 
+TEST(StablePoses, WhatStandsIsKeptHoweverSeldomItFallsSo) {
+  const TriangleMesh bottle = BoxSolid({0, 0, 0}, {0.035F, 0.075F, 0.19F});
+  const auto fallen = FindStablePoses(bottle, {.min_probability = 0.05});
+  ASSERT_THAT(fallen, IsOk());
+  EXPECT_EQ(fallen->poses.size(), 2U);
+  const auto standing = FindStablePoses(bottle, {.min_probability = 0.05, .stands_rad = 0.087});
+  ASSERT_THAT(standing, IsOk());
+  ASSERT_EQ(standing->poses.size(), 3U);
+  EXPECT_LT(standing->poses.back().probability, 0.05);
+  EXPECT_NEAR(standing->poses.back().tip_angle_rad, std::atan(0.035 / 0.19), 0.01);
+}
+
 TEST(StablePoses, WithoutOneThatIsLikelyEnoughTheLikeliestIsKept) {
-  const auto found = FindStablePoses(BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}), 0.99);
+  const auto found =
+      FindStablePoses(BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}), {.min_probability = 0.99});
   ASSERT_THAT(found, IsOk());
   ASSERT_EQ(found->poses.size(), 1U);
   EXPECT_NEAR(found->poses[0].probability + found->left_out, 1, 1e-9);
 }
 
 TEST(StablePoses, OfNonsenseAreAnError) {
-  EXPECT_THAT(FindStablePoses({}, 0), StatusIs(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(FindStablePoses({}, {}), StatusIs(absl::StatusCode::kInvalidArgument));
   TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0}, {0.1F, 0, 0}, {0.1F, 0.1F, 0}, {0, 0.1F, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  EXPECT_THAT(FindStablePoses(sheet, 0), StatusIs(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(FindStablePoses(sheet, {}), StatusIs(absl::StatusCode::kInvalidArgument));
   TriangleMesh beyond = BoxSolid({0, 0, 0}, {0.1F, 0.1F, 0.1F});
   beyond.triangles[0][0] = 1000;
-  EXPECT_THAT(FindStablePoses(beyond, 0), StatusIs(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(FindStablePoses(beyond, {}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
 // Real meshes, whatever their unit: their largest side counts as 10 cm.
@@ -213,7 +226,7 @@ class RealMeshTest : public ::testing::TestWithParam<const char*> {
       const recognition::Box box = BoundsOf(*mesh);
       const auto scale = static_cast<float>(0.1 / (box.max - box.min).maxCoeff());
       for (Eigen::Vector3f& v : mesh->vertices) v *= scale;
-      const auto found = FindStablePoses(*mesh, 0.01);
+      const auto found = FindStablePoses(*mesh, {.min_probability = 0.01});
       ASSERT_THAT(found, IsOk());
       EXPECT_FALSE(found->poses.empty());
       double sum = found->left_out;

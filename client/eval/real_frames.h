@@ -1,0 +1,87 @@
+// Frames of real cameras, asked about what was taught from meshes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/eval/experiment_run.h"
+#include "client/eval/frames_file.h"
+#include "client/eval/gallery.h"
+#include "client/eval/part_set.h"
+#include "client/eval/true_pose.h"
+
+namespace graspdb::client {
+
+// A pose is right when its ADD-S is under this share of the diameter (Hinterstoisser et al. 2012).
+inline constexpr double kFoundShare = 0.10;
+
+// What is taught: the stable poses of each mesh that the frames name, as `graspdb teach --mesh`
+// does.
+class FramesCatalogue {
+ public:
+  // Errors as LoadPartMesh, ProposeCadPart and Gallery::Teach.
+  static absl::StatusOr<std::unique_ptr<FramesCatalogue>> Teach(
+      const std::vector<RealFrame>& frames, const ExperimentRun& run);
+
+  const PartSet& set() const { return set_; }
+  Gallery& gallery() { return *gallery_; }
+  const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
+  // Of the stable pose at `position` of set(), that the gallery fuses.
+  const std::shared_ptr<const recognition::SurfaceModel>& ModelOf(std::size_t position) const {
+    return models_[position];
+  }
+
+ private:
+  PartSet set_;
+  std::unique_ptr<Gallery> gallery_;
+  std::vector<std::shared_ptr<const recognition::SurfaceModel>> models_;
+  recognition::CatalogueSnapshot snapshot_{
+      .revision = 0, .index = recognition::DescriptorIndex(1), .stable_poses = {}};
+};
+
+// An accepted detection, held against what stands in the frame.
+struct FrameDetection {
+  std::string object;
+  double score = 0;
+  std::optional<std::size_t> thing = {};  // that it poses rightly
+  double add_s_share = 0;   // from that, or from the nearest of its name; of the diameter
+  bool named_only = false;  // it is in the frame, and nobody knows how
+  bool again = false;       // another detection poses that thing already
+  std::size_t voxels = 0;
+  recognition::Evidence evidence = {};
+  recognition::Doubt doubt = {};
+  // Neither: an object that is not there, or one that is not there.
+  bool IsWrong() const { return !thing && !named_only; }
+};
+
+// What became of a thing that stands in the frame with a known pose.
+struct FrameThing {
+  FrameObject object;
+  bool found = false;
+  TruePose truth = {};  // how the recognition judges the right pose
+  // The best explanation of the detection nearest to it, accepted or not.
+  std::string best_object = {};  // empty: there is none
+  bool best_is_right = false;    // it is found by that
+  double best_explains = 0;      // Evidence::score
+  double best_score = 0;
+  int rank = 0;  // of the first of its views among the candidates; 0: not among them
+  LostBy lost_by = LostBy::kConfidence;
+};
+
+struct FrameResult {
+  const RealFrame* frame = nullptr;
+  std::string error = {};  // why there was no answer; empty: there was one
+  double milliseconds = 0;
+  std::size_t segments = 0;
+  std::vector<FrameThing> things = {};
+  std::vector<FrameDetection> detections = {};
+};
+
+// Errors as ReadPointFile; what the recognition refuses is part of the result.
+absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
+                                     FramesCatalogue* catalogue);
+
+}  // namespace graspdb::client
