@@ -148,12 +148,8 @@ bool SegmentMatcher::ExplainsNothing() const {
              kExplainsNothing;
 }
 
-bool SegmentMatcher::MayBeAnswer() const {
-  return parameters_.min_score < kExplainsNothing || !ExplainsNothing();
-}
-
 std::vector<PoseHypothesis> SegmentMatcher::TakeRanked() {
-  while (MayBeAnswer() && !hypotheses_.empty() && !hypotheses_.front().settled) {
+  while (!hypotheses_.empty() && !hypotheses_.front().settled) {
     LetSettle(&hypotheses_.front());
     RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
   }
@@ -205,7 +201,7 @@ absl::Status SegmentMatcher::KeepAndFinish() {
   KeepBest(kFinalists, &hypotheses_);
   if (absl::Status status = FinishAll(); !status.ok()) return status;
   KeepBest(kFinalists, &hypotheses_);
-  if (MayBeAnswer()) Polish();
+  Polish();
   return CheckNotCancelled();
 }
 

@@ -77,8 +77,6 @@ class SegmentMatcher {
   absl::Status KeepAndFinish();
   absl::Status FinishAll();
   absl::Status CheckNotCancelled() const;
-  // What explains nothing is no answer at any pose near its own, unless min_score lets it be one.
-  bool MayBeAnswer() const;
   bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const;
   void Finish(const RefinementOptions& options, PoseHypothesis* h) const;
   void Polish();

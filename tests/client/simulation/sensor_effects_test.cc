@@ -29,8 +29,8 @@ IdealFrame Step(float near, float wall, int first, int end) {
 // Of the pixels in a column.
 double ShareIn(const IdealFrame& frame, int column, float depth) {
   int count = 0;
-  for (int v = 0; v < kHeight; ++v) {
-    count += frame.depth_m[static_cast<std::size_t>(v * kWidth + column)] == depth;
+  for (auto i = static_cast<std::size_t>(column); i < frame.depth_m.size(); i += kWidth) {
+    count += frame.depth_m[i] == depth;
   }
   return static_cast<double>(count) / kHeight;
 }
