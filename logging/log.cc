@@ -10,8 +10,8 @@
 namespace graspdb {
 
 void StartLog(const std::string& program, const std::string& level) {
-  // Debian's library ends the process at two locks that were ever taken in both orders, though
-  // nothing waits. Tests end; a robot's server says so and goes on.
+  // Debian's Abseil aborts on a lock-order inversion even when nothing deadlocks. Tests keep that;
+  // programs report it and continue.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kReport);
   spdlog::set_default_logger(spdlog::stderr_logger_mt(program));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);

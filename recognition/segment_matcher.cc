@@ -47,9 +47,6 @@ constexpr RefinementOptions kRoughSteps = {.iterations = 6,
 // What a hypothesis is refined with in full: edges thinned, until little is left to go.
 constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
-// Look-ups over the segment: cells, and how far they reach, m.
-constexpr float kCellM = 0.003F;
-constexpr float kReachM = 0.021F;
 // A glance: whether a model may come to lie on the segment at all. Without edges, which flat things
 // need only at the end.
 constexpr RefinementOptions kGlanceSteps = {.iterations = 2,
@@ -84,7 +81,7 @@ SegmentMatcher::SegmentMatcher(const Scan& scan, const Segmentation& segmentatio
       parameters_(parameters),
       is_cancelled_(is_cancelled),
       sight_(scan, segmentation.world_sensor, segment),
-      grid_(segment.cloud.points, kCellM, kReachM, is_cancelled),
+      grid_(segment.cloud.points, kSegmentCellM, kSegmentReachM, is_cancelled),
       seen_{segmentation.world_sensor, segment.centroid,
             ExtentOf(segment.cloud.points, sight_.sensor_world()),
             segmentation.world_frame != WorldFrame::kSensor, segmentation.table_reach_m},

@@ -22,6 +22,11 @@ namespace graspdb::recognition {
 // An explanation that is not surer than this is none.
 inline constexpr double kExplainsNothing = 0.01;
 
+// Cells of the look-ups over a segment, and how far they reach, m: no farther than the first
+// correspondences of a refinement.
+inline constexpr float kSegmentCellM = 0.003F;
+inline constexpr float kSegmentReachM = 0.021F;
+
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
 
 // Aligns models with one segment and keeps the best hypotheses. What it looks things up in is made

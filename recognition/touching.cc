@@ -8,6 +8,7 @@
 
 #include "recognition/clusters.h"
 #include "recognition/point_search.h"
+#include "recognition/segment_part.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -35,26 +36,6 @@ constexpr double kPieceGapM = 0.01;
 constexpr double kPieceGapVoxels = 3.3;
 
 using Answers = std::vector<AnsweredSegment>;
-using IsMine = std::function<bool(const Eigen::Vector3f& world)>;
-
-// The part of `whole` whose points are mine.
-Segment Part(const MatchingInput& input, const Segment& whole, const IsMine& is_mine) {
-  Segment out;
-  for (std::size_t i = 0; i < whole.cloud.points.size(); ++i) {
-    if (!is_mine(whole.cloud.points[i])) continue;
-    out.cloud.points.push_back(whole.cloud.points[i]);
-    out.cloud.normals.push_back(whole.cloud.normals[i]);
-  }
-  const Eigen::Isometry3f world_sensor = input.segmentation.world_sensor.cast<float>();
-  for (const std::int32_t i : whole.indices) {
-    if (is_mine(world_sensor * input.scan.PointAt(i))) {
-      out.indices.push_back(i);
-    }
-  }
-  out.centroid = Centroid(out.cloud.points);
-  return out;
-}
-
 // Two points over the table, one in the middle of either half (k-means, from the ends).
 std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
   std::array<Eigen::Vector2f, 2> middles = {points.front().head<2>(), points.front().head<2>()};
@@ -133,7 +114,8 @@ class Parter {
     std::vector<Segment> rest;
     // What a half explains is not all of the thing: it is asked about once more.
     for (int round = 0; round < kRounds; ++round) {
-      thing.segment = Part(input_, whole, Within(thing.detection, OwnM(thing.detection)));
+      thing.segment = PartOf(input_.scan, input_.segmentation, whole,
+                             Within(thing.detection, OwnM(thing.detection)));
       rest = LeftOver(whole, thing.detection);
       if (thing.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
       auto again = Ask(thing.segment);
@@ -168,10 +150,11 @@ class Parter {
     const auto middles = MiddlesOfHalves(whole.cloud.points);
     std::vector<Detection> out;
     for (const bool second : {false, true}) {
-      const Segment half = Part(input_, whole, [&](const Eigen::Vector3f& p) {
-        return second == ((p.head<2>() - middles[1]).squaredNorm() <
-                          (p.head<2>() - middles[0]).squaredNorm());
-      });
+      const Segment half =
+          PartOf(input_.scan, input_.segmentation, whole, [&](const Eigen::Vector3f& p) {
+            return second == ((p.head<2>() - middles[1]).squaredNorm() <
+                              (p.head<2>() - middles[0]).squaredNorm());
+          });
       if (half.cloud.points.size() < min_count_) continue;
       // It is only where to begin: not worth a long search.
       auto answer = Ask(half, glance_);
@@ -188,7 +171,7 @@ class Parter {
                       std::min(kFinestM, support_), support_);
   }
 
-  static IsMine Within(const Detection& detection, float distance_m) {
+  static IsPartOf Within(const Detection& detection, float distance_m) {
     return
         [model = detection.model, distance_m,
          object_world = Eigen::Isometry3f(detection.refined_pose.inverse().cast<float>())](
@@ -196,8 +179,9 @@ class Parter {
   }
 
   std::vector<Segment> LeftOver(const Segment& whole, const Detection& answer) const {
-    const IsMine is_its = Within(answer, support_);
-    return Pieces(Part(input_, whole, [&](const Eigen::Vector3f& p) { return !is_its(p); }));
+    const IsPartOf is_its = Within(answer, support_);
+    return Pieces(PartOf(input_.scan, input_.segmentation, whole,
+                         [&](const Eigen::Vector3f& p) { return !is_its(p); }));
   }
 
   // What hangs together; smaller than a thing is left out.
@@ -211,7 +195,7 @@ class Parter {
         points.push_back(rest.cloud.points[static_cast<std::size_t>(i)]);
       }
       const PointSearch near(points);
-      out.push_back(Part(input_, rest, [&](const Eigen::Vector3f& p) {
+      out.push_back(PartOf(input_.scan, input_.segmentation, rest, [&](const Eigen::Vector3f& p) {
         return near.Nearest(p).squared_distance < static_cast<float>(piece_gap_ * piece_gap_) / 4;
       }));
     }

@@ -66,7 +66,7 @@ absl::Status Cycle::Run(const std::optional<recognition::Pose>& base_flange, abs
     absl::Status status = Try(base_flange, deadline, look);
     if (status.ok()) return status;
     if (absl::IsUnavailable(status)) no_server = status;
-    if (absl::IsDeadlineExceeded(status)) {  // where nobody was there, nobody was slow
+    if (absl::IsDeadlineExceeded(status)) {  // of an unreachable server, not a slow one
       if (absl::IsUnavailable(cell_.state())) return cell_.state();
       return no_server.ok() ? status : no_server;
     }

@@ -161,9 +161,10 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command
-      .add_option("--stands", o.stands_deg,
-                  "... unless they tip over only when the table is tilted by so many degrees, as a "
-                  "bottle stands that somebody put there")
+      .add_option(
+          "--stands", o.stands_deg,
+          "... unless the table must be tilted by at least this many degrees before they tip "
+          "over, e.g. an upright bottle")
       ->needs(mesh)
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();

@@ -32,7 +32,7 @@ struct ExperimentCase {
   PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;
-  bool only_named = false;  // not run unless it is named: one of many alike
+  bool only_named = false;  // run only when it is named, as one of many similar cases
   // What was taught and asked, in words, where it is not what the members above say.
   std::string settings = {};
 };

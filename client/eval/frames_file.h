@@ -11,12 +11,12 @@
 
 namespace graspdb::client {
 
-// A thing in a frame.
+// An object in a frame.
 struct FrameObject {
   std::string object;          // empty: something that has no mesh
   std::filesystem::path mesh;  // empty where it has none
   double unit_m = 1;           // of the mesh
-  // T_sensor_mesh, metres; absent: it is there, and nobody knows how.
+  // T_sensor_mesh, metres; absent: it is in the frame and its pose is unknown.
   std::optional<recognition::Pose> sensor_mesh;
 };
 

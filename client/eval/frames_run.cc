@@ -30,20 +30,21 @@ void Print(const FrameResult& result) {
   std::cout << absl::StrFormat("%-10s %7.0f ms  %2d segments  %s  (%s)\n", result.frame->name,
                                result.milliseconds, result.segments, result.error,
                                result.frame->arrangement);
-  for (const FrameThing& t : result.things) {
+  for (const FrameInstance& t : result.instances) {
     std::cout << absl::StrFormat("  %-20s %s\n", t.object.object,
                                  t.found ? "found" : TextOf(t.lost_by));
     std::cout << absl::StrFormat(
         "    true pose: %4d of %5d voxels, score %.3f (own points %.3f), explained %.3f, seen "
         "%.3f, "
         "in sight %.3f, doubts %.3f %.3f %.2f; rank %d\n",
-        t.truth.own_points, t.truth.segment_points, t.truth.score, t.truth.own_score,
-        t.truth.evidence.scan_explained, t.truth.evidence.model_seen, t.truth.evidence.in_sight,
-        t.truth.doubt.scan, t.truth.doubt.model, t.truth.doubt.residual, t.rank);
+        t.truth.own_points, t.truth.segment_points, t.truth.whole.confidence, t.truth.own_score,
+        t.truth.whole.evidence.scan_explained, t.truth.whole.evidence.model_seen,
+        t.truth.whole.evidence.in_sight, t.truth.whole.doubt.scan, t.truth.whole.doubt.model,
+        t.truth.whole.doubt.residual, t.rank);
     std::cout << absl::StrFormat("    answer: %s%s, score %.3f, F %.3f; truth has F %.3f\n",
                                  t.best_object.empty() ? "nothing" : t.best_object,
                                  t.best_is_right ? " rightly posed" : "", t.best_score,
-                                 t.best_explains, t.truth.evidence.score);
+                                 t.best_explains, t.truth.whole.evidence.score);
   }
   for (const FrameDetection& d : result.detections) {
     std::cout << absl::StrFormat(
@@ -51,24 +52,25 @@ void Print(const FrameResult& result) {
         "seen "
         "%.3f, in sight %.3f, rms %.2f mm, doubts %.3f %.3f %.2f\n",
         d.object, d.score,
-        d.again        ? "AGAIN"
-        : d.thing      ? "right"
-        : d.named_only ? "name only"
-                       : "WRONG",
+        d.again          ? "AGAIN"
+        : d.instance     ? "right"
+        : d.pose_unknown ? "name only"
+                         : "WRONG",
         d.add_s_share, d.voxels, d.evidence.scan_explained, d.evidence.model_seen,
         d.evidence.in_sight, d.evidence.rms_m * 1e3, d.doubt.scan, d.doubt.model, d.doubt.residual);
   }
 }
 
 void PrintSums(const std::vector<FrameResult>& results) {
-  std::size_t things = 0;
+  std::size_t instances = 0;
   std::size_t found = 0;
   std::size_t wrong = 0;
   std::size_t again = 0;
   std::vector<double> times;
   for (const FrameResult& result : results) {
-    things += result.things.size();
-    found += static_cast<std::size_t>(std::ranges::count(result.things, true, &FrameThing::found));
+    instances += result.instances.size();
+    found +=
+        static_cast<std::size_t>(std::ranges::count(result.instances, true, &FrameInstance::found));
     wrong += static_cast<std::size_t>(
         std::ranges::count_if(result.detections, &FrameDetection::IsWrong));
     again += static_cast<std::size_t>(
@@ -78,7 +80,7 @@ void PrintSums(const std::vector<FrameResult>& results) {
   std::ranges::sort(times);
   std::cout << absl::StrFormat(
       "found %d of %d, accepted wrongly %d, found again %d; median %.0f ms, worst %.0f ms\n", found,
-      things, wrong, again, times[times.size() / 2], times.back());
+      instances, wrong, again, times[times.size() / 2], times.back());
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ constexpr double kTeachStepDeg = 20;
 absl::Status AddMesh(const FrameObject& object, PartSet* set) {
   const auto mesh = LoadPartMesh(object.mesh, object.unit_m);
   if (!mesh.ok()) return mesh.status();
-  auto part = ProposeCadPart(object.object, "", *mesh, {});
+  auto part = ProposeCadPart(ObjectIdOf(object.object), "", *mesh, {});
   if (!part.ok()) return part.status();
   for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
     set->Add(std::move(part->workpieces[i]), part->found.poses[i].object_mesh);
@@ -65,15 +65,15 @@ FrameDetection Judge(const PartSet& set, const Detection& detection, const RealF
     const FrameObject& object = frame.objects[i];
     if (ObjectIdOf(object.object) != out.object) continue;
     if (!object.sensor_mesh) {
-      out.named_only = true;
+      out.pose_unknown = true;
       continue;
     }
     const double share =
         ShareOff(set, answered, detection.refined_pose, world_sensor * *object.sensor_mesh);
     if (out.add_s_share == 0 || share < out.add_s_share) out.add_s_share = share;
-    if (share < kFoundShare) out.thing = i;
+    if (share < kFoundShare) out.instance = i;
   }
-  out.named_only = out.named_only && !out.thing;
+  out.pose_unknown = out.pose_unknown && !out.instance;
   return out;
 }
 
@@ -86,42 +86,43 @@ std::vector<FrameDetection> JudgeAll(const PartSet& set, const recognition::Reco
     judged.voxels = detection.point_count;
     judged.evidence = detection.evidence;
     judged.doubt = detection.doubt;
-    judged.again = judged.thing && std::ranges::any_of(out, [&](const FrameDetection& other) {
-                     return other.thing == judged.thing;
+    judged.again = judged.instance && std::ranges::any_of(out, [&](const FrameDetection& other) {
+                     return other.instance == judged.instance;
                    });
     out.push_back(std::move(judged));
   }
   return out;
 }
 
-LostBy WhereLost(const FrameThing& thing) {
+LostBy WhereLost(const FrameInstance& instance) {
   // Less than that of a segment is something else's.
   constexpr double kMostly = 0.5;
-  if (thing.best_is_right) return LostBy::kConfidence;
-  if (thing.truth.own_share < kMostly) return LostBy::kSegmentation;
-  return thing.best_explains < thing.truth.evidence.score ? LostBy::kSearch : LostBy::kRanking;
+  if (instance.best_is_right) return LostBy::kConfidence;
+  if (instance.truth.own_share() < kMostly) return LostBy::kSegmentation;
+  return instance.best_explains < instance.truth.whole.evidence.score ? LostBy::kSearch
+                                                                      : LostBy::kRanking;
 }
 
-// What the recognition has at the place of `thing`.
+// What the recognition has at the place of `instance`.
 void AddBest(const recognition::Recognition& recognition, const FramesCatalogue& catalogue,
-             const Pose& world_mesh, FrameThing* thing) {
-  if (recognition.detections.empty()) return;
+             const Pose& world_mesh, FrameInstance* instance) {
+  if (recognition.detections.empty() || instance->truth.own_points == 0) return;
   const Detection& best = *std::ranges::min_element(
       recognition.detections, {},
-      [&](const Detection& d) { return (d.centroid - thing->truth.centroid).squaredNorm(); });
-  const std::string object = ObjectIdOf(thing->object.object);
-  thing->best_score = best.score;
-  thing->best_explains = best.evidence.score;
+      [&](const Detection& d) { return (d.centroid - instance->truth.centroid).squaredNorm(); });
+  const std::string object = ObjectIdOf(instance->object.object);
+  instance->best_score = best.score;
+  instance->best_explains = best.evidence.score;
   const PartSet& set = catalogue.set();
   for (std::size_t i = 0; i < set.parts.size() && best.model; ++i) {
     if (catalogue.ModelOf(i) != best.model) continue;
-    thing->best_object = set.parts[i].object_id;
-    thing->best_is_right = thing->best_object == object &&
-                           ShareOff(set, i, best.refined_pose, world_mesh) < kFoundShare;
+    instance->best_object = set.parts[i].object_id;
+    instance->best_is_right = instance->best_object == object &&
+                              ShareOff(set, i, best.refined_pose, world_mesh) < kFoundShare;
   }
-  for (std::size_t i = 0; i < best.candidates.size() && thing->rank == 0; ++i) {
+  for (std::size_t i = 0; i < best.candidates.size() && instance->rank == 0; ++i) {
     if (best.candidates[i].view->object == "objects/" + object) {
-      thing->rank = static_cast<int>(i) + 1;
+      instance->rank = static_cast<int>(i) + 1;
     }
   }
 }
@@ -134,8 +135,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   for (const RealFrame& frame : frames) {
     for (const FrameObject& object : frame.objects) {
       if (object.object.empty()) continue;
-      meshes.try_emplace(ObjectIdOf(object.object), object).first->second.object =
-          ObjectIdOf(object.object);
+      meshes.try_emplace(ObjectIdOf(object.object), object);
     }
   }
   auto out = std::make_unique<FramesCatalogue>();
@@ -187,16 +187,17 @@ absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun
   for (std::size_t i = 0; i < frame.objects.size(); ++i) {
     const FrameObject& object = frame.objects[i];
     if (!object.sensor_mesh) continue;
-    FrameThing& thing = out.things.emplace_back(FrameThing{.object = object});
-    thing.found = std::ranges::any_of(out.detections, [&](const auto& d) { return d.thing == i; });
+    FrameInstance& instance = out.instances.emplace_back(FrameInstance{.object = object});
+    instance.found =
+        std::ranges::any_of(out.detections, [&](const auto& d) { return d.instance == i; });
     if (!answered) continue;
     const Pose world_mesh = recognition->world_sensor * *object.sensor_mesh;
     const std::size_t part = PoseAtRest(catalogue->set(), object.object, world_mesh);
-    thing.truth =
+    instance.truth =
         ScoreTruth(scan, *segmentation, *catalogue->ModelOf(part),
                    world_mesh * catalogue->set().object_mesh[part].inverse(), run.parameters);
-    AddBest(*recognition, *catalogue, world_mesh, &thing);
-    thing.lost_by = WhereLost(thing);
+    AddBest(*recognition, *catalogue, world_mesh, &instance);
+    instance.lost_by = WhereLost(instance);
   }
   return out;
 }

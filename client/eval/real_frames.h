@@ -46,29 +46,37 @@ class FramesCatalogue {
 struct FrameDetection {
   std::string object;
   double score = 0;
-  std::optional<std::size_t> thing = {};  // that it poses rightly
-  double add_s_share = 0;   // from that, or from the nearest of its name; of the diameter
-  bool named_only = false;  // it is in the frame, and nobody knows how
-  bool again = false;       // another detection poses that thing already
+  std::optional<std::size_t> instance = {};  // that it poses rightly
+  double add_s_share = 0;     // from that, or from the nearest of its name; of the diameter
+  bool pose_unknown = false;  // the object is in the frame in a pose that is not known
+  bool again = false;         // another detection poses that instance already
   std::size_t voxels = 0;
   recognition::Evidence evidence = {};
   recognition::Doubt doubt = {};
-  // Neither: an object that is not there, or one that is not there.
-  bool IsWrong() const { return !thing && !named_only; }
+  // Not an object of the frame, or not where it is.
+  bool IsWrong() const { return !instance && !pose_unknown; }
 };
 
-// What became of a thing that stands in the frame with a known pose.
-struct FrameThing {
+// The recognition's step that lost an instance, in their order.
+enum class LostBy {
+  kSegmentation,  // most of its segment is something else, or it has none
+  kSearch,        // at the true pose it would explain more than the best hypothesis
+  kRanking,       // something else explains the segment better
+  kConfidence,    // the best hypothesis is right, and was rejected
+};
+
+// The result for an object of the frame with a known pose.
+struct FrameInstance {
   FrameObject object;
   bool found = false;
-  TruePose truth = {};  // how the recognition judges the right pose
+  TruePose truth = {};
   // The best explanation of the detection nearest to it, accepted or not.
   std::string best_object = {};  // empty: there is none
   bool best_is_right = false;    // it is found by that
   double best_explains = 0;      // Evidence::score
   double best_score = 0;
   int rank = 0;  // of the first of its views among the candidates; 0: not among them
-  LostBy lost_by = LostBy::kConfidence;
+  LostBy lost_by = LostBy::kConfidence;  // where it is not found
 };
 
 struct FrameResult {
@@ -76,11 +84,12 @@ struct FrameResult {
   std::string error = {};  // why there was no answer; empty: there was one
   double milliseconds = 0;
   std::size_t segments = 0;
-  std::vector<FrameThing> things = {};
+  std::vector<FrameInstance> instances = {};
   std::vector<FrameDetection> detections = {};
 };
 
-// Errors as ReadPointFile; what the recognition refuses is part of the result.
+// Recognises one frame and judges the answer. Errors as ReadPointFile; what the recognition refuses
+// is part of the result.
 absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
                                      FramesCatalogue* catalogue);
 

@@ -49,7 +49,7 @@ Vector3d MeanSeen(const DepthFrame& frame, int object, const Trial& trial) {
   return sum / count;
 }
 
-// Leaves what is seen of the first object.
+// Keeps the points of the first object alone.
 void CutOut(const DepthFrame& frame, recognition::Scan* scan) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < frame.surface.size(); ++i) {

@@ -27,7 +27,7 @@ struct Trial {
 struct Obstacle {
   double hidden_share = 0;  // 0: there is none
   double direction_rad = 0;
-  // The scan is what is seen of the first object and nothing else, as if it had been cut out.
+  // The scan is a segmented cloud: the visible points of the first object alone.
   bool cut_out = false;
 };
 

@@ -3,21 +3,18 @@
 #include "recognition/nearest_grid.h"
 #include "recognition/oriented_columns.h"
 #include "recognition/refinement.h"
+#include "recognition/segment_matcher.h"
+#include "recognition/segment_part.h"
 #include "recognition/sight.h"
 #include "recognition/verification.h"
 
 namespace graspdb::client {
 namespace {
 
-using recognition::Evidence;
 using recognition::OrientedColumns;
 using recognition::Pose;
 using recognition::Segment;
 using recognition::SurfaceModel;
-
-// As the recognition's look-ups over a segment, m.
-constexpr float kCellM = 0.003F;
-constexpr float kReachM = 0.021F;
 
 struct Inputs {
   const recognition::Scan& scan;
@@ -28,31 +25,16 @@ struct Inputs {
 
 Segment OwnPart(const Inputs& in, const Segment& segment, const Pose& world_object) {
   const Eigen::Isometry3f object_world = world_object.inverse().cast<float>();
-  const Eigen::Isometry3f object_sensor = object_world * in.segmentation.world_sensor.cast<float>();
   const auto reach = static_cast<float>(in.parameters.matching.support_distance_m);
-  Segment out;
-  for (std::size_t i = 0; i < segment.cloud.points.size(); ++i) {
-    if (in.model.DistanceTo(object_world * segment.cloud.points[i]) >= reach) continue;
-    out.cloud.points.push_back(segment.cloud.points[i]);
-    out.cloud.normals.push_back(segment.cloud.normals[i]);
-  }
-  for (const std::int32_t i : segment.indices) {
-    if (in.model.DistanceTo(object_sensor * in.scan.PointAt(i)) < reach) out.indices.push_back(i);
-  }
-  out.centroid = recognition::Centroid(out.cloud.points);
-  return out;
+  return PartOf(in.scan, in.segmentation, segment, [&](const Eigen::Vector3f& p) {
+    return in.model.DistanceTo(object_world * p) < reach;
+  });
 }
 
-struct Judged {
-  Pose refined = Pose::Identity();
-  Evidence evidence;
-  recognition::Doubt doubt;
-  double score = 0;
-};
-
-Judged Judge(const Inputs& in, const Segment& segment, const Pose& initial) {
+PoseScore Score(const Inputs& in, const Segment& segment, const Pose& initial) {
   const recognition::Sight sight(in.scan, in.segmentation.world_sensor, segment);
-  const recognition::NearestGrid grid(segment.cloud.points, kCellM, kReachM);
+  const recognition::NearestGrid grid(segment.cloud.points, recognition::kSegmentCellM,
+                                      recognition::kSegmentReachM);
   const OrientedColumns columns(segment.cloud);
   const recognition::RefinementTarget target{
       segment.cloud,
@@ -61,12 +43,12 @@ Judged Judge(const Inputs& in, const Segment& segment, const Pose& initial) {
       sight,
       in.segmentation.world_frame != recognition::WorldFrame::kSensor,
       in.segmentation.table};
-  Judged out;
+  PoseScore out;
   out.refined = Refine(in.model, target, initial, {}).world_object;
   const double tolerance = in.parameters.matching.support_distance_m;
   out.evidence = Verify(in.model, out.refined, columns, sight, {.tolerance_m = tolerance});
   out.doubt = DoubtsOf(out.evidence, in.model, in.segmentation.table_noise_m, tolerance);
-  out.score = Confidence(out.doubt);
+  out.confidence = Confidence(out.doubt);
   return out;
 }
 
@@ -88,14 +70,9 @@ TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentati
   }
   if (most == nullptr) return out;
   out.segment_points = most->cloud.points.size();
-  out.own_share = static_cast<double>(out.own_points) / static_cast<double>(out.segment_points);
   out.centroid = own.centroid;
-  const Judged whole = Judge(in, *most, world_object);
-  out.refined = whole.refined;
-  out.evidence = whole.evidence;
-  out.doubt = whole.doubt;
-  out.score = whole.score;
-  out.own_score = Judge(in, own, world_object).score;
+  out.whole = Score(in, *most, world_object);
+  out.own_score = Score(in, own, world_object).confidence;
   return out;
 }
 

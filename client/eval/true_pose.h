@@ -1,36 +1,37 @@
-// What the recognition thinks of a pose that is known to be right: why it was not the answer.
+// The recognition's scores for a pose that is known to be right: why it was not the answer.
 #pragma once
 
-#include <memory>
-#include <optional>
+#include <algorithm>
 
 #include "recognition/confidence.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::client {
 
-// Where it was lost, in the order of the recognition's steps.
-enum class LostBy {
-  kSegmentation,  // no segment is mostly on it: it went with the table, or with its neighbours
-  kSearch,        // at its place it would have explained more than the answer that was found
-  kRanking,       // something else explains the segment better
-  kConfidence,    // it was found, or would be, and is not believed
+// A pose refined against a segment.
+struct PoseScore {
+  recognition::Pose refined = recognition::Pose::Identity();  // T_world_object
+  recognition::Evidence evidence;
+  recognition::Doubt doubt;
+  double confidence = 0;  // 0 to 1
 };
 
 struct TruePose {
   std::size_t own_points = 0;      // voxels of the segment that lie on it
   std::size_t segment_points = 0;  // voxels of the segment that most of its own are in; 0: none
-  double own_share = 0;            // of the segment's
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // of its own, world frame, m
-  // Refined from the truth against that segment, T_world_object, and what speaks for it there.
-  recognition::Pose refined = recognition::Pose::Identity();
-  recognition::Evidence evidence;
-  recognition::Doubt doubt;
-  double score = 0;
-  double own_score = 0;  // the same against its own points alone
+  PoseScore whole;                                     // against all of the segment
+  double own_score = 0;                                // against its own points alone
+
+  // Of the segment's voxels, 0 to 1.
+  double own_share() const {
+    return static_cast<double>(own_points) /
+           static_cast<double>(std::max<std::size_t>(1, segment_points));
+  }
 };
 
-// Puts `model` at `world_object` into the segmented scan. Thread-safe.
+// Scores `model` at `world_object` (T_world_object) in the segment that has most of its points.
+// O(n) look-ups for n points of the scan. Thread-safe.
 TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentation& segmentation,
                     const recognition::SurfaceModel& model, const recognition::Pose& world_object,
                     const recognition::RecognitionParameters& parameters);

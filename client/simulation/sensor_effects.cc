@@ -65,8 +65,8 @@ void FrayEdges(const SensorEffects& effects, std::uint64_t seed, IdealFrame& fra
   }
 }
 
-// Pixels from each to the nearest jump of depth, `most` where that is farther: two passes with the
-// steps of a chess king.
+// Chessboard distance transform of the jumps of depth, in pixels, `most` where that is less
+// (Rosenfeld and Pfaltz 1966: two passes).
 std::vector<float> DistancesToJumps(const IdealFrame& frame, double most) {
   std::vector<float> out(frame.depth_m.size(), static_cast<float>(most));
   const auto jump = [&](std::size_t a, std::size_t b) {

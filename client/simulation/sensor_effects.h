@@ -31,7 +31,7 @@ struct SensorEffects {
   double warp_length_px = 100;
   double bumps_m = 0;
   double bumps_length_px = 8;
-  // Depth is so many times too large.
+  // Factor on every measured depth.
   double scale = 1;
 };
 

@@ -44,8 +44,8 @@ struct MeshStablePoses {
 // Which stable poses are wanted.
 struct StablePoseChoice {
   double min_probability = 0;
-  // Others too that tip over only when the table is tilted by so much, rad: nobody drops a bottle,
-  // and it stands all the same. Nothing is tilted by pi.
+  // Stable poses with at least this tip angle are kept whatever their probability, rad: a bottle is
+  // put upright and not dropped. The default keeps none, as a tip angle is less than pi / 2.
   double stands_rad = std::numbers::pi;
 };
 

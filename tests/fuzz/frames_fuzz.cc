@@ -1,17 +1,16 @@
 // frames.json of a folder of real frames.
-#include <google/protobuf/stubs/logging.h>
-
 #include <cstdint>
 #include <string>
 
 #include "client/eval/frames_file.h"
+#include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 
 namespace graspdb::fuzz {
 namespace {
 
-void Read(const std::string& text) {
-  const auto frames = client::ParseFrames(text, "folder");
+void Read(std::string_view text) {
+  const auto frames = client::ParseFrames(std::string(text), "folder");
   if (!frames.ok()) return;
   for (const client::RealFrame& frame : *frames) {
     Require(!frame.path.empty(), "a frame has a file");
@@ -26,12 +25,4 @@ void Read(const std::string& text) {
 }  // namespace
 }  // namespace graspdb::fuzz
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  google::protobuf::SetLogHandler(nullptr);
-  return 0;
-}
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  graspdb::fuzz::Read({reinterpret_cast<const char*>(data), size});
-  return 0;
-}
+GRASPDB_FUZZ_BYTES(graspdb::fuzz::Read)

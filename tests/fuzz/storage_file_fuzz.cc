@@ -1,8 +1,6 @@
 // Bytes of the storage: packed clouds ("GPC"), index files ("GIX"), files of an approximate index
 // ("GAX") and RocksDB's logs (all others). Checksums are corrected before an input is read, so that
 // what follows them is parsed.
-#include <google/protobuf/stubs/logging.h>
-
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -13,6 +11,7 @@
 #include "storage/little_endian.h"
 #include "storage/log_check.h"
 #include "storage/packed_cloud.h"
+#include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 
@@ -107,12 +106,4 @@ void Read(std::string_view bytes) {
 }  // namespace
 }  // namespace graspdb::fuzz
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  google::protobuf::SetLogHandler(nullptr);
-  return 0;
-}
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  graspdb::fuzz::Read({reinterpret_cast<const char*>(data), size});
-  return 0;
-}
+GRASPDB_FUZZ_BYTES(graspdb::fuzz::Read)

@@ -72,28 +72,28 @@ class RealFramesTest : public ::testing::Test {
   std::vector<RealFrame> frames_;
 };
 
-TEST_F(RealFramesTest, AThingWhereTheFileSaysIsFound) {
+TEST_F(RealFramesTest, AnObjectWhereTheFileSaysIsFound) {
   WriteFrame("l-bracket", Pose::Identity());
   const auto result = Ask();
   ASSERT_THAT(result, IsOk());
   EXPECT_TRUE(result->error.empty()) << result->error;
-  ASSERT_EQ(result->things.size(), 1U);
-  EXPECT_TRUE(result->things[0].found);
-  EXPECT_TRUE(result->things[0].best_is_right);
-  EXPECT_GT(result->things[0].truth.score, 0.5);
-  EXPECT_GT(result->things[0].truth.own_share, 0.9);
-  EXPECT_EQ(result->things[0].rank, 1);
+  ASSERT_EQ(result->instances.size(), 1U);
+  EXPECT_TRUE(result->instances[0].found);
+  EXPECT_TRUE(result->instances[0].best_is_right);
+  EXPECT_GT(result->instances[0].truth.whole.confidence, 0.5);
+  EXPECT_GT(result->instances[0].truth.own_share(), 0.9);
+  EXPECT_EQ(result->instances[0].rank, 1);
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_FALSE(result->detections[0].IsWrong());
 }
 
-TEST_F(RealFramesTest, AThingElsewhereIsNotFoundAndTheAnswerIsWrong) {
+TEST_F(RealFramesTest, AnObjectElsewhereIsNotFoundAndTheAnswerIsWrong) {
   WriteFrame("l-bracket", Pose(Eigen::Translation3d(0.15, 0, 0)));
   const auto result = Ask();
   ASSERT_THAT(result, IsOk());
-  ASSERT_EQ(result->things.size(), 1U);
-  EXPECT_FALSE(result->things[0].found);
-  EXPECT_EQ(result->things[0].lost_by, LostBy::kSegmentation);
+  ASSERT_EQ(result->instances.size(), 1U);
+  EXPECT_FALSE(result->instances[0].found);
+  EXPECT_EQ(result->instances[0].lost_by, LostBy::kSegmentation);
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_TRUE(result->detections[0].IsWrong());
 }

@@ -1,0 +1,19 @@
+// Some of the points of a segment as a segment.
+#pragma once
+
+#include <functional>
+
+#include "recognition/scan.h"
+#include "recognition/segmentation.h"
+
+namespace graspdb::recognition {
+
+// Whether a point (world frame, m) belongs to a part.
+using IsPartOf = std::function<bool(const Eigen::Vector3f& world)>;
+
+// The voxels and the scan's points of `whole` for which `is_part` holds, in their order; the
+// centroid is theirs. O(n) calls for n points.
+Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
+               const IsPartOf& is_part);
+
+}  // namespace graspdb::recognition
