@@ -58,12 +58,13 @@ class SegmentAnswers {
 
   // One segment alone.
   absl::StatusOr<Detection> Answer(const Segment& segment) {
-    return SearchIn(segment)->Answer(&budget_);
+    return SearchIn(segment)->Answer(budget_);
   }
 
-  // The same, but not of further views.
-  absl::StatusOr<Detection> AnswerOfNearest(const Segment& segment) {
-    return SearchIn(segment)->Answer(nullptr);
+  // The same with few of the further views, for half of a cluster.
+  absl::StatusOr<Detection> AnswerOfHalf(const Segment& segment) {
+    SearchBudget half = budget_.ForHalf();
+    return SearchIn(segment)->Answer(half);
   }
 
   // Those that the nearest views explain are answered first. What lies on one of them is a piece of
@@ -81,7 +82,7 @@ class SegmentAnswers {
         continue;
       }
       absl::StatusOr<Detection> detection =
-          explained.ok() ? search->Answer(&budget_) : explained.status();
+          explained.ok() ? search->Answer(budget_) : explained.status();
       if (!detection.ok()) return detection.status();
       answers.back().detection = *std::move(detection);
     }
@@ -90,7 +91,7 @@ class SegmentAnswers {
       if (answer.detection.model != nullptr) continue;
       const auto known = open.find(answer.seen);
       absl::StatusOr<Detection> detection =
-          known != open.end() ? known->second->Answer(&budget_) : Answer(*answer.seen);
+          known != open.end() ? known->second->Answer(budget_) : Answer(*answer.seen);
       if (!detection.ok()) return detection.status();
       answer.detection = *std::move(detection);
     }
@@ -147,7 +148,7 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   // A scan of one thing alone is that, whatever it looks like.
   if (parameters.matching.verified_view_count > 1 && !scan.segmented) {
     const auto recognize = [&](const Segment& s) { return recognition.Answer(s); };
-    const auto glance = [&](const Segment& s) { return recognition.AnswerOfNearest(s); };
+    const auto glance = [&](const Segment& s) { return recognition.AnswerOfHalf(s); };
     auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize, glance);
     if (!things.ok()) return things.status();
     answers = *std::move(things);

@@ -14,8 +14,14 @@ class SearchBudget {
   using Clock = std::chrono::steady_clock;
 
   SearchBudget(std::size_t hypotheses, std::chrono::duration<double> ceiling)
-      : left_(hypotheses),
-        end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(ceiling)) {}
+      : SearchBudget(hypotheses, kRefined,
+                     Clock::now() + std::chrono::duration_cast<Clock::duration>(ceiling)) {}
+
+  // For half of a cluster, whose answer is only where its partition begins. Of 288 objects that
+  // touch 97.2 % are right, 96.5 % with a quarter of the views, 95.8 % without any; with all views
+  // no more are. Four times as many refined ones find no more either, and cost frames of unknown
+  // objects 7 of 50 ms.
+  SearchBudget ForHalf() const { return {kHalfHypotheses, kHalfRefined, end_}; }
 
   // False when nothing is left; `count` are then counted as not tried.
   bool Take(std::size_t count) {
@@ -33,11 +39,24 @@ class SearchBudget {
     return out_of_time_;
   }
 
+  // Those of one search that are refined after the screening.
+  std::size_t refined() const { return refined_; }
   std::size_t untried() const { return untried_; }
   bool out_of_time() const { return out_of_time_; }
 
  private:
+  // In 96 scenes with 40 % hidden, whose descriptors say little, what won in the end was mostly one
+  // of the first ten after its screening, and at most the 41st of up to 640. Doubled, unknown
+  // objects take half as long again, and none more is found there.
+  static constexpr std::size_t kRefined = 24;
+  static constexpr std::size_t kHalfHypotheses = 60;
+  static constexpr std::size_t kHalfRefined = 4;
+
+  SearchBudget(std::size_t hypotheses, std::size_t refined, Clock::time_point end)
+      : left_(hypotheses), refined_(refined), end_(end) {}
+
   std::size_t left_;
+  std::size_t refined_;
   std::size_t untried_ = 0;
   Clock::time_point end_;
   bool out_of_time_ = false;

@@ -56,12 +56,8 @@ constexpr RefinementOptions kGlanceSteps = {.iterations = 2,
                                             .edges = false,
                                             .height_deviation_m = 1e-4,
                                             .tilt_deviation_rad = 1e-3};
-// Starts that are tried after a glance at all. In 96 scenes with 40 % hidden, whose descriptors say
-// little, what won in the end was mostly one of the first ten after its glance, and at most the
-// 41st of up to 640. Doubled, unknown objects take half as long again, and none more is found
-// there.
-constexpr std::size_t kTriedStarts = 24;
-// ... unless they looked so much worse than the best of them; in those scenes at least 0.69.
+// Starts that look so much worse than the best after a glance are not tried; in 96 scenes with 40 %
+// hidden what won in the end had at least 0.69.
 constexpr double kTriedShare = 0.6;
 
 // So that about `wanted` points are left.
@@ -105,7 +101,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
                                          const Sight::Sides& hidden, SearchBudget& budget) {
   std::vector<Start> all;
   TriedTurns turns;
-  TopScores top(kTriedStarts, kTriedShare);
+  TopScores top(budget.refined(), kTriedShare);
   for (const auto& view : views) {
     if (!turns.Add(*view, seen_)) continue;
     if (budget.OutOfTime() || !budget.Take(1)) {
@@ -121,7 +117,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
     }
   }
   std::ranges::stable_sort(all, std::greater(), &Start::score);
-  if (all.size() > kTriedStarts) all.resize(kTriedStarts);
+  if (all.size() > budget.refined()) all.resize(budget.refined());
   for (const Start& start : all) {
     if (start.score < top.min()) break;
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;

@@ -137,14 +137,14 @@ bool SegmentRecognition::FindNearest() {
   return !matches_.empty();
 }
 
-absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget* further) {
+absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget& further) {
   if (!search_ && out_.candidates.empty()) {
     if (auto tried = TryNearest(); !tried.ok()) return tried.status();
   }
   absl::Status status;
   log_->Measure("register", 0, [&] {
     if (search_) {
-      if (!explained_ && further != nullptr) status = search_->TryFurther(*further);
+      if (!explained_) status = search_->TryFurther(further);
       if (status.ok()) TakeBest(search_->TakeRanked());
     } else if (!matches_.empty()) {
       status = TrustDescriptor(input_, matches_.front(), clouds_, parameters_.matching, &out_);

@@ -24,9 +24,9 @@ class SegmentRecognition {
   // Whether the nearest views explain the segment.
   absl::StatusOr<bool> TryNearest();
 
-  // The answer. Where the nearest views do not explain the segment, of `further` views as well, or
-  // (null) the best that these know. Ends it.
-  absl::StatusOr<Detection> Answer(SearchBudget* further);
+  // The answer. Where the nearest views do not explain the segment, of as many further
+  // views as `further` allows. Ends it.
+  absl::StatusOr<Detection> Answer(SearchBudget& further);
 
  private:
   bool FindNearest();
