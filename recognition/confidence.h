@@ -1,30 +1,37 @@
-// How sure an explanation is.
+// How sure an explanation is; docs/adr/0022-confidence-by-what-was-confirmed.md.
 #pragma once
 
+#include "recognition/segmentation.h"
 #include "recognition/surface_model.h"
 #include "recognition/verification.h"
 
 namespace graspdb::recognition {
 
-// What speaks for and against an explanation, in units of what a right one shows.
+// Deviation of single depth measurements at `segment`, m: that of the points of the table. Where
+// none was seen, 1.5 mm as far as 0.8 m, and proportional to the distance beyond.
+double NoiseAt(const Segmentation& segmentation, const Segment& segment);
+
+// What speaks against an explanation; 0 where nothing does.
 struct Doubt {
-  double scan = 0;      // share of the segment that the noise does not explain away
-  double model = 0;     // share of the model in sight that was not measured
-  double residual = 0;  // of the points that match, in units of the expected one; a right
-                        // explanation has about 1
+  double scan = 0;          // share of the segment that the noise does not explain away
+  double contradicted = 0;  // of the model's surface that was measured: share with something else
+  double residual = 0;      // of the points that match, above the expected one, as a share of it
+  double unseen = 0;  // natural logarithm of how many times too little of the model was confirmed
+  double little = 0;  // the same of the segment's points
 };
 
-// `table_noise_m`: see Segmentation; 0 where it is not known. `tolerance_m`: that `evidence` was
-// made with.
-Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double table_noise_m,
+// `noise_m`: see NoiseAt. `tolerance_m`: that `evidence` was made with.
+Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double noise_m,
                double tolerance_m);
 
-// Share of answers with such doubts that are right, 0 to 1: a logistic regression over simulated
-// scenes, half of which show something that was never taught (docs/experiment.md).
+// Share of answers with such doubts that are right, 0 to 1: a logistic regression over frames of
+// real cameras and over scenes that simulated ones see, half of which show something that was never
+// taught (tests/eval/fit_confidence.py, docs/experiment.md).
 double Confidence(const Doubt& doubt);
 
-// Which doubt weighs most; kExtent: the segment is too large to be one object.
-enum class Gate { kScan, kModel, kResidual, kExtent };
+// Which doubt weighs most; kLittleSeen: `unseen` and `little` together; kExtent: the segment is too
+// large to be one object.
+enum class Gate { kScan, kModel, kResidual, kExtent, kLittleSeen };
 Gate HeaviestDoubt(const Doubt& doubt);
 
 }  // namespace graspdb::recognition

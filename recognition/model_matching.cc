@@ -51,7 +51,7 @@ absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
     if (auto status = matcher_.ProposeBest(next, unseen, budget); !status.ok()) return status;
     if (matcher_.IsExplained()) return absl::OkStatus();
   }
-  if (parameters_.min_score >= kExplainsNothing || IsCutOff() || !matcher_.ExplainsNothing()) {
+  if (parameters_.min_score > 0 || IsCutOff() || !matcher_.ExplainsNothing()) {
     return absl::OkStatus();
   }
   // An answer is wanted all the same: what the segment looks like says more than which of the

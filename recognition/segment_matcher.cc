@@ -71,7 +71,7 @@ SegmentMatcher::SegmentMatcher(const Scan& scan, const Segmentation& segmentatio
                                const Segment& segment, const CatalogueSnapshot& catalogue,
                                ViewClouds& clouds, const MatchingParameters& parameters,
                                const IsCancelled& is_cancelled)
-    : segmentation_(segmentation),
+    : noise_m_(NoiseAt(segmentation, segment)),
       catalogue_(catalogue),
       clouds_(clouds),
       parameters_(parameters),
@@ -136,9 +136,8 @@ bool SegmentMatcher::IsExplainedWhole() const {
 
 bool SegmentMatcher::ExplainsNothing() const {
   return hypotheses_.empty() ||
-         Confidence(DoubtsOf(hypotheses_.front().evidence, *hypotheses_.front().model,
-                             segmentation_.table_noise_m, parameters_.support_distance_m)) <
-             kExplainsNothing;
+         Confidence(DoubtsOf(hypotheses_.front().evidence, *hypotheses_.front().model, noise_m_,
+                             parameters_.support_distance_m)) < kExplainsNothing;
 }
 
 std::vector<PoseHypothesis> SegmentMatcher::TakeRanked() {

@@ -90,7 +90,7 @@ class SegmentMatcher {
                          double min_score = 0) const;
   Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const;
 
-  const Segmentation& segmentation_;
+  const double noise_m_;
   const CatalogueSnapshot& catalogue_;
   ViewClouds& clouds_;
   const MatchingParameters& parameters_;

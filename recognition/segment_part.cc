@@ -1,21 +1,33 @@
 #include "recognition/segment_part.h"
 
+#include <utility>
+
 namespace graspdb::recognition {
 
-Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
-               const IsPartOf& is_part) {
-  Segment out;
+std::vector<Segment> PartsOf(const Scan& scan, const Segmentation& segmentation,
+                             const Segment& whole, std::size_t count, const PartNumber& number) {
+  std::vector<Segment> out(count);
   for (std::size_t i = 0; i < whole.cloud.points.size(); ++i) {
-    if (!is_part(whole.cloud.points[i])) continue;
-    out.cloud.points.push_back(whole.cloud.points[i]);
-    out.cloud.normals.push_back(whole.cloud.normals[i]);
+    const int part = number(whole.cloud.points[i]);
+    if (part < 0) continue;
+    OrientedCloud& cloud = out[static_cast<std::size_t>(part)].cloud;
+    cloud.points.push_back(whole.cloud.points[i]);
+    cloud.normals.push_back(whole.cloud.normals[i]);
   }
   const Eigen::Isometry3f world_sensor = segmentation.world_sensor.cast<float>();
   for (const std::int32_t i : whole.indices) {
-    if (is_part(world_sensor * scan.PointAt(i))) out.indices.push_back(i);
+    const int part = number(world_sensor * scan.PointAt(i));
+    if (part >= 0) out[static_cast<std::size_t>(part)].indices.push_back(i);
   }
-  out.centroid = Centroid(out.cloud.points);
+  for (Segment& part : out) part.centroid = Centroid(part.cloud.points);
   return out;
+}
+
+Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
+               const IsPartOf& is_part) {
+  return std::move(PartsOf(scan, segmentation, whole, 1, [&](const Eigen::Vector3f& p) {
+                     return is_part(p) ? 0 : -1;
+                   }).front());
 }
 
 }  // namespace graspdb::recognition

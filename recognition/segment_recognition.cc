@@ -63,7 +63,7 @@ absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, V
 }
 
 // What explains the scan as well as the best hypothesis, the first one.
-void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise_m,
+void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
                const MatchingParameters& parameters, Detection* detection) {
   const PoseHypothesis& best = hypotheses.front();
   for (const PoseHypothesis& h : hypotheses) {
@@ -75,8 +75,7 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double table_noise
     if (h.view->stable_pose == best.view->stable_pose) {
       detection->equivalent_poses.push_back(h.refined);
     } else if (is_rival) {
-      const Doubt doubt =
-          DoubtsOf(h.evidence, *h.model, table_noise_m, parameters.support_distance_m);
+      const Doubt doubt = DoubtsOf(h.evidence, *h.model, noise_m, parameters.support_distance_m);
       detection->alternatives.push_back({h.view, h.refined, Confidence(doubt)});
     }
   }
@@ -158,7 +157,7 @@ absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget& further) {
 
 void SegmentRecognition::TakeBest(const std::vector<PoseHypothesis>& hypotheses) {
   if (hypotheses.empty()) return;
-  const double noise = input_.segmentation.table_noise_m;
+  const double noise = NoiseAt(input_.segmentation, input_.segment);
   const PoseHypothesis& best = hypotheses.front();
   out_.view = best.view;
   out_.model = best.model;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recognition/clusters.h"
+#include "recognition/gaps.h"
 #include "recognition/point_search.h"
 #include "recognition/segment_part.h"
 
@@ -21,6 +22,9 @@ constexpr double kKnown = 0.1;
 // A thing that is one of several must be surer than one alone: parts of what was never taught
 // resemble something with scores up to 0.7, things that touch have 0.95 and more (ADR 12).
 constexpr double kSure = 0.9;
+// Parts that gaps separate and whose answers explain this share of all are not doubted; with less
+// something between them may have been left out.
+constexpr double kNearlyAll = 0.9;
 // A half that is explained worse than this is no beginning.
 constexpr double kPromising = 0.02;
 // How often the thing that was taken first is asked about anew.
@@ -70,12 +74,33 @@ class Parter {
       : input_(input),
         min_count_(options.min_count),
         support_(static_cast<float>(options.support_distance_m)),
+        voxel_size_(options.voxel_size_m),
         piece_gap_(std::max(kPieceGapM, kPieceGapVoxels * options.voxel_size_m)),
         recognize_(recognize),
         glance_(glance) {}
 
-  // Puts what `whole` consists of behind `out`, where that is known; says whether it is. An answer
-  // that is not as sure as `least` is none.
+  // Puts what `whole` consists of behind `out`, where that is known; says whether it is. Parts that
+  // gaps separate are the answer where theirs explain more than any for the whole.
+  absl::StatusOr<bool> TakeCluster(AnsweredSegment whole, Answers* out) {
+    Answers separated;
+    if (!Scores(whole.detection, kKnown) || !LeftOver(whole.segment, whole.detection).empty()) {
+      absl::Status status = Separate(whole.segment, &separated);
+      if (!status.ok()) return status;
+    }
+    const double explained = Explained(separated);
+    Answers together;
+    absl::StatusOr<bool> known = false;
+    if (explained < kNearlyAll * static_cast<double>(whole.segment.cloud.points.size())) {
+      known = Take(std::move(whole), kKnown, kDepth, &together);
+      if (!known.ok()) return known;
+    }
+    const bool is_separated = explained > Explained(together);
+    std::ranges::move(is_separated ? separated : together, std::back_inserter(*out));
+    return is_separated || *known;
+  }
+
+ private:
+  // The same without gaps. An answer that is not as sure as `least` is none.
   absl::StatusOr<bool> Take(AnsweredSegment whole, double least, int depth, Answers* out) {
     if (!Scores(whole.detection, least)) return TakeUnknown(std::move(whole), depth, out);
     if (!LeftOver(whole.segment, whole.detection).empty()) {
@@ -87,9 +112,33 @@ class Parter {
     return true;
   }
 
- private:
   static bool Scores(const Detection& detection, double least) {
     return detection.view && detection.score >= least;
+  }
+
+  // Voxels that answers which were not rejected explain.
+  static double Explained(const Answers& answers) {
+    double sum = 0;
+    for (const auto& [segment, detection, seen] : answers) {
+      if (!detection.view) continue;
+      sum += detection.evidence.scan_explained * static_cast<double>(segment.cloud.points.size());
+    }
+    return sum;
+  }
+
+  // Puts the parts of `whole` that narrow gaps separate behind `out`, known or not.
+  absl::Status Separate(const Segment& whole, Answers* out) {
+    for (Segment& part :
+         SplitAtGaps({input_.scan, input_.segmentation, whole}, voxel_size_, min_count_)) {
+      auto answer = Ask(part);
+      if (!answer.ok()) return answer.status();
+      AnsweredSegment alone{std::move(part), *std::move(answer)};
+      auto known = Take(alone, kKnown, kDepth - 1, out);
+      if (!known.ok()) return known.status();
+      if (!*known) out->push_back(std::move(alone));
+    }
+    for (AnsweredSegment& answer : *out) answer.detection.touching = true;
+    return absl::OkStatus();
   }
 
   // Where `whole` as one thing has no answer. What it is like may still be the greater part of it.
@@ -205,6 +254,7 @@ class Parter {
   const MatchingInput& input_;
   const std::size_t min_count_;
   const float support_;
+  const double voxel_size_;
   const double piece_gap_;
   const RecognizeAlone& recognize_;
   const RecognizeAlone& glance_;
@@ -218,7 +268,7 @@ absl::StatusOr<Answers> PartTouching(const MatchingInput& whole, Detection answe
                                      const RecognizeAlone& glance) {
   Answers out;
   const auto known =
-      Parter(whole, options, recognize, glance).Take({whole.segment, answer}, kKnown, kDepth, &out);
+      Parter(whole, options, recognize, glance).TakeCluster({whole.segment, answer}, &out);
   if (!known.ok()) return known.status();
   if (!*known) out.push_back({whole.segment, std::move(answer)});
   return out;

@@ -43,6 +43,7 @@ struct CameraIntrinsics {
   double fy = 0;
   double cx = 0;
   double cy = 0;
+  bool operator==(const CameraIntrinsics&) const = default;
 };
 
 }  // namespace graspdb::recognition

@@ -89,6 +89,7 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Orien
   const auto tolerance = static_cast<float>(options.tolerance_m);
   const auto points = static_cast<double>(segment.point_count());
   if (points == 0 || model.fine.cloud.points.empty()) return out;
+  out.point_count = segment.point_count();
   const wide::Support support =
       wide::Best().support(segment.coordinates().points, Motion(world_object.inverse()).rigid(),
                            model.look_up(), kSurfaceSpacingM, tolerance);
@@ -106,6 +107,11 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const Orien
       wide::Best().look(surface.columns.coordinates(), sensor_object.rigid(), facing.is.data(),
                         sight.window(), tolerance, kMissingWeight);
   out.in_sight = seen.all > 0 ? static_cast<double>(seen.expected / seen.all) : 0;
+  if (seen.all > 0) {
+    out.confirmed = static_cast<double>(seen.confirmed / seen.all);
+    out.contradicted = static_cast<double>(seen.contradicted / seen.all);
+    out.unmeasured = static_cast<double>(seen.unmeasured / seen.all);
+  }
   out.model_seen = seen.expected > 0 ? static_cast<double>(seen.found / seen.expected) : 0;
   const double sum = out.scan_explained + out.model_seen;
   out.score = sum > 0 ? 2 * out.scan_explained * out.model_seen / sum : 0;

@@ -13,6 +13,12 @@ struct Evidence {
   double in_sight = 0;        // share of the facing surface that nothing else hides, 0 to 1
   double rms_m = 0;           // of the explained points, across the surface
   double score = 0;           // both directions together, 0 to 1
+  // Shares of the facing surface by what the camera saw there: it, something else, nothing. The
+  // rest is hidden by what stands before it.
+  double confirmed = 0;
+  double contradicted = 0;
+  double unmeasured = 0;
+  std::size_t point_count = 0;  // of the segment
 };
 
 // Residuals in both directions, coverage and free space: a posed object may not stand where the

@@ -76,11 +76,12 @@ inline Floats Off(const Floats& depth, const Floats& z) {
 
 // What is known of such places. At most one of the masks is set.
 struct Finding {
-  Ints there;    // a surface was measured there
-  Ints hidden;   // something else stands before it
-  Ints denied;   // the camera looked through it, or saw the segment's surface before it
-  Ints missing;  // nothing was measured, in a scan that shows the thing alone
-  Floats off;    // between claimed and measured surface, across the surface, m
+  Ints there;       // a surface was measured there
+  Ints hidden;      // something else stands before it
+  Ints denied;      // the camera looked through it, or saw the segment's surface before it
+  Ints unmeasured;  // nothing was
+  Ints missing;     // the same in a scan that shows the thing alone
+  Floats off;       // between claimed and measured surface, across the surface, m
 };
 
 // `slant` is the cosine between normal and line of sight: across a surface, what is measured is so
@@ -102,7 +103,8 @@ inline Finding Find(const SightWindow& window, const Floats3& p, const Floats& s
   const Ints measured = center != All(0);
   out.hidden = ~out.there & (center < All(0)) & ((p.z + center) * slant > All(tolerance));
   out.denied = ~out.there & ~out.hidden & measured;
-  out.missing = window.alone ? ~out.there & ~measured : Ints{};
+  out.unmeasured = ~out.there & ~measured;
+  out.missing = window.alone ? out.unmeasured : Ints{};
   return out;
 }
 
@@ -153,6 +155,9 @@ inline Seen Look(const OrientedCoordinates& surface, const Rigid& sensor_surface
   Floats all = {};
   Floats expected = {};
   Floats found = {};
+  Floats confirmed = {};
+  Floats contradicted = {};
+  Floats unmeasured = {};
   for (std::size_t i = 0; i < surface.points.count; i += kLanes) {
     Flags flags;
     std::memcpy(&flags, visible + i, sizeof(flags));
@@ -168,8 +173,11 @@ inline Seen Look(const OrientedCoordinates& surface, const Rigid& sensor_surface
                 Where(finding.missing, area * All(missing_weight));
     const Floats share = finding.off / All(tolerance);
     found += Where(finding.there, area * (All(1) - share * share));
+    confirmed += Where(finding.there, area);
+    contradicted += Where(finding.denied, area);
+    unmeasured += Where(finding.unmeasured, area);
   }
-  return {Sum(all), Sum(expected), Sum(found)};
+  return {Sum(all), Sum(expected), Sum(found), Sum(confirmed), Sum(contradicted), Sum(unmeasured)};
 }
 
 }  // namespace

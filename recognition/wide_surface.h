@@ -125,8 +125,11 @@ struct Support {
 // How much of a surface was measured where it should be; areas as the camera sees them, in points.
 struct Seen {
   float all = 0;
-  float expected = 0;  // in sight, nothing else before it
-  float found = 0;     // of that, less what is off
+  float expected = 0;      // in sight, nothing else before it
+  float found = 0;         // of that, less what is off
+  float confirmed = 0;     // measured there
+  float contradicted = 0;  // the camera saw through it, or the segment's surface before it
+  float unmeasured = 0;    // nothing was measured
 };
 
 }  // namespace graspdb::recognition::wide

@@ -50,6 +50,8 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
       return v1::REJECTION_GATE_RESIDUAL;
     case recognition::Gate::kExtent:
       return v1::REJECTION_GATE_EXTENT;
+    case recognition::Gate::kLittleSeen:
+      return v1::REJECTION_GATE_LITTLE_SEEN;
   }
   return v1::REJECTION_GATE_UNSPECIFIED;
 }

@@ -74,6 +74,8 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
     seen.touching = detection->touching;
     seen.score = detection->score;
     seen.doubt = detection->doubt;
+    seen.evidence = detection->evidence;
+    seen.voxels = detection->point_count;
     seen.candidates = detection->candidates;
     seen.found = detection->refined_pose;
   }

@@ -30,6 +30,8 @@ struct Answer {
   bool touching = false;  // the answer said that it touches something
   PoseError error = {};   // where the object is right
   double score = 0;
+  recognition::Evidence evidence = {};
+  std::size_t voxels = 0;
   recognition::Doubt doubt = {};  // of the answer, also of one that was rejected
   double milliseconds = 0;        // for the whole scene
   recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor of the question

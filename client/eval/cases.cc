@@ -46,12 +46,18 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
       cases->back().name += absl::StrCat("-hidden-", percent);
       cases->back().hidden_share = percent / 100.0;
     }
-    cases->push_back(cases->back());
-    cases->back().name = seen.name + "-segmented-40";
-    cases->back().cut_out = true;
+    ExperimentCase cut_out = cases->back();
+    cut_out.name = seen.name + "-segmented-40";
+    cut_out.cut_out = true;
+    cases->push_back(cut_out);
+    seen.parts = cut_out.parts = PartChoice::kStrangers;
+    seen.name += "-unknown";
     cases->push_back(seen);
-    cases->back().name += "-unknown";
-    cases->back().parts = PartChoice::kStrangers;
+    cut_out.name = seen.name + "-segmented-40";
+    cases->push_back(cut_out);
+    seen.name += "-hidden-40";
+    seen.hidden_share = 0.4;
+    cases->push_back(seen);
   }
 }
 
@@ -126,6 +132,14 @@ std::vector<ExperimentCase> ExperimentCases() {
   cut_out.cut_out = true;
   AddRealCameras(&cases);
   return cases;
+}
+
+bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b) {
+  const auto attitudes_of = [](PartChoice parts) {
+    return parts == PartChoice::kStrangers ? PartChoice::kMain : parts;
+  };
+  return a.taught == b.taught && a.teach_step_deg == b.teach_step_deg && a.seed == b.seed &&
+         attitudes_of(a.parts) == attitudes_of(b.parts);
 }
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,

@@ -15,6 +15,7 @@ struct Stand {
   DepthCameraModel camera = KinectV2();
   std::vector<double> look_down_deg = {40};  // more than one: as many cameras, one after the other
   double distance_m = 0.8;
+  bool operator==(const Stand&) const = default;
 };
 
 struct ExperimentCase {
@@ -39,6 +40,9 @@ struct ExperimentCase {
 
 // The cases by name, in the order of the report.
 std::vector<ExperimentCase> ExperimentCases();
+
+// Whether two cases teach parts of the same names by the same captures.
+bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b);
 
 // The captures to teach and those to ask. Errors as PlanTurntable and PlanCloseScenes.
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,

@@ -116,7 +116,7 @@ class Runner {
       absl::Status put = writer_ ? writer_->SetDescriptors(*figures) : absl::OkStatus();
       if (!put.ok()) return put;
     }
-    const auto result = RunCase(experiment, set, trials, run_);
+    const auto result = RunCase(experiment, set, trials, run_, &taught_);
     progress_.reset();
     if (!result.ok()) return result.status();
     PrintSummary(*result);
@@ -144,6 +144,7 @@ class Runner {
   const EvalArguments& arguments_;
   std::optional<ReportWriter> writer_;
   ExperimentRun run_;
+  LastGallery taught_;
   std::unique_ptr<ProgressLine> progress_;
   std::string running_;
 };

@@ -11,16 +11,6 @@
 namespace graspdb::client {
 namespace {
 
-absl::Status Teach(const std::string& name, const TrialSource& teaching, const ExperimentRun& run,
-                   Gallery* gallery) {
-  ExperimentRun alone = run;
-  alone.workers = 1;
-  return ForEach(teaching.count, name + ": teaching", alone, [&](std::size_t i) {
-    auto trial = teaching.make(i);
-    return trial.ok() ? gallery->Teach(*trial) : trial.status();
-  });
-}
-
 // Answers are measured with what was taught where there is no mesh.
 void MeasureTaught(Gallery* gallery, PartSet* set) {
   for (std::size_t i = 0; i < set->parts.size(); ++i) {
@@ -70,11 +60,13 @@ absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::siz
 }  // namespace
 
 absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
-                                   const ExperimentTrials& trials, const ExperimentRun& run) {
+                                   const ExperimentTrials& trials, const ExperimentRun& run,
+                                   LastGallery* last) {
   CaseResult out{.experiment = experiment, .set = set};
-  Gallery gallery(out.set.parts, run.parameters);
-  absl::Status taught = Teach(experiment.name, trials.teaching, run, &gallery);
-  if (!taught.ok()) return taught;
+  LastGallery own;
+  const auto taught = (last != nullptr ? last : &own)->Teach(experiment, set, trials.teaching, run);
+  if (!taught.ok()) return taught.status();
+  Gallery& gallery = **taught;
   MeasureTaught(&gallery, &out.set);
   // Where each question leaves a view out, what is known follows with the question.
   const auto snapshot =

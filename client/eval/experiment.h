@@ -9,7 +9,7 @@
 #include "client/eval/answer.h"
 #include "client/eval/cases.h"
 #include "client/eval/experiment_run.h"
-#include "client/eval/gallery.h"
+#include "client/eval/last_gallery.h"
 #include "client/eval/part_set.h"
 #include "client/eval/trial_source.h"
 
@@ -23,9 +23,11 @@ struct CaseResult {
   std::map<std::size_t, recognition::Points> scans = {};
 };
 
-// Errors as those of the trials, Gallery::Teach and Recognize.
+// Errors as those of the trials, Gallery::Teach and Recognize. Where `last` is given and holds what
+// this case teaches, nothing is taught again.
 absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
-                                   const ExperimentTrials& trials, const ExperimentRun& run);
+                                   const ExperimentTrials& trials, const ExperimentRun& run,
+                                   LastGallery* last = nullptr);
 
 // Shares and means over a case's answers.
 struct CaseSummary {

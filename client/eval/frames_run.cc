@@ -1,64 +1,58 @@
 #include "client/eval/frames_run.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/strings/str_format.h"
 #include "client/eval/real_frames.h"
+#include "client/eval/report/frames_json.h"
+#include "client/files/atomic_file.h"
 #include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
 namespace {
 
-const char* TextOf(LostBy lost_by) {
-  switch (lost_by) {
-    case LostBy::kSegmentation:
-      return "no segment of its own";
-    case LostBy::kSearch:
-      return "not searched there";
-    case LostBy::kRanking:
-      return "something explains more";
-    case LostBy::kConfidence:
-      return "not believed";
-  }
-  return "";
+std::string TextOf(const recognition::Evidence& e, const recognition::Doubt& d) {
+  return absl::StrFormat(
+      "explained %.3f, confirmed %.3f, contradicted %.3f, unmeasured %.3f, rms %.2f mm; doubts: "
+      "scan "
+      "%.3f, contradicted %.3f, residual %.2f, unseen %.2f, little %.2f",
+      e.scan_explained, e.confirmed, e.contradicted, e.unmeasured, e.rms_m * 1e3, d.scan,
+      d.contradicted, d.residual, d.unseen, d.little);
+}
+
+void Print(const FrameInstance& t) {
+  std::cout << absl::StrFormat("  %-20s %s\n", t.object.object,
+                               t.found ? "found" : TextOf(t.lost_by));
+  std::cout << absl::StrFormat(
+      "    true pose: %d of %d voxels, score %.3f (own points %.3f), rank %d, F %.3f; %s\n",
+      t.truth.own_points, t.truth.segment_points, t.truth.whole.confidence, t.truth.own_score,
+      t.rank, t.truth.whole.evidence.score, TextOf(t.truth.whole.evidence, t.truth.whole.doubt));
+  std::cout << absl::StrFormat(
+      "    answer: %s%s, score %.3f, F %.3f\n", t.best_object.empty() ? "nothing" : t.best_object,
+      t.best_is_right ? " rightly posed" : "", t.best_score, t.best_explains);
+}
+
+void Print(const FrameDetection& d) {
+  const char* judged = d.again          ? "AGAIN"
+                       : d.instance     ? "right"
+                       : d.pose_unknown ? "name only"
+                                        : "WRONG";
+  std::cout << absl::StrFormat(
+      "  accepted %-20s score %.3f  %s (ADD-S %.3f of the diameter); %d voxels, %s\n", d.object,
+      d.score, judged, d.add_s_share, d.voxels, TextOf(d.evidence, d.doubt));
 }
 
 void Print(const FrameResult& result) {
   std::cout << absl::StrFormat("%-10s %7.0f ms  %2d segments  %s  (%s)\n", result.frame->name,
                                result.milliseconds, result.segments, result.error,
                                result.frame->arrangement);
-  for (const FrameInstance& t : result.instances) {
-    std::cout << absl::StrFormat("  %-20s %s\n", t.object.object,
-                                 t.found ? "found" : TextOf(t.lost_by));
-    std::cout << absl::StrFormat(
-        "    true pose: %4d of %5d voxels, score %.3f (own points %.3f), explained %.3f, seen "
-        "%.3f, "
-        "in sight %.3f, doubts %.3f %.3f %.2f; rank %d\n",
-        t.truth.own_points, t.truth.segment_points, t.truth.whole.confidence, t.truth.own_score,
-        t.truth.whole.evidence.scan_explained, t.truth.whole.evidence.model_seen,
-        t.truth.whole.evidence.in_sight, t.truth.whole.doubt.scan, t.truth.whole.doubt.model,
-        t.truth.whole.doubt.residual, t.rank);
-    std::cout << absl::StrFormat("    answer: %s%s, score %.3f, F %.3f; truth has F %.3f\n",
-                                 t.best_object.empty() ? "nothing" : t.best_object,
-                                 t.best_is_right ? " rightly posed" : "", t.best_score,
-                                 t.best_explains, t.truth.whole.evidence.score);
-  }
-  for (const FrameDetection& d : result.detections) {
-    std::cout << absl::StrFormat(
-        "  accepted %-20s score %.3f  %s (ADD-S %.3f of the diameter); %d voxels, explained %.3f, "
-        "seen "
-        "%.3f, in sight %.3f, rms %.2f mm, doubts %.3f %.3f %.2f\n",
-        d.object, d.score,
-        d.again          ? "AGAIN"
-        : d.instance     ? "right"
-        : d.pose_unknown ? "name only"
-                         : "WRONG",
-        d.add_s_share, d.voxels, d.evidence.scan_explained, d.evidence.model_seen,
-        d.evidence.in_sight, d.evidence.rms_m * 1e3, d.doubt.scan, d.doubt.model, d.doubt.residual);
-  }
+  for (const FrameInstance& t : result.instances) Print(t);
+  for (const FrameDetection& d : result.detections) Print(d);
 }
 
 void PrintSums(const std::vector<FrameResult>& results) {
@@ -81,6 +75,16 @@ void PrintSums(const std::vector<FrameResult>& results) {
   std::cout << absl::StrFormat(
       "found %d of %d, accepted wrongly %d, found again %d; median %.0f ms, worst %.0f ms\n", found,
       instances, wrong, again, times[times.size() / 2], times.back());
+}
+
+absl::Status WriteReport(const EvalArguments& arguments, const std::vector<FrameResult>& results) {
+  if (arguments.out.empty()) return absl::OkStatus();
+  const auto text = FramesJson(arguments.command, results);
+  if (!text.ok()) return text.status();
+  const std::filesystem::path file = std::filesystem::path(arguments.out) / "report.json";
+  absl::Status written = WriteFileAtomically(file, *text, Durability::kProcessCrash);
+  if (written.ok()) std::cout << "report: " << file.string() << "\n";
+  return written;
 }
 
 }  // namespace
@@ -106,7 +110,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
     results.push_back(*std::move(result));
   }
   PrintSums(results);
-  return absl::OkStatus();
+  return WriteReport(arguments, results);
 }
 
 }  // namespace graspdb::client

@@ -1,6 +1,7 @@
 #include "client/eval/gallery.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -20,22 +21,40 @@ std::string StablePoseName(const Workpiece& part) {
   return absl::StrCat(ObjectName(part), "/stablePoses/", part.stable_pose_id);
 }
 
-Gallery::Gallery(const std::vector<Workpiece>& parts,
-                 const recognition::RecognitionParameters& parameters)
-    : parts_(&parts), parameters_(parameters) {}
+Gallery::Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters)
+    : parts_(std::move(parts)), parameters_(parameters) {}
 
-absl::Status Gallery::Teach(const Trial& trial) {
+absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
+                            const ExperimentRun& run) {
+  const std::size_t known = views_.size();
+  std::vector<std::optional<Described>> described(trials.count);
+  absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) {
+    const auto trial = trials.make(i);
+    if (!trial.ok()) return trial.status();
+    auto made = Describe(*trial, known + i);
+    if (made.ok()) described[i] = *std::move(made);
+    return made.status();
+  });
+  if (!status.ok()) return status;
+  for (std::optional<Described>& made : described) {
+    Add(made->view.view->name, std::make_shared<const OrientedCloud>(std::move(made->cloud)));
+    views_.push_back(std::move(made->view));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::size_t number) const {
   const Placement& truth = trial.truth.front();
-  const Workpiece& part = (*parts_)[truth.part];
+  const Workpiece& part = parts_[truth.part];
   auto shown = SegmentShown(trial, parameters_);
   if (!shown.ok()) {
-    return {shown.status().code(),
-            absl::StrCat(StablePoseName(part), ": ", shown.status().message())};
+    return absl::Status(shown.status().code(),
+                        absl::StrCat(StablePoseName(part), ": ", shown.status().message()));
   }
   auto view = std::make_shared<TaughtView>();
   view->stable_pose = StablePoseName(part);
   view->object = ObjectName(part);
-  view->name = absl::StrFormat("%s/views/%05d", view->stable_pose, views_.size());
+  view->name = absl::StrFormat("%s/views/%05d", view->stable_pose, number);
   view->content = view->name;
   view->world_object = truth.world_object;
   if (!trial.posed) {
@@ -46,9 +65,7 @@ absl::Status Gallery::Teach(const Trial& trial) {
   auto descriptor =
       recognition::Describe(shown->segment.cloud, view->world_sensor, parameters_.descriptor.kind);
   if (!descriptor.ok()) return descriptor.status();
-  Add(view->name, std::make_shared<const OrientedCloud>(std::move(shown->segment.cloud)));
-  views_.push_back({std::move(view), *std::move(descriptor)});
-  return absl::OkStatus();
+  return Described{{std::move(view), *std::move(descriptor)}, std::move(shown->segment.cloud)};
 }
 
 recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left_out) const {
@@ -56,7 +73,7 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
   if (left_out) views.erase(views.begin() + static_cast<std::ptrdiff_t>(*left_out));
   auto poses =
       std::make_shared<std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>();
-  for (const Workpiece& part : *parts_) {
+  for (const Workpiece& part : parts_) {
     auto pose = std::make_shared<TaughtStablePose>();
     pose->name = StablePoseName(part);
     pose->symmetry_order = part.symmetry_order;

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client/eval/trial.h"
+#include "client/eval/experiment_run.h"
+#include "client/eval/trial_source.h"
 #include "recognition/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
@@ -16,11 +17,11 @@ namespace graspdb::client {
 // Views that were taught. Teaching is not thread-safe; asking is.
 class Gallery : public recognition::CloudsInMemory {
  public:
-  Gallery(const std::vector<Workpiece>& parts,
-          const recognition::RecognitionParameters& parameters);
+  Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters);
 
-  // Teaches what a trial shows, as a view of its first object.
-  absl::Status Teach(const Trial& trial);
+  // Teaches what each trial shows, as a view of its first object, in their order. Errors as the
+  // trials and SegmentScan, with the stable pose.
+  absl::Status Teach(const TrialSource& trials, const std::string& step, const ExperimentRun& run);
 
   // What is taught; without view number `left_out` where one is given.
   recognition::CatalogueSnapshot Snapshot(std::optional<std::size_t> left_out = std::nullopt) const;
@@ -29,7 +30,14 @@ class Gallery : public recognition::CloudsInMemory {
   std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
 
  private:
-  const std::vector<Workpiece>* parts_;
+  // A view before it is added.
+  struct Described {
+    recognition::IndexedView view;
+    recognition::OrientedCloud cloud;
+  };
+  absl::StatusOr<Described> Describe(const Trial& trial, std::size_t number) const;
+
+  std::vector<Workpiece> parts_;
   recognition::RecognitionParameters parameters_;
   std::vector<recognition::IndexedView> views_;
 };

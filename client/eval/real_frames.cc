@@ -129,6 +129,20 @@ void AddBest(const recognition::Recognition& recognition, const FramesCatalogue&
 
 }  // namespace
 
+const char* TextOf(LostBy lost_by) {
+  switch (lost_by) {
+    case LostBy::kSegmentation:
+      return "no segment of its own";
+    case LostBy::kSearch:
+      return "not searched there";
+    case LostBy::kRanking:
+      return "something explains more";
+    case LostBy::kConfidence:
+      return "not believed";
+  }
+  return "";
+}
+
 absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
     const std::vector<RealFrame>& frames, const ExperimentRun& run) {
   std::map<std::string, FrameObject> meshes;
@@ -146,12 +160,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   const auto trials = RenderedTrials({.name = "real", .teach_step_deg = kTeachStepDeg}, out->set_);
   if (!trials.ok()) return trials.status();
   out->gallery_ = std::make_unique<Gallery>(out->set_.parts, run.parameters);
-  ExperimentRun alone = run;
-  alone.workers = 1;
-  absl::Status taught = ForEach(trials->teaching.count, "teaching", alone, [&](std::size_t i) {
-    auto trial = trials->teaching.make(i);
-    return trial.ok() ? out->gallery_->Teach(*trial) : trial.status();
-  });
+  absl::Status taught = out->gallery_->Teach(trials->teaching, "teaching", run);
   if (!taught.ok()) return taught;
   out->snapshot_ = out->gallery_->Snapshot();
   // A server makes models before robots ask.

@@ -65,6 +65,8 @@ enum class LostBy {
   kConfidence,    // the best hypothesis is right, and was rejected
 };
 
+const char* TextOf(LostBy lost_by);
+
 // The result for an object of the frame with a known pose.
 struct FrameInstance {
   FrameObject object;

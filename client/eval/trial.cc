@@ -88,7 +88,11 @@ absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const Plan
                                                 (1 - obstacle.hidden_share));
   std::nth_element(along.begin(), along.begin() + rank, along.end());
   const double distance = capture.world_sensor.translation().norm();
-  return PlateMesh(direction, along[static_cast<std::size_t>(rank)], kPlateNearness * distance);
+  const double depth = kPlateNearness * distance;
+  // The projector's shadow of the plate hides the object too, to the right of the plate.
+  const double shadow = camera_.model().effects.shadow_baseline_m * (1 / depth - 1 / distance);
+  const double shadowed = shadow * std::max(0.0, -direction.x());
+  return PlateMesh(direction, along[static_cast<std::size_t>(rank)] + shadowed, depth);
 }
 
 absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,

@@ -47,7 +47,7 @@ PoseScore Score(const Inputs& in, const Segment& segment, const Pose& initial) {
   out.refined = Refine(in.model, target, initial, {}).world_object;
   const double tolerance = in.parameters.matching.support_distance_m;
   out.evidence = Verify(in.model, out.refined, columns, sight, {.tolerance_m = tolerance});
-  out.doubt = DoubtsOf(out.evidence, in.model, in.segmentation.table_noise_m, tolerance);
+  out.doubt = DoubtsOf(out.evidence, in.model, NoiseAt(in.segmentation, segment), tolerance);
   out.confidence = Confidence(out.doubt);
   return out;
 }

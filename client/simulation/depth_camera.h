@@ -22,6 +22,7 @@ struct DepthCameraModel {
   double max_depth_m = 0;
   DepthNoise noise;
   SensorEffects effects = {};
+  bool operator==(const DepthCameraModel&) const = default;
 };
 
 // Structured light, 640 x 480. Axial noise after Nguyen, Izadi and Lovell,

@@ -17,6 +17,7 @@ struct AxialNoise {
   double origin = 0;
   double slant = 0;
   double slant_power = 0;
+  bool operator==(const AxialNoise&) const = default;
 };
 
 // The errors of a depth camera. The default is none.
@@ -37,6 +38,7 @@ struct DepthNoise {
   double flying_chance = 0;
   // A jump is larger than this; metres.
   double flying_jump_m = 0.02;
+  bool operator==(const DepthNoise&) const = default;
 };
 
 // sigma_z(z, t) before scaling; metres. At most 0.05 m.

@@ -33,6 +33,7 @@ struct SensorEffects {
   double bumps_length_px = 8;
   // Factor on every measured depth.
   double scale = 1;
+  bool operator==(const SensorEffects&) const = default;
 };
 
 // A jump of depth between neighbours is larger than this, m.

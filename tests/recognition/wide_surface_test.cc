@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "recognition/motion.h"
@@ -234,6 +235,7 @@ TEST_P(WideSurfaceTest, WhatIsLookedAtIsThereHiddenDeniedOrMissing) {
   double all = 0;
   double expected = 0;
   double found = 0;
+  std::map<Window::Kind, double> areas;
   for (std::size_t i = 0; i < cloud_.points.size(); ++i) {
     const Eigen::Vector3f p = seen.Point(cloud_.points[i]);
     const float slant = -seen.Direction(cloud_.normals[i]).dot(p.normalized());
@@ -243,6 +245,7 @@ TEST_P(WideSurfaceTest, WhatIsLookedAtIsThereHiddenDeniedOrMissing) {
     const Window::Kind kind = window_.At(p, slant, kTolerance, &off);
     const auto area = static_cast<double>(slant);
     all += area;
+    areas[kind] += area;
     if (kind == Window::Kind::kHidden) continue;
     expected += kind == Window::Kind::kUnmeasured ? 0.25 * area : area;
     const auto share = static_cast<double>(off / kTolerance);
@@ -254,6 +257,9 @@ TEST_P(WideSurfaceTest, WhatIsLookedAtIsThereHiddenDeniedOrMissing) {
   EXPECT_NEAR(static_cast<double>(looked.all), all, 1e-4 * all);
   EXPECT_NEAR(static_cast<double>(looked.expected), expected, 1e-4 * all);
   EXPECT_NEAR(static_cast<double>(looked.found), found, 1e-4 * all);
+  EXPECT_NEAR(static_cast<double>(looked.confirmed), areas[Window::Kind::kThere], 1e-4 * all);
+  EXPECT_NEAR(static_cast<double>(looked.contradicted), areas[Window::Kind::kDenied], 1e-4 * all);
+  EXPECT_NEAR(static_cast<double>(looked.unmeasured), areas[Window::Kind::kUnmeasured], 1e-4 * all);
 }
 
 TEST_P(WideSurfaceTest, TheBitsAreThoseOfThePortableFunctions) {

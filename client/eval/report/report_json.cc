@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/eval/gallery.h"
 #include "client/eval/report/case_figures.h"
+#include "client/eval/report/evidence_json.h"
 #include "client/eval/report/settings_text.h"
 #include "client/files/json_object.h"
 
@@ -122,10 +123,8 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
   out.Bool("listed", a.listed);
   out.Bool("touching", a.touching);
   out.Number("score", a.score);
-  JsonObject doubt(&out.At("doubt"));
-  doubt.Number("scan", a.doubt.scan);
-  doubt.Number("model", a.doubt.model);
-  doubt.Number("residual", a.doubt.residual);
+  out.Count("voxels", a.voxels);
+  FillEvidence(a.evidence, a.doubt, &out.At("evidence"));
   const auto error = [&](const std::string& key, double number) {
     out.Number(key, has_error ? number : std::nan(""));
   };

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/eval/report/frames_json.h"
 #include "client/eval/trial.h"
 #include "client/files/point_file.h"
 #include "client/simulation/mesh_file.h"
@@ -85,6 +86,12 @@ TEST_F(RealFramesTest, AnObjectWhereTheFileSaysIsFound) {
   EXPECT_EQ(result->instances[0].rank, 1);
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_FALSE(result->detections[0].IsWrong());
+  const auto json = FramesJson("graspdb eval", {*result});
+  ASSERT_THAT(json, IsOk());
+  for (const char* text :
+       {"\"right\": true", "\"found\": true", "\"confirmed\": ", "\"doubt\": {"}) {
+    EXPECT_THAT(*json, HasSubstr(text));
+  }
 }
 
 TEST_F(RealFramesTest, AnObjectElsewhereIsNotFoundAndTheAnswerIsWrong) {

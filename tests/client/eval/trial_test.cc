@@ -23,8 +23,8 @@ DepthCameraModel Ideal() {
 class TrialTest : public ::testing::Test {
  protected:
   // Points of the scan above the table in the region of interest.
-  std::size_t Above(const Obstacle& obstacle) {
-    const auto renderer = TrialRenderer::Create(parts_, Ideal());
+  std::size_t Above(const Obstacle& obstacle, const DepthCameraModel& camera = Ideal()) {
+    const auto renderer = TrialRenderer::Create(parts_, camera);
     EXPECT_THAT(renderer, IsOk());
     PlannedCapture capture{.path = "",
                            .split = v1::Capture::QUERY,
@@ -52,6 +52,35 @@ TEST_F(TrialTest, AnObstacleHidesItsShareFromAnySide) {
     const auto left = static_cast<double>(Above({.hidden_share = 0.4, .direction_rad = direction}));
     EXPECT_NEAR(left / all, 0.6, 0.05) << direction;
   }
+}
+
+TEST_F(TrialTest, TheProjectorsShadowOfAnObstacleHidesNoMore) {
+  DepthCameraModel camera = Ideal();
+  camera.effects.shadow_baseline_m = 0.075;
+  const auto all = static_cast<double>(Above({}, camera));
+  for (const double direction : {0.0, 1.0, 2.5, 4.0, 5.5}) {
+    const auto left =
+        static_cast<double>(Above({.hidden_share = 0.4, .direction_rad = direction}, camera));
+    EXPECT_NEAR(left / all, 0.6, 0.08) << direction;
+  }
+}
+
+TEST(Cases, OneThatOnlyAsksOtherwiseTeachesTheSame) {
+  const ExperimentCase seen{.name = "seen"};
+  ExperimentCase other = seen;
+  other.name = "other";
+  other.hidden_share = 0.4;
+  other.asked.camera = Carmine();
+  other.parts = PartChoice::kStrangers;
+  EXPECT_TRUE(TeachesAlike(seen, other));
+  other.parts = PartChoice::kRound;
+  EXPECT_FALSE(TeachesAlike(seen, other));
+  other = seen;
+  other.taught.camera = Carmine();
+  EXPECT_FALSE(TeachesAlike(seen, other));
+  other = seen;
+  other.seed = 2;
+  EXPECT_FALSE(TeachesAlike(seen, other));
 }
 
 TEST(Cases, QuestionsOfThePaperLieBetweenTheTaughtAzimuths) {

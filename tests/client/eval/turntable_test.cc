@@ -84,10 +84,11 @@ TEST_F(TurntableTest, DescriptorsNameTheObject) {
   EXPECT_LE(wrong("VFH-308"), 2.01) << "of 51";
 }
 
-// What is refused by default are pieces, three of the clouds, and two noisy ones.
+// What is not named are pieces, three of the clouds: two halves of a bowl that others explain, and
+// 109 voxels of a glass.
 TEST_F(TurntableTest, ObjectsAreNamed) {
-  EXPECT_GE(ShareRight(0), 0.98);
-  EXPECT_GE(ShareRight(0.5), 0.88);
+  EXPECT_GE(ShareRight(0), 0.94);
+  EXPECT_GE(ShareRight(0.5), 0.94);
 }
 
 }  // namespace

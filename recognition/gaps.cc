@@ -1,0 +1,60 @@
+#include "recognition/gaps.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "recognition/clusters.h"
+#include "recognition/point_search.h"
+#include "recognition/segment_part.h"
+
+namespace graspdb::recognition {
+namespace {
+
+// Width of a gap, m, and at least so many voxels. On frames of a RealSense objects 10 mm apart are
+// joined by what it smooths from 10 mm on; half of it would split surfaces at holes.
+constexpr double kGapM = 0.008;
+constexpr double kGapVoxels = 2.7;
+// Voxels lower than this over what was removed as table hold nothing together, m: twice the bumps
+// of a RealSense at 0.8 m. Doubled, flat objects have no voxels left.
+constexpr double kLowM = 0.004;
+// Low voxels go with a part that is no farther than this, m; what leads away from it is the
+// table's.
+constexpr float kReachM = 0.008F;
+
+}  // namespace
+
+std::vector<Segment> SplitAtGaps(const MatchingInput& input, double voxel_size_m,
+                                 std::size_t min_count) {
+  const Segmentation& seen = input.segmentation;
+  Points high;
+  for (const Eigen::Vector3f& p : input.segment.cloud.points) {
+    if (!seen.table || seen.table->Height(p.cast<double>()) > seen.table_reach_m + kLowM) {
+      high.push_back(p);
+    }
+  }
+  const std::vector<Indices> clusters =
+      FindClusters(high, std::max(kGapM, kGapVoxels * voxel_size_m), min_count);
+  if (clusters.empty()) return {};
+  Points seeds;
+  std::vector<int> part_of;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    for (const std::int32_t i : clusters[c]) {
+      seeds.push_back(high[static_cast<std::size_t>(i)]);
+      part_of.push_back(static_cast<int>(c));
+    }
+  }
+  const PointSearch near(seeds);
+  std::vector<Segment> parts =
+      PartsOf(input.scan, seen, input.segment, clusters.size(), [&](const Eigen::Vector3f& p) {
+        const Neighbor seed = near.Nearest(p);
+        return seed.squared_distance < kReachM * kReachM
+                   ? part_of[static_cast<std::size_t>(seed.index)]
+                   : -1;
+      });
+  std::size_t kept = 0;
+  for (const Segment& part : parts) kept += part.cloud.points.size();
+  const bool is_split = parts.size() > 1 || kept + min_count <= input.segment.cloud.points.size();
+  return is_split ? std::move(parts) : std::vector<Segment>();
+}
+
+}  // namespace graspdb::recognition
