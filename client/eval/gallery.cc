@@ -32,8 +32,9 @@ absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
     const auto trial = trials.make(i);
     if (!trial.ok()) return trial.status();
     auto made = Describe(*trial, known + i);
-    if (made.ok()) described[i] = *std::move(made);
-    return made.status();
+    if (!made.ok()) return made.status();
+    described[i] = *std::move(made);
+    return absl::OkStatus();
   });
   if (!status.ok()) return status;
   for (std::optional<Described>& made : described) {
