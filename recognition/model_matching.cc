@@ -12,14 +12,14 @@ constexpr std::size_t kGrowth = 4;  // so many times more views each time, until
 
 }  // namespace
 
-ModelSearch::ModelSearch(const MatchingInput& input, Descriptor descriptor,
-                         std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
-                         ViewClouds& clouds, const MatchingParameters& parameters,
-                         const IsCancelled& is_cancelled)
+ModelSearch::ModelSearch(const MatchingInput& input, const ScanDepths& depths,
+                         Descriptor descriptor, std::span<const Match> nearest,
+                         const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                         const MatchingParameters& parameters, const IsCancelled& is_cancelled)
     : descriptor_(std::move(descriptor)),
       catalogue_(catalogue),
       parameters_(parameters),
-      matcher_(input.scan, input.segmentation, input.segment, catalogue, clouds, parameters,
+      matcher_(depths, input.segmentation, input.segment, catalogue, clouds, parameters,
                is_cancelled),
       hidden_(matcher_.sight().HiddenSides()) {
   for (const Match& match : nearest) nearest_.push_back(match.view);

@@ -23,9 +23,10 @@ class ModelSearch {
  public:
   // `nearest` is not empty and holds the views with the descriptors most similar to `descriptor`,
   // that of the segment.
-  ModelSearch(const MatchingInput& input, Descriptor descriptor, std::span<const Match> nearest,
-              const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-              const MatchingParameters& parameters, const IsCancelled& is_cancelled);
+  ModelSearch(const MatchingInput& input, const ScanDepths& depths, Descriptor descriptor,
+              std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
+              ViewClouds& clouds, const MatchingParameters& parameters,
+              const IsCancelled& is_cancelled);
 
   // The stable poses and azimuths of the nearest views; whether they explain the segment. Errors as
   // LoadModel; CANCELLED.

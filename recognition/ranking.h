@@ -27,6 +27,7 @@ struct PoseHypothesis {
   int iterations = 0;      // of the last refinement
   bool finished = false;   // refined in full
   bool settled = false;    // after the refinement, see settling.h
+  bool polished = false;   // refined again until nothing changed
   Evidence evidence;       // within the support distance
   double close_score = 0;  // within the noise of the scan
   Standing standing = Standing::kWorse;

@@ -48,6 +48,7 @@ class SegmentAnswers {
                  StageLog* log)
       : scan_(scan),
         segmentation_(segmentation),
+        depths_(scan, segmentation.segments),
         catalogue_(catalogue),
         clouds_(clouds),
         parameters_(parameters),
@@ -103,12 +104,13 @@ class SegmentAnswers {
  private:
   std::unique_ptr<SegmentRecognition> SearchIn(const Segment& segment) {
     return std::make_unique<SegmentRecognition>(MatchingInput{scan_, segmentation_, segment},
-                                                catalogue_, clouds_, parameters_, is_cancelled_,
-                                                log_);
+                                                depths_, catalogue_, clouds_, parameters_,
+                                                is_cancelled_, log_);
   }
 
   const Scan& scan_;
   const Segmentation& segmentation_;
+  const ScanDepths depths_;
   const CatalogueSnapshot& catalogue_;
   ViewClouds& clouds_;
   const RecognitionParameters& parameters_;

@@ -67,7 +67,7 @@ std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
 
 }  // namespace
 
-SegmentMatcher::SegmentMatcher(const Scan& scan, const Segmentation& segmentation,
+SegmentMatcher::SegmentMatcher(const ScanDepths& scan, const Segmentation& segmentation,
                                const Segment& segment, const CatalogueSnapshot& catalogue,
                                ViewClouds& clouds, const MatchingParameters& parameters,
                                const IsCancelled& is_cancelled)
@@ -141,7 +141,7 @@ bool SegmentMatcher::ExplainsNothing() const {
 }
 
 std::vector<PoseHypothesis> SegmentMatcher::TakeRanked() {
-  while (!hypotheses_.empty() && !hypotheses_.front().settled) {
+  while (!hypotheses_.empty() && !hypotheses_.front().settled && !ExplainsNothing()) {
     LetSettle(&hypotheses_.front());
     RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
   }
@@ -261,13 +261,13 @@ void SegmentMatcher::Finish(const RefinementOptions& options, PoseHypothesis* h)
 // is refined again from where it is, as long as that makes it better.
 void SegmentMatcher::Polish() {
   for (int round = 0; round < kPolishRounds && !hypotheses_.empty(); ++round) {
-    if (is_cancelled_()) return;
+    if (is_cancelled_() || hypotheses_.front().polished) return;
     PoseHypothesis again = hypotheses_.front();
     Finish({}, &again);
     const double gain = again.evidence.score - hypotheses_.front().evidence.score;
     // What is as good has settled farther.
     if (gain >= -kPolished) hypotheses_.front() = std::move(again);
-    if (gain <= kPolished) return;
+    hypotheses_.front().polished = gain <= kPolished;
   }
 }
 

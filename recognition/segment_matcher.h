@@ -34,7 +34,7 @@ using Views = std::vector<std::shared_ptr<const TaughtView>>;
 // outlive it.
 class SegmentMatcher {
  public:
-  SegmentMatcher(const Scan& scan, const Segmentation& segmentation, const Segment& segment,
+  SegmentMatcher(const ScanDepths& scan, const Segmentation& segmentation, const Segment& segment,
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                  const MatchingParameters& parameters, const IsCancelled& is_cancelled);
 

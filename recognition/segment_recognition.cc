@@ -83,11 +83,12 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
 
 }  // namespace
 
-SegmentRecognition::SegmentRecognition(const MatchingInput& input,
+SegmentRecognition::SegmentRecognition(const MatchingInput& input, const ScanDepths& depths,
                                        const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                                        const RecognitionParameters& parameters,
                                        const IsCancelled& is_cancelled, StageLog* log)
     : input_(input),
+      depths_(depths),
       catalogue_(catalogue),
       clouds_(clouds),
       parameters_(parameters),
@@ -103,8 +104,8 @@ absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   if (is_cancelled_()) return absl::CancelledError("cancelled after the descriptor");
   if (parameters_.matching.verified_view_count == 1) return explained;
   log_->Measure("register", out_.point_count, [&] {
-    search_.emplace(input_, *descriptor_, matches_, catalogue_, clouds_, parameters_.matching,
-                    is_cancelled_);
+    search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
+                    parameters_.matching, is_cancelled_);
     explained = search_->TryNearest();
     return out_.point_count;
   });

@@ -17,9 +17,10 @@ namespace graspdb::recognition {
 // Not thread-safe; all references must outlive it.
 class SegmentRecognition {
  public:
-  SegmentRecognition(const MatchingInput& input, const CatalogueSnapshot& catalogue,
-                     ViewClouds& clouds, const RecognitionParameters& parameters,
-                     const IsCancelled& is_cancelled, StageLog* log);
+  SegmentRecognition(const MatchingInput& input, const ScanDepths& depths,
+                     const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                     const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
+                     StageLog* log);
 
   // Whether the nearest views explain the segment.
   absl::StatusOr<bool> TryNearest();
@@ -34,6 +35,7 @@ class SegmentRecognition {
   void Decide();
 
   const MatchingInput input_;
+  const ScanDepths& depths_;
   const CatalogueSnapshot& catalogue_;
   ViewClouds& clouds_;
   const RecognitionParameters& parameters_;

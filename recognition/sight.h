@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "recognition/segmentation.h"
+#include "recognition/scan_depths.h"
 #include "recognition/types.h"
 #include "recognition/wide_surface.h"
 
@@ -14,10 +14,12 @@ namespace graspdb::recognition {
 // Immutable; safe for concurrent reads.
 class Sight {
  public:
-  // `scan` is in the sensor frame of `segment`'s capture. Where the scan holds nothing but the
+  // The scan is in the sensor frame of `segment`'s capture. Where the scan holds nothing but the
   // segment, a pixel without a point was free, or the sensor failed there, or whoever cut the thing
   // out has lost it.
-  Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment);
+  Sight(const ScanDepths& depths, const Pose& world_sensor, const Segment& segment);
+  Sight(const Scan& scan, const Pose& world_sensor, const Segment& segment)
+      : Sight(ScanDepths(scan), world_sensor, segment) {}
 
   // Sides of the image on which something nearer cuts the segment off.
   struct Sides {
@@ -46,21 +48,13 @@ class Sight {
            static_cast<std::size_t>(at.x() + kBorder);
   }
   float DepthAt(const Eigen::Vector2i& at) const { return depths_[PlaceOf(at)]; }
-  bool IsInside(const Eigen::Vector2i& at) const {
-    return (at.array() >= 0).all() && (at.array() < size_.array()).all();
-  }
-  // Beside the window the place just outside of its corner.
-  Eigen::Vector2i Project(const Eigen::Vector3f& point) const;
-  void PutImage(const DepthImage& image);
-  void PutCloud(const Points& points);
   // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
   bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;
   Sides SidesWhere(bool unmeasured_too) const;
 
   Eigen::Isometry3f sensor_world_;
   bool alone_;
-  Eigen::Vector2f low_ = Eigen::Vector2f::Zero();  // of the window, x/z and y/z
-  Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
+  PixelWindow window_;
   std::size_t row_ = 0;  // places between the beginnings of rows
   // Of the nearest point, m: the segment's as they are, of anything else negative; 0: none.
   std::vector<float> depths_;

@@ -102,7 +102,11 @@ class Parter {
  private:
   // The same without gaps. An answer that is not as sure as `least` is none.
   absl::StatusOr<bool> Take(AnsweredSegment whole, double least, int depth, Answers* out) {
-    if (!Scores(whole.detection, least)) return TakeUnknown(std::move(whole), depth, out);
+    if (!Scores(whole.detection, least)) {
+      // Halves of parts are not asked about: in no scene of objects that touch do they say more.
+      if (depth == kDepth) return TakeUnknown(std::move(whole), out);
+      return false;
+    }
     if (!LeftOver(whole.segment, whole.detection).empty()) {
       auto parted = depth > 0 ? TakeWith(whole.segment, whole.detection, depth, out) : false;
       if (!parted.ok() || *parted) return parted;
@@ -142,15 +146,15 @@ class Parter {
   }
 
   // Where `whole` as one thing has no answer. What it is like may still be the greater part of it.
-  absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, int depth, Answers* out) {
-    if (depth == 0 || whole.segment.cloud.points.size() < 2 * min_count_) return false;
+  absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, Answers* out) {
+    if (whole.segment.cloud.points.size() < 2 * min_count_) return false;
     auto beginnings = Halves(whole.segment);
     if (!beginnings.ok()) return beginnings.status();
     beginnings->push_back(std::move(whole.detection));
     std::ranges::stable_sort(*beginnings, std::greater(), &Detection::score);
     for (Detection& beginning : *beginnings) {
       if (beginning.model == nullptr || beginning.score < kPromising) continue;
-      auto known = TakeWith(whole.segment, std::move(beginning), depth, out);
+      auto known = TakeWith(whole.segment, std::move(beginning), kDepth, out);
       if (!known.ok() || *known) return known;
     }
     return false;
