@@ -3,16 +3,24 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
+#include <mutex>
 
 namespace graspdb::recognition {
 
 // Whether nobody waits for the result any more. Once true, it stays true.
 using IsCancelled = std::function<bool()>;
 
-// Does not call `is_cancelled`, which must outlive it, again once that was true. Not thread-safe.
+// Does not call `is_cancelled`, which must outlive it, again once that was true. Thread-safe, and
+// calls it from one thread at a time.
 inline IsCancelled Latched(const IsCancelled& is_cancelled) {
-  return [&is_cancelled, cancelled = false]() mutable {
-    return cancelled = cancelled || (is_cancelled && is_cancelled());
+  struct State {
+    std::mutex mutex;
+    bool cancelled = false;
+  };
+  return [&is_cancelled, state = std::make_shared<State>()] {
+    const std::lock_guard lock(state->mutex);
+    return state->cancelled = state->cancelled || (is_cancelled && is_cancelled());
   };
 }
 

@@ -1,11 +1,13 @@
 #include "recognition/outliers.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
 #include "recognition/cell_grid.h"
+#include "recognition/idle_cores.h"
 #include "recognition/wide.h"
 
 namespace graspdb::recognition {
@@ -23,6 +25,8 @@ constexpr float kCoarser = 8;
 constexpr std::size_t kMaxWork = 1'000'000'000;
 // To find a row of cells takes as long as so many distances.
 constexpr std::size_t kWorkPerRow = 32;
+// Cells are summed in so many portions, by as many threads as are idle.
+constexpr std::size_t kChunks = 16;
 // Guesses of a distance before all are sorted.
 constexpr int kGuesses = 24;
 
@@ -83,11 +87,7 @@ class RootsOfSmallest {
 class SumsOfNearest {
  public:
   SumsOfNearest(const Points& points, std::size_t count, const IsCancelled& is_cancelled)
-      : points_(points),
-        count_(count),
-        is_cancelled_(is_cancelled),
-        poll_(is_cancelled),
-        sums_(points.size()) {}
+      : points_(points), count_(count), is_cancelled_(is_cancelled), sums_(points.size()) {}
 
   // Of all points; none when that takes too long.
   std::optional<std::vector<float>> Take() {
@@ -96,55 +96,79 @@ class SumsOfNearest {
     // What a grid's cells are too small for is left to one with larger cells.
     float cell_m = CellSizeFor(points_, count_, is_cancelled_);
     for (; !open.empty(); cell_m *= kCoarser) {
-      if (!SumWith(CellGrid(points_, cell_m, is_cancelled_), &open)) return std::nullopt;
+      if (is_cancelled_() || !SumWith(CellGrid(points_, cell_m, is_cancelled_), &open)) {
+        return std::nullopt;
+      }
     }
     return std::move(sums_);
   }
 
  private:
+  // What one thread works with.
+  struct Scratch {
+    explicit Scratch(const IsCancelled& is_cancelled) : poll(is_cancelled) {}
+
+    CancellationPoll poll;
+    RootsOfSmallest roots;
+    CellBlock block;
+    Indices in_cell;
+    std::vector<float> squared;
+    Indices left;
+  };
+
   // Leaves in `open` the points that have no sum yet; false when it takes too long.
   bool SumWith(const CellGrid& grid, Indices* open) {
-    if (poll_.Now()) return false;
     is_open_.assign(points_.size(), 0);
     for (const std::int32_t i : *open) is_open_[static_cast<std::size_t>(i)] = 1;
     open->clear();
-    for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
-      if (!SumCell(grid, cell, open)) return false;
-    }
-    return true;
+    const std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
+    std::vector<Indices> left(kChunks);
+    std::atomic<bool> done = true;
+    ForEachIndex(kChunks, [&](std::size_t chunk) {
+      Scratch scratch(is_cancelled_);
+      const std::size_t end = (chunk + 1) * cells.size() / kChunks;
+      for (std::size_t i = chunk * cells.size() / kChunks; i < end && done; ++i) {
+        if (!SumCell(grid, cells[i], &scratch)) done = false;
+      }
+      left[chunk] = std::move(scratch.left);
+    });
+    for (const Indices& some : left) open->insert(open->end(), some.begin(), some.end());
+    return done;
   }
 
-  bool SumCell(const CellGrid& grid, const CellGrid::Cell& cell, Indices* left) {
-    in_cell_.clear();
+  bool SumCell(const CellGrid& grid, const CellGrid::Cell& cell, Scratch* scratch) {
+    Indices& in_cell = scratch->in_cell;
+    in_cell.clear();
     for (std::int32_t at = cell.begin; at < cell.end; ++at) {
       const std::int32_t i = grid.order()[static_cast<std::size_t>(at)];
-      if (is_open_[static_cast<std::size_t>(i)] != 0) in_cell_.push_back(i);
+      if (is_open_[static_cast<std::size_t>(i)] != 0) in_cell.push_back(i);
     }
-    for (int reach = 1; reach <= kMaxReach && !in_cell_.empty(); reach *= 2) {
+    for (int reach = 1; reach <= kMaxReach && !in_cell.empty(); reach *= 2) {
       const std::size_t count = grid.CountAround(cell.at, reach);
       const auto rows =
           static_cast<std::size_t>(2 * reach + 1) * static_cast<std::size_t>(2 * reach + 1);
-      const std::size_t work = count * (in_cell_.size() + 1) + kWorkPerRow * rows;
-      work_ += work;
-      if (work_ > kMaxWork || poll_.After(work)) return false;
+      const std::size_t work = count * (in_cell.size() + 1) + kWorkPerRow * rows;
+      if (work_ += work; work_ > kMaxWork || scratch->poll.After(work)) return false;
       if (count < count_) continue;
-      grid.Gather(cell.at, reach, &block_);
-      squared_.resize(block_.x.size());
-      std::erase_if(in_cell_, [&](std::int32_t i) { return Sum(static_cast<std::size_t>(i)); });
+      grid.Gather(cell.at, reach, &scratch->block);
+      scratch->squared.resize(scratch->block.x.size());
+      std::erase_if(in_cell,
+                    [&](std::int32_t i) { return Sum(static_cast<std::size_t>(i), scratch); });
     }
-    left->insert(left->end(), in_cell_.begin(), in_cell_.end());
+    scratch->left.insert(scratch->left.end(), in_cell.begin(), in_cell.end());
     return true;
   }
 
   // False where neighbours of the point may lie outside of the block.
-  bool Sum(std::size_t point) {
+  bool Sum(std::size_t point, Scratch* scratch) {
     const Eigen::Vector3f& p = points_[point];
-    wide_.squared_distances(block_.coordinates(), p.data(), squared_.data());
-    const float coverage = std::clamp(block_.Coverage(p), 0.0F, 0.1F * wide::kFar);
+    std::vector<float>& squared = scratch->squared;
+    wide_.squared_distances(scratch->block.coordinates(), p.data(), squared.data());
+    const float coverage = std::clamp(scratch->block.Coverage(p), 0.0F, 0.1F * wide::kFar);
     const float most = coverage * coverage;
-    const std::size_t known = wide_.count_up_to(squared_.data(), squared_.size(), most);
+    const std::size_t known = wide_.count_up_to(squared.data(), squared.size(), most);
     if (known < count_) return false;
-    sums_[point] = roots_.Sum(squared_, count_, most, known);
+    sums_[point] = scratch->roots.Sum(squared, count_, most, known);
     return true;
   }
 
@@ -152,13 +176,9 @@ class SumsOfNearest {
   const Points& points_;
   const std::size_t count_;
   const IsCancelled& is_cancelled_;
-  CancellationPoll poll_;
-  std::size_t work_ = 0;
-  RootsOfSmallest roots_;
-  CellBlock block_;
+  // Of all threads: whether it becomes too much does not depend on which is the first.
+  std::atomic<std::size_t> work_ = 0;
   std::vector<char> is_open_;
-  Indices in_cell_;
-  std::vector<float> squared_;
   std::vector<float> sums_;
 };
 

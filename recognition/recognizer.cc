@@ -2,50 +2,30 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <iterator>
 #include <memory>
-#include <unordered_map>
 
 #include "absl/status/status.h"
 #include "recognition/fragments.h"
+#include "recognition/idle_cores.h"
 #include "recognition/segment_recognition.h"
 #include "recognition/touching.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// What the camera saw as one may be several things.
-absl::StatusOr<std::vector<AnsweredSegment>> Part(std::vector<AnsweredSegment> answers,
-                                                  const Scan& scan,
-                                                  const Segmentation& segmentation,
-                                                  const RecognitionParameters& parameters,
-                                                  const RecognizeAlone& recognize,
-                                                  const RecognizeAlone& glance) {
-  const PartingOptions options{
-      .min_count = static_cast<std::size_t>(parameters.segmentation.min_cluster_point_count),
-      .support_distance_m = parameters.matching.support_distance_m,
-      .voxel_size_m = parameters.descriptor.voxel_size_m};
-  std::vector<AnsweredSegment> out;
-  out.reserve(answers.size());
-  for (AnsweredSegment& answer : answers) {
-    auto things = PartTouching({scan, segmentation, answer.segment}, std::move(answer.detection),
-                               options, recognize, glance);
-    if (!things.ok()) return things.status();
-    std::ranges::move(*things, std::back_inserter(out));
-  }
-  return out;
-}
+using Answers = std::vector<AnsweredSegment>;
 
 // Searches that are kept while other segments are recognised; a megabyte each, mostly.
 constexpr std::size_t kMaxOpenSearches = 32;
 
-// Recognises the segments of one scan.
+// Recognises the segments of one scan, several at once where cores are idle.
 class SegmentAnswers {
  public:
   SegmentAnswers(const Scan& scan, const Segmentation& segmentation,
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-                 const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
-                 StageLog* log)
+                 const RecognitionParameters& parameters, const IsCancelled& is_cancelled)
       : scan_(scan),
         segmentation_(segmentation),
         depths_(scan, segmentation.segments),
@@ -53,59 +33,124 @@ class SegmentAnswers {
         clouds_(clouds),
         parameters_(parameters),
         is_cancelled_(is_cancelled),
-        log_(log),
         budget_(static_cast<std::size_t>(parameters.matching.further_view_budget),
-                std::chrono::duration<double>(parameters.matching.search_ceiling_s)) {}
+                std::chrono::duration<double>(parameters.matching.search_ceiling_s)),
+        work_(segmentation.segments.size(), Work{{}, budget_, {}, {}}) {}
 
-  // One segment alone.
-  absl::StatusOr<Detection> Answer(const Segment& segment) {
-    return SearchIn(segment)->Answer(budget_);
+  absl::StatusOr<Answers> Take() {
+    Answers answers;
+    for (const Segment& segment : segmentation_.segments)
+      answers.push_back({segment, {}, &segment});
+    absl::Status status = ForEach(&answers, [this](AnsweredSegment* a) { return TryNearest(a); });
+    if (!status.ok()) return status;
+    JoinFragments(parameters_.matching.support_distance_m, &answers);
+    ShareBudget(answers);
+    status = ForEach(&answers, [this](AnsweredSegment* a) { return Finish(a); });
+    if (!status.ok()) return status;
+    Answers out;
+    for (const AnsweredSegment& answer : answers) {
+      std::ranges::move(WorkOn(answer).parts, std::back_inserter(out));
+    }
+    JoinFragments(parameters_.matching.support_distance_m, &out);
+    return out;
   }
 
-  // The same with few of the further views, for half of a cluster.
-  absl::StatusOr<Detection> AnswerOfHalf(const Segment& segment) {
-    SearchBudget half = budget_.ForHalf();
-    return SearchIn(segment)->Answer(half);
+  // What was done, and what was not.
+  void Report(StageLog* log, Recognition* out) const {
+    for (const Work& work : work_) {
+      log->Add(work.log);
+      out->untried_view_count += work.budget.untried();
+      out->out_of_time = out->out_of_time || work.budget.out_of_time();
+    }
+  }
+
+ private:
+  // Of one segment; of one thread at a time.
+  struct Work {
+    StageLog log;
+    SearchBudget budget;
+    std::shared_ptr<SegmentRecognition> search;  // that has not ended
+    Answers parts;
+  };
+
+  Work& WorkOn(const AnsweredSegment& answer) {
+    return work_[static_cast<std::size_t>(answer.seen - segmentation_.segments.data())];
+  }
+
+  static absl::Status ForEach(Answers* answers,
+                              const std::function<absl::Status(AnsweredSegment*)>& job) {
+    std::vector<absl::Status> done(answers->size());
+    ForEachIndex(answers->size(), [&](std::size_t i) { done[i] = job(&(*answers)[i]); });
+    const auto failed = std::ranges::find_if(done, [](const auto& status) { return !status.ok(); });
+    return failed == done.end() ? absl::OkStatus() : *failed;
   }
 
   // Those that the nearest views explain are answered first. What lies on one of them is a piece of
   // it, which needs no search of its own: it would be long, for a descriptor of a piece says
   // little.
-  absl::StatusOr<std::vector<AnsweredSegment>> AnswerAll() {
-    std::vector<AnsweredSegment> answers;
-    std::unordered_map<const Segment*, std::unique_ptr<SegmentRecognition>> open;
-    for (const Segment& segment : segmentation_.segments) {
-      answers.push_back({segment, {}, &segment});
-      std::unique_ptr<SegmentRecognition> search = SearchIn(segment);
-      absl::StatusOr<bool> explained = search->TryNearest();
-      if (explained.ok() && !*explained) {
-        if (open.size() < kMaxOpenSearches) open[&segment] = std::move(search);
-        continue;
-      }
-      absl::StatusOr<Detection> detection =
-          explained.ok() ? search->Answer(budget_) : explained.status();
-      if (!detection.ok()) return detection.status();
-      answers.back().detection = *std::move(detection);
+  absl::Status TryNearest(AnsweredSegment* answer) {
+    Work& work = WorkOn(*answer);
+    auto search = SearchIn(*answer->seen, &work);
+    const absl::StatusOr<bool> explained = search->TryNearest();
+    if (!explained.ok()) return explained.status();
+    if (&work - work_.data() < static_cast<std::ptrdiff_t>(kMaxOpenSearches) || *explained) {
+      work.search = std::move(search);
     }
-    JoinFragments(parameters_.matching.support_distance_m, &answers);
-    for (AnsweredSegment& answer : answers) {
-      if (answer.detection.model != nullptr) continue;
-      const auto known = open.find(answer.seen);
-      absl::StatusOr<Detection> detection =
-          known != open.end() ? known->second->Answer(budget_) : Answer(*answer.seen);
-      if (!detection.ok()) return detection.status();
-      answer.detection = *std::move(detection);
-    }
-    return answers;
+    return *explained ? Answer(answer) : absl::OkStatus();
   }
 
-  const SearchBudget& budget() const { return budget_; }
+  absl::Status Answer(AnsweredSegment* answer) {
+    Work& work = WorkOn(*answer);
+    if (!work.search) work.search = SearchIn(*answer->seen, &work);
+    absl::StatusOr<Detection> detection = work.search->Answer(work.budget);
+    work.search = nullptr;
+    if (!detection.ok()) return detection.status();
+    answer->detection = *std::move(detection);
+    return absl::OkStatus();
+  }
 
- private:
-  std::unique_ptr<SegmentRecognition> SearchIn(const Segment& segment) {
-    return std::make_unique<SegmentRecognition>(MatchingInput{scan_, segmentation_, segment},
+  // What nothing explains yet has all of it in equal shares; for what touches something that is
+  // explained there are shares of the same size.
+  void ShareBudget(const Answers& answers) {
+    const auto open = std::ranges::count_if(
+        answers, [](const AnsweredSegment& a) { return a.detection.model == nullptr; });
+    for (Work& work : work_) work.budget = budget_.Share(static_cast<std::size_t>(open));
+  }
+
+  absl::Status Finish(AnsweredSegment* answer) {
+    if (answer->detection.model == nullptr) {
+      if (absl::Status status = Answer(answer); !status.ok()) return status;
+    }
+    Work& work = WorkOn(*answer);
+    auto parts = Part(std::move(*answer), &work);
+    if (!parts.ok()) return parts.status();
+    work.parts = *std::move(parts);
+    return absl::OkStatus();
+  }
+
+  // What the camera saw as one may be several things.
+  absl::StatusOr<Answers> Part(AnsweredSegment answer, Work* work) {
+    // A scan of one thing alone is that, whatever it looks like.
+    if (parameters_.matching.verified_view_count <= 1 || scan_.segmented) return Answers{answer};
+    const PartingOptions options{
+        .min_count = static_cast<std::size_t>(parameters_.segmentation.min_cluster_point_count),
+        .support_distance_m = parameters_.matching.support_distance_m,
+        .voxel_size_m = parameters_.descriptor.voxel_size_m};
+    const auto recognize = [&](const Segment& s) {
+      return SearchIn(s, work)->Answer(work->budget);
+    };
+    const auto glance = [&](const Segment& s) {
+      SearchBudget half = work->budget.ForHalf();
+      return SearchIn(s, work)->Answer(half);
+    };
+    return PartTouching({scan_, segmentation_, answer.segment}, std::move(answer.detection),
+                        options, recognize, glance);
+  }
+
+  std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, Work* work) {
+    return std::make_shared<SegmentRecognition>(MatchingInput{scan_, segmentation_, segment},
                                                 depths_, catalogue_, clouds_, parameters_,
-                                                is_cancelled_, log_);
+                                                is_cancelled_, &work->log);
   }
 
   const Scan& scan_;
@@ -115,8 +160,8 @@ class SegmentAnswers {
   ViewClouds& clouds_;
   const RecognitionParameters& parameters_;
   const IsCancelled& is_cancelled_;
-  StageLog* log_;
-  SearchBudget budget_;
+  const SearchBudget budget_;
+  std::vector<Work> work_;  // of each segment
 };
 
 // The best that can be said of the frame as a whole.
@@ -142,28 +187,16 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.revision = catalogue.revision;
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
-  SegmentAnswers recognition(scan, *segmentation, catalogue, clouds, parameters, is_cancelled,
-                             &log);
-  auto all = recognition.AnswerAll();
-  if (!all.ok()) return all.status();
-  std::vector<AnsweredSegment> answers = *std::move(all);
-  // A scan of one thing alone is that, whatever it looks like.
-  if (parameters.matching.verified_view_count > 1 && !scan.segmented) {
-    const auto recognize = [&](const Segment& s) { return recognition.Answer(s); };
-    const auto glance = [&](const Segment& s) { return recognition.AnswerOfHalf(s); };
-    auto things = Part(std::move(answers), scan, *segmentation, parameters, recognize, glance);
-    if (!things.ok()) return things.status();
-    answers = *std::move(things);
-  }
-  JoinFragments(parameters.matching.support_distance_m, &answers);
+  SegmentAnswers recognition(scan, *segmentation, catalogue, clouds, parameters, is_cancelled);
+  absl::StatusOr<Answers> answers = recognition.Take();
+  if (!answers.ok()) return answers.status();
   const Eigen::Vector3d sensor = out.world_sensor.translation();
-  std::ranges::stable_sort(answers, {}, [&](const AnsweredSegment& answer) {
+  std::ranges::stable_sort(*answers, {}, [&](const AnsweredSegment& answer) {
     return (answer.segment.centroid - sensor).squaredNorm();
   });
-  for (AnsweredSegment& answer : answers) out.detections.push_back(std::move(answer.detection));
+  for (AnsweredSegment& answer : *answers) out.detections.push_back(std::move(answer.detection));
+  recognition.Report(&log, &out);
   out.stages = log.reports();
-  out.untried_view_count = recognition.budget().untried();
-  out.out_of_time = recognition.budget().out_of_time();
   switch (segmentation->outcome) {
     case SegmentationOutcome::kEmptyRegion:
       out.outcome = RecognitionOutcome::kEmptyRegion;

@@ -101,8 +101,9 @@ struct Recognition {
   bool out_of_time = false;
 };
 
-// Recognises everything in a scan. The same scan against the same snapshot gives
-// the same answer. Errors as SegmentScan, and those of `clouds`. Thread-safe.
+// Recognises everything in a scan, on idle cores too. The same scan against the same snapshot gives
+// the same answer. Errors as SegmentScan, and those of `clouds`. Thread-safe; `is_cancelled` is
+// called from one thread at a time, not always the same.
 absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot& catalogue,
                                       ViewClouds& clouds, const RecognitionParameters& parameters,
                                       const IsCancelled& is_cancelled);

@@ -1,14 +1,15 @@
 // How much may be tried for one frame.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 
 namespace graspdb::recognition {
 
-// Hypotheses that the search for what the nearest views do not explain may still screen, for all
-// segments of a frame together, and the time until it ends in any case. What the count stops is
-// the same for the same frame and catalogue; what the clock stops is not. Not thread-safe.
+// Hypotheses that the search for what the nearest views do not explain may still screen, for one
+// cluster of a frame, and the time until it ends in any case. What the count stops is the same for
+// the same frame and catalogue; what the clock stops is not. Not thread-safe.
 class SearchBudget {
  public:
   using Clock = std::chrono::steady_clock;
@@ -37,6 +38,11 @@ class SearchBudget {
   bool OutOfTime() {
     out_of_time_ = out_of_time_ || Clock::now() > end_;
     return out_of_time_;
+  }
+
+  // One of `count` equal shares of what is left.
+  SearchBudget Share(std::size_t count) const {
+    return {left_ / std::max<std::size_t>(1, count), refined_, end_};
   }
 
   // Those of one search that are refined after the screening.

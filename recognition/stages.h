@@ -8,7 +8,7 @@
 
 namespace graspdb::recognition {
 
-// One step; one that runs for every cluster is summed.
+// One step; one that runs for every cluster is summed, also where clusters are looked at at once.
 struct StageReport {
   std::string stage;
   std::size_t input_points = 0;
@@ -30,6 +30,16 @@ class StageLog {
     report.input_points += input_points;
     report.output_points += output_points;
     report.duration_ms += spent.count();
+  }
+
+  // What another log has of the same steps, or of further ones.
+  void Add(const StageLog& other) {
+    for (const StageReport& report : other.reports_) {
+      StageReport& sum = Find(report.stage);
+      sum.input_points += report.input_points;
+      sum.output_points += report.output_points;
+      sum.duration_ms += report.duration_ms;
+    }
   }
 
   const std::vector<StageReport>& reports() const { return reports_; }
