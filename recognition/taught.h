@@ -56,6 +56,7 @@ struct TaughtStablePose {
   // Detections of it that score lower are unknown, 0 to 1; absent: MatchingParameters::min_score.
   std::optional<double> min_score = {};
   std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
+  std::optional<Pose> object_mesh = {};  // T_object_mesh; absent: not taught from a mesh
 };
 
 // Whether both are fused into the same model: views of one stable pose that share a frame.

@@ -58,12 +58,17 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
 
 // What is known of the object: nothing of it is sent when it is unknown, so that
 // nobody mistakes the nearest view for an answer.
-void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* out) {
+void AddPoseAndGrasps(const recognition::Detection& detection,
+                      const recognition::CatalogueSnapshot& snapshot, v1::Detection* out) {
   out->set_object(detection.view->object);
   out->set_stable_pose(detection.view->stable_pose);
   out->set_view(detection.view->name);
   *out->mutable_rough_pose() = PoseToProto(detection.rough_pose);
   *out->mutable_refined_pose() = PoseToProto(detection.refined_pose);
+  const auto taught = snapshot.stable_poses->find(detection.view->stable_pose);
+  if (taught != snapshot.stable_poses->end() && taught->second->object_mesh) {
+    *out->mutable_mesh_pose() = PoseToProto(detection.refined_pose * *taught->second->object_mesh);
+  }
   for (const recognition::Pose& pose : detection.equivalent_poses) {
     *out->add_equivalent_poses() = PoseToProto(pose);
   }
@@ -85,7 +90,8 @@ void AddPoseAndGrasps(const recognition::Detection& detection, v1::Detection* ou
   }
 }
 
-void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
+void AddDetection(const recognition::Detection& detection,
+                  const recognition::CatalogueSnapshot& snapshot, v1::Detection* out) {
   out->set_status(StatusToProto(detection.outcome));
   if (detection.rejected_by) out->set_rejected_by(GateToProto(*detection.rejected_by));
   out->set_score(detection.score);
@@ -103,7 +109,7 @@ void AddDetection(const recognition::Detection& detection, v1::Detection* out) {
   out->mutable_registration()->set_iteration_count(r.iterations);
   out->mutable_registration()->set_rms_error_m(r.rms_error_m);
   out->mutable_registration()->set_inlier_fraction(r.inlier_fraction);
-  if (detection.view) AddPoseAndGrasps(detection, out);
+  if (detection.view) AddPoseAndGrasps(detection, snapshot, out);
 }
 
 void AddTimings(const recognition::Recognition& recognition, const AnswerContext& context,
@@ -127,12 +133,13 @@ void AddTimings(const recognition::Recognition& recognition, const AnswerContext
 }  // namespace
 
 v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
+                                 const recognition::CatalogueSnapshot& snapshot,
                                  const AnswerContext& context) {
   v1::RecognizeResponse out;
   out.set_status(StatusToProto(recognition.outcome));
   out.set_catalog_revision(recognition.revision);
   for (const auto& detection : recognition.detections) {
-    AddDetection(detection, out.add_detections());
+    AddDetection(detection, snapshot, out.add_detections());
   }
   out.set_world_frame_source(SourceToProto(recognition.world_frame, context.sensor_pose_from_cell));
   *out.mutable_sensor_pose() = PoseToProto(recognition.world_sensor);

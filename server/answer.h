@@ -14,7 +14,9 @@ struct AnswerContext {
   double total_ms = 0;
 };
 
+// `snapshot` is the one that was recognised in.
 v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
+                                 const recognition::CatalogueSnapshot& snapshot,
                                  const AnswerContext& context);
 
 }  // namespace graspdb::server

@@ -23,8 +23,8 @@ namespace graspdb::server {
 namespace {
 
 constexpr std::array<std::string_view, 2> kObjectFields = {"display_name", "labels"};
-constexpr std::array<std::string_view, 4> kStablePoseFields = {"display_name", "symmetry_order",
-                                                               "grasps", "min_score"};
+constexpr std::array<std::string_view, 5> kStablePoseFields = {"display_name", "symmetry_order",
+                                                               "grasps", "min_score", "mesh_pose"};
 
 absl::Status CheckLabels(const v1::Object& object) {
   std::set<std::string_view> labels;

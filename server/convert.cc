@@ -165,6 +165,12 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     }
     out.min_score = pose.min_score();
   }
+  if (pose.has_mesh_pose()) {
+    absl::StatusOr<recognition::Pose> mesh =
+        PoseFromProto(pose.mesh_pose(), "stable_pose.mesh_pose");
+    if (!mesh.ok()) return mesh.status();
+    out.object_mesh = *mesh;
+  }
   if (pose.grasps_size() > kMostGrasps) {
     return InvalidField("stable_pose.grasps",
                         absl::StrCat("has more than ", kMostGrasps, " grasps"));

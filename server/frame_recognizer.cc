@@ -99,12 +99,14 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
   context.omit_timings = request.omit_timings();
   context.decode_ms = MillisecondsSince(start);
-  const auto result = live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) {
-    return recognition::Recognize(job.scan, snapshot, clouds_, job.parameters, is_cancelled);
+  using Response = absl::StatusOr<v1::RecognizeResponse>;
+  return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {
+    const auto result =
+        recognition::Recognize(job.scan, snapshot, clouds_, job.parameters, is_cancelled);
+    if (!result.ok()) return result.status();
+    context.total_ms = MillisecondsSince(start);
+    return MakeAnswer(*result, snapshot, context);
   });
-  if (!result.ok()) return result.status();
-  context.total_ms = MillisecondsSince(start);
-  return MakeAnswer(*result, context);
 }
 
 }  // namespace graspdb::server

@@ -34,6 +34,7 @@ const std::vector<std::string>& Words() {
                                                  "grasps",
                                                  "symmetry_order",
                                                  "min_score",
+                                                 "mesh_pose",
                                                  "sensor_pose",
                                                  "*",
                                                  "pipeline.min_score",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/files/pose_message.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -85,6 +86,32 @@ TEST_F(RecognizeTest, GraspsAreCarriedAlongHighestPriorityFirst) {
   recognition::Pose truth = frame.world_object;
   truth.translate(Eigen::Vector3d(in_object.x(), in_object.y(), in_object.z()));
   EXPECT_LT(ShiftBetween(truth, answer.detections(0).grasps(0).tcp_pose()), 0.006);
+}
+
+TEST_F(RecognizeTest, TheMeshsFrameIsCarriedAlong) {
+  Teach("wedge", 8);
+  const Frame frame = Photograph("wedge", {.x = 0.05, .y = -0.03, .turn_deg = 70}, 11);
+  EXPECT_FALSE(Answer(RequestOf(frame)).detections(0).has_mesh_pose());
+  recognition::Pose object_mesh = recognition::Pose::Identity();
+  object_mesh.translation() = Eigen::Vector3d(0.1, -0.2, 0.05);
+  object_mesh.rotate(Eigen::AngleAxisd(2, Eigen::Vector3d(1, 2, 3).normalized()));
+  v1::UpdateStablePoseRequest update;
+  update.mutable_stable_pose()->set_name(FlatPoseOf("wedge"));
+  *update.mutable_stable_pose()->mutable_mesh_pose() = client::ToMessage(object_mesh);
+  update.mutable_update_mask()->add_paths("mesh_pose");
+  ASSERT_THAT(Call(&Catalog::UpdateStablePose, update), IsGrpcOk());
+  const v1::RecognizeResponse answer = Answer(RequestOf(frame));
+  ASSERT_EQ(answer.detections_size(), 1);
+  const v1::Detection& detection = answer.detections(0);
+  EXPECT_LT(ShiftBetween(client::FromMessage(detection.refined_pose()) * object_mesh,
+                         detection.mesh_pose()),
+            1e-9);
+  // A point of the mesh is in the world where it truly is.
+  const Eigen::Vector3d in_mesh = object_mesh.inverse() * Eigen::Vector3d(0.03, 0, 0.02);
+  EXPECT_LT((client::FromMessage(detection.mesh_pose()) * in_mesh -
+             frame.world_object * Eigen::Vector3d(0.03, 0, 0.02))
+                .norm(),
+            0.006);
 }
 
 TEST_F(RecognizeTest, AnUploadedViewIsFoundByTheVeryNextCall) {

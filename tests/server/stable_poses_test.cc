@@ -1,6 +1,8 @@
 // Stable poses and the reading of views through the CatalogService.
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -140,6 +142,51 @@ TEST_F(StablePosesTest, AMaskedFieldWithoutAValueIsCleared) {
   change.clear_min_score();
   ASSERT_THAT(Update(change, {"min_score"}, &after), IsGrpcOk());
   EXPECT_FALSE(after.has_min_score());
+}
+
+v1::Pose MeshPose() {
+  v1::Pose pose;
+  pose.mutable_position()->set_x(-0.05);
+  pose.mutable_position()->set_z(0.02);
+  pose.mutable_orientation()->set_x(0.6);
+  pose.mutable_orientation()->set_w(0.8);
+  return pose;
+}
+
+TEST_F(StablePosesTest, TheMeshsFrameIsKeptWhenOtherFieldsChangeAndOverARestart) {
+  Declare("wedge");
+  v1::StablePose change;
+  change.set_name(FlatPoseOf("wedge"));
+  *change.mutable_mesh_pose() = MeshPose();
+  v1::StablePose after;
+  ASSERT_THAT(Update(change, {"mesh_pose"}, &after), IsGrpcOk());
+  change.clear_mesh_pose();
+  change.set_display_name("new");
+  ASSERT_THAT(Update(change, {"display_name"}, &after), IsGrpcOk());
+  Restart();
+  v1::StablePose read;
+  ASSERT_THAT(Get(change.name(), &read), IsGrpcOk());
+  EXPECT_EQ(read.mesh_pose().SerializeAsString(), MeshPose().SerializeAsString());
+  ASSERT_THAT(Update(change, {"mesh_pose"}, &after), IsGrpcOk());
+  EXPECT_FALSE(after.has_mesh_pose());
+}
+
+TEST_F(StablePosesTest, AMeshsFrameThatIsNoPoseIsRefused) {
+  Declare("wedge");
+  v1::StablePose change;
+  change.set_name(FlatPoseOf("wedge"));
+  v1::StablePose after;
+  *change.mutable_mesh_pose() = MeshPose();
+  change.mutable_mesh_pose()->mutable_orientation()->set_w(2);
+  ExpectBadField(Update(change, {"mesh_pose"}, &after), "stable_pose.mesh_pose.orientation",
+                 "unit quaternion");
+  for (const double x : {1001.0, std::numeric_limits<double>::quiet_NaN()}) {
+    *change.mutable_mesh_pose() = MeshPose();
+    change.mutable_mesh_pose()->mutable_position()->set_x(x);
+    ExpectBadField(Update(change, {}, &after), "stable_pose.mesh_pose.position", "1000 m");
+  }
+  ASSERT_THAT(Get(change.name(), &after), IsGrpcOk());
+  EXPECT_FALSE(after.has_mesh_pose());
 }
 
 TEST_F(StablePosesTest, AStaleEtagAbortsTheWrite) {
