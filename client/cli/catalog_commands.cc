@@ -41,6 +41,10 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
               order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
   if (pose.has_min_score()) std::printf("    least score %.2f\n", pose.min_score());
+  if (pose.has_mesh_pose()) {
+    const v1::Vector3& p = pose.mesh_pose().position();
+    std::printf("    mesh frame: origin at %.3f %.3f %.3f m\n", p.x(), p.y(), p.z());
+  }
   for (const v1::Grasp& grasp : pose.grasps()) {
     const v1::Vector3& p = grasp.tcp_pose().position();
     std::printf("    grasp %s: at %.3f %.3f %.3f m, approach %.3f m, opening %.3f m, priority %d\n",

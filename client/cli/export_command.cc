@@ -40,6 +40,7 @@ absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet
     captured_pose->set_stable_pose_id(IdOf(pose.name()));
     if (pose.has_symmetry_order()) captured_pose->set_symmetry_order(pose.symmetry_order());
     if (pose.has_min_score()) captured_pose->set_min_score(pose.min_score());
+    if (pose.has_mesh_pose()) *captured_pose->mutable_mesh_pose() = pose.mesh_pose();
     *captured_pose->mutable_grasps() = pose.grasps();
     absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
     if (!views.ok()) return views.status();

@@ -40,6 +40,14 @@ std::string PoseColumns(const std::optional<Verdict>& verdict) {
                          *verdict->rotation_error_deg, add_s);
 }
 
+// T_world_mesh, as options take poses.
+void PrintMeshPose(const v1::Pose& pose) {
+  const v1::Vector3& p = pose.position();
+  const v1::Quaternion& q = pose.orientation();
+  std::printf("  mesh frame at %.4f,%.4f,%.4f m, orientation %.4f,%.4f,%.4f,%.4f\n", p.x(), p.y(),
+              p.z(), q.x(), q.y(), q.z(), q.w());
+}
+
 }  // namespace
 
 const v1::Detection* MainDetection(const ScanTask& task, const v1::RecognizeResponse& response) {
@@ -100,6 +108,7 @@ void Scoreboard::Add(const ScanTask& task, const v1::RecognizeResponse& response
               v1::RecognitionStatus_Name(status).c_str(), object.c_str(),
               d == nullptr ? 0 : d->score(), PoseColumns(verdict).c_str(),
               t.segment_ms() + t.describe_ms(), t.match_ms(), t.register_ms(), t.total_ms());
+  if (d != nullptr && d->has_mesh_pose()) PrintMeshPose(d->mesh_pose());
   ++answers_;
   total_ms_ += t.total_ms();
   if (!verdict) return;

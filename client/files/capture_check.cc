@@ -47,6 +47,8 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
   return absl::OkStatus();
 }
 
+}  // namespace
+
 absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field) {
   if (pose.symmetry_order() < 0) {
     return Bad(absl::StrCat(field, ".symmetryOrder is ", pose.symmetry_order(),
@@ -54,6 +56,10 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
   }
   if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
     return Bad(absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
+  }
+  if (pose.has_mesh_pose()) {
+    absl::Status mesh = CheckPose(pose.mesh_pose(), field + ".meshPose");
+    if (!mesh.ok()) return mesh;
   }
   std::set<std::string> grasps;
   for (int i = 0; i < pose.grasps_size(); ++i) {
@@ -64,6 +70,8 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
   }
   return absl::OkStatus();
 }
+
+namespace {
 
 absl::Status CheckObject(const v1::CapturedObject& object, const std::string& field,
                          Declared& declared) {

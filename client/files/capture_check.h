@@ -1,6 +1,8 @@
 // The rules that a capture set keeps.
 #pragma once
 
+#include <string>
+
 #include "absl/status/status.h"
 #include "graspdb/v1/capture_set.pb.h"
 
@@ -16,5 +18,8 @@ namespace graspdb::client {
 // - a pose has a number that is not finite or a quaternion that is not of length
 //   one (1e-3).
 absl::Status CheckCaptureSet(const v1::CaptureSet& set);
+
+// The same rules for one declared stable pose, without its id; places begin with `field`.
+absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field);
 
 }  // namespace graspdb::client

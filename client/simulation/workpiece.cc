@@ -33,6 +33,7 @@ v1::CapturedObject DeclarationOf(const Workpiece& workpiece) {
   v1::CapturedStablePose* pose = object.add_stable_poses();
   pose->set_stable_pose_id(workpiece.stable_pose_id);
   pose->set_symmetry_order(workpiece.symmetry_order);
+  if (workpiece.object_mesh) *pose->mutable_mesh_pose() = ToMessage(*workpiece.object_mesh);
   for (const v1::Grasp& grasp : workpiece.grasps) *pose->add_grasps() = grasp;
   return object;
 }

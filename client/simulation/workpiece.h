@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/simulation/mesh.h"
 #include "graspdb/v1/capture_set.pb.h"
+#include "recognition/types.h"
 
 namespace graspdb::client {
 
@@ -20,6 +22,8 @@ struct Workpiece {
   int symmetry_order = 1;  // about z: 1 none, n for n-fold, 0 for any turn
   std::vector<v1::Grasp> grasps;
   TriangleMesh mesh;
+  // T_object_mesh of the mesh as its file has it, in metres; absent where there is none.
+  std::optional<recognition::Pose> object_mesh = {};
 };
 
 // A grasp from above with two fingers. The tool's z axis points down; its x axis,

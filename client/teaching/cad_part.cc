@@ -17,7 +17,8 @@ absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
                    .stable_pose_id = absl::StrCat("resting-", out.workpieces.size() + 1),
                    .symmetry_order = pose.symmetry_order(),
                    .grasps = {},
-                   .mesh = Transformed(mesh, pose.object_mesh)};
+                   .mesh = Transformed(mesh, pose.object_mesh),
+                   .object_mesh = pose.object_mesh};
     part.grasps = ProposeTopGrasps({.mesh = &part.mesh,
                                     .mass_center = pose.object_mesh * out.found.mass.center,
                                     .any_turn = part.symmetry_order == 0},

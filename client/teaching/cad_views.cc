@@ -108,6 +108,37 @@ class Turntable {
   DepthCamera camera_;
 };
 
+// The same mesh gives the same frame; what is allowed is what other compilers round.
+bool IsSameFrame(const Pose& a, const Pose& b) {
+  constexpr double kSameM = 1e-3;
+  constexpr double kSameRad = std::numbers::pi / 180;
+  const Pose between = a.inverse() * b;
+  return between.translation().norm() < kSameM &&
+         Eigen::AngleAxisd(between.linear()).angle() < kSameRad;
+}
+
+// Where the mesh's frame is in a stable pose that is of this mesh: said by what was taught before
+// it was kept, too.
+absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::string& name) {
+  if (!part.object_mesh) return absl::OkStatus();
+  const absl::StatusOr<v1::StablePose> known = client.GetStablePose(name);
+  if (absl::IsNotFound(known.status())) return absl::OkStatus();  // it will be made with it
+  if (!known.ok()) return known.status();
+  if (known->has_mesh_pose()) {
+    if (IsSameFrame(FromMessage(known->mesh_pose()), *part.object_mesh)) return absl::OkStatus();
+    return absl::FailedPreconditionError(
+        absl::StrCat(name,
+                     " has the frame of another mesh; delete the object, teach another name, or "
+                     "keep that frame with --add"));
+  }
+  v1::UpdateStablePoseRequest request;
+  request.mutable_stable_pose()->set_name(name);
+  request.mutable_stable_pose()->set_etag(known->etag());
+  *request.mutable_stable_pose()->mutable_mesh_pose() = ToMessage(*part.object_mesh);
+  request.mutable_update_mask()->add_paths("mesh_pose");
+  return client.UpdateStablePose(request).status();
+}
+
 // What is there of a stable pose must be of this mesh, camera and place: its first view is.
 absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t part) {
   v1::UploadViewsRequest first;
@@ -166,6 +197,11 @@ absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Wor
   for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
     absl::Status own = CheckOwn(client, *turntable, part);
     if (!own.ok()) return own;
+  }
+  for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
+    const std::string name = StablePoseName(parts[part].object_id, parts[part].stable_pose_id);
+    absl::Status kept = KeepMeshPose(client, parts[part], name);
+    if (!kept.ok()) return kept;
   }
   std::vector<v1::CapturedObject> declared;
   declared.reserve(parts.size());

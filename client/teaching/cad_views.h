@@ -29,12 +29,15 @@ struct CadViews {
 };
 
 // Renders a turn of every workpiece and teaches it; objects and stable poses are made as needed,
-// those that exist keep their grasps. The view at an azimuth is the same whatever the step, so
-// that the same call again changes nothing, and goes on where it was interrupted.
+// those that exist keep their grasps, and get the mesh's frame if they have none (not with
+// `beside_others`: their views may be in a frame of their own). The view at an azimuth is the same
+// whatever the step, so that the same call again changes nothing, and goes on where it was
+// interrupted.
 //
 // FAILED_PRECONDITION when a workpiece is not in the camera's sight, or (without `beside_others`)
-// when a stable pose has views that are not of this mesh, camera and place; INVALID_ARGUMENT for a
-// step that is not between 1 and 120 degrees; errors of TeachViews and DepthCamera.
+// when a stable pose has views that are not of this mesh, camera and place, or the frame of another
+// mesh; INVALID_ARGUMENT for a step that is not between 1 and 120 degrees; errors of TeachViews and
+// DepthCamera.
 absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch);
 

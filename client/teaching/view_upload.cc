@@ -26,6 +26,7 @@ absl::Status CreateStablePose(Client& client, const std::string& object_id,
   v1::StablePose* message = request.mutable_stable_pose();
   if (pose.has_symmetry_order()) message->set_symmetry_order(pose.symmetry_order());
   if (pose.has_min_score()) message->set_min_score(pose.min_score());
+  if (pose.has_mesh_pose()) *message->mutable_mesh_pose() = pose.mesh_pose();
   *message->mutable_grasps() = pose.grasps();
   return IgnoreExisting(client.CreateStablePose(request).status());
 }

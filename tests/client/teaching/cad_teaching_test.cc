@@ -54,6 +54,57 @@ class CadTeachingTest : public ::testing::Test {
   Client& client_ = server_.client();
 };
 
+class MeshFrameTest : public CadTeachingTest {
+ protected:
+  MeshFrameTest() {
+    part_.object_id = "box";
+    part_.stable_pose_id = "resting-1";
+    part_.mesh = BoxSolid({-0.04F, -0.03F, 0}, {0.04F, 0.03F, 0.05F});
+    part_.object_mesh = Pose::Identity();
+    part_.object_mesh->translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
+  }
+
+  absl::Status Teach() {
+    CadViews views;
+    views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+    views.step_deg = 120;
+    return TeachCadViews(client_, {part_}, views, {}).status();
+  }
+
+  v1::StablePose Taught() {
+    const auto pose = client_.GetStablePose(kName);
+    EXPECT_THAT(pose, IsOk());
+    return pose.value_or(v1::StablePose());
+  }
+
+  static constexpr char kName[] = "objects/box/stablePoses/resting-1";
+  Workpiece part_;
+};
+
+TEST_F(MeshFrameTest, IsTaughtAndFilledInWhereItIsMissing) {
+  ASSERT_THAT(Teach(), IsOk());
+  EXPECT_EQ(Taught().mesh_pose().position().y(), 0.2);
+  v1::UpdateStablePoseRequest older;  // as it was kept before there was such a field
+  older.mutable_stable_pose()->set_name(kName);
+  older.mutable_update_mask()->add_paths("mesh_pose");
+  ASSERT_THAT(client_.UpdateStablePose(older), IsOk());
+  ASSERT_FALSE(Taught().has_mesh_pose());
+  ASSERT_THAT(Teach(), IsOk());
+  EXPECT_EQ(Taught().mesh_pose().position().y(), 0.2);
+  const std::string etag = Taught().etag();
+  part_.object_mesh->translation().x() += 1e-5;
+  ASSERT_THAT(Teach(), IsOk());
+  EXPECT_EQ(Taught().etag(), etag);
+}
+
+TEST_F(MeshFrameTest, ThatOfAnotherMeshIsRefused) {
+  ASSERT_THAT(Teach(), IsOk());
+  part_.object_mesh->translation().x() += 0.01;
+  const absl::Status refused = Teach();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_EQ(Taught().mesh_pose().position().x(), 0.1);
+}
+
 TEST_F(CadTeachingTest, ATallThingIsKeptUpToItsTop) {
   EXPECT_GT(KeptOf(0.05F, 0.04F, 0.55F).max.z(), 0.54);
 }
