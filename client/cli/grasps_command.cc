@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/grasps_import.h"
 #include "recognition/grasp_proposals.h"
 
 namespace graspdb::client {
@@ -96,13 +97,14 @@ void AddReportCommand(CLI::App& grasps, const GlobalOptions& global, Action* act
 }  // namespace
 
 void AddGraspsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* grasps = AddCommand(app, "grasps", "How often the taught grasps succeed");
+  CLI::App* grasps = AddCommand(app, "grasps", "Taught grasps, and how often they succeed");
   grasps->require_subcommand(1);
   auto id = std::make_shared<std::string>();
   CLI::App* list = AddCommand(*grasps, "list", "The grasps of an object and what robots told");
   list->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   list->callback([=, &global] { *action = [=, &global] { return ListGrasps(global, *id); }; });
   AddReportCommand(*grasps, global, action);
+  AddGraspsImportCommand(*grasps, global, action);
 }
 
 }  // namespace graspdb::client

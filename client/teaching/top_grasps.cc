@@ -14,8 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kSamples = 6000;
-constexpr int kDirections = 24;  // over half a turn
-constexpr double kOffTableM = 0.002;
+constexpr int kDirections = 24;        // over half a turn
 constexpr double kLeastPlayM = 0.003;  // on each side of the thing when the gripper comes down
 constexpr double kPlayM = 0.010;       // on each side, where it can open so far
 constexpr double kTouchDepthM = 0.0015;

@@ -17,6 +17,9 @@ struct ParallelGripper {
   double pad_height_m = 0.016;     // of what touches, up from the tips
 };
 
+// How far a gripper stays off the table, metres.
+inline constexpr double kOffTableM = 0.002;
+
 // What is to be taken: a mesh in the object's frame (z up, on the table z = 0, metres).
 struct GraspedThing {
   const TriangleMesh* mesh = nullptr;
@@ -30,9 +33,9 @@ struct GraspedThing {
 //
 // The fingers close upon two opposed faces, within 20 degrees of square (a friction of 0.36), that
 // are the outermost of all that is as high as the tips or higher and as wide as the fingers: so
-// they come down beside the thing, and not upon it. The tips stay 2 mm off the table, the palm off
-// the thing. The better, the more of the pads touches and the nearer it is to the centre of mass;
-// then the narrower. Deterministic; thread-safe.
+// they come down beside the thing, and not upon it. The tips stay kOffTableM off the table, the
+// palm off the thing. The better, the more of the pads touches and the nearer it is to the centre
+// of mass; then the narrower. Deterministic; thread-safe.
 std::vector<v1::Grasp> ProposeTopGrasps(const GraspedThing& thing, const ParallelGripper& gripper);
 
 }  // namespace graspdb::client

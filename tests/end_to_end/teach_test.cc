@@ -1,9 +1,13 @@
 // Teaching from a mesh with real processes.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "client/files/capture_set.h"
+#include "client/files/pose_message.h"
 #include "client/simulation/mesh_file.h"
 #include "client/simulation/solid.h"
 #include "tests/end_to_end/programs_fixture.h"
@@ -43,6 +47,71 @@ TEST_F(TeachTest, WhatWasTaughtFromAMeshIsRecognised) {
   Succeed({"simulate", Path("angle.ply"), "--unit", "mm", "--random", "4", "--seed", "3", "--out",
            Path("ask")});
   EXPECT_EQ(CountRight(Recognize("ask")), 4);
+}
+
+// The vertices of the mesh are in the world where the simulation has put them.
+TEST_F(TeachTest, AnswersCarryTheFrameOfTheMesh) {
+  WriteAngle();
+  StartServer();
+  Succeed(Teach({}));
+  Succeed({"simulate", Path("angle.ply"), "--unit", "mm", "--random", "4", "--seed", "3", "--out",
+           Path("ask")});
+  const auto set = client::LoadCaptureSet(Path("ask"));
+  ASSERT_THAT(set, IsOk());
+  // As it lies: the middle of its bounding box is put on the z axis.
+  const Eigen::Vector3d shift(-0.05, -0.02, 0);
+  int measured = 0;
+  std::istringstream lines(Recognize("ask"));
+  for (std::string line; std::getline(lines, line);) {
+    const auto response = ResponseOf(line);
+    ASSERT_TRUE(response && response->detections_size() == 1) << line;
+    const auto capture = std::ranges::find_if(set->captures(), [&](const v1::Capture& one) {
+      return line.find(one.path()) != std::string::npos;
+    });
+    ASSERT_NE(capture, set->captures().end()) << line;
+    const recognition::Pose truth = client::FromMessage(capture->object_pose());
+    ASSERT_TRUE(response->detections(0).has_mesh_pose()) << line;
+    const recognition::Pose mesh = client::FromMessage(response->detections(0).mesh_pose());
+    for (const Eigen::Vector3d& v : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.1, 0, 0.02),
+                                     Eigen::Vector3d(0, 0.04, 0.08)}) {
+      EXPECT_LT((mesh * v - truth * (v + shift)).norm(), 0.006) << line;
+      EXPECT_LT((mesh.inverse() * (truth * (v + shift)) - v).norm(), 0.006) << line;
+    }
+    ++measured;
+  }
+  EXPECT_EQ(measured, 4);
+}
+
+TEST_F(TeachTest, AGraspOnTheMeshServesTheStablePosesInWhichItIsReached) {
+  WriteAngle();
+  StartServer();
+  Succeed(Teach({"--step", "120"}));
+  // From the mesh's +z upon its upright leg; upside down nothing comes to it.
+  std::ofstream(Path("grasps.json"))
+      << R"({"grasps":[{"graspId":"leg","approachDistanceM":0.1,"gripperOpeningM":0.06,"tcpPose":)"
+      << R"({"position":{"x":0.0125,"y":0.02,"z":0.07},"orientation":{"x":1}}}]})";
+  const std::vector<std::string> import = {"grasps",  "import", "angle", Path("grasps.json"),
+                                           "--frame", "mesh"};
+  std::vector<std::string> dry = import;
+  dry.emplace_back("--dry-run");
+  const auto before = Status().catalog_revision();
+  EXPECT_EQ(Succeed(dry).out, Succeed(dry).out);
+  EXPECT_EQ(Status().catalog_revision(), before);
+  const std::string table = Succeed(import).out;
+  EXPECT_THAT(table, HasSubstr("taken"));
+  EXPECT_THAT(table, HasSubstr("left out: "));
+  std::istringstream lines(Succeed({"grasps", "list", "angle", "--json"}).out);
+  for (std::string line; std::getline(lines, line);) {
+    v1::StablePose pose;
+    ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(line, &pose).ok());
+    const recognition::Pose object_mesh = client::FromMessage(pose.mesh_pose());
+    const auto leg = std::ranges::find(pose.grasps(), "leg", &v1::Grasp::grasp_id);
+    const double up = object_mesh.linear()(2, 2);  // of the mesh's z
+    const Eigen::Vector3d tcp = object_mesh * Eigen::Vector3d(0.0125, 0.02, 0.07);
+    ASSERT_EQ(leg != pose.grasps().end(), up > -0.017) << line;
+    if (leg == pose.grasps().end()) continue;
+    EXPECT_LT((client::FromMessage(leg->tcp_pose()).translation() - tcp).norm(), 1e-6) << line;
+  }
 }
 
 TEST_F(TeachTest, TeachingTwiceChangesNothing) {
