@@ -3,7 +3,11 @@
 
 #include "client/files/cloud_message.h"
 #include "client/files/pose_message.h"
+#include "client/simulation/counter_random.h"
+#include "client/simulation/depth_camera.h"
+#include "client/simulation/simulation.h"
 #include "client/simulation/solid.h"
+#include "client/teaching/cad_part.h"
 #include "client/teaching/cad_views.h"
 #include "tests/client/catalogue_server.h"
 #include "tests/testing/status_matchers.h"
@@ -103,6 +107,46 @@ TEST_F(MeshFrameTest, ThatOfAnotherMeshIsRefused) {
   const absl::Status refused = Teach();
   EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
   EXPECT_EQ(Taught().mesh_pose().position().x(), 0.1);
+}
+
+// The vertices of the mesh are in the world where they truly are, and back.
+TEST_F(CadTeachingTest, AnswersCarryTheFrameOfTheMesh) {
+  const TriangleMesh mesh = ExtrudeAlongY(
+      {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.025F, 0.02F}, {0.025F, 0.08F}, {0, 0.08F}}, 0, 0.04F);
+  const auto all = ProposeCadPart("angle", "", mesh, {});
+  ASSERT_THAT(all, IsOk());
+  const auto part = Select(*all, {1, 3});
+  ASSERT_THAT(part, IsOk());
+  CadViews views;
+  views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+  ASSERT_THAT(TeachCadViews(client_, part->workpieces, views, {}), IsOk());
+  const auto camera = DepthCamera::Create(views.camera);
+  ASSERT_THAT(camera, IsOk());
+  for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
+    Pose world_object = Pose::Identity();
+    world_object.translation() = Eigen::Vector3d(0.05, -0.03, 0);
+    world_object.rotate(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()));
+    Scene scene;
+    scene.objects.push_back({.mesh = &part->workpieces[i].mesh, .world_object = world_object});
+    const auto frame = camera->Render(scene, views.world_sensor, RandomBits(7, i, 0));
+    ASSERT_THAT(frame, IsOk());
+    v1::RecognizeRequest request;
+    *request.mutable_cloud() =
+        CloudMessage(ToPoints(*frame, views.camera.intrinsics), frame->width);
+    *request.mutable_sensor_pose() = ToMessage(views.world_sensor);
+    *request.mutable_region_of_interest() = SimulatedRegion();
+    const auto answer = client_.Recognize(request);
+    ASSERT_THAT(answer, IsOk());
+    ASSERT_EQ(answer->detections_size(), 1);
+    ASSERT_TRUE(answer->detections(0).has_mesh_pose()) << answer->detections(0).status();
+    const Pose world_mesh = FromMessage(answer->detections(0).mesh_pose());
+    const Pose truth = world_object * part->found.poses[i].object_mesh;
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      const Eigen::Vector3d v = vertex.cast<double>();
+      EXPECT_LT((world_mesh * v - truth * v).norm(), 0.006);
+      EXPECT_LT((world_mesh.inverse() * (truth * v) - v).norm(), 0.006);
+    }
+  }
 }
 
 TEST_F(CadTeachingTest, ATallThingIsKeptUpToItsTop) {
