@@ -37,6 +37,12 @@ double Lack(double there, double enough) {
   return std::max(0.0, -std::log(std::max(there / enough, kLeast)));
 }
 
+// Voxels that are enough where the deviation of a depth measurement is `noise_m`.
+double EnoughPoints(double noise_m) {
+  const double ratio = noise_m / kAtNoiseM;
+  return kEnoughPoints * ratio * ratio;
+}
+
 // In the order of Gate.
 std::array<std::pair<Gate, double>, 4> WeightsOf(const Doubt& doubt) {
   return {{{Gate::kScan, kScan * doubt.scan},
@@ -59,19 +65,23 @@ Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double noise
   // Both the scan and a model of few views are noisy.
   const double expected = noise * std::sqrt(1 + 1.0 / std::max(1, model.view_count));
   const double blur = kVoxelNoise * noise / tolerance_m;
-  const double enough_points = kEnoughPoints * (expected / kAtNoiseM) * (expected / kAtNoiseM);
   const double measured = evidence.confirmed + evidence.contradicted;
   return {.scan = std::max(0.0, 1 - evidence.scan_explained - blur * blur),
           .contradicted = measured > 0 ? evidence.contradicted / measured : 0,
           .residual = std::max(0.0, evidence.rms_m / expected - 1),
           .unseen = Lack(evidence.confirmed, kEnoughSeen),
-          .little = Lack(static_cast<double>(evidence.point_count), enough_points)};
+          .little = Lack(static_cast<double>(evidence.point_count), EnoughPoints(expected))};
 }
 
 double Confidence(const Doubt& doubt) {
   double against = -kOffset;
   for (const auto& [gate, weight] : WeightsOf(doubt)) against += weight;
   return 1 / (1 + std::exp(against));
+}
+
+double MaxConfidence(std::size_t point_count, double noise_m) {
+  // No model makes the expected residual smaller than the noise.
+  return Confidence({.little = Lack(static_cast<double>(point_count), EnoughPoints(noise_m))});
 }
 
 Gate HeaviestDoubt(const Doubt& doubt) {

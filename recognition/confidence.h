@@ -29,6 +29,10 @@ Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double noise
 // taught (tests/eval/fit_confidence.py, docs/experiment.md).
 double Confidence(const Doubt& doubt);
 
+// The highest confidence that any explanation of a segment of so many voxels can have. `noise_m`:
+// see NoiseAt.
+double MaxConfidence(std::size_t point_count, double noise_m);
+
 // Which doubt weighs most; kLittleSeen: `unseen` and `little` together; kExtent: the segment is too
 // large to be one object.
 enum class Gate { kScan, kModel, kResidual, kExtent, kLittleSeen };

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "recognition/clusters.h"
-#include "recognition/point_search.h"
+#include "recognition/nearest_grid.h"
 #include "recognition/segment_part.h"
 
 namespace graspdb::recognition {
@@ -20,6 +20,9 @@ constexpr double kLowM = 0.004;
 // Low voxels go with a part that is no farther than this, m; what leads away from it is the
 // table's.
 constexpr float kReachM = 0.008F;
+// Cells of the look-up of the nearest part, m: what it gives may be 5 mm farther than the nearest
+// voxel, which is less than what separates parts.
+constexpr float kCellM = 0.003F;
 
 }  // namespace
 
@@ -43,13 +46,13 @@ std::vector<Segment> SplitAtGaps(const MatchingInput& input, double voxel_size_m
       part_of.push_back(static_cast<int>(c));
     }
   }
-  const PointSearch near(seeds);
+  const NearestGrid near(seeds, kCellM, kReachM);
   std::vector<Segment> parts =
       PartsOf(input.scan, seen, input.segment, clusters.size(), [&](const Eigen::Vector3f& p) {
-        const Neighbor seed = near.Nearest(p);
-        return seed.squared_distance < kReachM * kReachM
-                   ? part_of[static_cast<std::size_t>(seed.index)]
-                   : -1;
+        const int seed = near.Nearest(p);
+        if (seed < 0) return -1;
+        const auto i = static_cast<std::size_t>(seed);
+        return (p - seeds[i]).squaredNorm() < kReachM * kReachM ? part_of[i] : -1;
       });
   std::size_t kept = 0;
   for (const Segment& part : parts) kept += part.cloud.points.size();

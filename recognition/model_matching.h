@@ -38,8 +38,14 @@ class ModelSearch {
   // the same (min_score 0), the nearest view alone.
   absl::Status TryFurther(SearchBudget& budget);
 
-  // Ranked (see RankClosely), different from each other. Ends the search.
-  std::vector<PoseHypothesis> TakeRanked() { return matcher_.TakeRanked(); }
+  // The nearest views alone, all of them screened, in place of both: of as many as the budget
+  // allows.
+  absl::Status TryScreened(SearchBudget& budget) {
+    return matcher_.ProposeBest(nearest_, hidden_, budget);
+  }
+
+  // Ranked (see RankClosely), different from each other. Ends the search. CANCELLED.
+  absl::StatusOr<std::vector<PoseHypothesis>> TakeRanked() { return matcher_.TakeRanked(); }
 
  private:
   bool IsCutOff() const { return hidden_ != Sight::Sides{}; }

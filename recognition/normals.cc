@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "recognition/cell_grid.h"
+#include "recognition/idle_cores.h"
 #include "recognition/wide.h"
 
 namespace graspdb::recognition {
@@ -10,6 +11,9 @@ namespace {
 
 // So much larger are cells than the radius, lest rounding moves a neighbour two cells away.
 constexpr float kRoundingMargin = 1.001F;
+
+// Cells whose points one thread takes at once; about 0.3 ms.
+constexpr std::size_t kCellsAtOnce = 256;
 
 // Time to gather a cell's neighbours, and to find a point's normal besides, ns.
 constexpr std::size_t kStepsPerCell = 500;
@@ -33,21 +37,18 @@ Eigen::Vector3d LeastSpread(const wide::Moments& m) {
 }  // namespace
 
 Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, double radius_m,
-                        const IsCancelled& is_cancelled) {
+                        const IsCancelled& cancelled_by_caller) {
+  const IsCancelled is_cancelled = Latched(cancelled_by_caller);
   const wide::Functions& wide = wide::Best();
   const auto radius = static_cast<float>(radius_m);
   const CellGrid grid(points, kRoundingMargin * radius, is_cancelled);
+  const std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
   Normals normals(points.size());
-  CellBlock block;
-  CancellationPoll poll(is_cancelled);
-  for (const CellGrid::Cell& cell : grid.OccupiedCells()) {
-    grid.Gather(cell.at, 1, &block);
-    const auto members = static_cast<std::size_t>(cell.end - cell.begin);
-    if (poll.After(kStepsPerCell + members * (kStepsPerPoint + block.x.size()))) break;
+  const auto estimate = [&](const CellGrid::Cell& cell, CellBlock* block) {
     for (std::int32_t i = cell.begin; i < cell.end; ++i) {
       const auto point = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(i)]);
       const wide::Moments moments =
-          wide.moments(block.coordinates(), points[point].data(), radius * radius);
+          wide.moments(block->coordinates(), points[point].data(), radius * radius);
       const Eigen::Vector3d to_viewpoint = viewpoint - points[point].cast<double>();
       Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
       if (!to_viewpoint.isZero()) normal = to_viewpoint.normalized();
@@ -57,7 +58,20 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
       }
       normals[point] = normal.cast<float>();
     }
-  }
+  };
+  const std::size_t chunks = cells.size() / kCellsAtOnce + 1;
+  ForEachIndex(chunks, [&](std::size_t chunk) {
+    CellBlock block;
+    CancellationPoll poll(is_cancelled);
+    if (poll.Now()) return;
+    const std::size_t end = (chunk + 1) * cells.size() / chunks;
+    for (std::size_t i = chunk * cells.size() / chunks; i < end; ++i) {
+      grid.Gather(cells[i].at, 1, &block);
+      const auto members = static_cast<std::size_t>(cells[i].end - cells[i].begin);
+      if (poll.After(kStepsPerCell + members * (kStepsPerPoint + block.x.size()))) break;
+      estimate(cells[i], &block);
+    }
+  });
   return normals;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <mutex>
 
 #include "absl/status/status.h"
 #include "recognition/fragments.h"
@@ -79,8 +80,14 @@ class SegmentAnswers {
 
   static absl::Status ForEach(Answers* answers,
                               const std::function<absl::Status(AnsweredSegment*)>& job) {
+    std::vector<AnsweredSegment*> order;
+    for (AnsweredSegment& answer : *answers) order.push_back(&answer);
+    // The largest first: what is begun last leaves cores idle for its time.
+    std::ranges::stable_sort(order, std::greater(), [](const AnsweredSegment* answer) {
+      return answer->segment.cloud.points.size();
+    });
     std::vector<absl::Status> done(answers->size());
-    ForEachIndex(answers->size(), [&](std::size_t i) { done[i] = job(&(*answers)[i]); });
+    ForEachIndex(order.size(), [&](std::size_t i) { done[i] = job(order[i]); });
     const auto failed = std::ranges::find_if(done, [](const auto& status) { return !status.ok(); });
     return failed == done.end() ? absl::OkStatus() : *failed;
   }
@@ -90,7 +97,7 @@ class SegmentAnswers {
   // little.
   absl::Status TryNearest(AnsweredSegment* answer) {
     Work& work = WorkOn(*answer);
-    auto search = SearchIn(*answer->seen, &work);
+    auto search = SearchIn(*answer->seen, &work.log);
     const absl::StatusOr<bool> explained = search->TryNearest();
     if (!explained.ok()) return explained.status();
     if (&work - work_.data() < static_cast<std::ptrdiff_t>(kMaxOpenSearches) || *explained) {
@@ -101,7 +108,7 @@ class SegmentAnswers {
 
   absl::Status Answer(AnsweredSegment* answer) {
     Work& work = WorkOn(*answer);
-    if (!work.search) work.search = SearchIn(*answer->seen, &work);
+    if (!work.search) work.search = SearchIn(*answer->seen, &work.log);
     absl::StatusOr<Detection> detection = work.search->Answer(work.budget);
     work.search = nullptr;
     if (!detection.ok()) return detection.status();
@@ -137,20 +144,25 @@ class SegmentAnswers {
         .support_distance_m = parameters_.matching.support_distance_m,
         .voxel_size_m = parameters_.descriptor.voxel_size_m};
     const auto recognize = [&](const Segment& s) {
-      return SearchIn(s, work)->Answer(work->budget);
+      return SearchIn(s, &work->log)->Answer(work->budget);
     };
+    std::mutex mutex;
     const auto glance = [&](const Segment& s) {
       SearchBudget half = work->budget.ForHalf();
-      return SearchIn(s, work)->Answer(half);
+      StageLog log;
+      auto half_answer = SearchIn(s, &log)->QuickAnswer(half);
+      const std::lock_guard lock(mutex);
+      work->log.Add(log);
+      return half_answer;
     };
     return PartTouching({scan_, segmentation_, answer.segment}, std::move(answer.detection),
                         options, recognize, glance);
   }
 
-  std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, Work* work) {
+  std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, StageLog* log) {
     return std::make_shared<SegmentRecognition>(MatchingInput{scan_, segmentation_, segment},
                                                 depths_, catalogue_, clouds_, parameters_,
-                                                is_cancelled_, &work->log);
+                                                is_cancelled_, log);
   }
 
   const Scan& scan_;

@@ -38,8 +38,9 @@ class SegmentMatcher {
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                  const MatchingParameters& parameters, const IsCancelled& is_cancelled);
 
-  // Hypotheses from these views, refined, the best of them and of those before kept. `hidden`:
-  // sides on which the segment may go on. CANCELLED; errors of LoadModel.
+  // Hypotheses from these views, the best of them and of those before kept, and refined in full
+  // where one is promising. `hidden`: sides on which the segment may go on. CANCELLED; errors of
+  // LoadModel.
   absl::Status Propose(std::span<const Views::value_type> views, const Sight::Sides& hidden);
 
   // The same of those views only that look best after a glance, which takes a quarter of the time;
@@ -57,9 +58,9 @@ class SegmentMatcher {
 
   const Sight& sight() const { return sight_; }
 
-  // What ranks first has settled. Not before: what is far from its place would be explained well
-  // enough to end the search, and have no good pose.
-  std::vector<PoseHypothesis> TakeRanked();
+  // Refined in full. What ranks first has settled. Not before: what is far from its place would be
+  // explained well enough to end the search, and have no good pose. CANCELLED.
+  absl::StatusOr<std::vector<PoseHypothesis>> TakeRanked();
 
  private:
   using Model = std::shared_ptr<const SurfaceModel>;
@@ -69,17 +70,21 @@ class SegmentMatcher {
     std::shared_ptr<const TaughtView> view;
     int symmetry_order = 1;
     Model model;
-    Pose rough;
+    Pose rough = Pose::Identity();
     double score = 0;  // of a glance
   };
 
-  // Those of one view; none where it is not taught any more.
-  absl::StatusOr<std::vector<Start>> StartsOf(const std::shared_ptr<const TaughtView>& view,
+  // Without those that show a model as one before them does.
+  Views DistinctTurns(std::span<const Views::value_type> views) const;
+  // Of all views, in their order; none of one that is not taught any more.
+  absl::StatusOr<std::vector<Start>> StartsOf(std::span<const Views::value_type> views,
                                               const Sight::Sides& hidden);
   absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose);
   double Glance(const Start& start, double min_score) const;
-  void Try(const Start& start);
-  absl::Status KeepAndFinish();
+  absl::Status TryAll(const std::vector<Start>& starts);
+  PoseHypothesis Tried(const Start& start) const;
+  absl::Status KeepBestAndFinish();
+  absl::Status FinishBest();
   absl::Status FinishAll();
   absl::Status CheckNotCancelled() const;
   bool Approach(const std::vector<PoseHypothesis>& finished, PoseHypothesis* h) const;

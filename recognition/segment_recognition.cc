@@ -96,13 +96,22 @@ SegmentRecognition::SegmentRecognition(const MatchingInput& input, const ScanDep
       log_(log) {
   out_.point_count = input.segment.cloud.points.size();
   out_.centroid = input.segment.centroid;
+  if (input.segment.too_large) out_.rejected_by = Gate::kExtent;
 }
 
 absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   absl::StatusOr<bool> explained = false;
-  if (search_ || input_.segment.too_large || !FindNearest()) return explained;
+  const MatchingParameters& matching = parameters_.matching;
+  if (search_ || out_.rejected_by ||
+      !FindNearest(std::max(matching.candidate_count, matching.verified_view_count))) {
+    return explained;
+  }
   if (is_cancelled_()) return absl::CancelledError("cancelled after the descriptor");
-  if (parameters_.matching.verified_view_count == 1) return explained;
+  if (matching.verified_view_count == 1) return explained;
+  if (!MayBeAccepted()) {
+    out_.rejected_by = Gate::kLittleSeen;
+    return explained;
+  }
   log_->Measure("register", out_.point_count, [&] {
     search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
                     parameters_.matching, is_cancelled_);
@@ -113,9 +122,34 @@ absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   return explained;
 }
 
+absl::StatusOr<Detection> SegmentRecognition::QuickAnswer(SearchBudget& budget) {
+  const auto views = static_cast<int>(budget.left());
+  if (out_.rejected_by || !MayBeAccepted() || !FindNearest(views)) return std::move(out_);
+  absl::Status status;
+  log_->Measure("register", out_.point_count, [&] {
+    search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
+                    parameters_.matching, is_cancelled_);
+    status = search_->TryScreened(budget);
+    if (status.ok()) status = TakeBest();
+    return out_.point_count;
+  });
+  if (!status.ok()) return status;
+  Decide();
+  return std::move(out_);
+}
+
+// Whether some stable pose is accepted with the confidence that a segment of this size can reach.
+bool SegmentRecognition::MayBeAccepted() const {
+  const double noise = NoiseAt(input_.segmentation, input_.segment);
+  const double most = MaxConfidence(out_.point_count, noise);
+  if (most >= parameters_.matching.min_score) return true;
+  return std::ranges::any_of(*catalogue_.stable_poses, [&](const auto& named) {
+    return most >= MinScore(named.second.get(), parameters_.matching);
+  });
+}
+
 // False for a shape that cannot be described, which is not known.
-bool SegmentRecognition::FindNearest() {
-  const MatchingParameters& matching = parameters_.matching;
+bool SegmentRecognition::FindNearest(int count) {
   log_->Measure("descriptor", out_.point_count, [&] {
     auto descriptor = Describe(input_.segment.cloud, input_.segmentation.world_sensor,
                                parameters_.descriptor.kind);
@@ -124,13 +158,11 @@ bool SegmentRecognition::FindNearest() {
   });
   if (!descriptor_) return false;
   log_->Measure("match", out_.point_count, [&] {
-    matches_ = catalogue_.index.Nearest(
-        *descriptor_, std::max(matching.candidate_count, matching.verified_view_count));
+    matches_ = catalogue_.index.Nearest(*descriptor_, count);
     return out_.point_count;
   });
-  const auto listed =
-      std::min(matches_.size(),
-               std::max<std::size_t>(1, static_cast<std::size_t>(matching.candidate_count)));
+  const auto listed = std::min(
+      matches_.size(), static_cast<std::size_t>(std::max(1, parameters_.matching.candidate_count)));
   for (const Match& match : std::span(matches_).first(listed)) {
     out_.candidates.push_back({match.view, match.distance, std::nullopt});
   }
@@ -145,8 +177,8 @@ absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget& further) {
   log_->Measure("register", 0, [&] {
     if (search_) {
       if (!explained_) status = search_->TryFurther(further);
-      if (status.ok()) TakeBest(search_->TakeRanked());
-    } else if (!matches_.empty()) {
+      if (status.ok()) status = TakeBest();
+    } else if (!matches_.empty() && !out_.rejected_by) {
       status = TrustDescriptor(input_, matches_.front(), clouds_, parameters_.matching, &out_);
     }
     return std::size_t{0};
@@ -156,8 +188,11 @@ absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget& further) {
   return std::move(out_);
 }
 
-void SegmentRecognition::TakeBest(const std::vector<PoseHypothesis>& hypotheses) {
-  if (hypotheses.empty()) return;
+absl::Status SegmentRecognition::TakeBest() {
+  const auto ranked = search_->TakeRanked();
+  if (!ranked.ok()) return ranked.status();
+  const std::vector<PoseHypothesis>& hypotheses = *ranked;
+  if (hypotheses.empty()) return absl::OkStatus();
   const double noise = NoiseAt(input_.segmentation, input_.segment);
   const PoseHypothesis& best = hypotheses.front();
   out_.view = best.view;
@@ -179,11 +214,11 @@ void SegmentRecognition::TakeBest(const std::vector<PoseHypothesis>& hypotheses)
         candidate.verification_score = h.evidence.score;
     }
   }
+  return absl::OkStatus();
 }
 
 // Whether what was found is an answer.
 void SegmentRecognition::Decide() {
-  if (input_.segment.too_large) out_.rejected_by = Gate::kExtent;
   if (out_.candidates.empty()) return;
   const MatchingParameters& matching = parameters_.matching;
   const TaughtStablePose* taught = StablePoseOf(catalogue_, out_);

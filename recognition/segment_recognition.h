@@ -13,8 +13,9 @@
 namespace graspdb::recognition {
 
 // Recognises a segment as one object, in two steps of which the second goes on where the first
-// ended. A segment that is too large to be one object is unknown. Errors of `clouds`; CANCELLED.
-// Not thread-safe; all references must outlive it.
+// ended. A segment that is too large to be one object, or too small for any answer to be accepted,
+// is unknown without a search. Errors of `clouds`; CANCELLED. Not thread-safe; all references must
+// outlive it.
 class SegmentRecognition {
  public:
   SegmentRecognition(const MatchingInput& input, const ScanDepths& depths,
@@ -29,9 +30,14 @@ class SegmentRecognition {
   // views as `further` allows. Ends it.
   absl::StatusOr<Detection> Answer(SearchBudget& further);
 
+  // A quick answer in place of both steps: of as many views as `budget` allows, all of them
+  // screened.
+  absl::StatusOr<Detection> QuickAnswer(SearchBudget& budget);
+
  private:
-  bool FindNearest();
-  void TakeBest(const std::vector<PoseHypothesis>& hypotheses);
+  bool FindNearest(int count);
+  bool MayBeAccepted() const;
+  absl::Status TakeBest();
   void Decide();
 
   const MatchingInput input_;

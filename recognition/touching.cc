@@ -8,6 +8,7 @@
 
 #include "recognition/clusters.h"
 #include "recognition/gaps.h"
+#include "recognition/idle_cores.h"
 #include "recognition/point_search.h"
 #include "recognition/segment_part.h"
 
@@ -116,6 +117,15 @@ class Parter {
     return true;
   }
 
+  // Whether an answer for `count` voxels at `segment` can be as sure as that of one thing of
+  // several.
+  bool MayBeSure(const Segment& segment, std::size_t count) const {
+    return MaxConfidence(count, NoiseAt(input_.segmentation, segment)) >= kSure;
+  }
+  bool MayBeSure(const Segment& segment) const {
+    return MayBeSure(segment, segment.cloud.points.size());
+  }
+
   static bool Scores(const Detection& detection, double least) {
     return detection.view && detection.score >= least;
   }
@@ -147,7 +157,9 @@ class Parter {
 
   // Where `whole` as one thing has no answer. What it is like may still be the greater part of it.
   absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, Answers* out) {
-    if (whole.segment.cloud.points.size() < 2 * min_count_) return false;
+    // The smaller of two parts has half of the voxels at the most.
+    const std::size_t half = whole.segment.cloud.points.size() / 2;
+    if (half < min_count_ || !MayBeSure(whole.segment, half)) return false;
     auto beginnings = Halves(whole.segment);
     if (!beginnings.ok()) return beginnings.status();
     beginnings->push_back(std::move(whole.detection));
@@ -171,6 +183,13 @@ class Parter {
                              Within(thing.detection, OwnM(thing.detection)));
       rest = LeftOver(whole, thing.detection);
       if (thing.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
+      // What will be rejected for its size is not asked about; `rest` is final in the last round
+      // only.
+      if (!MayBeSure(thing.segment)) return false;
+      const bool is_last = round + 1 == kRounds;
+      if (is_last && !std::ranges::all_of(rest, [&](const Segment& s) { return MayBeSure(s); })) {
+        return false;
+      }
       auto again = Ask(thing.segment);
       if (!again.ok()) return again.status();
       if (!Scores(*again, kSure)) return false;
@@ -191,26 +210,28 @@ class Parter {
   }
 
   // Nothing more is known of a cluster that was asked about too often.
-  absl::StatusOr<Detection> Ask(const Segment& segment) { return Ask(segment, recognize_); }
-  absl::StatusOr<Detection> Ask(const Segment& segment, const RecognizeAlone& recognize) {
-    if (questions_ == kMostQuestions) return Detection();
+  absl::StatusOr<Detection> Ask(const Segment& segment) {
+    if (questions_ >= kMostQuestions) return Detection();
     ++questions_;
-    return recognize(segment);
+    return recognize_(segment);
   }
 
   // The answers for both halves of `whole`.
   absl::StatusOr<std::vector<Detection>> Halves(const Segment& whole) {
     const auto middles = MiddlesOfHalves(whole.cloud.points);
-    std::vector<Detection> out;
-    for (const bool second : {false, true}) {
-      const Segment half =
-          PartOf(input_.scan, input_.segmentation, whole, [&](const Eigen::Vector3f& p) {
-            return second == ((p.head<2>() - middles[1]).squaredNorm() <
-                              (p.head<2>() - middles[0]).squaredNorm());
-          });
-      if (half.cloud.points.size() < min_count_) continue;
+    const std::vector<Segment> halves =
+        PartsOf(input_.scan, input_.segmentation, whole, 2, [&](const Eigen::Vector3f& p) {
+          return (p.head<2>() - middles[1]).squaredNorm() <
+                 (p.head<2>() - middles[0]).squaredNorm();
+        });
+    std::vector<absl::StatusOr<Detection>> answers(halves.size(), Detection());
+    questions_ += static_cast<int>(halves.size());
+    ForEachIndex(halves.size(), [&](std::size_t i) {
       // It is only where to begin: not worth a long search.
-      auto answer = Ask(half, glance_);
+      if (halves[i].cloud.points.size() >= min_count_) answers[i] = glance_(halves[i]);
+    });
+    std::vector<Detection> out;
+    for (auto& answer : answers) {
       if (!answer.ok()) return answer.status();
       out.push_back(*std::move(answer));
     }

@@ -26,7 +26,8 @@ struct PartingOptions {
 // away, and the rest is asked about. A thing with an answer that leaves over as much as the
 // smallest thing touches something, known or not. A segment without an answer is parted only
 // where all of it gets one: what was never taught must not be named for a part that resembles
-// something. Halves are only looked at with `glance`, which may know less than `recognize`.
+// something. Halves are only looked at with `glance`, which may know less than `recognize` and is
+// called from several threads.
 // Deterministic. Errors as `recognize`.
 absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(const MatchingInput& whole,
                                                           Detection answer,

@@ -110,5 +110,25 @@ TEST(HeaviestDoubt, NamesWhatSpeaksMostAgainstIt) {
   EXPECT_EQ(HeaviestDoubt({.scan = 0.1, .unseen = 0.7, .little = 0.7}), Gate::kLittleSeen);
 }
 
+TEST(MaxConfidence, NoExplanationOfSoManyPointsIsSurer) {
+  for (const std::size_t count : {60U, 150U, 400U}) {
+    for (const int views : {1, 24, 400}) {
+      for (const float deviation : {0.0F, 0.001F, 0.004F}) {
+        Evidence evidence = Perfect();
+        evidence.rms_m = 0;
+        evidence.point_count = count;
+        const Doubt doubt = DoubtsOf(evidence, ModelOf(views, deviation), 0.002, 0.008);
+        EXPECT_LE(Confidence(doubt), MaxConfidence(count, 0.002)) << count << " " << views;
+      }
+    }
+  }
+}
+
+TEST(MaxConfidence, GrowsWithThePointsAndFallsWithTheNoise) {
+  EXPECT_LT(MaxConfidence(60, 0.002), 0.5);
+  EXPECT_GT(MaxConfidence(400, 0.002), 0.9);
+  EXPECT_LT(MaxConfidence(200, 0.003), MaxConfidence(200, 0.002));
+}
+
 }  // namespace
 }  // namespace graspdb::recognition

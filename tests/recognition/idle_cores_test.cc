@@ -28,6 +28,7 @@ TEST(IdleCoresTest, JobsMayHaveJobsThemselves) {
 TEST(IdleCoresTest, ManyThreadsMayCallItAtOnce) {
   std::atomic<int> runs = 0;
   std::vector<std::thread> threads;
+  threads.reserve(8);
   for (int t = 0; t < 8; ++t) {
     threads.emplace_back([&] {
       for (int n = 0; n < 50; ++n) ForEachIndex(7, [&](std::size_t) { ++runs; });
