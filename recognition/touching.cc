@@ -1,13 +1,13 @@
 #include "recognition/touching.h"
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <iterator>
 #include <utility>
 
 #include "recognition/clusters.h"
 #include "recognition/gaps.h"
+#include "recognition/halves.h"
 #include "recognition/idle_cores.h"
 #include "recognition/point_search.h"
 #include "recognition/segment_part.h"
@@ -30,8 +30,6 @@ constexpr double kNearlyAll = 0.9;
 constexpr double kPromising = 0.02;
 // How often the thing that was taken first is asked about anew.
 constexpr int kRounds = 2;
-// Steps in which the middles of two halves settle.
-constexpr int kSettling = 8;
 // A thing's own points are so many deviations from its model, and at least this far, m.
 constexpr float kDeviations = 3;
 constexpr float kFinestM = 0.0035F;
@@ -41,32 +39,6 @@ constexpr double kPieceGapM = 0.01;
 constexpr double kPieceGapVoxels = 3.3;
 
 using Answers = std::vector<AnsweredSegment>;
-// Two points over the table, one in the middle of either half (k-means, from the ends).
-std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
-  std::array<Eigen::Vector2f, 2> middles = {points.front().head<2>(), points.front().head<2>()};
-  // The point farthest from any is one end, the farthest from that the other.
-  for (const int end : {0, 1, 0}) {
-    const Eigen::Vector2f from = middles[static_cast<std::size_t>(1 - end)];
-    middles[static_cast<std::size_t>(end)] =
-        std::ranges::max_element(points, {}, [&](const Eigen::Vector3f& p) {
-          return (p.head<2>() - from).squaredNorm();
-        })->head<2>();
-  }
-  for (int step = 0; step < kSettling; ++step) {
-    std::array<Eigen::Vector2f, 2> sums = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
-    std::array<float, 2> counts = {};
-    for (const Eigen::Vector3f& p : points) {
-      const std::size_t half =
-          (p.head<2>() - middles[1]).squaredNorm() < (p.head<2>() - middles[0]).squaredNorm();
-      sums[half] += p.head<2>();
-      ++counts[half];
-    }
-    for (const std::size_t half : {0U, 1U}) {
-      if (counts[half] > 0) middles[half] = sums[half] / counts[half];
-    }
-  }
-  return middles;
-}
 
 class Parter {
  public:
@@ -218,12 +190,7 @@ class Parter {
 
   // The answers for both halves of `whole`.
   absl::StatusOr<std::vector<Detection>> Halves(const Segment& whole) {
-    const auto middles = MiddlesOfHalves(whole.cloud.points);
-    const std::vector<Segment> halves =
-        PartsOf(input_.scan, input_.segmentation, whole, 2, [&](const Eigen::Vector3f& p) {
-          return (p.head<2>() - middles[1]).squaredNorm() <
-                 (p.head<2>() - middles[0]).squaredNorm();
-        });
+    const std::vector<Segment> halves = SplitInHalves({input_.scan, input_.segmentation, whole});
     std::vector<absl::StatusOr<Detection>> answers(halves.size(), Detection());
     questions_ += static_cast<int>(halves.size());
     ForEachIndex(halves.size(), [&](std::size_t i) {

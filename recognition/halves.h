@@ -1,0 +1,15 @@
+// A segment cut in two.
+#pragma once
+
+#include <vector>
+
+#include "recognition/model_matching.h"
+
+namespace graspdb::recognition {
+
+// Two parts of a segment, each nearer to its own middle over the table (k-means with two means,
+// which begin at the ends). The segment is not empty; a part may be. Deterministic; O(n) for n
+// points.
+std::vector<Segment> SplitInHalves(const MatchingInput& input);
+
+}  // namespace graspdb::recognition
