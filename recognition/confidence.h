@@ -29,8 +29,8 @@ Doubt DoubtsOf(const Evidence& evidence, const SurfaceModel& model, double noise
 // taught (tests/eval/fit_confidence.py, docs/experiment.md).
 double Confidence(const Doubt& doubt);
 
-// The highest confidence that any explanation of a segment of so many voxels can have. `noise_m`:
-// see NoiseAt.
+// The highest confidence that any explanation of a segment with `point_count` voxels can have.
+// `noise_m`: see NoiseAt.
 double MaxConfidence(std::size_t point_count, double noise_m);
 
 // Which doubt weighs most; kLittleSeen: `unseen` and `little` together; kExtent: the segment is too

@@ -29,8 +29,8 @@ constexpr double kExplained = 0.94;
 // So much of its surface is in sight of what stands free; the rest is the sensor's noise at edges.
 constexpr double kWhole = 0.97;
 // Where no first look is better than this, nothing is refined in full before further views were
-// looked at: such views end one of 150 searches, and take a quarter of the time of those that they
-// do not end. With 0.7 they end one of 120.
+// looked at: of 2,130 searches with no better first look, simulated and real, such views ended 14.
+// With 0.7 it is 22 of 2,650.
 constexpr double kWorthFinishing = 0.6;
 // The best hypothesis is refined again at most so often, while its score grows by more than this.
 constexpr int kPolishRounds = 5;
