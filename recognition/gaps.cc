@@ -27,7 +27,7 @@ constexpr float kCellM = 0.003F;
 }  // namespace
 
 std::vector<Segment> SplitAtGaps(const MatchingInput& input, double voxel_size_m,
-                                 std::size_t min_count) {
+                                 std::size_t min_count, const IsCancelled& is_cancelled) {
   const Segmentation& seen = input.segmentation;
   Points high;
   for (const Eigen::Vector3f& p : input.segment.cloud.points) {
@@ -35,9 +35,9 @@ std::vector<Segment> SplitAtGaps(const MatchingInput& input, double voxel_size_m
       high.push_back(p);
     }
   }
-  const std::vector<Indices> clusters =
-      FindClusters(high, std::max(kGapM, kGapVoxels * voxel_size_m), min_count);
-  if (clusters.empty()) return {};
+  const double gap = std::max(kGapM, kGapVoxels * voxel_size_m);
+  const std::vector<Indices> clusters = FindClusters(high, gap, min_count, is_cancelled);
+  if (clusters.empty() || (is_cancelled && is_cancelled())) return {};
   Points seeds;
   std::vector<int> part_of;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
@@ -46,14 +46,15 @@ std::vector<Segment> SplitAtGaps(const MatchingInput& input, double voxel_size_m
       part_of.push_back(static_cast<int>(c));
     }
   }
-  const NearestGrid near(seeds, kCellM, kReachM);
+  const NearestGrid near(seeds, kCellM, kReachM, is_cancelled);
+  const PartNumber number = [&](const Eigen::Vector3f& p) {
+    const int seed = near.Nearest(p);
+    if (seed < 0) return -1;
+    const auto i = static_cast<std::size_t>(seed);
+    return (p - seeds[i]).squaredNorm() < kReachM * kReachM ? part_of[i] : -1;
+  };
   std::vector<Segment> parts =
-      PartsOf(input.scan, seen, input.segment, clusters.size(), [&](const Eigen::Vector3f& p) {
-        const int seed = near.Nearest(p);
-        if (seed < 0) return -1;
-        const auto i = static_cast<std::size_t>(seed);
-        return (p - seeds[i]).squaredNorm() < kReachM * kReachM ? part_of[i] : -1;
-      });
+      PartsOf(input.scan, seen, input.segment, clusters.size(), number, is_cancelled);
   std::size_t kept = 0;
   for (const Segment& part : parts) kept += part.cloud.points.size();
   const bool is_split = parts.size() > 1 || kept + min_count <= input.segment.cloud.points.size();

@@ -40,11 +40,12 @@ std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
 
 }  // namespace
 
-std::vector<Segment> SplitInHalves(const MatchingInput& input) {
+std::vector<Segment> SplitInHalves(const MatchingInput& input, const IsCancelled& is_cancelled) {
   const auto middles = MiddlesOfHalves(input.segment.cloud.points);
-  return PartsOf(input.scan, input.segmentation, input.segment, 2, [&](const Eigen::Vector3f& p) {
+  const PartNumber nearer = [&](const Eigen::Vector3f& p) {
     return (p.head<2>() - middles[1]).squaredNorm() < (p.head<2>() - middles[0]).squaredNorm();
-  });
+  };
+  return PartsOf(input.scan, input.segmentation, input.segment, 2, nearer, is_cancelled);
 }
 
 }  // namespace graspdb::recognition

@@ -9,6 +9,9 @@ namespace graspdb::recognition {
 namespace {
 
 constexpr std::size_t kGrowth = 4;  // so many times more views each time, until one explains it
+// Where a side is not seen the descriptor says little: so many times more views are looked at. Of
+// 81 objects with 40 % hidden from a Carmine 91 % were found and not 88 (ADR 23).
+constexpr int kCutOffViews = 4;
 
 }  // namespace
 
@@ -31,7 +34,8 @@ absl::StatusOr<bool> ModelSearch::TryNearest() {
 }
 
 absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
-  Views further = FurtherViews();
+  const Sight::Sides unseen = matcher_.sight().UnseenSides();
+  Views further = FurtherViews(unseen);
   Views tried = nearest_;
   if (IsCutOff()) {
     // The descriptor of a part says little, and a part of one thing is explained by others too.
@@ -40,7 +44,6 @@ absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
     std::ranges::move(further, std::back_inserter(tried));
     further.clear();
   }
-  const Sight::Sides unseen = matcher_.sight().UnseenSides();
   // What was tried already is tried again, first, only where it could stand elsewhere.
   if (unseen != hidden_) further.insert(further.begin(), tried.begin(), tried.end());
   if (further.empty()) return absl::OkStatus();
@@ -60,11 +63,13 @@ absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
   return matcher_.Propose({nearest_.data(), 1}, hidden_);
 }
 
-Views ModelSearch::FurtherViews() const {
+Views ModelSearch::FurtherViews(const Sight::Sides& unseen) const {
+  const bool is_whole = unseen == Sight::Sides{} && !IsCutOff();
+  const int count = parameters_.further_view_count * (is_whole ? 1 : kCutOffViews);
   std::unordered_set<const TaughtView*> known;
   for (const auto& view : nearest_) known.insert(view.get());
   Views out;
-  for (const Match& match : catalogue_.index.Nearest(descriptor_, parameters_.further_view_count)) {
+  for (const Match& match : catalogue_.index.Nearest(descriptor_, count)) {
     if (!known.contains(match.view.get())) out.push_back(match.view);
   }
   return out;

@@ -33,9 +33,10 @@ class ModelSearch {
   absl::StatusOr<bool> TryNearest();
 
   // Where they do not, or something hides a part of the segment so that its descriptor says little:
-  // further views, the most similar first, MatchingParameters::further_view_count at most and as
-  // many as the budget allows. Where none of these explains anything and an answer is wanted all
-  // the same (min_score 0), the nearest view alone.
+  // further views, the most similar first, MatchingParameters::further_view_count at most (of what
+  // is not seen whole kCutOffViews times as many) and as many as the budget allows. Where none of
+  // these explains anything and an answer is wanted all the same (min_score 0), the nearest view
+  // alone.
   absl::Status TryFurther(SearchBudget& budget);
 
   // The nearest views alone, all of them screened, in place of both: of as many as the budget
@@ -49,7 +50,7 @@ class ModelSearch {
 
  private:
   bool IsCutOff() const { return hidden_ != Sight::Sides{}; }
-  Views FurtherViews() const;
+  Views FurtherViews(const Sight::Sides& unseen) const;
 
   const Descriptor descriptor_;
   const CatalogueSnapshot& catalogue_;

@@ -156,7 +156,7 @@ class SegmentAnswers {
       return half_answer;
     };
     return PartTouching({scan_, segmentation_, answer.segment}, std::move(answer.detection),
-                        options, recognize, glance);
+                        options, recognize, glance, is_cancelled_);
   }
 
   std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, StageLog* log) {

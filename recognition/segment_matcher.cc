@@ -8,14 +8,10 @@
 #include "recognition/distinct_hypotheses.h"
 #include "recognition/idle_cores.h"
 #include "recognition/settling.h"
-#include "recognition/top_scores.h"
-#include "recognition/tried_turns.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// Views that are screened before cancellation and the clock are polled again; 2 ms.
-constexpr std::size_t kScreenedAtOnce = 64;
 // Points of the segment that first looks are taken with.
 constexpr std::size_t kRoughPoints = 200;
 // Points that hypotheses are refined with; larger segments, of parts of half a metre and more, are
@@ -26,6 +22,8 @@ constexpr std::size_t kFullPoints = 20'000;
 constexpr std::size_t kFinalists = 8;
 // A hypothesis with this score needs no other to be asked for.
 constexpr double kExplained = 0.94;
+// Nor one with less confidence.
+constexpr double kSure = 0.9;
 // So much of its surface is in sight of what stands free; the rest is the sensor's noise at edges.
 constexpr double kWhole = 0.97;
 // Where no first look is better than this, nothing is refined in full before further views were
@@ -54,19 +52,6 @@ constexpr RefinementOptions kRoughSteps = {.iterations = 6,
 // What a hypothesis is refined with in full: edges thinned, until little is left to go.
 constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
-// A glance: whether a model may come to lie on the segment at all. Without edges, which flat things
-// need only at the end.
-constexpr RefinementOptions kGlanceSteps = {.iterations = 2,
-                                            .first_reach_m = 0.02,
-                                            .last_reach_m = 0.0167,
-                                            .coarse = true,
-                                            .edges = false,
-                                            .height_deviation_m = 1e-4,
-                                            .tilt_deviation_rad = 1e-3};
-// Starts that look so much worse than the best after a glance are not tried; in 96 scenes with 40 %
-// hidden what won in the end had at least 0.69.
-constexpr double kTriedShare = 0.6;
-
 // So that about `wanted` points are left.
 std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
   return std::max<std::size_t>(1, segment.cloud.points.size() / wanted);
@@ -102,37 +87,9 @@ absl::Status SegmentMatcher::Propose(std::span<const Views::value_type> views,
   return KeepBestAndFinish();
 }
 
-absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> views,
-                                         const Sight::Sides& hidden, SearchBudget& budget) {
-  const Views distinct = DistinctTurns(views);
-  std::vector<Start> all;
-  TopScores top(budget.refined(), kTriedShare);
-  for (std::span<const Views::value_type> left(distinct); !left.empty();) {
-    const auto block = left.first(std::min({left.size(), kScreenedAtOnce, budget.left()}));
-    if (budget.OutOfTime() || !budget.Take(block.size()) || block.empty()) {
-      budget.Take(left.size());
-      break;
-    }
-    left = left.subspan(block.size());
-    auto starts = StartsOf(block, hidden);
-    if (!starts.ok()) return starts.status();
-    ForEachIndex(starts->size(), [&, min = top.min()](std::size_t i) {
-      (*starts)[i].score = Glance((*starts)[i], min);
-    });
-    for (Start& start : *starts) {
-      top.Add(start.score);
-      all.push_back(std::move(start));
-    }
-  }
-  std::ranges::stable_sort(all, std::greater(), &Start::score);
-  if (all.size() > budget.refined()) all.resize(budget.refined());
-  std::erase_if(all, [&](const Start& start) { return start.score < top.min(); });
-  if (absl::Status status = TryAll(all); !status.ok()) return status;
-  return KeepBestAndFinish();
-}
-
 bool SegmentMatcher::IsExplained() const {
-  return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained;
+  return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained &&
+         ConfidenceOfBest() >= kSure;
 }
 
 bool SegmentMatcher::IsExplainedWhole() const {
@@ -140,9 +97,12 @@ bool SegmentMatcher::IsExplainedWhole() const {
 }
 
 bool SegmentMatcher::ExplainsNothing() const {
-  return hypotheses_.empty() ||
-         Confidence(DoubtsOf(hypotheses_.front().evidence, *hypotheses_.front().model, noise_m_,
-                             parameters_.support_distance_m)) < kExplainsNothing;
+  return hypotheses_.empty() || ConfidenceOfBest() < kExplainsNothing;
+}
+
+double SegmentMatcher::ConfidenceOfBest() const {
+  const PoseHypothesis& best = hypotheses_.front();
+  return Confidence(DoubtsOf(best.evidence, *best.model, noise_m_, parameters_.support_distance_m));
 }
 
 absl::StatusOr<std::vector<PoseHypothesis>> SegmentMatcher::TakeRanked() {
@@ -152,55 +112,6 @@ absl::StatusOr<std::vector<PoseHypothesis>> SegmentMatcher::TakeRanked() {
     RankClosely(columns_, sight_, parameters_.support_distance_m, &hypotheses_);
   }
   return std::move(hypotheses_);
-}
-
-Views SegmentMatcher::DistinctTurns(std::span<const Views::value_type> views) const {
-  Views out;
-  TriedTurns turns;
-  for (const auto& view : views) {
-    if (turns.Add(*view, seen_)) out.push_back(view);
-  }
-  return out;
-}
-
-absl::StatusOr<std::vector<SegmentMatcher::Start>> SegmentMatcher::StartsOf(
-    std::span<const Views::value_type> views, const Sight::Sides& hidden) {
-  std::vector<Start> models;
-  for (const auto& view : views) {
-    if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    const auto pose = catalogue_.stable_poses->find(view->stable_pose);
-    if (pose == catalogue_.stable_poses->end()) continue;
-    const auto model = ModelOf(*view, *pose->second);
-    if (!model.ok()) return model.status();
-    if (*model != nullptr) models.push_back({view, pose->second->symmetry_order, *model});
-  }
-  std::vector<std::vector<Pose>> poses(models.size());
-  ForEachIndex(models.size(), [&](std::size_t i) {
-    poses[i] = RoughPoses(*models[i].view, *models[i].model, seen_, hidden);
-  });
-  std::vector<Start> out;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    for (const Pose& rough : poses[i]) {
-      out.push_back(models[i]);
-      out.back().rough = rough;
-    }
-  }
-  return out;
-}
-
-// Asks for a model once, and not for each of the views that it is fused from.
-absl::StatusOr<SegmentMatcher::Model> SegmentMatcher::ModelOf(const TaughtView& view,
-                                                              const TaughtStablePose& stable_pose) {
-  Model& known = models_[view.shares_frame ? static_cast<const void*>(&stable_pose) : &view];
-  if (known) return known;
-  auto model = clouds_.LoadModel(view, stable_pose);
-  if (model.ok()) known = *model;
-  return model;
-}
-
-double SegmentMatcher::Glance(const Start& start, double min_score) const {
-  const Pose pose = Refine(*start.model, rough_target_, start.rough, kGlanceSteps).world_object;
-  return VerifyRoughly(*start.model, pose, min_score).score;
 }
 
 absl::Status SegmentMatcher::TryAll(const std::vector<Start>& starts) {

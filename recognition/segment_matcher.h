@@ -65,6 +65,8 @@ class SegmentMatcher {
  private:
   using Model = std::shared_ptr<const SurfaceModel>;
 
+  double ConfidenceOfBest() const;  // of one that is there
+
   // A view's model where it may stand.
   struct Start {
     std::shared_ptr<const TaughtView> view;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "recognition/cancellation.h"
 #include "recognition/scan.h"
 #include "recognition/segmentation.h"
 
@@ -16,12 +17,13 @@ using IsPartOf = std::function<bool(const Eigen::Vector3f& world)>;
 using PartNumber = std::function<int(const Eigen::Vector3f& world)>;
 
 // The voxels and the scan's points of `whole` for which `is_part` holds, in their order; the
-// centroid is theirs. O(n) calls for n points.
+// centroid is theirs. O(n) calls for n points. Where cancelled, the result means nothing.
 Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
-               const IsPartOf& is_part);
+               const IsPartOf& is_part, const IsCancelled& is_cancelled = {});
 
 // The same for `count` parts at once.
 std::vector<Segment> PartsOf(const Scan& scan, const Segmentation& segmentation,
-                             const Segment& whole, std::size_t count, const PartNumber& number);
+                             const Segment& whole, std::size_t count, const PartNumber& number,
+                             const IsCancelled& is_cancelled = {});
 
 }  // namespace graspdb::recognition

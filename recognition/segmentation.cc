@@ -190,9 +190,10 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
     }
     if (is_cancelled()) return CancelledAfter("the table plane");
     log->Measure("outliers", cloud.points.size(), [&] {
+      const Eigen::Vector3f viewpoint = out->world_sensor.translation().cast<float>();
       const std::optional<Indices> kept =
           RemoveStatisticalOutliers(cloud.points, parameters.outlier_neighbor_count,
-                                    parameters.outlier_deviation_factor, is_cancelled);
+                                    parameters.outlier_deviation_factor, is_cancelled, &viewpoint);
       if (kept) Keep(*kept, &cloud);
       return cloud.points.size();
     });

@@ -11,6 +11,8 @@ constexpr int kEdgePixels = 3;
 constexpr float kBeforeM = 0.02F;
 // Share of all the segment's edges that must be cut off for a side to be hidden.
 constexpr double kCutShare = 0.04;
+// Of two opposite sides one that is so many times less cut is not: edges fray on all sides.
+constexpr double kDominates = 2;
 
 }  // namespace
 
@@ -60,8 +62,10 @@ Sight::Sides Sight::SidesWhere(bool unmeasured_too) const {
       }
     }
   }
+  // Sides are numbered so that the opposite one differs in the last bit.
   const auto is_cut = [&](int side) {
-    return cut[static_cast<std::size_t>(side)] > kCutShare * ends;
+    const int here = cut[static_cast<std::size_t>(side)];
+    return here > kCutShare * ends && kDominates * here > cut[static_cast<std::size_t>(side ^ 1)];
   };
   return {.left = is_cut(1), .right = is_cut(0), .top = is_cut(3), .bottom = is_cut(2)};
 }

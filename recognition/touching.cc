@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "absl/status/status.h"
 #include "recognition/clusters.h"
 #include "recognition/gaps.h"
 #include "recognition/halves.h"
@@ -43,14 +44,15 @@ using Answers = std::vector<AnsweredSegment>;
 class Parter {
  public:
   Parter(const MatchingInput& input, const PartingOptions& options, const RecognizeAlone& recognize,
-         const RecognizeAlone& glance)
+         const RecognizeAlone& glance, const IsCancelled& is_cancelled)
       : input_(input),
         min_count_(options.min_count),
         support_(static_cast<float>(options.support_distance_m)),
         voxel_size_(options.voxel_size_m),
         piece_gap_(std::max(kPieceGapM, kPieceGapVoxels * options.voxel_size_m)),
         recognize_(recognize),
-        glance_(glance) {}
+        glance_(glance),
+        is_cancelled_(is_cancelled) {}
 
   // Puts what `whole` consists of behind `out`, where that is known; says whether it is. Parts that
   // gaps separate are the answer where theirs explain more than any for the whole.
@@ -114,8 +116,8 @@ class Parter {
 
   // Puts the parts of `whole` that narrow gaps separate behind `out`, known or not.
   absl::Status Separate(const Segment& whole, Answers* out) {
-    for (Segment& part :
-         SplitAtGaps({input_.scan, input_.segmentation, whole}, voxel_size_, min_count_)) {
+    for (Segment& part : SplitAtGaps({input_.scan, input_.segmentation, whole}, voxel_size_,
+                                     min_count_, is_cancelled_)) {
       auto answer = Ask(part);
       if (!answer.ok()) return answer.status();
       AnsweredSegment alone{std::move(part), *std::move(answer)};
@@ -152,7 +154,7 @@ class Parter {
     // What a half explains is not all of the thing: it is asked about once more.
     for (int round = 0; round < kRounds; ++round) {
       thing.segment = PartOf(input_.scan, input_.segmentation, whole,
-                             Within(thing.detection, OwnM(thing.detection)));
+                             Within(thing.detection, OwnM(thing.detection)), is_cancelled_);
       rest = LeftOver(whole, thing.detection);
       if (thing.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
       // What will be rejected for its size is not asked about; `rest` is final in the last round
@@ -190,7 +192,8 @@ class Parter {
 
   // The answers for both halves of `whole`.
   absl::StatusOr<std::vector<Detection>> Halves(const Segment& whole) {
-    const std::vector<Segment> halves = SplitInHalves({input_.scan, input_.segmentation, whole});
+    const std::vector<Segment> halves =
+        SplitInHalves({input_.scan, input_.segmentation, whole}, is_cancelled_);
     std::vector<absl::StatusOr<Detection>> answers(halves.size(), Detection());
     questions_ += static_cast<int>(halves.size());
     ForEachIndex(halves.size(), [&](std::size_t i) {
@@ -221,24 +224,28 @@ class Parter {
 
   std::vector<Segment> LeftOver(const Segment& whole, const Detection& answer) const {
     const IsPartOf is_its = Within(answer, support_);
-    return Pieces(PartOf(input_.scan, input_.segmentation, whole,
-                         [&](const Eigen::Vector3f& p) { return !is_its(p); }));
+    return Pieces(PartOf(
+        input_.scan, input_.segmentation, whole,
+        [&](const Eigen::Vector3f& p) { return !is_its(p); }, is_cancelled_));
   }
 
   // What hangs together; smaller than a thing is left out.
   std::vector<Segment> Pieces(const Segment& rest) const {
     std::vector<Segment> out;
     if (rest.cloud.points.size() < min_count_) return out;
-    for (const Indices& piece : FindClusters(rest.cloud.points, piece_gap_, min_count_)) {
+    for (const Indices& piece :
+         FindClusters(rest.cloud.points, piece_gap_, min_count_, is_cancelled_)) {
+      if (is_cancelled_()) break;
       Points points;
       points.reserve(piece.size());
       for (const std::int32_t i : piece) {
         points.push_back(rest.cloud.points[static_cast<std::size_t>(i)]);
       }
       const PointSearch near(points);
-      out.push_back(PartOf(input_.scan, input_.segmentation, rest, [&](const Eigen::Vector3f& p) {
+      const IsPartOf is_near = [&](const Eigen::Vector3f& p) {
         return near.Nearest(p).squared_distance < static_cast<float>(piece_gap_ * piece_gap_) / 4;
-      }));
+      };
+      out.push_back(PartOf(input_.scan, input_.segmentation, rest, is_near, is_cancelled_));
     }
     return out;
   }
@@ -250,6 +257,7 @@ class Parter {
   const double piece_gap_;
   const RecognizeAlone& recognize_;
   const RecognizeAlone& glance_;
+  const IsCancelled& is_cancelled_;
   int questions_ = 0;
 };
 
@@ -257,11 +265,13 @@ class Parter {
 
 absl::StatusOr<Answers> PartTouching(const MatchingInput& whole, Detection answer,
                                      const PartingOptions& options, const RecognizeAlone& recognize,
-                                     const RecognizeAlone& glance) {
+                                     const RecognizeAlone& glance,
+                                     const IsCancelled& is_cancelled) {
   Answers out;
-  const auto known =
-      Parter(whole, options, recognize, glance).TakeCluster({whole.segment, answer}, &out);
+  const auto known = Parter(whole, options, recognize, glance, is_cancelled)
+                         .TakeCluster({whole.segment, answer}, &out);
   if (!known.ok()) return known.status();
+  if (is_cancelled()) return absl::CancelledError("cancelled while what touches was parted");
   if (!*known) out.push_back({whole.segment, std::move(answer)});
   return out;
 }

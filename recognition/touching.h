@@ -28,11 +28,9 @@ struct PartingOptions {
 // where all of it gets one: what was never taught must not be named for a part that resembles
 // something. Halves are only looked at with `glance`, which may know less than `recognize` and is
 // called from several threads.
-// Deterministic. Errors as `recognize`.
-absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(const MatchingInput& whole,
-                                                          Detection answer,
-                                                          const PartingOptions& options,
-                                                          const RecognizeAlone& recognize,
-                                                          const RecognizeAlone& glance);
+// Deterministic. Errors as `recognize`; CANCELLED.
+absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(
+    const MatchingInput& whole, Detection answer, const PartingOptions& options,
+    const RecognizeAlone& recognize, const RecognizeAlone& glance, const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

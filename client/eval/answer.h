@@ -1,12 +1,14 @@
 // Answers of the recognition, judged.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/eval/judge.h"
 #include "client/eval/part_set.h"
 #include "client/eval/trial.h"
+#include "client/eval/true_pose.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::client {
@@ -40,6 +42,7 @@ struct Answer {
   recognition::Pose truth = recognition::Pose::Identity();
   recognition::Pose found = recognition::Pose::Identity();
   std::vector<recognition::Candidate> candidates = {};  // nearest first
+  std::optional<TruePose> true_pose = {};  // of a known thing that was not found rightly, if wanted
 };
 
 // Judges what `recognition` says of thing number `which` of the trial: the detection nearest to

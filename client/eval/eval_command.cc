@@ -111,6 +111,11 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
                    "Nearest views that are verified; 1: the paper's way")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command
+      ->add_option("--further-views", arguments->matching.further_view_count,
+                   "Views that are looked at in all where those do not explain a thing")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
   command->add_flag("--own-thresholds", arguments->own_thresholds,
                     "Hold each stable pose to the threshold that its taught views propose, as "
                     "graspdb objects thresholds does; takes longer");

@@ -73,6 +73,8 @@ void PrintWrong(const CaseResult& result) {
                                  a.scene, StablePoseName(result.set.parts[a.part]),
                                  a.stable_pose.empty() ? "nothing" : a.stable_pose, a.score,
                                  a.error.add_s_m * 1e3, a.error.hausdorff_m * 1e3);
+    std::cout << "        answer: " << TextOf(a.evidence, a.doubt) << "\n";
+    if (a.true_pose) std::cout << "        true pose: " << TextOf(*a.true_pose) << "\n";
   }
 }
 
@@ -132,6 +134,7 @@ class Runner {
   Runner(const EvalArguments& arguments, std::optional<ReportWriter> writer)
       : arguments_(arguments), writer_(std::move(writer)) {
     run_.parameters.matching = arguments.matching;
+    run_.judge_truth = arguments.list;
     run_.own_thresholds = arguments.own_thresholds;
     run_.kept_scans = writer_ ? kDrawnAnswers : 0;
     run_.report = [this](const std::string& step, std::size_t done, std::size_t total) {

@@ -34,6 +34,20 @@ absl::StatusOr<recognition::CatalogueSnapshot> Known(recognition::CatalogueSnaps
   return WithOwnThresholds(std::move(taught), run.parameters, report, gallery);
 }
 
+// What the recognition thinks of the true poses of what it did not find rightly.
+void JudgeTruth(const recognition::Scan& scan, const PartSet& set, const ExperimentRun& run,
+                Gallery* gallery, std::vector<Answer>* answers) {
+  recognition::StageLog log;
+  const auto segmentation = recognition::SegmentScan(
+      scan, run.parameters.segmentation, run.parameters.descriptor, [] { return false; }, &log);
+  if (!segmentation.ok()) return;
+  for (Answer& answer : *answers) {
+    const auto model = gallery->ModelOf(set.parts[answer.part]);
+    if (!answer.known || !answer.posed || answer.strictly_right || !model) continue;
+    answer.true_pose = ScoreTruth(scan, *segmentation, *model, answer.truth, run.parameters);
+  }
+}
+
 absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::size_t question,
                                         const recognition::CatalogueSnapshot& taught,
                                         const PartSet& set, const ExperimentRun& run,
@@ -53,6 +67,9 @@ absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::siz
     out.push_back(JudgeAnswer(*recognition, *trial, which, set));
     out.back().scene = question;
     out.back().milliseconds = took.count();
+  }
+  if (run.judge_truth && !std::ranges::all_of(out, &Answer::strictly_right)) {
+    JudgeTruth(trial->scan, set, run, gallery, &out);
   }
   return out;
 }

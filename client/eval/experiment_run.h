@@ -16,6 +16,8 @@ struct ExperimentRun {
   int workers = 2;
   // Each stable pose is held to the threshold that the taught views propose for it.
   bool own_thresholds = false;
+  // Answers that are not strictly right say how the true pose is judged (Answer::true_pose).
+  bool judge_truth = false;
   std::size_t kept_scans = 0;  // of the worst answers, for pictures; each is rendered once more
   std::function<void(const std::string& step, std::size_t done, std::size_t total)> report;
   std::function<bool()> cancelled;

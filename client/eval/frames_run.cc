@@ -16,22 +16,10 @@
 namespace graspdb::client {
 namespace {
 
-std::string TextOf(const recognition::Evidence& e, const recognition::Doubt& d) {
-  return absl::StrFormat(
-      "explained %.3f, confirmed %.3f, contradicted %.3f, unmeasured %.3f, rms %.2f mm; doubts: "
-      "scan "
-      "%.3f, contradicted %.3f, residual %.2f, unseen %.2f, little %.2f",
-      e.scan_explained, e.confirmed, e.contradicted, e.unmeasured, e.rms_m * 1e3, d.scan,
-      d.contradicted, d.residual, d.unseen, d.little);
-}
-
 void Print(const FrameInstance& t) {
   std::cout << absl::StrFormat("  %-20s %s\n", t.object.object,
                                t.found ? "found" : TextOf(t.lost_by));
-  std::cout << absl::StrFormat(
-      "    true pose: %d of %d voxels, score %.3f (own points %.3f), rank %d, F %.3f; %s\n",
-      t.truth.own_points, t.truth.segment_points, t.truth.whole.confidence, t.truth.own_score,
-      t.rank, t.truth.whole.evidence.score, TextOf(t.truth.whole.evidence, t.truth.whole.doubt));
+  std::cout << absl::StrFormat("    true pose: rank %d, %s\n", t.rank, TextOf(t.truth));
   std::cout << absl::StrFormat(
       "    answer: %s%s, score %.3f, F %.3f\n", t.best_object.empty() ? "nothing" : t.best_object,
       t.best_is_right ? " rightly posed" : "", t.best_score, t.best_explains);

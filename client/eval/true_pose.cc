@@ -1,5 +1,6 @@
 #include "client/eval/true_pose.h"
 
+#include "absl/strings/str_format.h"
 #include "recognition/nearest_grid.h"
 #include "recognition/oriented_columns.h"
 #include "recognition/refinement.h"
@@ -53,6 +54,21 @@ PoseScore Score(const Inputs& in, const Segment& segment, const Pose& initial) {
 }
 
 }  // namespace
+
+std::string TextOf(const recognition::Evidence& e, const recognition::Doubt& d) {
+  return absl::StrFormat(
+      "explained %.3f, confirmed %.3f, contradicted %.3f, unmeasured %.3f, rms %.2f mm; doubts: "
+      "scan %.3f, contradicted %.3f, residual %.2f, unseen %.2f, little %.2f",
+      e.scan_explained, e.confirmed, e.contradicted, e.unmeasured, e.rms_m * 1e3, d.scan,
+      d.contradicted, d.residual, d.unseen, d.little);
+}
+
+std::string TextOf(const TruePose& truth) {
+  return absl::StrFormat("%d of %d voxels, score %.3f (own points %.3f), F %.3f; %s",
+                         truth.own_points, truth.segment_points, truth.whole.confidence,
+                         truth.own_score, truth.whole.evidence.score,
+                         TextOf(truth.whole.evidence, truth.whole.doubt));
+}
 
 TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentation& segmentation,
                     const SurfaceModel& model, const Pose& world_object,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 
 #include "recognition/confidence.h"
 #include "recognition/recognizer.h"
@@ -29,6 +30,10 @@ struct TruePose {
            static_cast<double>(std::max<std::size_t>(1, segment_points));
   }
 };
+
+// What was seen of a pose and what is doubted, for a person.
+std::string TextOf(const recognition::Evidence& evidence, const recognition::Doubt& doubt);
+std::string TextOf(const TruePose& truth);
 
 // Scores `model` at `world_object` (T_world_object) in the segment that has most of its points.
 // O(n) look-ups for n points of the scan. Thread-safe.

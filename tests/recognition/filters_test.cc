@@ -79,6 +79,25 @@ TEST(OutliersTest, PointFarFromTheRestIsRemoved) {
   EXPECT_TRUE(std::ranges::is_sorted(kept));
 }
 
+// Two pieces of wall, of which the nearer one has nine tenths of the points.
+TEST(OutliersTest, WhatIsFarFromTheCameraIsNoOutlierForHavingItsPointsFartherApart) {
+  Points points;
+  for (int row = 0; row < 60; ++row) {
+    for (int column = 0; column < 60; ++column) {
+      const Vector3f ray(0.002F * static_cast<float>(column), 0.002F * static_cast<float>(row), 1);
+      points.push_back(0.3F * ray);
+      if (row < 20 && column < 20) points.push_back(0.9F * (ray + Vector3f(0.3F, 0, 0)));
+    }
+  }
+  const Vector3f lens = Vector3f::Zero();
+  const auto count_far = [&](const Indices& kept) {
+    return std::ranges::count_if(
+        kept, [&](std::int32_t i) { return points[static_cast<std::size_t>(i)].z() > 0.5F; });
+  };
+  EXPECT_LT(count_far(*RemoveStatisticalOutliers(points, 20, 2)), 100);
+  EXPECT_GT(count_far(*RemoveStatisticalOutliers(points, 20, 2, {}, &lens)), 300);
+}
+
 TEST(OutliersTest, NoMorePointsThanNeighborsAreAllKept) {
   Random random(11);
   Points points = RandomPoints(random, 19, 0.1);

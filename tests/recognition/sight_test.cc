@@ -78,5 +78,17 @@ TEST_F(SightTest, WhereNothingWasMeasuredSomethingMayHideASide) {
   EXPECT_EQ(sight.UnseenSides(), Sight::Sides{.left = true});
 }
 
+// A quarter of the right edge is lost, and all of the left one.
+TEST_F(SightTest, ASideThatIsLessCutThanTheOneAcrossIsFrayed) {
+  for (float y = -0.1F; y < 0.1F; y += kPitchM) {
+    for (float x = -0.05F; x < 0.1F; x += kPitchM) {
+      const bool on_plate = std::abs(x) < 0.05F && std::abs(y) < 0.05F;
+      const bool lost = x >= 0.05F && y > -0.01F && y < 0.015F;
+      if (!on_plate && !lost) scan_.points.emplace_back(1.1F * x, 1.1F * y, 1.1F);
+    }
+  }
+  EXPECT_EQ(Look().UnseenSides(), Sight::Sides{.left = true});
+}
+
 }  // namespace
 }  // namespace graspdb::recognition

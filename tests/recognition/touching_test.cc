@@ -102,12 +102,24 @@ TEST_F(TouchingTest, AKnownThingThatTouchesAStrangerSaysSo) {
     return Detection();
   };
   const auto things = PartTouching({scan, *seen, seen->segments[0]}, answer, PartingOptions(),
-                                   knows_nothing, knows_nothing);
+                                   knows_nothing, knows_nothing, [] { return false; });
   ASSERT_THAT(things, IsOk());
   ASSERT_THAT(*things, SizeIs(1));
   EXPECT_EQ(things->front().detection.view, answer.view);
   EXPECT_TRUE(things->front().detection.touching);
   EXPECT_GT(asked, 0);
+}
+
+TEST_F(TouchingTest, WhatIsCancelledWhileItIsPartedHasNoAnswer) {
+  const Scan scan = TaughtShapes::See({Stranger(0.05, 0.02)});
+  StageLog log;
+  const auto seen = SegmentScan(
+      scan, {}, {}, [] { return false; }, &log);
+  ASSERT_THAT(seen, IsOk());
+  const RecognizeAlone knows_nothing = [](const Segment&) { return Detection(); };
+  const auto things = PartTouching({scan, *seen, seen->segments[0]}, Detection(), PartingOptions(),
+                                   knows_nothing, knows_nothing, [] { return true; });
+  EXPECT_EQ(things.status().code(), absl::StatusCode::kCancelled);
 }
 
 TEST_F(TouchingTest, AStrangerIsNotTakenForThingsThatTouch) {
