@@ -9,7 +9,7 @@ namespace graspdb::recognition {
 namespace {
 
 constexpr std::size_t kGrowth = 4;  // so many times more views each time, until one explains it
-// Where a side is not seen the descriptor says little: so many times more views are looked at. Of
+// Factor of the number of views where a side is not seen, since the descriptor says little then. Of
 // 81 objects with 40 % hidden from a Carmine 91 % were found and not 88 (ADR 23).
 constexpr int kCutOffViews = 4;
 

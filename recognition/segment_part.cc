@@ -5,7 +5,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// To find the part of a point takes about so many nanoseconds.
+// Time to find the part of a point, ns.
 constexpr std::size_t kPartNs = 100;
 
 }  // namespace

@@ -113,9 +113,7 @@ absl::StatusOr<bool> SegmentRecognition::TryNearest() {
     return explained;
   }
   log_->Measure("register", out_.point_count, [&] {
-    search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
-                    parameters_.matching, is_cancelled_);
-    explained = search_->TryNearest();
+    explained = BeginSearch().TryNearest();
     return out_.point_count;
   });
   explained_ = explained.ok() && *explained;
@@ -127,15 +125,18 @@ absl::StatusOr<Detection> SegmentRecognition::QuickAnswer(SearchBudget& budget) 
   if (out_.rejected_by || !MayBeAccepted() || !FindNearest(views)) return std::move(out_);
   absl::Status status;
   log_->Measure("register", out_.point_count, [&] {
-    search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
-                    parameters_.matching, is_cancelled_);
-    status = search_->TryScreened(budget);
+    status = BeginSearch().TryScreened(budget);
     if (status.ok()) status = TakeBest();
     return out_.point_count;
   });
   if (!status.ok()) return status;
   Decide();
   return std::move(out_);
+}
+
+ModelSearch& SegmentRecognition::BeginSearch() {
+  return search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
+                         parameters_.matching, is_cancelled_);
 }
 
 // Whether some stable pose is accepted with the confidence that a segment of this size can reach.

@@ -37,6 +37,7 @@ class SegmentRecognition {
  private:
   bool FindNearest(int count);
   bool MayBeAccepted() const;
+  ModelSearch& BeginSearch();
   absl::Status TakeBest();
   void Decide();
 

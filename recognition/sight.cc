@@ -11,7 +11,7 @@ constexpr int kEdgePixels = 3;
 constexpr float kBeforeM = 0.02F;
 // Share of all the segment's edges that must be cut off for a side to be hidden.
 constexpr double kCutShare = 0.04;
-// Of two opposite sides one that is so many times less cut is not: edges fray on all sides.
+// Ratio of the cut edges of two opposite sides from which on only one is hidden: all edges fray.
 constexpr double kDominates = 2;
 
 }  // namespace

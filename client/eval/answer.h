@@ -42,7 +42,8 @@ struct Answer {
   recognition::Pose truth = recognition::Pose::Identity();
   recognition::Pose found = recognition::Pose::Identity();
   std::vector<recognition::Candidate> candidates = {};  // nearest first
-  std::optional<TruePose> true_pose = {};  // of a known thing that was not found rightly, if wanted
+  // How the recognition judges the true pose; where wanted, of a known object whose pose is wrong.
+  std::optional<TruePose> true_pose = {};
 };
 
 // Judges what `recognition` says of thing number `which` of the trial: the detection nearest to

@@ -122,6 +122,29 @@ TEST_F(TouchingTest, WhatIsCancelledWhileItIsPartedHasNoAnswer) {
   EXPECT_EQ(things.status().code(), absl::StatusCode::kCancelled);
 }
 
+// Two blocks of 300,000 voxels, 1 cm apart.
+TEST_F(TouchingTest, OfHugeClustersNoMoreIsAskedThanTakesLittleTime) {
+  Scan scan;
+  Segmentation seen;
+  Segment whole;
+  for (int i = 0; i < 600'000; ++i) {
+    const int x = i % 100 + (i < 300'000 ? 0 : 103);
+    whole.cloud.points.emplace_back(0.003F * static_cast<float>(x),
+                                    0.003F * static_cast<float>(i / 100 % 100),
+                                    0.003F * static_cast<float>(i / 10'000 % 30));
+    whole.cloud.normals.emplace_back(0.0F, 0.0F, 1.0F);
+  }
+  int asked = 0;
+  const RecognizeAlone knows_nothing = [&](const Segment&) {
+    ++asked;
+    return Detection();
+  };
+  const auto things = PartTouching({scan, seen, whole}, Detection(), PartingOptions(),
+                                   knows_nothing, knows_nothing, [] { return false; });
+  ASSERT_THAT(things, IsOk());
+  EXPECT_EQ(asked, 2);  // the blocks, and not the halves as well
+}
+
 TEST_F(TouchingTest, AStrangerIsNotTakenForThingsThatTouch) {
   const auto found = See({Stranger(0, 0), Stranger(0.1, 0.02)});
   ASSERT_THAT(found, SizeIs(1));
