@@ -19,8 +19,8 @@ namespace {
 // Things within things that are looked for, and how often one cluster is asked about in all.
 constexpr int kDepth = 3;
 constexpr int kMostQuestions = 24;
-// Voxels that are asked about before it ends, of one cluster: so many questions about 20,000
-// voxels, which few parts of 0.3 m have. Doubled, a scan of noise takes as much longer.
+// Voxels of all questions about one cluster together: 24 questions about 20,000 voxels, which few
+// parts of 0.3 m have. Doubled, a scan of noise takes as much longer.
 constexpr std::size_t kMostVoxels = 480'000;
 // Where no score is too low for an answer (minScore 0), one that is mostly wrong parts nothing.
 constexpr double kKnown = 0.1;
