@@ -29,7 +29,9 @@ ModelSearch::ModelSearch(const MatchingInput& input, const ScanDepths& depths,
 }
 
 absl::StatusOr<bool> ModelSearch::TryNearest() {
-  if (absl::Status status = matcher_.Propose(nearest_, hidden_); !status.ok()) return status;
+  const auto large_enough = matcher_.LargeEnough(nearest_);
+  if (!large_enough.ok()) return large_enough.status();
+  if (absl::Status status = matcher_.Propose(*large_enough, hidden_); !status.ok()) return status;
   return IsCutOff() ? matcher_.IsExplainedWhole() : matcher_.IsExplained();
 }
 

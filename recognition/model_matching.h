@@ -42,6 +42,7 @@ class ModelSearch {
   // The nearest views alone, all of them screened, in place of both: of as many as the budget
   // allows.
   absl::Status TryScreened(SearchBudget& budget) {
+    matcher_.SeekBeginning();
     return matcher_.ProposeBest(nearest_, hidden_, budget);
   }
 

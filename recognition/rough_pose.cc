@@ -1,5 +1,6 @@
 #include "recognition/rough_pose.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "recognition/heading.h"
@@ -16,6 +17,8 @@ constexpr double kMinClimb = 0.2;
 // lowers. Where what is left has its mean so far from that of all, m, it makes a place of its own.
 constexpr double kGoneWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
+// Initial poses that are nearer, m, lead to the same place: correspondences reach 0.02 m.
+constexpr double kSameStartM = 0.006;
 
 double Azimuth(const Pose& world_sensor, const Vector3d& point) {
   const Vector3d side = SideSeen(world_sensor, point);
@@ -106,14 +109,20 @@ std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
     return at;
   };
   std::vector<Pose> out = {shifted(whole, {})};
+  const auto add = [&](const Pose& pose) {
+    const bool is_known = std::ranges::any_of(out, [&](const Pose& other) {
+      return (other.translation() - pose.translation()).norm() < kSameStartM;
+    });
+    if (!is_known) out.push_back(pose);
+  };
   if (hidden.left != hidden.right || hidden.top != hidden.bottom) {
-    out.push_back(shifted(whole, hidden));
+    add(shifted(whole, hidden));
   }
   if (segment.table_reach_m <= 0) return out;
   const Points high = WithoutLow(visible, turned, segment.table_reach_m);
   if (high.empty()) return out;
   const Extent standing = ExtentOf(high, sensor_object);
-  if ((standing.mean - whole.mean).norm() > kStandsElsewhereM) out.push_back(shifted(standing, {}));
+  if ((standing.mean - whole.mean).norm() > kStandsElsewhereM) add(shifted(standing, {}));
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "recognition/nearest_grid.h"
 #include "recognition/oriented_columns.h"
 #include "recognition/ranking.h"
+#include "recognition/reachable_share.h"
 #include "recognition/recognizer.h"
 #include "recognition/refinement.h"
 #include "recognition/rough_pose.h"
@@ -43,8 +45,12 @@ class SegmentMatcher {
   // LoadModel.
   absl::Status Propose(std::span<const Views::value_type> views, const Sight::Sides& hidden);
 
-  // The same of those views only that look best after a glance, which takes a quarter of the time;
-  // of as many as the budget allows, the first ones.
+  // Those of the views whose model may explain enough of the segment to be worth a hypothesis, by
+  // its size. CANCELLED; errors of LoadModel.
+  absl::StatusOr<Views> LargeEnough(std::span<const Views::value_type> views);
+
+  // As Propose, of those views only that are large enough and look best after a glance, which takes
+  // a quarter of the time; of as many as the budget allows, the first ones.
   absl::Status ProposeBest(std::span<const Views::value_type> views, const Sight::Sides& hidden,
                            SearchBudget& budget);
 
@@ -53,6 +59,9 @@ class SegmentMatcher {
   // And nothing of what explains it is hidden: then nothing larger would do so as well.
   bool IsExplainedWhole() const;
   bool ExplainsNothing() const;
+
+  // From now on little is refined in full: the answer is only where another search begins.
+  void SeekBeginning() { only_beginning_ = true; }
 
   void Forget() { hypotheses_.clear(); }
 
@@ -65,6 +74,15 @@ class SegmentMatcher {
  private:
   using Model = std::shared_ptr<const SurfaceModel>;
 
+  // Made when the first hypothesis needs them.
+  struct LookUps {
+    explicit LookUps(const SegmentMatcher& matcher);
+
+    const NearestGrid grid;
+    const RefinementTarget target;
+    const RefinementTarget rough_target;
+  };
+
   double ConfidenceOfBest() const;  // of one that is there
 
   // A view's model where it may stand.
@@ -76,6 +94,8 @@ class SegmentMatcher {
     double score = 0;  // of a glance
   };
 
+  // An upper bound of the share of the segment that the model of `view` explains.
+  double Reachable(const TaughtView& view, const SurfaceModel& model) const;
   // Without those that show a model as one before them does.
   Views DistinctTurns(std::span<const Views::value_type> views) const;
   // Of all views, in their order; none of one that is not taught any more.
@@ -98,17 +118,19 @@ class SegmentMatcher {
   Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const;
 
   const double noise_m_;
+  const Segmentation& segmentation_;
+  const Segment& segment_;
   const CatalogueSnapshot& catalogue_;
   ViewClouds& clouds_;
   const MatchingParameters& parameters_;
   const IsCancelled& is_cancelled_;
   const Sight sight_;
-  const NearestGrid grid_;
   const SeenSegment seen_;
   const OrientedColumns columns_;
   const OrientedColumns rough_columns_;  // some of them
-  const RefinementTarget target_;
-  const RefinementTarget rough_target_;
+  const ReachableShare reachable_;       // of the same
+  bool only_beginning_ = false;
+  std::optional<LookUps> look_ups_;
   std::unordered_map<const void*, Model> models_;  // by stable pose, or by view
   std::vector<PoseHypothesis> hypotheses_;
 };

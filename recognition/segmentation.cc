@@ -262,7 +262,7 @@ absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationPar
                                          const DescriptorParameters& descriptor,
                                          const IsCancelled& cancelled_by_caller, StageLog* log) {
   const IsCancelled is_cancelled = Latched(cancelled_by_caller);
-  Segmentation out;
+  Segmentation out{.table = {}, .voxel_size_m = descriptor.voxel_size_m, .segments = {}};
   RegionPoints cloud;
   absl::Status status;
   log->Measure("region", scan.size(), [&] {

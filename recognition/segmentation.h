@@ -51,6 +51,7 @@ struct Segmentation {
   std::optional<Plane> table;     // world frame; absent when no plane was found
   double table_noise_m = 0;       // root mean square distance of its points from it; 0: no table
   double table_reach_m = 0;       // what is no higher above it went with it; 0: no table
+  double voxel_size_m = 0.003;    // of the segments' clouds
   std::vector<Segment> segments;  // the nearest to the sensor first
   // Points of a segmented scan that are too far from the others to be of one object; left out.
   std::size_t far_point_count = 0;

@@ -35,10 +35,15 @@ void Print(const FrameDetection& d) {
       d.score, judged, d.add_s_share, d.voxels, TextOf(d.evidence, d.doubt));
 }
 
-void Print(const FrameResult& result) {
+void Print(const FrameResult& result, bool list) {
   std::cout << absl::StrFormat("%-10s %7.0f ms  %2d segments  %s  (%s)\n", result.frame->name,
                                result.milliseconds, result.segments, result.error,
                                result.frame->arrangement);
+  // Steps that several cores take at once add up to more than the whole.
+  for (const auto& stage : result.stages) {
+    if (list) std::cout << absl::StrFormat("  %s %.0f ms", stage.stage, stage.duration_ms);
+  }
+  if (list) std::cout << "\n";
   for (const FrameInstance& t : result.instances) Print(t);
   for (const FrameDetection& d : result.detections) Print(d);
 }
@@ -94,7 +99,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   for (const RealFrame& frame : *frames) {
     auto result = AskFrame(frame, run, catalogue->get());
     if (!result.ok()) return result.status();
-    Print(*result);
+    Print(*result, arguments.list);
     results.push_back(*std::move(result));
   }
   PrintSums(results);

@@ -189,6 +189,7 @@ absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun
   const bool answered = recognition.ok() && segmentation.ok();
   if (answered) {
     out.segments = segmentation->segments.size();
+    out.stages = recognition->stages;
     out.detections = JudgeAll(catalogue->set(), *recognition, frame);
   } else {
     out.error = std::string(recognition.status().message());

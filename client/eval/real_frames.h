@@ -86,6 +86,7 @@ struct FrameResult {
   std::string error = {};  // why there was no answer; empty: there was one
   double milliseconds = 0;
   std::size_t segments = 0;
+  std::vector<recognition::StageReport> stages = {};
   std::vector<FrameInstance> instances = {};
   std::vector<FrameDetection> detections = {};
 };
