@@ -98,6 +98,8 @@ class SegmentMatcher {
   double Reachable(const TaughtView& view, const SurfaceModel& model) const;
   // Without those that show a model as one before them does.
   Views DistinctTurns(std::span<const Views::value_type> views) const;
+  // Without a pose; without a model where the view is not taught any more or has none.
+  absl::StatusOr<Start> StartOf(const Views::value_type& view);
   // Of all views, in their order; none of one that is not taught any more.
   absl::StatusOr<std::vector<Start>> StartsOf(std::span<const Views::value_type> views,
                                               const Sight::Sides& hidden);

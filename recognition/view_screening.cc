@@ -68,14 +68,11 @@ absl::StatusOr<Views> SegmentMatcher::LargeEnough(std::span<const Views::value_t
   std::unordered_map<const SurfaceModel*, bool> known;
   Views out;
   for (const auto& view : views) {
-    if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    const auto pose = catalogue_.stable_poses->find(view->stable_pose);
-    if (pose == catalogue_.stable_poses->end()) continue;
-    const auto model = ModelOf(*view, *pose->second);
-    if (!model.ok()) return model.status();
-    if (*model == nullptr) continue;
-    const auto [at, is_new] = known.try_emplace(model->get(), false);
-    if (is_new) at->second = Reachable(*view, **model) >= kLeastReachable;
+    const auto start = StartOf(view);
+    if (!start.ok()) return start.status();
+    if (start->model == nullptr) continue;
+    const auto [at, is_new] = known.try_emplace(start->model.get(), false);
+    if (is_new) at->second = Reachable(*view, *start->model) >= kLeastReachable;
     if (at->second) out.push_back(view);
   }
   return out;
@@ -110,12 +107,9 @@ absl::StatusOr<std::vector<SegmentMatcher::Start>> SegmentMatcher::StartsOf(
     std::span<const Views::value_type> views, const Sight::Sides& hidden) {
   std::vector<Start> models;
   for (const auto& view : views) {
-    if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    const auto pose = catalogue_.stable_poses->find(view->stable_pose);
-    if (pose == catalogue_.stable_poses->end()) continue;
-    const auto model = ModelOf(*view, *pose->second);
-    if (!model.ok()) return model.status();
-    if (*model != nullptr) models.push_back({view, pose->second->symmetry_order, *model});
+    const auto start = StartOf(view);
+    if (!start.ok()) return start.status();
+    if (start->model != nullptr) models.push_back(*start);
   }
   if (!look_ups_ && !models.empty()) look_ups_.emplace(*this);
   std::vector<std::vector<Pose>> poses(models.size());
@@ -130,6 +124,15 @@ absl::StatusOr<std::vector<SegmentMatcher::Start>> SegmentMatcher::StartsOf(
     }
   }
   return out;
+}
+
+absl::StatusOr<SegmentMatcher::Start> SegmentMatcher::StartOf(const Views::value_type& view) {
+  if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
+  const auto pose = catalogue_.stable_poses->find(view->stable_pose);
+  if (pose == catalogue_.stable_poses->end()) return Start();
+  const auto model = ModelOf(*view, *pose->second);
+  if (!model.ok()) return model.status();
+  return Start{view, pose->second->symmetry_order, *model};
 }
 
 // Asks for a model once, and not for each of the views that it is fused from.

@@ -61,10 +61,13 @@ TEST_F(SearchTest, WhatIsExplainedNeedsNoBudget) {
 
 TEST_F(SearchTest, ViewsThatWereNotTriedAreCounted) {
   EXPECT_EQ(Run({Stranger()}).untried_view_count, 0U);
+  parameters_.matching.further_view_budget = 0;
+  const std::size_t all = Run({Stranger()}).untried_view_count;
   parameters_.matching.further_view_budget = 7;
   const Recognition found = Run({Stranger()});
   EXPECT_EQ(found.outcome, RecognitionOutcome::kUnknownObject);
   EXPECT_GT(found.untried_view_count, 0U);
+  EXPECT_EQ(found.untried_view_count, all - 7);
   EXPECT_FALSE(found.out_of_time);
   EXPECT_EQ(Run({Stranger()}).untried_view_count, found.untried_view_count);
 }
