@@ -1,6 +1,8 @@
 #include "recognition/fragments.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 namespace graspdb::recognition {
@@ -8,6 +10,23 @@ namespace {
 
 // Of a segment's points, so many must lie on the model.
 constexpr double kShare = 0.8;
+
+void Take(const Detection& piece, Detection* whole) {
+  const auto of_piece = static_cast<double>(piece.point_count);
+  const auto of_whole = static_cast<double>(whole->point_count);
+  whole->centroid =
+      (of_piece * piece.centroid + of_whole * whole->centroid) / (of_piece + of_whole);
+  whole->point_count += piece.point_count;
+}
+
+// Of two detections of one object the surer one is the whole.
+bool MayBePieceOf(const Detection& piece, const Detection& whole) {
+  if (!whole.view || !whole.model) return false;
+  if (!piece.view) return true;
+  return piece.view->object == whole.view->object && piece.score <= whole.score;
+}
+
+}  // namespace
 
 bool LiesOn(const Segment& segment, const Detection& whole, double support_distance_m) {
   const Eigen::Isometry3f object_world = whole.refined_pose.inverse().cast<float>();
@@ -18,29 +37,24 @@ bool LiesOn(const Segment& segment, const Detection& whole, double support_dista
   return static_cast<double>(near) >= kShare * static_cast<double>(segment.cloud.points.size());
 }
 
-void Take(const Detection& piece, Detection* whole) {
-  const auto of_piece = static_cast<double>(piece.point_count);
-  const auto of_whole = static_cast<double>(whole->point_count);
-  whole->centroid =
-      (of_piece * piece.centroid + of_whole * whole->centroid) / (of_piece + of_whole);
-  whole->point_count += piece.point_count;
-}
-
-}  // namespace
-
 void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers) {
+  std::vector<std::size_t> order(answers->size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) {
+    const Detection& d = (*answers)[i].detection;
+    return d.view ? d.score : -1.0;
+  });
   std::vector<bool> is_piece(answers->size(), false);
-  for (std::size_t i = 0; i < answers->size(); ++i) {
+  for (const std::size_t i : order) {
     const AnsweredSegment& piece = (*answers)[i];
-    if (piece.detection.view) continue;
-    for (AnsweredSegment& other : *answers) {
-      Detection& whole = other.detection;
-      if (!whole.view || !whole.model || !LiesOn(piece.segment, whole, support_distance_m)) {
+    for (std::size_t j = 0; j < answers->size() && !is_piece[i]; ++j) {
+      Detection& whole = (*answers)[j].detection;
+      if (i == j || is_piece[j] || !MayBePieceOf(piece.detection, whole) ||
+          !LiesOn(piece.segment, whole, support_distance_m)) {
         continue;
       }
       Take(piece.detection, &whole);
       is_piece[i] = true;
-      break;
     }
   }
   std::vector<AnsweredSegment> kept;

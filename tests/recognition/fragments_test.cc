@@ -82,9 +82,30 @@ TEST_F(FragmentsTest, WithoutAnAnswerThereIsNothingToBeAPieceOf) {
   EXPECT_THAT(answers_, SizeIs(2));
 }
 
-TEST_F(FragmentsTest, AThingWithAnAnswerOfItsOwnIsNoPiece) {
+// The left end has the better answer.
+TEST_F(FragmentsTest, OneObjectIsFoundOnceInOnePlace) {
   See(Strip(0.03, 0.1, 0.03));
-  answers_[1].detection.view = std::make_shared<const TaughtView>();
+  answers_[1].detection = answers_[0].detection;
+  answers_[1].detection.score = 0.8;
+  answers_[0].detection.score = 0.9;
+  Join();
+  ASSERT_THAT(answers_, SizeIs(1));
+  EXPECT_EQ(answers_[0].detection.score, 0.9);
+}
+
+TEST_F(FragmentsTest, TheSameObjectElsewhereStays) {
+  See(Strip(0.13, 0.2, 0.03));
+  answers_[1].detection = answers_[0].detection;
+  answers_[1].detection.refined_pose.translation().x() = 0.22;
+  Join();
+  EXPECT_THAT(answers_, SizeIs(2));
+}
+
+TEST_F(FragmentsTest, AnotherObjectIsNoPiece) {
+  See(Strip(0.03, 0.1, 0.03));
+  TaughtView other;
+  other.object = "objects/other";
+  answers_[1].detection.view = std::make_shared<const TaughtView>(other);
   Join();
   EXPECT_THAT(answers_, SizeIs(2));
 }

@@ -152,6 +152,28 @@ TEST_F(RecognizerTest, SameInputGivesTheSameBits) {
   }
 }
 
+// A post before it, outside of the region, hides its middle: the camera sees two pieces.
+TEST_F(RecognizerTest, PiecesOfOnePartAreOneDetectionWithoutFurtherViews) {
+  parameters_.matching.further_view_budget = 0;
+  Solid post{Pose::Identity(), {{{-0.01, -0.006, 0}, {0.01, 0.006, 0.25}}}};
+  post.world_solid.translation().y() = -0.14;
+  for (const std::string object : {"bracket", "slab"}) {
+    const Solid part = TaughtShapes::Part(object, 0, 0, 50);
+    Scan scan = TaughtShapes::See({part, post});
+    scan.region = Box{{-0.5, -0.1, -0.1}, {0.5, 0.5, 0.5}};
+    const auto found =
+        Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
+    ASSERT_THAT(found, IsOk());
+    ASSERT_THAT(found->detections, SizeIs(1)) << object;
+    ASSERT_TRUE(found->detections[0].view) << object;
+    EXPECT_EQ(found->detections[0].view->object, "objects/" + object);
+    EXPECT_LT(LargestCornerError(object, found->detections[0].refined_pose, part.world_solid),
+              0.004)
+        << object;
+    EXPECT_EQ(found->untried_view_count, 0) << object;
+  }
+}
+
 TEST_F(RecognizerTest, EmptyCatalogueKnowsNothing) {
   const CatalogueSnapshot empty{3, DescriptorIndex(300), nullptr};
   const auto found = Recognize(TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)}), empty,

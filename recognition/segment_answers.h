@@ -1,0 +1,67 @@
+// Recognises the segments of one scan.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "recognition/answered_segment.h"
+#include "recognition/scan_depths.h"
+#include "recognition/search_budget.h"
+#include "recognition/segment_recognition.h"
+#include "recognition/stages.h"
+#include "recognition/unions.h"
+
+namespace graspdb::recognition {
+
+// Several segments at once where cores are idle. For one thread; all references must outlive it.
+class SegmentAnswers {
+ public:
+  SegmentAnswers(const Scan& scan, const Segmentation& segmentation,
+                 const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                 const RecognitionParameters& parameters, const IsCancelled& is_cancelled);
+
+  // Once. CANCELLED; errors of LoadModel.
+  absl::StatusOr<std::vector<AnsweredSegment>> Take();
+
+  // What was done, and what was not.
+  void Report(StageLog* log, Recognition* out) const;
+
+ private:
+  using Answers = std::vector<AnsweredSegment>;
+
+  // Of one segment; of one thread at a time.
+  struct Work {
+    StageLog log;
+    SearchBudget budget;
+    std::shared_ptr<SegmentRecognition> search;  // that has not ended
+    Answers parts;
+  };
+
+  Work& WorkOn(const AnsweredSegment& answer);
+  static absl::Status ForEach(Answers* answers,
+                              const std::function<absl::Status(AnsweredSegment*)>& job);
+  absl::Status TryNearest(AnsweredSegment* answer);
+  absl::Status Answer(AnsweredSegment* answer);
+  absl::Status JoinPieces(Answers* answers);
+  absl::StatusOr<AnsweredSegment> TryUnion(const Segment& a, const Segment& b, StageLog* log);
+  void ShareBudget(const Answers& answers);
+  absl::Status Finish(AnsweredSegment* answer);
+  absl::StatusOr<Answers> Part(AnsweredSegment answer, Work* work);
+  std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, StageLog* log);
+
+  const Scan& scan_;
+  const Segmentation& segmentation_;
+  const ScanDepths depths_;
+  const CatalogueSnapshot& catalogue_;
+  ViewClouds& clouds_;
+  const RecognitionParameters& parameters_;
+  const IsCancelled& is_cancelled_;
+  const SearchBudget budget_;
+  std::vector<Work> work_;  // of each segment
+};
+
+}  // namespace graspdb::recognition
