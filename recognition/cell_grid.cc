@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "recognition/bounds.h"
+#include "recognition/grow.h"
 #include "recognition/keyed_points.h"
 
 namespace graspdb::recognition {
@@ -14,6 +15,9 @@ namespace {
 constexpr double kMaxTable = 4e6;
 // With so many along each axis, keys fit 63 bits; 1 km in cells of 1 mm has half as many.
 constexpr double kMaxCellsPerAxis = 2e6;
+// Time to sort a point into its cell, and to list a cell in new memory, ns.
+constexpr std::size_t kStepsPerPoint = 20;
+constexpr std::size_t kStepsPerCell = 100;
 
 }  // namespace
 
@@ -29,50 +33,62 @@ CellGrid::CellGrid(const Points& points, float cell_m, const IsCancelled& is_can
   inverse_cell_ = 1 / cell_m_;
   last_ = (extent / static_cast<double>(cell_m_)).array().floor().cast<int>();
 
-  order_.resize(points.size());
-  const double cell_count = (last_.cast<double>().array() + 1).prod();
-  if (cell_count <= kMaxTable) {
-    MakeTable(points, static_cast<std::size_t>(cell_count));
-  } else {
-    MakeList(points, is_cancelled);
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (is_cancelled && is_cancelled()) {
-      *this = CellGrid({}, cell_m);
-      return;
-    }
-    sorted_[axis].reserve(points.size());
-    for (const std::int32_t i : order_) {
-      sorted_[axis].push_back(points[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(axis)]);
-    }
-  }
+  if (!Fill(points, is_cancelled)) *this = CellGrid({}, cell_m);
 }
 
-void CellGrid::MakeTable(const Points& points, std::size_t cell_count) {
-  start_.assign(cell_count + 1, 0);
-  std::vector<std::uint32_t> cell_of(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto cell = static_cast<std::size_t>(KeyOf(CellOf(points[i])));
-    cell_of[i] = static_cast<std::uint32_t>(cell);
+bool CellGrid::Fill(const Points& points, const IsCancelled& is_cancelled) {
+  CancellationPoll poll(is_cancelled);
+  if (!GrowTo(points.size(), &poll, &order_)) return false;
+  const double cell_count = (last_.cast<double>().array() + 1).prod();
+  if (!(cell_count <= kMaxTable ? MakeTable(points, static_cast<std::size_t>(cell_count), &poll)
+                                : MakeList(points, is_cancelled, &poll))) {
+    return false;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<float>& sorted = sorted_[axis];
+    sorted.reserve(points.size());
+    for (const std::int32_t i : order_) {
+      if (poll.After(kStepsPerPoint)) return false;
+      sorted.push_back(points[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(axis)]);
+    }
+  }
+  return !poll.Now();
+}
+
+bool CellGrid::MakeTable(const Points& points, std::size_t cell_count, CancellationPoll* poll) {
+  if (!GrowTo(cell_count + 1, poll, &start_)) return false;
+  std::vector<std::uint32_t> cell_of;
+  cell_of.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    if (poll->After(kStepsPerPoint)) return false;
+    const auto cell = static_cast<std::size_t>(KeyOf(CellOf(p)));
+    cell_of.push_back(static_cast<std::uint32_t>(cell));
     ++start_[cell + 1];
   }
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+  if (poll->Now()) return false;
   // From the back, so that each cell's end moves to its beginning.
   for (std::size_t i = points.size(); i-- > 0;) {
+    if (poll->After(kStepsPerPoint)) return false;
     order_[static_cast<std::size_t>(--start_[cell_of[i] + 1])] = static_cast<std::int32_t>(i);
   }
   // start_[c + 1] is now where cell c begins.
   std::move(start_.begin() + 1, start_.end(), start_.begin());
   start_.back() = static_cast<std::int32_t>(points.size());
+  return true;
 }
 
-void CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled) {
-  std::vector<KeyedPoint> sorted(points.size());
+bool CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled,
+                        CancellationPoll* poll) {
+  std::vector<KeyedPoint> sorted;
+  sorted.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    sorted[i] = {KeyOf(CellOf(points[i])), static_cast<std::int32_t>(i)};
+    if (poll->After(kStepsPerPoint)) return false;
+    sorted.push_back({KeyOf(CellOf(points[i])), static_cast<std::int32_t>(i)});
   }
   SortByKey(KeyOf(last_), &sorted, is_cancelled);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
+    if (poll->After(kStepsPerPoint)) return false;
     order_[i] = sorted[i].point;
     if (i > 0 && sorted[i].key == sorted[i - 1].key) continue;
     keys_.push_back(sorted[i].key);
@@ -80,6 +96,7 @@ void CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled) {
   }
   start_.push_back(static_cast<std::int32_t>(points.size()));
   MakeBuckets();
+  return true;
 }
 
 // About one bucket for each occupied cell, so that most hold few keys.
@@ -96,12 +113,15 @@ void CellGrid::MakeBuckets() {
   }
 }
 
-std::vector<CellGrid::Cell> CellGrid::OccupiedCells() const {
+std::vector<CellGrid::Cell> CellGrid::OccupiedCells(const IsCancelled& is_cancelled) const {
+  CancellationPoll poll(is_cancelled);
   std::vector<Cell> out;
+  out.reserve(std::min(order_.size(), start_.size()));
   Eigen::Vector3i at = Eigen::Vector3i::Zero();
   std::uint64_t row_begin = 0;  // the key of the row's first cell
   const std::uint64_t row = static_cast<std::uint64_t>(last_.x()) + 1;
   for (std::size_t cell = 0; cell + 1 < start_.size(); ++cell) {
+    if (poll.After(kStepsPerCell)) return {};
     if (start_[cell] == start_[cell + 1]) continue;
     const std::uint64_t key = keys_.empty() ? cell : keys_[cell];
     if (key - row_begin >= row) {

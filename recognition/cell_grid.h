@@ -50,8 +50,8 @@ class CellGrid {
   float cell_m() const { return cell_m_; }
   // The points cell by cell, those of a cell in the order of the cloud.
   const std::vector<std::int32_t>& order() const { return order_; }
-  // By z, y, x.
-  std::vector<Cell> OccupiedCells() const;
+  // By z, y, x. None once cancelled.
+  std::vector<Cell> OccupiedCells(const IsCancelled& is_cancelled = {}) const;
 
   // The points of the cells up to `reach` cells away from `at` along each axis.
   void Gather(const Eigen::Vector3i& at, int reach, CellBlock* out) const;
@@ -118,8 +118,10 @@ class CellGrid {
                                      keys_.begin() + first_in_bucket_[bucket + 1], key);
     return start_[static_cast<std::size_t>(at - keys_.begin())];
   }
-  void MakeTable(const Points& points, std::size_t cell_count);
-  void MakeList(const Points& points, const IsCancelled& is_cancelled);
+  // False once cancelled.
+  bool Fill(const Points& points, const IsCancelled& is_cancelled);
+  bool MakeTable(const Points& points, std::size_t cell_count, CancellationPoll* poll);
+  bool MakeList(const Points& points, const IsCancelled& is_cancelled, CancellationPoll* poll);
   void MakeBuckets();
 
   float cell_m_;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "recognition/cell_grid.h"
+#include "recognition/grow.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -25,7 +26,8 @@ constexpr std::size_t kMaxJoinWork = 1'000'000'000;
 // Sets that are joined with each other (R. E. Tarjan, 1975).
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
+  DisjointSets(std::size_t count, CancellationPoll* poll) {
+    GrowTo(count, poll, &parent_);
     std::iota(parent_.begin(), parent_.end(), 0);
   }
   std::size_t Find(std::size_t i) {
@@ -52,17 +54,18 @@ bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
 
 // The sets of points that steps of at most the tolerance lead between.
 DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float squared_tolerance,
-                            CancellationPoll& poll) {
-  const std::vector<CellGrid::Cell> groups = grid.OccupiedCells();
+                            const IsCancelled& is_cancelled, CancellationPoll& poll) {
+  const std::vector<CellGrid::Cell> groups = grid.OccupiedCells(is_cancelled);
   const std::span order(grid.order());
-  DisjointSets sets(points.size());
+  DisjointSets sets(points.size(), &poll);
   const auto first = [&](std::int32_t at) {
     return static_cast<std::size_t>(order[static_cast<std::size_t>(at)]);
   };
   const auto members = [&](std::int32_t begin, std::int32_t end) {
     return order.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
   };
-  std::vector<std::int32_t> end_of(order.size());  // of the group that begins there
+  std::vector<std::int32_t> end_of;  // of the group that begins there
+  if (!GrowTo(order.size(), &poll, &end_of)) return sets;
   for (const CellGrid::Cell& group : groups) {
     if (poll.After(kStepsPerPoint * static_cast<std::size_t>(group.end - group.begin))) break;
     end_of[static_cast<std::size_t>(group.begin)] = group.end;
@@ -146,20 +149,26 @@ std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std:
   const CellGrid grid(points, static_cast<float>(kCellShare * tolerance_m), is_cancelled);
   const auto tolerance = static_cast<float>(tolerance_m);
   CancellationPoll poll(is_cancelled);
-  DisjointSets sets = JoinNeighbours(points, grid, tolerance * tolerance, poll);
+  DisjointSets sets = JoinNeighbours(points, grid, tolerance * tolerance, is_cancelled, poll);
+  std::vector<std::size_t> count;  // of the points of a set
+  if (!GrowTo(points.size(), &poll, &count)) return {};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (poll.After(kStepsPerPoint)) return {};
+    ++count[sets.Find(i)];
+  }
   std::vector<Indices> clusters;
   constexpr auto kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(points.size(), kNone);  // of the cluster of a set
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (poll.After(kStepsPerPoint)) return {};
-    std::size_t& cluster = number[sets.Find(i)];
-    if (cluster == kNone) {
-      cluster = clusters.size();
+    const std::size_t set = sets.Find(i);
+    if (count[set] < min_count) continue;
+    if (number[set] == kNone) {
+      number[set] = clusters.size();
       clusters.emplace_back();
     }
-    clusters[cluster].push_back(static_cast<std::int32_t>(i));
+    clusters[number[set]].push_back(static_cast<std::int32_t>(i));
   }
-  std::erase_if(clusters, [&](const Indices& cluster) { return cluster.size() < min_count; });
   return clusters;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "recognition/cancellation.h"
+#include "recognition/grow.h"
 
 namespace graspdb::recognition {
 
@@ -23,13 +24,15 @@ inline void SortByKey(std::uint64_t largest, std::vector<KeyedPoint>* points,
                       const IsCancelled& is_cancelled) {
   constexpr int kBits = 11;
   constexpr std::size_t kBuckets = std::size_t{1} << kBits;
-  std::vector<KeyedPoint> other(points->size());
+  CancellationPoll poll(is_cancelled);
+  std::vector<KeyedPoint> other;
+  if (!GrowTo(points->size(), &poll, &other)) return;
   for (int shift = 0; shift < 64 && (largest >> shift) > 0; shift += kBits) {
-    if (is_cancelled && is_cancelled()) return;
+    if (poll.Now()) return;
     std::array<std::uint32_t, kBuckets> begin = {};
     const auto bucket = [&](const KeyedPoint& p) { return (p.key >> shift) % kBuckets; };
     for (const KeyedPoint& p : *points) ++begin[bucket(p)];
-    if (is_cancelled && is_cancelled()) return;
+    if (poll.Now()) return;
     std::uint32_t sum = 0;
     for (std::uint32_t& count : begin) sum += std::exchange(count, sum);
     for (const KeyedPoint& p : *points) other[begin[bucket(p)]++] = p;

@@ -42,7 +42,7 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
   const wide::Functions& wide = wide::Best();
   const auto radius = static_cast<float>(radius_m);
   const CellGrid grid(points, kRoundingMargin * radius, is_cancelled);
-  const std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
+  const std::vector<CellGrid::Cell> cells = grid.OccupiedCells(is_cancelled);
   Normals normals(points.size());
   const auto estimate = [&](const CellGrid::Cell& cell, CellBlock* block) {
     for (std::int32_t i = cell.begin; i < cell.end; ++i) {

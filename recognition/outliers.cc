@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "recognition/cell_grid.h"
+#include "recognition/grow.h"
 #include "recognition/idle_cores.h"
 #include "recognition/wide.h"
 
@@ -37,7 +38,7 @@ constexpr int kGuesses = 24;
 float CellSizeFor(const Points& points, std::size_t count, const IsCancelled& is_cancelled) {
   const CellGrid probe(points, kProbeCellM, is_cancelled);
   const double occupied =
-      static_cast<double>(std::max<std::size_t>(1, probe.OccupiedCells().size()));
+      static_cast<double>(std::max<std::size_t>(1, probe.OccupiedCells(is_cancelled).size()));
   const double per_area = static_cast<double>(points.size()) /
                           (occupied * static_cast<double>(probe.cell_m() * probe.cell_m()));
   const double radius = std::sqrt(static_cast<double>(count) / (per_area * std::numbers::pi));
@@ -89,11 +90,15 @@ class RootsOfSmallest {
 class SumsOfNearest {
  public:
   SumsOfNearest(const Points& points, std::size_t count, const IsCancelled& is_cancelled)
-      : points_(points), count_(count), is_cancelled_(is_cancelled), sums_(points.size()) {}
+      : points_(points), count_(count), is_cancelled_(is_cancelled) {}
 
   // Of all points; none when that takes too long.
   std::optional<std::vector<float>> Take() {
-    Indices open(points_.size());
+    CancellationPoll poll(is_cancelled_);
+    Indices open;
+    if (!GrowTo(points_.size(), &poll, &sums_) || !GrowTo(points_.size(), &poll, &open)) {
+      return std::nullopt;
+    }
     std::iota(open.begin(), open.end(), 0);
     // What a grid's cells are too small for is left to one with larger cells.
     float cell_m = CellSizeFor(points_, count_, is_cancelled_);
@@ -120,10 +125,12 @@ class SumsOfNearest {
 
   // Leaves in `open` the points that have no sum yet; false when it takes too long.
   bool SumWith(const CellGrid& grid, Indices* open) {
-    is_open_.assign(points_.size(), 0);
+    CancellationPoll poll(is_cancelled_);
+    is_open_.clear();
+    if (!GrowTo(points_.size(), &poll, &is_open_)) return false;
     for (const std::int32_t i : *open) is_open_[static_cast<std::size_t>(i)] = 1;
     open->clear();
-    const std::vector<CellGrid::Cell> cells = grid.OccupiedCells();
+    const std::vector<CellGrid::Cell> cells = grid.OccupiedCells(is_cancelled_);
     std::vector<Indices> left(kChunks);
     std::atomic<bool> done = true;
     ForEachIndex(kChunks, [&](std::size_t chunk) {
@@ -191,14 +198,17 @@ std::optional<Indices> RemoveStatisticalOutliers(const Points& points, int neigh
                                                  const IsCancelled& cancelled_by_caller,
                                                  const Eigen::Vector3f* viewpoint) {
   const IsCancelled is_cancelled = Latched(cancelled_by_caller);
-  Indices kept(points.size());
+  Indices kept;
+  CancellationPoll poll(is_cancelled);
+  if (!GrowTo(points.size(), &poll, &kept)) return std::nullopt;
   std::iota(kept.begin(), kept.end(), 0);
   if (neighbor_count <= 0 || points.size() <= static_cast<std::size_t>(neighbor_count)) return kept;
 
   const std::optional<std::vector<float>> sums =
       SumsOfNearest(points, static_cast<std::size_t>(neighbor_count) + 1, is_cancelled).Take();
   if (!sums) return std::nullopt;
-  std::vector<double> mean_distance(points.size());
+  std::vector<double> mean_distance;
+  if (!GrowTo(points.size(), &poll, &mean_distance)) return std::nullopt;
   double sum = 0;
   double squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -39,6 +39,14 @@ std::size_t CountBeyond(const wide::DepthRow& row) {
 
 }  // namespace
 
+Box DefaultRegion(const Pose& world_sensor) {
+  Box region{Eigen::Vector3d(-0.5, -0.5, -0.05), Eigen::Vector3d(0.5, 0.5, 0.6)};
+  const Eigen::Vector2d foot = world_sensor.translation().head<2>();
+  region.min.head<2>() = region.min.head<2>().cwiseMin(foot);
+  region.max.head<2>() = region.max.head<2>().cwiseMax(foot);
+  return region;
+}
+
 bool IsMeasurement(const Eigen::Vector3f& p) {
   constexpr auto kFarthest = static_cast<float>(kSensorRangeM * kSensorRangeM);
   return !p.isZero(0) && p.squaredNorm() <= kFarthest;  // false for what is not a number
@@ -57,6 +65,8 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
   const auto farthest = static_cast<float>(max_range_m * max_range_m);
   const Bounds bounds(region);
   const Motion motion(a_sensor);
+  out.points.reserve(scan.size());
+  out.indices.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (poll.After(kStepsPerPoint)) break;
     if (scan[i].squaredNorm() > farthest) {  // false for what is not a number

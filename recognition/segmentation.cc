@@ -43,8 +43,14 @@ absl::Status CancelledAfter(const char* step) {
   return absl::CancelledError(std::string("cancelled after ") + step);
 }
 
+// `which` ascends.
 void Keep(const Indices& which, RegionPoints* cloud) {
-  *cloud = {Select(cloud->points, which), Select(cloud->indices, which), 0};
+  const auto keep = [&](auto& of) {
+    for (std::size_t i = 0; i < which.size(); ++i) of[i] = of[static_cast<std::size_t>(which[i])];
+    of.resize(which.size());
+  };
+  keep(cloud->points);
+  keep(cloud->indices);
 }
 
 // T_world_sensor from the dominant plane in front of the sensor.
@@ -227,14 +233,6 @@ Pose DefaultObjectPose(WorldFrame frame, const Segment& segment) {
   out.translation() = segment.centroid;
   if (frame != WorldFrame::kSensor) out.translation().z() = 0;
   return out;
-}
-
-Box DefaultRegion(const Pose& world_sensor) {
-  Box region{Vector3d(-0.5, -0.5, -0.05), Vector3d(0.5, 0.5, 0.6)};
-  const Eigen::Vector2d foot = world_sensor.translation().head<2>();
-  region.min.head<2>() = region.min.head<2>().cwiseMin(foot);
-  region.max.head<2>() = region.max.head<2>().cwiseMax(foot);
-  return region;
 }
 
 Eigen::Vector3d Centroid(const Points& points) {

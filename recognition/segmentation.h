@@ -16,12 +16,6 @@
 
 namespace graspdb::recognition {
 
-// Where objects are looked for when nobody says where: from 5 cm below to 60 cm
-// above the table, 0.5 m to each side of the world's origin, and on to the foot of
-// the sensor at `world_sensor`, so that what stands nearer than the image centre
-// is not cut off.
-Box DefaultRegion(const Pose& world_sensor);
-
 // Where the world frame came from.
 enum class WorldFrame {
   kGiven,          // Scan::world_sensor.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "recognition/bounds.h"
+#include "recognition/grow.h"
 #include "recognition/keyed_points.h"
 
 namespace graspdb::recognition {
@@ -29,8 +30,9 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
   const Eigen::AlignedBox3f bounds = BoundsOf(points);
   const Coordinates first = VoxelOf(bounds.min(), inverse_size);
   const Coordinates size = VoxelOf(bounds.max(), inverse_size) - first + 1;
-  std::vector<KeyedPoint> order(points.size());
   CancellationPoll poll(is_cancelled);
+  std::vector<KeyedPoint> order;
+  if (!GrowTo(points.size(), &poll, &order)) return out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (poll.After(kStepsPerPoint)) return out;
     const Coordinates c = VoxelOf(points[i], inverse_size) - first;
@@ -39,7 +41,7 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
   }
   SortByKey(static_cast<std::uint64_t>(size.prod() - 1), &order, is_cancelled);
 
-  out.voxel_of.resize(points.size());
+  if (!GrowTo(points.size(), &poll, &out.voxel_of)) return {};
   out.points.reserve(points.size());
   for (std::size_t begin = 0; begin < order.size();) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -48,9 +50,9 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
       const auto point = static_cast<std::size_t>(order[end].point);
       sum += points[point].cast<double>();
       out.voxel_of[point] = static_cast<std::int32_t>(out.points.size());
+      if (poll.After(kStepsPerPoint)) return {};
     }
     out.points.push_back((sum / static_cast<double>(end - begin)).cast<float>());
-    if (poll.After(kStepsPerPoint * (end - begin))) return {};
     begin = end;
   }
   return out;

@@ -12,6 +12,7 @@
 
 #include "client/files/point_file.h"
 #include "client/simulation/sample_parts.h"
+#include "recognition/region.h"
 #include "tests/recognition/shared_data.h"
 
 namespace graspdb::bench {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "recognition/region.h"
 #include "tests/recognition/table_scene.h"
 
 namespace graspdb::recognition {
