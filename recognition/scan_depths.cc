@@ -67,7 +67,10 @@ wide::SightWindow PixelWindow::Of(const float* depths, std::size_t row) const {
 
 ScanDepths::ScanDepths(const Scan& scan, std::span<const Segment> segments) : scan_(scan) {
   PixelWindow all;
-  for (const Segment& segment : segments) all = Union(all, WindowAround(segment));
+  // No object is looked for in what is too large.
+  for (const Segment& segment : segments) {
+    if (!segment.too_large) all = Union(all, WindowAround(segment));
+  }
   if ((all.size.array() <= kLargestSide).all()) Fill(all);
 }
 

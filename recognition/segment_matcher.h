@@ -46,8 +46,10 @@ class SegmentMatcher {
   absl::Status Propose(std::span<const Views::value_type> views, const Sight::Sides& hidden);
 
   // Those of the views whose model may explain enough of the segment to be worth a hypothesis, by
-  // its size. CANCELLED; errors of LoadModel.
-  absl::StatusOr<Views> LargeEnough(std::span<const Views::value_type> views);
+  // its size, and those whose turn comes when the budget's time is over. CANCELLED; errors of
+  // LoadModel.
+  absl::StatusOr<Views> LargeEnough(std::span<const Views::value_type> views,
+                                    SearchBudget* budget = nullptr);
 
   // As Propose, of those views only that are large enough and look best after a glance, which takes
   // a quarter of the time; of as many as the budget allows, the first ones.

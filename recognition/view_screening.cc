@@ -34,7 +34,7 @@ constexpr double kLeastReachable = 1.0 / 3;
 
 absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> views,
                                          const Sight::Sides& hidden, SearchBudget& budget) {
-  const auto large_enough = LargeEnough(views);
+  const auto large_enough = LargeEnough(views, &budget);
   if (!large_enough.ok()) return large_enough.status();
   const Views distinct = DistinctTurns(*large_enough);
   std::vector<Start> all;
@@ -64,10 +64,15 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
   return KeepBestAndFinish();
 }
 
-absl::StatusOr<Views> SegmentMatcher::LargeEnough(std::span<const Views::value_type> views) {
+absl::StatusOr<Views> SegmentMatcher::LargeEnough(std::span<const Views::value_type> views,
+                                                  SearchBudget* budget) {
   std::unordered_map<const SurfaceModel*, bool> known;
   Views out;
   for (const auto& view : views) {
+    if (budget != nullptr && budget->OutOfTime()) {
+      out.push_back(view);  // will not be tried either
+      continue;
+    }
     const auto start = StartOf(view);
     if (!start.ok()) return start.status();
     if (start->model == nullptr) continue;

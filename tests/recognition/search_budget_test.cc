@@ -80,6 +80,42 @@ TEST_F(SearchTest, TheAnswerSaysThatItsTimeWasOver) {
   EXPECT_GT(found.untried_view_count, 0U);
 }
 
+// Counts the models that are asked for.
+class CountingClouds : public ViewClouds {
+ public:
+  explicit CountingClouds(ViewClouds& clouds) : clouds_(clouds) {}
+
+  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override {
+    return clouds_.Load(view);
+  }
+  absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) override {
+    ++count_;
+    return clouds_.LoadModel(view, stable_pose);
+  }
+
+  int count() const { return count_; }
+
+ private:
+  ViewClouds& clouds_;
+  int count_ = 0;
+};
+
+// To make them takes longer than to compare them.
+TEST_F(SearchTest, OnceItsTimeIsOverNoFurtherModelIsMade) {
+  TaughtShapes models_of_one_view(false);
+  CountingClouds clouds(models_of_one_view);
+  parameters_.matching.search_ceiling_s = 0;
+  const auto found = Recognize(TaughtShapes::See({Stranger()}), models_of_one_view.snapshot(),
+                               clouds, parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  EXPECT_TRUE(found->out_of_time);
+  EXPECT_GT(found->untried_view_count, 0U);
+  // Those of the nearest views only, of the segment and of what is left of it without its low
+  // points.
+  EXPECT_LE(clouds.count(), 2 * parameters_.matching.verified_view_count);
+}
+
 TEST_F(SearchTest, WhatIsTooLargeForOneObjectIsUnknownForThatReason) {
   parameters_.segmentation.max_object_size_m = 0.05;
   const Recognition found = Run({TaughtShapes::Part("bracket", 0, 0, 7)});

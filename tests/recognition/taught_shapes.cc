@@ -40,8 +40,9 @@ recognition::TaughtGrasp Grasp(const std::string& id, int priority, const Vector
 
 }  // namespace
 
-TaughtShapes::TaughtShapes()
-    : snapshot_{
+TaughtShapes::TaughtShapes(bool shares_frame)
+    : shares_frame_(shares_frame),
+      snapshot_{
           7, recognition::DescriptorIndex(DescriptorSize(recognition::DescriptorParameters{}.kind)),
           nullptr} {
   Teach("bracket", {Grasp("side", 1, {-0.04, 0, 0.05}), Grasp("top", 5, {0, 0, 0.10})});
@@ -87,7 +88,7 @@ void TaughtShapes::Teach(const std::string& object, std::vector<recognition::Tau
     view->world_sensor = WorldSensor();
     auto descriptor = Describe(*cloud, eye, recognition::DescriptorParameters{}.kind);
     Add(view->name, std::move(cloud));
-    view->shares_frame = true;
+    view->shares_frame = shares_frame_;
     taught.views.push_back(view);
     views_.push_back({std::move(view), *std::move(descriptor)});
   }

@@ -15,7 +15,8 @@ namespace graspdb::testing {
 // has one stable pose and 18 views, 20 degrees apart.
 class TaughtShapes : public recognition::CloudsInMemory {
  public:
-  TaughtShapes();
+  // `shares_frame`: all views of a part make one model; else each is a model of its own.
+  explicit TaughtShapes(bool shares_frame = true);
 
   // The part standing at (x, y), turned by `yaw_deg`.
   static Solid Part(const std::string& object, double x, double y, double yaw_deg);
@@ -31,6 +32,7 @@ class TaughtShapes : public recognition::CloudsInMemory {
  private:
   void Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps);
 
+  const bool shares_frame_;
   std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>
       stable_poses_;
   std::vector<recognition::IndexedView> views_;
