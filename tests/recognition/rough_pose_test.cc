@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "tests/recognition/table_scene.h"
@@ -62,11 +63,11 @@ SeenSegment Seen(double table_reach_m) {
 }
 
 // How far from their place the plate is at its rough poses, m.
-std::vector<double> Offs(const SeenSegment& segment) {
+std::vector<double> Offs(const SeenSegment& segment, const Sight::Sides& hidden = {}) {
   TaughtView view;
   view.world_sensor = WorldSensor();
   std::vector<double> out;
-  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, {})) {
+  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, hidden)) {
     out.push_back((rough.translation() - Displaced().translation()).norm());
   }
   return out;
@@ -78,6 +79,26 @@ TEST(RoughPoses, WhatIsSeenWholeIsPutWhereItIs) {
 
 TEST(RoughPoses, WhatStandsUpFromAPlateThatWentWithTheTableSaysWhereThePlateIs) {
   EXPECT_THAT(Offs(Seen(kTableReachM)), ElementsAre(Gt(0.04), Lt(0.015)));
+}
+
+// The left half of the plate in the image, without a table.
+TEST(RoughPoses, AnySideOfWhatIsSeenAloneMayBeHidden) {
+  Points half;
+  const Eigen::Isometry3f sensor_world = WorldSensor().inverse().cast<float>();
+  for (const Vector3f& p : Plate().points) {
+    const Vector3f world = Displaced().cast<float>() * p;
+    if ((sensor_world * world).x() < 0) half.push_back(world);
+  }
+  SeenSegment seen{.world_sensor = WorldSensor()};
+  for (const Vector3f& p : half) seen.centroid += p.cast<double>();
+  seen.centroid /= static_cast<double>(half.size());
+  seen.extent = ExtentOf(half, sensor_world);
+  const auto nearest = [&](const Sight::Sides& hidden) {
+    const std::vector<double> offs = Offs(seen, hidden);
+    return *std::ranges::min_element(offs);
+  };
+  EXPECT_GT(nearest({}), 0.02);
+  EXPECT_LT(nearest({.left = true, .right = true, .top = true, .bottom = true}), 0.01);
 }
 
 TEST(RoughPoses, WhereNothingWasRemovedAllOfItIsLookedFor) {
