@@ -8,12 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/recognition/counting_clouds.h"
 #include "tests/recognition/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {
 namespace {
 
+using ::graspdb::testing::CountingClouds;
 using ::graspdb::testing::IsOk;
 using ::graspdb::testing::LargestCornerError;
 using ::graspdb::testing::Solid;
@@ -45,22 +47,16 @@ class RecognizerTest : public ::testing::Test {
 };
 
 // Clouds of a cache that keeps nothing: every time it makes the same model anew.
-class Forgetful : public ViewClouds {
+class Forgetful : public CountingClouds {
  public:
-  explicit Forgetful(ViewClouds& clouds) : clouds_(clouds) {}
+  using CountingClouds::CountingClouds;
 
-  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override {
-    return clouds_.Load(view);
-  }
   absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) override {
-    const auto model = clouds_.LoadModel(view, stable_pose);
+    const auto model = CountingClouds::LoadModel(view, stable_pose);
     if (!model.ok()) return model.status();
     return std::make_shared<const SurfaceModel>(**model);
   }
-
- private:
-  ViewClouds& clouds_;
 };
 
 TEST_F(RecognizerTest, EveryPartIsFoundWhereItStands) {

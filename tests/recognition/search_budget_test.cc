@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "recognition/recognizer.h"
+#include "tests/recognition/counting_clouds.h"
 #include "tests/recognition/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {
 namespace {
 
+using ::graspdb::testing::CountingClouds;
 using ::graspdb::testing::IsOk;
 using ::graspdb::testing::Solid;
 using ::graspdb::testing::TaughtShapes;
@@ -79,27 +81,6 @@ TEST_F(SearchTest, TheAnswerSaysThatItsTimeWasOver) {
   EXPECT_TRUE(found.out_of_time);
   EXPECT_GT(found.untried_view_count, 0U);
 }
-
-// Counts the models that are asked for.
-class CountingClouds : public ViewClouds {
- public:
-  explicit CountingClouds(ViewClouds& clouds) : clouds_(clouds) {}
-
-  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override {
-    return clouds_.Load(view);
-  }
-  absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
-      const TaughtView& view, const TaughtStablePose& stable_pose) override {
-    ++count_;
-    return clouds_.LoadModel(view, stable_pose);
-  }
-
-  int count() const { return count_; }
-
- private:
-  ViewClouds& clouds_;
-  int count_ = 0;
-};
 
 // To make them takes longer than to compare them.
 TEST_F(SearchTest, OnceItsTimeIsOverNoFurtherModelIsMade) {
