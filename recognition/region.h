@@ -41,10 +41,9 @@ RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optiona
 // Whether anything was measured at all.
 bool HasMeasurement(const Scan& scan);
 
-// Where objects are looked for when nobody says where: from 5 cm below to 60 cm
-// above the table, 0.5 m to each side of the world's origin, and on to the foot of
-// the sensor at `world_sensor`, so that what stands nearer than the image centre
-// is not cut off.
+// The region of interest of a scan without one, world frame, m: from 5 cm below to 60 cm above the
+// table, 0.5 m to each side of the origin, and on to the foot of the sensor at `world_sensor`
+// (T_world_sensor), so that objects nearer than the image centre are not cut off.
 Box DefaultRegion(const Pose& world_sensor);
 
 }  // namespace graspdb::recognition

@@ -1,4 +1,4 @@
-// Clouds that come from elsewhere, for tests that look at what is asked for.
+// Forwards to other clouds and counts the models that are loaded.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,6 @@
 
 namespace graspdb::testing {
 
-// Counts the models.
 class CountingClouds : public recognition::ViewClouds {
  public:
   explicit CountingClouds(recognition::ViewClouds& clouds) : clouds_(clouds) {}
