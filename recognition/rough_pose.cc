@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "recognition/heading.h"
-#include "recognition/verification.h"
+#include "recognition/visibility.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -19,6 +20,30 @@ constexpr double kGoneWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
 // Initial poses that are nearer, m, lead to the same place: correspondences reach 0.02 m.
 constexpr double kSameStartM = 0.006;
+// Every point is higher, m.
+constexpr double kUnlimitedM = 1e9;
+
+class ExtentSum {
+ public:
+  void Add(const Eigen::Vector3f& p) {
+    sum_.mean += p;
+    sum_.low = sum_.low.cwiseMin(p);
+    sum_.high = sum_.high.cwiseMax(p);
+    ++count_;
+  }
+
+  // None without points.
+  std::optional<Extent> Take() const {
+    if (count_ == 0) return std::nullopt;
+    Extent out = sum_;
+    out.mean /= static_cast<float>(count_);
+    return out;
+  }
+
+ private:
+  Extent sum_ = {.low = Eigen::Vector3f::Constant(1e9F), .high = Eigen::Vector3f::Constant(-1e9F)};
+  std::size_t count_ = 0;
+};
 
 double Azimuth(const Pose& world_sensor, const Vector3d& point) {
   const Vector3d side = SideSeen(world_sensor, point);
@@ -70,22 +95,17 @@ std::vector<Sight::Sides> SidesToTry(const Sight::Sides& hidden) {
           {.right = true, .bottom = true}};
 }
 
-// What of the model the camera sees where it stands at `sensor_object`, object frame.
-Points PointsInSight(const SurfaceModel& model, const Eigen::Isometry3f& sensor_object) {
-  Points out;
-  for (const std::int32_t i : VisiblePoints(model.coarse, sensor_object)) {
-    out.push_back(model.coarse.cloud.points[static_cast<std::size_t>(i)]);
+// Of the visible points that are at least `lowest` m above the table, where the object stands at
+// `world_object`; none where there are none.
+std::optional<Extent> VisibleExtent(const VisibleSurface& visible, const Points& points,
+                                    const Pose& world_object, double lowest) {
+  const Eigen::RowVector3f up = world_object.linear().row(2).cast<float>();
+  const auto least = static_cast<float>(lowest - world_object.translation().z());
+  ExtentSum sum;
+  for (const std::size_t i : visible.points()) {
+    if (up.dot(points[i]) >= least) sum.Add(visible.At(i));
   }
-  return out;
-}
-
-// Without what may have gone with the table from a thing that stands at `world_object`.
-Points WithoutLow(Points points, const Pose& world_object, double table_reach_m) {
-  const double lowest = kGoneWithTable * table_reach_m;
-  std::erase_if(points, [&](const Eigen::Vector3f& p) {
-    return (world_object * p.cast<double>()).z() < lowest;
-  });
-  return points;
+  return sum.Take();
 }
 
 }  // namespace
@@ -98,45 +118,41 @@ double TurnOf(const TaughtView& view, const SeenSegment& segment) {
 }
 
 Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points) {
-  Extent out;
-  if (points.empty()) return out;
-  out.low.setConstant(1e9F);
-  out.high.setConstant(-1e9F);
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3f p = sensor_points * point;
-    out.mean += p;
-    out.low = out.low.cwiseMin(p);
-    out.high = out.high.cwiseMax(p);
-  }
-  out.mean /= static_cast<float>(points.size());
-  return out;
+  ExtentSum sum;
+  for (const Eigen::Vector3f& point : points) sum.Add(sensor_points * point);
+  return sum.Take().value_or(Extent());
 }
 
-std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
-                             const SeenSegment& segment, const Sight::Sides& hidden) {
+InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
+                        const SeenSegment& segment, const Sight::Sides& hidden) {
   const Pose turned = TurnedAsSeen(view, model, segment);
   const Eigen::Isometry3f sensor_object = (segment.world_sensor.inverse() * turned).cast<float>();
-  const Points visible = PointsInSight(model, sensor_object);
-  if (visible.empty()) return {turned};
-  const Extent whole = ExtentOf(visible, sensor_object);
+  const VisibleSurface visible(model.coarse, sensor_object);
+  InitialPoses out = {.poses = {turned}, .visible = visible.mask()};
+  const auto extent_above = [&](double lowest) {
+    return VisibleExtent(visible, model.coarse.cloud.points, turned, lowest);
+  };
+  const std::optional<Extent> whole = extent_above(-kUnlimitedM);
+  if (!whole) return out;
   const auto shifted = [&](const Extent& extent, const Sight::Sides& sides) {
     Pose at = turned;
     at.translation() += ShiftOnTable(extent, segment.extent, sides, segment.world_sensor);
     return at;
   };
-  std::vector<Pose> out = {shifted(whole, {})};
+  out.poses = {shifted(*whole, {})};
   const auto add = [&](const Pose& pose) {
-    const bool is_known = std::ranges::any_of(out, [&](const Pose& other) {
+    const bool is_known = std::ranges::any_of(out.poses, [&](const Pose& other) {
       return (other.translation() - pose.translation()).norm() < kSameStartM;
     });
-    if (!is_known) out.push_back(pose);
+    if (!is_known) out.poses.push_back(pose);
   };
-  for (const Sight::Sides& sides : SidesToTry(hidden)) add(shifted(whole, sides));
+  for (const Sight::Sides& sides : SidesToTry(hidden)) add(shifted(*whole, sides));
   if (segment.table_reach_m <= 0) return out;
-  const Points high = WithoutLow(visible, turned, segment.table_reach_m);
-  if (high.empty()) return out;
-  const Extent standing = ExtentOf(high, sensor_object);
-  if ((standing.mean - whole.mean).norm() > kStandsElsewhereM) add(shifted(standing, {}));
+  // Without what may have gone with the table.
+  const std::optional<Extent> standing = extent_above(kGoneWithTable * segment.table_reach_m);
+  if (standing && (standing->mean - whole->mean).norm() > kStandsElsewhereM) {
+    add(shifted(*standing, {}));
+  }
   return out;
 }
 

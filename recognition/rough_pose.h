@@ -1,6 +1,7 @@
 // Where a stable pose may stand, before anything is aligned.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "recognition/segmentation.h"
@@ -17,6 +18,13 @@ struct Extent {
   Eigen::Vector3f high = Eigen::Vector3f::Zero();
 };
 Extent ExtentOf(const Points& points, const Eigen::Isometry3f& sensor_points);
+
+// Poses of one view's model that differ in their place.
+struct InitialPoses {
+  std::vector<Pose> poses;  // T_world_object
+  // Of the coarse surface, from about these poses (VisibleSurface::mask).
+  std::vector<std::uint8_t> visible;
+};
 
 // A segment as the camera sees it.
 struct SeenSegment {
@@ -36,7 +44,7 @@ double TurnOf(const TaughtView& view, const SeenSegment& segment);
 // mean on that of the segment. Where sides of the segment are `hidden`, another one, with
 // the edges on each other that are not. Where a thin part of it may have gone with the table, as a
 // plate from which a leg stands up, one with the mean of the rest on that of the segment.
-std::vector<Pose> RoughPoses(const TaughtView& view, const SurfaceModel& model,
-                             const SeenSegment& segment, const Sight::Sides& hidden);
+InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
+                        const SeenSegment& segment, const Sight::Sides& hidden);
 
 }  // namespace graspdb::recognition

@@ -1,6 +1,9 @@
 // How well a posed model explains what the camera saw.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "recognition/segmentation.h"
 #include "recognition/sight.h"
 #include "recognition/surface_model.h"
@@ -31,12 +34,11 @@ struct VerificationOptions {
   // Where the segment's points alone show that the score is lower, the rest is not computed; the
   // score is 0 then.
   double min_score = 0;
+  // Of that surface, as the camera sees it from about there (VisibleSurface::mask); it is computed
+  // where this is null.
+  const std::vector<std::uint8_t>* visible = nullptr;
 };
 Evidence Verify(const SurfaceModel& model, const Pose& world_object, const OrientedColumns& segment,
                 const Sight& sight, const VerificationOptions& options);
-
-// The points of `surface` that a camera at `sensor_object` (T_sensor_object) sees if nothing
-// else is in the way.
-Indices VisiblePoints(const Surface& surface, const Eigen::Isometry3f& sensor_object);
 
 }  // namespace graspdb::recognition

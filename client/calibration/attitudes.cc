@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "recognition/verification.h"
+#include "recognition/visibility.h"
 
 namespace graspdb::client {
 namespace {
@@ -66,12 +66,13 @@ std::vector<Side> SidesOf(const recognition::SurfaceModel& model) {
     Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();
     sensor_object.linear() = side.look_object;
     sensor_object.translation() = Vector3f(0, 0, kDistanceM) - side.look_object * model.center;
-    const recognition::Indices seen = recognition::VisiblePoints(model.coarse, sensor_object);
+    const recognition::VisibleSurface visible(model.coarse, sensor_object);
+    const std::vector<std::size_t>& seen = visible.points();
     if (seen.empty()) continue;
     const std::size_t count = std::min(kPoints, seen.size());
     for (std::size_t i = 0; i < count; ++i) {
       // Spread over all of them, and the first ones too.
-      const auto at = static_cast<std::size_t>(seen[(i * kStep % count) * seen.size() / count]);
+      const std::size_t at = seen[(i * kStep % count) * seen.size() / count];
       side.points.push_back(model.coarse.cloud.points[at]);
       side.normals.push_back(model.coarse.cloud.normals[at]);
     }

@@ -43,9 +43,11 @@ def samples(path):
 
 
 def camera_of(name):
-    """The camera of a case real-CAMERA..., or "simulated" or "frame"."""
+    """The camera of a case real-CAMERA..., or "ideal" or "frame"."""
     if name.startswith("frame "):
         return "frame"
+    if not name.startswith("real-"):
+        return "ideal"
     return "-".join(name.split("-")[1:3]) if name.startswith("real-k") else name.split("-")[1]
 
 

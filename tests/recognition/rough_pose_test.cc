@@ -67,7 +67,7 @@ std::vector<double> Offs(const SeenSegment& segment, const Sight::Sides& hidden 
   TaughtView view;
   view.world_sensor = WorldSensor();
   std::vector<double> out;
-  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, hidden)) {
+  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, hidden).poses) {
     out.push_back((rough.translation() - Displaced().translation()).norm());
   }
   return out;

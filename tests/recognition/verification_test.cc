@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "recognition/visibility.h"
 #include "tests/recognition/table_scene.h"
 #include "tests/testing/status_matchers.h"
 
@@ -163,10 +164,11 @@ TEST_F(VerificationTest, TheWrongTurnScoresLess) {
   }
 }
 
-TEST(VisiblePoints, IsTheSideTowardsTheCamera) {
+TEST(VisibleSurface, IsTheSideTowardsTheCamera) {
   const SurfaceModel model(SurfaceOf(BrickBox()), 1);
   const Pose world_sensor = LookAt({0, -0.5, 0.4}, {0, 0, 0.02});
-  const Indices visible = VisiblePoints(model.fine, world_sensor.inverse().cast<float>());
+  const VisibleSurface seen(model.fine, world_sensor.inverse().cast<float>());
+  const std::vector<std::size_t>& visible = seen.points();
   std::size_t expected = 0;
   for (std::size_t i = 0; i < model.fine.cloud.points.size(); ++i) {
     const Eigen::Vector3f& n = model.fine.cloud.normals[i];
@@ -174,8 +176,8 @@ TEST(VisiblePoints, IsTheSideTowardsTheCamera) {
   }
   EXPECT_NEAR(static_cast<double>(visible.size()), static_cast<double>(expected),
               0.02 * static_cast<double>(expected));
-  for (const std::int32_t i : visible) {
-    const Eigen::Vector3f& n = model.fine.cloud.normals[static_cast<std::size_t>(i)];
+  for (const std::size_t i : visible) {
+    const Eigen::Vector3f& n = model.fine.cloud.normals[i];
     EXPECT_TRUE(n.z() > 0.5F || n.y() < -0.5F);
   }
 }
