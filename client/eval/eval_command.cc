@@ -123,10 +123,12 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
                     "Also compare descriptors and distances, without verification, on the case "
                     "\"paper\" or on the folder");
   command->add_flag("--list", arguments->list, "Also list the objects, and what was not right");
-  command->add_option("--out", arguments->out,
-                      "Folder for a report: report.html to read, cases.md for documents, "
-                      "report.json and poses as the BOP challenge takes them for programs; written "
-                      "again after every case");
+  command->add_option(
+      "--out", arguments->out,
+      "Folder for a report: report.html to read, cases.md for documents, "
+      "report.json and poses as the BOP challenge takes them for programs; written "
+      "again after every case. Of frames of real cameras: report.json and a picture of "
+      "each frame with its right, wrong and lost objects");
   command->callback([command, arguments, action] {
     arguments->command = CommandText(*command);
     *action = [arguments] { return RunEval(*arguments); };

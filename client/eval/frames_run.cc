@@ -5,12 +5,15 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "client/eval/frame_picture.h"
 #include "client/eval/real_frames.h"
 #include "client/eval/report/frames_json.h"
 #include "client/files/atomic_file.h"
+#include "client/files/point_file.h"
 #include "client/simulation/progress_line.h"
 
 namespace graspdb::client {
@@ -70,13 +73,30 @@ void PrintSums(const std::vector<FrameResult>& results) {
       instances, wrong, again, times[times.size() / 2], times.back());
 }
 
+absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& result) {
+  if (arguments.out.empty()) return absl::OkStatus();
+  const std::filesystem::path folder(arguments.out);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    return absl::FailedPreconditionError("cannot make the folder " + arguments.out + ": " +
+                                         error.message());
+  }
+  const auto file = ReadPointFile(result.frame->path);
+  if (!file.ok()) return file.status();
+  return WriteShadedPicture(folder / (result.frame->name + ".png"),
+                            DrawFrame(result, file->points));
+}
+
 absl::Status WriteReport(const EvalArguments& arguments, const std::vector<FrameResult>& results) {
   if (arguments.out.empty()) return absl::OkStatus();
   const auto text = FramesJson(arguments.command, results);
   if (!text.ok()) return text.status();
   const std::filesystem::path file = std::filesystem::path(arguments.out) / "report.json";
   absl::Status written = WriteFileAtomically(file, *text, Durability::kProcessCrash);
-  if (written.ok()) std::cout << "report: " << file.string() << "\n";
+  if (written.ok()) {
+    std::cout << "report: " << file.string() << ", with a picture of each frame beside it\n";
+  }
   return written;
 }
 
@@ -100,6 +120,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
     auto result = AskFrame(frame, run, catalogue->get());
     if (!result.ok()) return result.status();
     Print(*result, arguments.list);
+    if (absl::Status put = WritePicture(arguments, *result); !put.ok()) return put;
     results.push_back(*std::move(result));
   }
   PrintSums(results);

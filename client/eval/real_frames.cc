@@ -94,6 +94,21 @@ std::vector<FrameDetection> JudgeAll(const PartSet& set, const recognition::Reco
   return out;
 }
 
+// Those of the detections, which `judged` has in the same order without what was not accepted.
+std::vector<PosedModel> PosesOf(const recognition::Recognition& answer,
+                                const std::vector<FrameDetection>& judged) {
+  const Pose sensor_world = answer.world_sensor.inverse();
+  std::vector<PosedModel> out;
+  for (const Detection& detection : answer.detections) {
+    if (detection.view == nullptr) continue;
+    const bool is_wrong = judged[out.size()].IsWrong();
+    out.push_back({detection.model, sensor_world * detection.refined_pose,
+                   is_wrong ? PosedModel::Verdict::kWrong : PosedModel::Verdict::kRight});
+  }
+  std::erase_if(out, [](const PosedModel& posed) { return posed.model == nullptr; });
+  return out;
+}
+
 LostBy WhereLost(const FrameInstance& instance) {
   // Less than that of a segment is something else's.
   constexpr double kMostly = 0.5;
@@ -191,6 +206,7 @@ absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun
     out.segments = segmentation->segments.size();
     out.stages = recognition->stages;
     out.detections = JudgeAll(catalogue->set(), *recognition, frame);
+    out.posed = PosesOf(*recognition, out.detections);
   } else {
     out.error = std::string(recognition.status().message());
   }
@@ -208,6 +224,10 @@ absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun
                    world_mesh * catalogue->set().object_mesh[part].inverse(), run.parameters);
     AddBest(*recognition, *catalogue, world_mesh, &instance);
     instance.lost_by = WhereLost(instance);
+    if (instance.found) continue;
+    out.posed.push_back({catalogue->ModelOf(part),
+                         *object.sensor_mesh * catalogue->set().object_mesh[part].inverse(),
+                         PosedModel::Verdict::kLost});
   }
   return out;
 }

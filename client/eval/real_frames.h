@@ -81,6 +81,14 @@ struct FrameInstance {
   LostBy lost_by = LostBy::kConfidence;  // where it is not found
 };
 
+// A model as it is drawn into the frame.
+struct PosedModel {
+  enum class Verdict { kRight, kWrong, kLost };  // kLost: at the true pose of what was not found
+  std::shared_ptr<const recognition::SurfaceModel> model;           // not null
+  recognition::Pose sensor_object = recognition::Pose::Identity();  // T_sensor_object
+  Verdict verdict = Verdict::kRight;
+};
+
 struct FrameResult {
   const RealFrame* frame = nullptr;
   std::string error = {};  // why there was no answer; empty: there was one
@@ -89,6 +97,7 @@ struct FrameResult {
   std::vector<recognition::StageReport> stages = {};
   std::vector<FrameInstance> instances = {};
   std::vector<FrameDetection> detections = {};
+  std::vector<PosedModel> posed = {};
 };
 
 // Recognises one frame and judges the answer. Errors as ReadPointFile; what the recognition refuses

@@ -2,6 +2,7 @@
 
 #include <cairo.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
@@ -26,6 +27,11 @@ void DrawPixels(cairo_surface_t* surface, const ShadedPicture& picture) {
       line[column] = grey << 16U | grey << 8U | grey;
     }
   }
+  for (const ColoredPixel& mark : picture.marks) {
+    const auto row = static_cast<std::ptrdiff_t>(mark.pixel) / picture.width + kHeader;
+    auto* line = reinterpret_cast<std::uint32_t*>(data + row * stride);
+    line[static_cast<std::ptrdiff_t>(mark.pixel) % picture.width] = mark.rgb;
+  }
   cairo_surface_mark_dirty(surface);
 }
 
@@ -36,6 +42,11 @@ absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedP
       picture.brightness.size() !=
           static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height)) {
     return absl::InvalidArgumentError("the picture does not have as many pixels as its size says");
+  }
+  if (std::ranges::any_of(picture.marks, [&](const ColoredPixel& mark) {
+        return mark.pixel >= picture.brightness.size();
+      })) {
+    return absl::InvalidArgumentError("a mark lies outside of the picture");
   }
   const Surface surface(
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height + kHeader),
