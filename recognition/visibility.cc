@@ -10,7 +10,7 @@ namespace {
 
 // Cosine between normal and line of sight below which a surface is too slanted to count.
 constexpr float kMinFacing = 0.2F;
-// Cells of the depth buffer are so many times larger than the points are apart.
+// Size of the cells of the depth buffer, in units of the distance between points.
 constexpr float kCellsPerSpacing = 2.5F;
 // A surface hides what lies farther behind it than this, m, or than a cell is large.
 constexpr float kHidesBehindM = 0.008F;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "recognition/visibility.h"
@@ -17,7 +19,7 @@ constexpr int kWidth = 480;
 constexpr int kMaxHeight = 480;
 // Tangents that are farther out than this share of all are cut off: stray points.
 constexpr double kStrayShare = 0.002;
-// Every so many points of a model are drawn, for the scan to show between them.
+// Stride of the points of a model that are drawn: the scan shows between them.
 constexpr std::size_t kDrawnStride = 2;
 // Grey of the farthest and of the nearest point.
 constexpr float kFarGrey = 30;
