@@ -179,13 +179,14 @@ void SegmentMatcher::DropHopeless(std::vector<Start>* starts, double* best) cons
 }
 
 double SegmentMatcher::Glance(const Start& start, double min_score) const {
+  // Of small objects other points are visible after two steps: with those of the initial pose 3 of
+  // 81 objects, 40 % hidden, are lost.
   const Pose pose =
       Refine(*start.model, look_ups_->rough_target, start.rough, kGlanceSteps).world_object;
   return Verify(*start.model, pose, rough_columns_, sight_,
                 {.tolerance_m = parameters_.support_distance_m,
                  .coarse = true,
-                 .min_score = min_score,
-                 .visible = start.visible.get()})
+                 .min_score = min_score})
       .score;
 }
 
