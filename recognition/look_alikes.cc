@@ -32,15 +32,15 @@ absl::StatusOr<std::vector<Known>> ModelsOf(const CatalogueSnapshot& catalogue, 
 
 }  // namespace
 
-absl::StatusOr<CatalogueLikeness> FindLookAlikes(const CatalogueSnapshot& catalogue,
-                                                 ViewClouds& clouds, const std::string& object,
-                                                 const IsCancelled& is_cancelled) {
+absl::StatusOr<CatalogueSimilarity> FindLookAlikes(const CatalogueSnapshot& catalogue,
+                                                   ViewClouds& clouds, const std::string& object,
+                                                   const IsCancelled& is_cancelled) {
   const auto models = ModelsOf(catalogue, clouds, is_cancelled);
   if (!models.ok()) return models.status();
   const auto is_asked = [&](const Known& known) {
     return object.empty() || known.object == object;
   };
-  CatalogueLikeness out;
+  CatalogueSimilarity out;
   for (auto a = models->begin(); a != models->end(); ++a) {
     if (is_cancelled()) return absl::CancelledError("cancelled while stable poses were compared");
     if (is_asked(*a)) {
@@ -51,11 +51,11 @@ absl::StatusOr<CatalogueLikeness> FindLookAlikes(const CatalogueSnapshot& catalo
     }
     for (auto b = a + 1; b != models->end(); ++b) {
       if (!is_asked(*a) && !is_asked(*b)) continue;
-      const auto likeness = FindLikeness(*a->model, *b->model);
-      if (!likeness) continue;
+      const auto similarity = FindShapeSimilarity(*a->model, *b->model);
+      if (!similarity) continue;
       const double alike = std::max(AlikeM(*a->model), AlikeM(*b->model));
       out.pairs.push_back(
-          {a->pose->name, b->pose->name, *likeness, likeness->gap.largest_m > alike});
+          {a->pose->name, b->pose->name, *similarity, similarity->gap.largest_m > alike});
     }
   }
   return out;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "recognition/likeness.h"
+#include "recognition/models/shape_similarity.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::recognition {
@@ -19,19 +19,19 @@ struct StablePoseSymmetry {
 struct LookAlikes {
   std::string stable_pose;  // resource names
   std::string other;
-  Likeness likeness;  // T_other_stablePose
+  ShapeSimilarity similarity;  // T_other_stablePose
   bool nearly = false;
 };
 
-struct CatalogueLikeness {
+struct CatalogueSimilarity {
   std::vector<StablePoseSymmetry> symmetries;  // by name; those that are, or are declared
   std::vector<LookAlikes> pairs;               // by name; each pair once
 };
 
 // Looks at all stable poses whose views say where the object was (TaughtView::shares_frame), pairs
 // among them where one is of `object` (resource name; empty: all). Errors of `clouds`; CANCELLED.
-absl::StatusOr<CatalogueLikeness> FindLookAlikes(const CatalogueSnapshot& catalogue,
-                                                 ViewClouds& clouds, const std::string& object,
-                                                 const IsCancelled& is_cancelled);
+absl::StatusOr<CatalogueSimilarity> FindLookAlikes(const CatalogueSnapshot& catalogue,
+                                                   ViewClouds& clouds, const std::string& object,
+                                                   const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

@@ -2,90 +2,25 @@
 // pose, grasps.
 #pragma once
 
-#include <memory>
+#include <cstdint>
 #include <optional>
-#include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "recognition/confidence.h"
-#include "recognition/descriptor_index.h"
-#include "recognition/grasp_proposals.h"
-#include "recognition/parameters.h"
-#include "recognition/registration.h"
-#include "recognition/segmentation.h"
-#include "recognition/stages.h"
-#include "recognition/taught.h"
+#include "recognition/base/stages.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/index/catalogue_snapshot.h"
+#include "recognition/matching/detection.h"
+#include "recognition/matching/matching_parameters.h"
+#include "recognition/segmentation/segmentation.h"
 
 namespace graspdb::recognition {
-
-// Everything that was taught, as of one revision. Immutable.
-struct CatalogueSnapshot {
-  std::int64_t revision = 0;
-  DescriptorIndex index;
-  // By resource name.
-  std::shared_ptr<const std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>
-      stable_poses;
-};
-
-// Why there is or is no answer; see the public contract.
-enum class RecognitionOutcome {
-  kOk,
-  kEmptyRegion,
-  kNoCluster,
-  kUnknownObject,
-  kAmbiguous,
-  kIcpRejected,
-  kNoGrasp,
-  kOutOfWorkspace,
-};
 
 struct RecognitionParameters {
   SegmentationParameters segmentation;
   DescriptorParameters descriptor;
   MatchingParameters matching;
   std::optional<Box> workspace;  // world frame; where the tool may go
-};
-
-// A stored view that resembles the scan.
-struct Candidate {
-  std::shared_ptr<const TaughtView> view;
-  double descriptor_distance = 0;
-  std::optional<double> verification_score;  // where the view was aligned
-};
-
-// Another explanation of the same segment.
-struct Alternative {
-  std::shared_ptr<const TaughtView> view;
-  Pose world_object = Pose::Identity();  // T_world_object
-  double score = 0;                      // 0 to 1
-};
-
-// One thing on the table.
-struct Detection {
-  RecognitionOutcome outcome = RecognitionOutcome::kUnknownObject;
-  std::shared_ptr<const TaughtView> view;  // null when unknown
-  double score = 0;  // 0 to 1: confidence, or on the paper's way the share of matching points
-  Pose rough_pose = Pose::Identity();    // T_world_object after the shift
-  Pose refined_pose = Pose::Identity();  // T_world_object after the alignment
-  // T_world_object of the same stable pose that explain the scan as well: the turns of a declared
-  // symmetry (DeclaredTurns) or else those that were found, and others where the detection is
-  // ambiguous.
-  std::vector<Pose> equivalent_poses;
-  // Something else explains the scan as well: another place, attitude or object.
-  bool ambiguous = false;
-  std::vector<Alternative> alternatives;  // that are not of the same stable pose
-  bool touching = false;                  // the camera saw it and other things as one
-  std::optional<Gate> rejected_by;        // of an object that is unknown
-  Registration registration;
-  std::shared_ptr<const SurfaceModel> model;  // that was aligned; null on the paper's way
-  Evidence evidence;  // of the best explanation; all zero where models were not aligned
-  Doubt doubt;
-  std::vector<GraspProposal> grasps;  // best first
-  std::vector<Candidate> candidates;  // nearest first
-  std::size_t point_count = 0;
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame
 };
 
 struct Recognition {

@@ -6,9 +6,9 @@
 #include <mutex>
 #include <utility>
 
-#include "recognition/fragments.h"
-#include "recognition/idle_cores.h"
-#include "recognition/touching.h"
+#include "recognition/base/idle_cores.h"
+#include "recognition/splitting/cluster_splitter.h"
+#include "recognition/splitting/fragments.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -183,11 +183,11 @@ absl::Status SegmentAnswers::Finish(AnsweredSegment* answer) {
   return absl::OkStatus();
 }
 
-// What the camera saw as one may be several things.
+// What the camera saw as one may be several objects.
 absl::StatusOr<SegmentAnswers::Answers> SegmentAnswers::Part(AnsweredSegment answer, Work* work) {
-  // A scan of one thing alone is that, whatever it looks like.
+  // A scan of one object alone is that, whatever it looks like.
   if (parameters_.matching.verified_view_count <= 1 || scan_.segmented) return Answers{answer};
-  const PartingOptions options{
+  const SplittingOptions options{
       .min_count = static_cast<std::size_t>(parameters_.segmentation.min_cluster_point_count),
       .support_distance_m = parameters_.matching.support_distance_m,
       .voxel_size_m = parameters_.descriptor.voxel_size_m};

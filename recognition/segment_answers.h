@@ -8,12 +8,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "recognition/answered_segment.h"
-#include "recognition/scan_depths.h"
-#include "recognition/search_budget.h"
+#include "recognition/base/search_budget.h"
+#include "recognition/base/stages.h"
 #include "recognition/segment_recognition.h"
-#include "recognition/stages.h"
-#include "recognition/unions.h"
+#include "recognition/segmentation/unions.h"
+#include "recognition/splitting/answered_segment.h"
+#include "recognition/verification/scan_depths.h"
 
 namespace graspdb::recognition {
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "absl/status/status.h"
-#include "recognition/descriptor.h"
-#include "recognition/view_matching.h"
+#include "recognition/descriptors/descriptor.h"
+#include "recognition/matching/single_view_baseline.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -67,16 +67,17 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
                const MatchingParameters& parameters, Detection* detection) {
   const PoseHypothesis& best = hypotheses.front();
   for (const PoseHypothesis& h : hypotheses) {
-    const bool is_rival = h.standing == Standing::kAsGood;
+    const bool is_rival = h.rank_class == RankClass::kAsGood;
     detection->ambiguous = detection->ambiguous || is_rival;
     // A declared symmetry says more exactly what follows than what happened to be tried.
-    const bool is_turn = h.standing == Standing::kSameSurface && best.symmetry_order == 1;
+    const bool is_turn = h.rank_class == RankClass::kSameSurface && best.symmetry_order == 1;
     if (!is_rival && !is_turn) continue;
     if (h.view->stable_pose == best.view->stable_pose) {
       detection->equivalent_poses.push_back(h.refined);
     } else if (is_rival) {
-      const Doubt doubt = DoubtsOf(h.evidence, *h.model, noise_m, parameters.support_distance_m);
-      detection->alternatives.push_back({h.view, h.refined, Confidence(doubt)});
+      const ConfidenceFeatures features =
+          ConfidenceFeaturesOf(h.evidence, *h.model, noise_m, parameters.support_distance_m);
+      detection->alternatives.push_back({h.view, h.refined, Confidence(features)});
     }
   }
 }
@@ -199,8 +200,9 @@ absl::Status SegmentRecognition::TakeBest() {
   out_.view = best.view;
   out_.model = best.model;
   out_.evidence = best.evidence;
-  out_.doubt = DoubtsOf(best.evidence, *best.model, noise, parameters_.matching.support_distance_m);
-  out_.score = Confidence(out_.doubt);
+  out_.features = ConfidenceFeaturesOf(best.evidence, *best.model, noise,
+                                       parameters_.matching.support_distance_m);
+  out_.score = Confidence(out_.features);
   out_.rough_pose = best.rough;
   out_.refined_pose = best.refined;
   out_.registration = {.target_source = Pose::Identity(),
@@ -225,7 +227,8 @@ void SegmentRecognition::Decide() {
   const TaughtStablePose* taught = StablePoseOf(catalogue_, out_);
   if (out_.score < MinScore(taught, matching)) {
     out_.outcome = RecognitionOutcome::kUnknownObject;
-    if (out_.view && matching.verified_view_count > 1) out_.rejected_by = HeaviestDoubt(out_.doubt);
+    if (out_.view && matching.verified_view_count > 1)
+      out_.rejected_by = HeaviestFeature(out_.features);
     out_.view = nullptr;
   } else if (out_.registration.inlier_fraction < matching.min_inlier_fraction) {
     out_.outcome = RecognitionOutcome::kIcpRejected;

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "recognition/model_matching.h"
+#include "recognition/base/search_budget.h"
+#include "recognition/base/stages.h"
+#include "recognition/matching/model_matching.h"
 #include "recognition/recognizer.h"
-#include "recognition/search_budget.h"
-#include "recognition/stages.h"
 
 namespace graspdb::recognition {
 

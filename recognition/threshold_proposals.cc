@@ -66,7 +66,7 @@ CatalogueSnapshot Without(const CatalogueSnapshot& catalogue, std::span<const Vi
               std::move(poses))};
 }
 
-// What the view's camera saw of the thing.
+// What the view's camera saw of the object.
 absl::StatusOr<Scan> ScanOf(const TaughtView& view, ViewClouds& clouds) {
   auto cloud = clouds.Load(view);
   if (!cloud.ok()) return cloud.status();

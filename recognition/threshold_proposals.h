@@ -25,10 +25,10 @@ struct ThresholdProposal {
   std::optional<double> min_score;  // proposed; absent: what holds for all is right
 };
 
-// Half way between what wrongly and what rightly named things score, where that is below `usual`;
+// Half way between what wrongly and what rightly named objects score, where that is below `usual`;
 // `usual` where nothing was named rightly or the wrong ones score more. Never so low that nine of
-// ten answers with such a score are wrong. Never above `usual`: views show the thing alone, without
-// the table that denies a wrong answer in a frame.
+// ten answers with such a score are wrong. Never above `usual`: views show the object alone,
+// without the table that denies a wrong answer in a frame.
 double ThresholdBetween(std::optional<double> right, std::optional<double> wrong, double usual);
 
 // Of `object`'s stable poses (resource name; empty: all), by name. Some views of every stable pose

@@ -14,7 +14,7 @@ constexpr int kNicer = 10;
 
 }  // namespace
 
-void GiveWay() {
+void LowerPriority() {
   // Linux keeps a niceness for each thread, caps it at 19, and never refuses a higher one. The
   // server may be nice itself.
   const auto thread = static_cast<id_t>(gettid());
@@ -23,7 +23,7 @@ void GiveWay() {
 
 absl::Status InBackground(const std::function<absl::Status()>& work) {
   const auto quietly = [&] {
-    GiveWay();
+    LowerPriority();
     return work();
   };
   return std::async(std::launch::async, quietly).get();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "program/version.h"
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/grasp_outcomes.h"
@@ -15,7 +16,6 @@
 #include "server/respond.h"
 #include "server/scan_from_proto.h"
 #include "server/update_mask.h"
-#include "settings/version.h"
 #include "storage/packed_cloud.h"
 #include "storage/resource_name.h"
 

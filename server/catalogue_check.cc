@@ -15,7 +15,7 @@ void FillGap(const recognition::Gap& gap, v1::SurfaceGap* out) {
   out->set_largest_m(gap.largest_m);
 }
 
-v1::FindLookAlikesResponse ToProto(const recognition::CatalogueLikeness& found,
+v1::FindLookAlikesResponse ToProto(const recognition::CatalogueSimilarity& found,
                                    std::int64_t revision) {
   v1::FindLookAlikesResponse out;
   out.set_catalog_revision(revision);
@@ -31,9 +31,9 @@ v1::FindLookAlikesResponse ToProto(const recognition::CatalogueLikeness& found,
     v1::LookAlikePair* message = out.add_pairs();
     message->set_stable_pose(pair.stable_pose);
     message->set_other(pair.other);
-    *message->mutable_pose() = PoseToProto(pair.likeness.b_a);
+    *message->mutable_pose() = PoseToProto(pair.similarity.b_a);
     message->set_nearly(pair.nearly);
-    FillGap(pair.likeness.gap, message->mutable_gap());
+    FillGap(pair.similarity.gap, message->mutable_gap());
   }
   return out;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "logging/log_field.h"
+#include "program/log_field.h"
 #include "server/convert.h"
 #include "server/records.h"
 #include "storage/family.h"

@@ -5,8 +5,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "recognition/descriptor_index.h"
-#include "recognition/parameters.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/index/descriptor_index.h"
 #include "server/taught_poses.h"
 #include "storage/catalogue.h"
 

@@ -171,9 +171,9 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     if (!mesh.ok()) return mesh.status();
     out.object_mesh = *mesh;
   }
-  if (pose.grasps_size() > kMostGrasps) {
+  if (pose.grasps_size() > kMaxGrasps) {
     return InvalidField("stable_pose.grasps",
-                        absl::StrCat("has more than ", kMostGrasps, " grasps"));
+                        absl::StrCat("has more than ", kMaxGrasps, " grasps"));
   }
   std::set<std::string> ids;
   for (int i = 0; i < pose.grasps_size(); ++i) {

@@ -31,14 +31,14 @@ void AddDetail(const std::string& type_url, const absl::Status& status,
   auto* any = details->add_details();
   any->set_type_url(type_url);
   any->set_value(std::string(*status.GetPayload(type_url)));
-  if (details->ByteSizeLong() > kMostDetailBytes) details->mutable_details()->RemoveLast();
+  if (details->ByteSizeLong() > kMaxDetailBytes) details->mutable_details()->RemoveLast();
 }
 
 }  // namespace
 
 absl::Status InvalidField(std::string_view path, std::string_view description) {
-  const std::string field = BoundedText(path, kMostPathBytes);
-  const std::string text = BoundedText(description, kMostMessageBytes);
+  const std::string field = BoundedText(path, kMaxPathBytes);
+  const std::string text = BoundedText(description, kMaxMessageBytes);
   absl::Status status = absl::InvalidArgumentError(absl::StrCat(field, ": ", text));
   google::rpc::BadRequest detail;
   auto* violation = detail.add_field_violations();
@@ -63,7 +63,7 @@ absl::Status TryAgainLater(absl::Status status) {
 
 absl::Status WithReason(absl::Status status, std::string_view reason) {
   google::rpc::ErrorInfo info;
-  info.set_reason(BoundedText(reason, kMostPathBytes));
+  info.set_reason(BoundedText(reason, kMaxPathBytes));
   info.set_domain(std::string(kDomain));
   Attach(info, &status);
   return status;
@@ -77,7 +77,7 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   }
   google::rpc::Status details;
   details.set_code(static_cast<int>(complete.code()));
-  details.set_message(BoundedText(std::string(complete.message()), kMostMessageBytes));
+  details.set_message(BoundedText(std::string(complete.message()), kMaxMessageBytes));
   AddDetail(TypeUrl<google::rpc::ErrorInfo>(), complete, &details);
   complete.ForEachPayload([&](absl::string_view type_url, const absl::Cord& /*payload*/) {
     if (type_url != TypeUrl<google::rpc::ErrorInfo>()) {

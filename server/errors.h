@@ -29,15 +29,15 @@ absl::Status TryAgainLater(absl::Status status);
 absl::Status WithReason(absl::Status status, std::string_view reason);
 
 // Bytes of an error's text and of a field violation's description; twice as many would not fit.
-inline constexpr std::size_t kMostMessageBytes = 768;
+inline constexpr std::size_t kMaxMessageBytes = 768;
 // Bytes of a field's path and of a reason.
-inline constexpr std::size_t kMostPathBytes = 256;
+inline constexpr std::size_t kMaxPathBytes = 256;
 // Bytes of a google.rpc.Status in all; further details are left out.
-inline constexpr std::size_t kMostDetailBytes = 2560;
+inline constexpr std::size_t kMaxDetailBytes = 2560;
 
 // The one map from our errors to gRPC's: the same code, the message, and a
 // google.rpc.Status with the attached details and always an ErrorInfo (AIP-193). The text is
-// valid UTF-8 of at most kMostMessageBytes.
+// valid UTF-8 of at most kMaxMessageBytes.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
 }  // namespace graspdb::server

@@ -8,13 +8,13 @@
 namespace graspdb::server {
 namespace {
 
-constexpr int kMostAtOnce = 10'000;
+constexpr int kMaxAtOnce = 10'000;
 
 absl::StatusOr<v1::GraspOutcomeCounts> CountsFromProto(
     const v1::ReportGraspOutcomeRequest& request) {
   const int count = request.has_count() ? request.count() : 1;
-  if (count < 1 || count > kMostAtOnce) {
-    return InvalidField("count", absl::StrCat("must lie in 1 to ", kMostAtOnce));
+  if (count < 1 || count > kMaxAtOnce) {
+    return InvalidField("count", absl::StrCat("must lie in 1 to ", kMaxAtOnce));
   }
   v1::GraspOutcomeCounts out;
   out.set_grasp_id(request.grasp_id());

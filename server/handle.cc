@@ -7,7 +7,7 @@
 #include <new>
 
 #include "absl/strings/str_cat.h"
-#include "logging/log_field.h"
+#include "program/log_field.h"
 #include "server/errors.h"
 #include "server/request_limits.h"
 

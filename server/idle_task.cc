@@ -14,7 +14,7 @@ constexpr absl::Duration kPollInterval = absl::Seconds(10);
 
 IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> start, std::function<void()> task)
     : thread_([this, &live, start = std::move(start), task = std::move(task)] {
-        GiveWay();
+        LowerPriority();
         start();
         for (std::int64_t seen = -1; !Stopped(kPollInterval);) {
           live.CatchUp();

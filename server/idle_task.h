@@ -11,8 +11,8 @@
 
 namespace graspdb::server {
 
-// A thread of low priority (GiveWay) that runs `start`, and then `task` every 10 s in which the
-// catalogue has not changed. Before that it lets the live catalogue catch up where it could not
+// A thread of low priority (LowerPriority) that runs `start`, and then `task` every 10 s in which
+// the catalogue has not changed. Before that it lets the live catalogue catch up where it could not
 // apply a change.
 class IdleTask {
  public:

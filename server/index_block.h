@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "recognition/descriptor_chunk.h"
+#include "recognition/index/descriptor_chunk.h"
 #include "storage/records.pb.h"
 
 namespace graspdb::server {

@@ -36,7 +36,7 @@ absl::Status CheckMadeFrom(const storage::IndexHeader& header, const storage::Ca
     return absl::FailedPreconditionError("it was made from another database");
   }
   const std::int64_t behind = catalogue.revision() - header.revision();
-  if (behind <= kMostChangesBehind) return absl::OkStatus();
+  if (behind <= kMaxChangesBehind) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat("it is ", behind, " changes behind"));
 }
 

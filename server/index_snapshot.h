@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "recognition/parameters.h"
+#include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
 #include "server/loaded_views.h"
 #include "storage/catalogue.h"
@@ -12,7 +12,7 @@
 namespace graspdb::server {
 
 // Changes that the file may be behind before it is easier to read all records.
-inline constexpr std::int64_t kMostChangesBehind = 20'000;
+inline constexpr std::int64_t kMaxChangesBehind = 20'000;
 
 // Writes the index of `snapshot`, one of `catalogue`, in place of the file before; `parameters`
 // are those of its descriptors. Needs some megabytes of memory, and takes no lock. One at a time.

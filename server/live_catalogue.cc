@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/functional/function_ref.h"
-#include "logging/log_field.h"
+#include "program/log_field.h"
 #include "server/change_effects.h"
 #include "server/load_views.h"
 

@@ -10,7 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "recognition/parameters.h"
+#include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
 #include "server/loaded_views.h"
 #include "server/taught_poses.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "logging/log_field.h"
+#include "program/log_field.h"
 #include "server/change_effects.h"
 #include "server/index_snapshot.h"
 #include "server/records.h"

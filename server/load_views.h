@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "recognition/parameters.h"
+#include "recognition/descriptors/descriptor_parameters.h"
 #include "server/loaded_views.h"
 #include "storage/catalogue.h"
 

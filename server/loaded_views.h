@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "recognition/descriptor_index.h"
-#include "recognition/taught.h"
+#include "recognition/index/descriptor_index.h"
+#include "recognition/models/taught.h"
 
 namespace graspdb::server {
 

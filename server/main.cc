@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <string>
 
-#include "logging/log.h"
-#include "logging/log_field.h"
+#include "program/log.h"
+#include "program/log_field.h"
+#include "program/stop_signal.h"
+#include "program/version.h"
 #include "server/options.h"
 #include "server/server.h"
-#include "settings/stop_signal.h"
-#include "settings/version.h"
 
 namespace graspdb::server {
 namespace {

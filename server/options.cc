@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
-#include "recognition/descriptor.h"
-#include "settings/listen_address.h"
-#include "settings/settings_file.h"
-#include "settings/version.h"
+#include "program/listen_address.h"
+#include "program/settings_file.h"
+#include "program/version.h"
+#include "recognition/descriptors/descriptor.h"
 
 namespace graspdb::server {
 namespace {

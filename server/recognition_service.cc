@@ -114,7 +114,7 @@ grpc::Status RecognitionService::RecognizeStream(
         return named.ok() ? RecognizeOne(*context, frame.request(), answer.mutable_response())
                           : named;
       });
-      answer.set_frame_id(BoundedText(frame.frame_id(), kMostStringBytes));
+      answer.set_frame_id(BoundedText(frame.frame_id(), kMaxStringBytes));
       if (!status.ok()) answer.mutable_error()->ParseFromString(status.error_details());
       if (!stream->Write(answer)) return absl::CancelledError("the caller left the stream");
     }

@@ -1,7 +1,7 @@
 #include "server/records.h"
 
 #include "absl/strings/str_cat.h"
-#include "recognition/segmentation.h"
+#include "recognition/segmentation/segmentation.h"
 #include "server/convert.h"
 #include "storage/packed_cloud.h"
 #include "storage/resource_name.h"

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
-#include "recognition/descriptor_index.h"
-#include "recognition/parameters.h"
-#include "recognition/taught.h"
-#include "recognition/types.h"
+#include "recognition/base/types.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/index/descriptor_index.h"
+#include "recognition/models/taught.h"
 #include "storage/records.pb.h"
 
 namespace graspdb::server {

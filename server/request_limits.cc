@@ -17,16 +17,16 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
 // Holds for every field that is not in the table, so that a new one is bounded too.
-constexpr int kMostElements = 64;
+constexpr int kMaxElements = 64;
 
 struct LengthLimit {
   std::string_view field;  // its full name
   std::size_t bytes;
 };
 constexpr std::array<LengthLimit, 6> kLengths = {{
-    {"graspdb.v1.Object.display_name", kMostNameBytes},
-    {"graspdb.v1.StablePose.display_name", kMostNameBytes},
-    {"graspdb.v1.Cell.display_name", kMostNameBytes},
+    {"graspdb.v1.Object.display_name", kMaxNameBytes},
+    {"graspdb.v1.StablePose.display_name", kMaxNameBytes},
+    {"graspdb.v1.Cell.display_name", kMaxNameBytes},
     // A resource name in base 64.
     {"graspdb.v1.ListObjectsRequest.page_token", 384},
     {"graspdb.v1.ListStablePosesRequest.page_token", 384},
@@ -39,18 +39,18 @@ struct CountLimit {
 };
 constexpr std::array<CountLimit, 3> kCounts = {{
     {"graspdb.v1.Object.labels", 32},
-    {"graspdb.v1.StablePose.grasps", kMostGrasps},
-    {"graspdb.v1.StablePose.grasp_outcomes", kMostGrasps},
+    {"graspdb.v1.StablePose.grasps", kMaxGrasps},
+    {"graspdb.v1.StablePose.grasp_outcomes", kMaxGrasps},
 }};
 
 std::size_t MostBytes(const FieldDescriptor& field) {
   const auto* found = std::ranges::find(kLengths, field.full_name(), &LengthLimit::field);
-  return found == kLengths.end() ? kMostStringBytes : found->bytes;
+  return found == kLengths.end() ? kMaxStringBytes : found->bytes;
 }
 
 int MostElements(const FieldDescriptor& field) {
   const auto* found = std::ranges::find(kCounts, field.full_name(), &CountLimit::field);
-  return found == kCounts.end() ? kMostElements : found->elements;
+  return found == kCounts.end() ? kMaxElements : found->elements;
 }
 
 absl::Status CheckBytes(std::size_t bytes, std::size_t most, std::string_view path) {
@@ -113,7 +113,7 @@ absl::Status CheckMessage(const Message& message, const std::string& path) {
 absl::Status CheckLimits(const Message& request) { return CheckMessage(request, ""); }
 
 absl::Status CheckLength(std::string_view text, std::string_view path) {
-  return CheckBytes(text.size(), kMostStringBytes, path);
+  return CheckBytes(text.size(), kMaxStringBytes, path);
 }
 
 }  // namespace graspdb::server

@@ -13,15 +13,15 @@ namespace graspdb::server {
 
 // Grasps of a stable pose, as the contract has it. An answer proposes each of them for every turn
 // of the symmetry and of its free turn, so twice as many make answers twice as long.
-inline constexpr int kMostGrasps = 64;
+inline constexpr int kMaxGrasps = 64;
 
 // Bytes of a string without a limit of its own. The longest resource name has 217; twice as many
 // would only make errors longer.
-inline constexpr std::size_t kMostStringBytes = 256;
+inline constexpr std::size_t kMaxStringBytes = 256;
 
 // Bytes of a display name, as UTF-8. A page of a list has up to 1000; twice as many would still
 // fit.
-inline constexpr std::size_t kMostNameBytes = 256;
+inline constexpr std::size_t kMaxNameBytes = 256;
 
 // INVALID_ARGUMENT with the field's path for the first string that is too long or repeated field
 // with too many elements in `request`, however deep. Fields of `bytes` are left out: they are

@@ -20,8 +20,8 @@ template <typename T>
 T Answerable(T record) {
   if constexpr (requires { record.display_name(); }) {
     record.DiscardUnknownFields();
-    if (record.display_name().size() > kMostNameBytes) {
-      record.set_display_name(BoundedText(record.display_name(), kMostNameBytes));
+    if (record.display_name().size() > kMaxNameBytes) {
+      record.set_display_name(BoundedText(record.display_name(), kMaxNameBytes));
     }
   }
   return record;

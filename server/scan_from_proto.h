@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "graspdb/v1/geometry.pb.h"
-#include "recognition/scan.h"
+#include "recognition/points/scan.h"
 
 namespace graspdb::server {
 

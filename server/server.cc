@@ -13,11 +13,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/admission.h"
-#include "server/approximate_keeper.h"
+#include "server/approximate_index_builder.h"
 #include "server/catalog_service.h"
 #include "server/cell_service.h"
 #include "server/frame_recognizer.h"
-#include "server/index_keeper.h"
+#include "server/index_checkpointer.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/recognition_service.h"
@@ -31,11 +31,11 @@ namespace {
 constexpr int kTeachQueue = 64;
 
 // Threads that wait for calls, at least that many of which are kept.
-constexpr int kLeastPollers = 8;
+constexpr int kMinPollers = 8;
 
 // Threads of calls, at least and at most, whatever the memory.
-constexpr int kLeastThreads = 16;
-constexpr std::size_t kMostThreads = 256;
+constexpr int kMinThreads = 16;
+constexpr std::size_t kMaxThreads = 256;
 
 // A shutdown ends the streams of those who watch the health, told or not.
 constexpr std::chrono::milliseconds kTimeToBeHeard{200};
@@ -59,8 +59,8 @@ int WorkersOf(const ServerOptions& options) {
 int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
                const ServerOptions& options) {
   const std::size_t fit = memory.requests / max_message_bytes;
-  const int least = kLeastThreads + 2 * WorkersOf(options);
-  return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMostThreads)));
+  const int least = kMinThreads + 2 * WorkersOf(options);
+  return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMaxThreads)));
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ struct Server::Parts {
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
         index_keeper(*catalogue, *live, parameters.descriptor),
-        approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateKeeper>(
+        approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
                                                           *catalogue, *live, parameters.descriptor)
                                                     : nullptr),
         request_memory(memory.requests),
@@ -97,8 +97,8 @@ struct Server::Parts {
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
-  IndexKeeper index_keeper;
-  std::unique_ptr<ApproximateKeeper> approximate_keeper;  // null: searches are exact
+  IndexCheckpointer index_keeper;
+  std::unique_ptr<ApproximateIndexBuilder> approximate_keeper;  // null: searches are exact
   RequestMemory request_memory;
   ViewCloudCache clouds;
   Admission recognizing;
@@ -137,7 +137,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // A thread that finds more pollers than this ends, and the next frame starts a new one.
   builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
-                              std::max(kLeastPollers, 2 * WorkersOf(options)));
+                              std::max(kMinPollers, 2 * WorkersOf(options)));
   // What is read of messages that are not complete yet; where it is used up, gRPC reads no further,
   // and ends calls that wait. A call beyond the threads is refused before its message is parsed.
   grpc::ResourceQuota quota("graspdb");

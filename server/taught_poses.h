@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "recognition/taught.h"
+#include "recognition/models/taught.h"
 
 namespace graspdb::server {
 

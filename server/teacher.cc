@@ -4,7 +4,7 @@
 #include <array>
 
 #include "absl/strings/str_cat.h"
-#include "recognition/segmentation.h"
+#include "recognition/segmentation/segmentation.h"
 #include "server/convert.h"
 #include "server/digest.h"
 #include "server/errors.h"
@@ -77,7 +77,7 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
     return WithReason(
         absl::FailedPreconditionError(absl::StrCat(
             "the capture shows ", segments.size(),
-            " things and no object pose says which one is taught; clear the table or give one")),
+            " objects and no object pose says which one is taught; clear the table or give one")),
         "SEVERAL_CLUSTERS");
   }
   const auto distance = [&](const Segment& segment) {

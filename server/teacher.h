@@ -17,7 +17,7 @@ struct TeachLimits {
 // the record of the view: the object's points packed, its descriptor made from the
 // packed points, so that it can be made again from what is stored. Errors name the
 // field at `path`; FAILED_PRECONDITION when the capture shows nothing or, without an
-// object pose, several things.
+// object pose, several objects.
 absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
                                           const recognition::RecognitionParameters& parameters,
                                           const TeachLimits& limits,

@@ -4,16 +4,16 @@
 #include <memory>
 #include <string>
 
-#include "recognition/parameters.h"
-#include "recognition/taught.h"
-#include "server/budget_cache.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/models/taught.h"
+#include "server/lru_cache.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
 
 // Loads clouds from the catalogue, makes them ready for the alignment, fuses them, and keeps as
 // much as `byte_budget` allows, the least recently used leaving first. Thread-safe; two threads
-// that miss the same thing at once both make it.
+// that miss the same object at once both make it.
 class ViewCloudCache : public recognition::ViewClouds {
  public:
   // Clouds get one part in so many of the memory: models are made of them, and then asked for.
@@ -40,8 +40,8 @@ class ViewCloudCache : public recognition::ViewClouds {
 
   const storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
-  BudgetCache<recognition::OrientedCloud> clouds_;
-  BudgetCache<recognition::SurfaceModel> models_;
+  LruCache<recognition::OrientedCloud> clouds_;
+  LruCache<recognition::SurfaceModel> models_;
 };
 
 }  // namespace graspdb::server

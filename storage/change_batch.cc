@@ -11,7 +11,7 @@ namespace {
 
 // Change records that one write deletes at most, so that a database with millions of them takes
 // some kilobytes more a write until they are gone. Twice as many: twice that.
-constexpr std::int64_t kMostForgotten = 1024;
+constexpr std::int64_t kMaxForgotten = 1024;
 
 void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
   switch (family) {
@@ -69,7 +69,7 @@ void ChangeBatch::Remove(Family family, std::string_view key) {
 
 void ChangeBatch::ForgetChanges(std::int64_t keep) {
   const std::int64_t horizon = meta_.change_horizon();
-  const std::int64_t last = std::min(meta_.revision() - keep, horizon + kMostForgotten);
+  const std::int64_t last = std::min(meta_.revision() - keep, horizon + kMaxForgotten);
   if (last <= horizon) return;
   for (std::int64_t revision = horizon + 1; revision <= last; ++revision) {
     status_.Update(database_.Delete(Family::kChanges, ChangeKey(revision), rocks_));

@@ -22,7 +22,7 @@ absl::Status CheckPage(std::size_t page_size, std::string_view prefix, std::stri
 // Bytes of records after which a page ends, whatever it was asked for; the first record is in it
 // always. gRPC's clients take answers of 4 MB by default, and a stable pose's outcomes, which come
 // to its record, can double it: twice as many would be refused there.
-inline constexpr std::size_t kMostPageBytes = 1U << 20;
+inline constexpr std::size_t kMaxPageBytes = 1U << 20;
 
 // A page of the collection of `parent_name` (empty for a collection without a parent).
 template <typename Record>
@@ -38,7 +38,7 @@ absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_v
                     [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
                       bytes += value.size();
                       page.more = page.records.size() == page_size ||
-                                  (!page.records.empty() && bytes > kMostPageBytes);
+                                  (!page.records.empty() && bytes > kMaxPageBytes);
                       if (page.more) return false;
                       auto record = ParseRecord<Record>(key, value);
                       if (!record.ok()) return record.status();

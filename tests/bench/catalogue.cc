@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "absl/strings/str_format.h"
-#include "client/simulation/sample_parts.h"
+#include "rendering/sample_parts.h"
 #include "tests/bench/seen_parts.h"
 
 namespace graspdb::bench {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "recognition/clouds_in_memory.h"
+#include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::bench {

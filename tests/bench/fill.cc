@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "client/eval/experiment_run.h"
-#include "client/simulation/progress_line.h"
-#include "client/simulation/sample_parts.h"
+#include "client/cli/base/progress_line.h"
+#include "lab/experiment/experiment_run.h"
+#include "rendering/sample_parts.h"
 #include "server/convert.h"
 #include "server/digest.h"
 #include "server/records.h"

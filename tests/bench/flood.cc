@@ -14,8 +14,8 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "client/api/client.h"
-#include "recognition/types.h"
+#include "client/sdk/client.h"
+#include "recognition/base/types.h"
 #include "server/scan_from_proto.h"
 
 namespace graspdb::bench {

@@ -10,9 +10,9 @@
 #include <optional>
 #include <random>
 
-#include "client/files/point_file.h"
-#include "client/simulation/sample_parts.h"
-#include "recognition/region.h"
+#include "files/point_file.h"
+#include "recognition/segmentation/region.h"
+#include "rendering/sample_parts.h"
 #include "tests/recognition/shared_data.h"
 
 namespace graspdb::bench {
@@ -22,7 +22,7 @@ using recognition::Pose;
 
 constexpr double kDistanceM = 0.8;
 constexpr double kLookDownDeg = 40;
-constexpr double kCircleM = 0.17;  // on which five things stand
+constexpr double kCircleM = 0.17;  // on which five objects stand
 
 // The benchmarks need their frames: without them there is nothing to measure.
 template <typename T>
@@ -40,7 +40,7 @@ Frame Render(const std::string& name, const client::DepthCameraModel& model,
   out.camera = model.intrinsics;
   out.world_sensor = client::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
   out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
-  out.things = scene.objects.size();
+  out.objects = scene.objects.size();
   const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
   out.depth = client::ToCounts(image, kDepthUnitM);
   return out;
@@ -55,14 +55,15 @@ client::DepthCameraModel Megapixel() {
 }
 
 // The first sample parts, on a circle where they are several.
-Frame RenderThings(const std::string& name, const client::DepthCameraModel& model,
-                   std::size_t things) {
+Frame RenderObjects(const std::string& name, const client::DepthCameraModel& model,
+                    std::size_t objects) {
   const std::vector<client::Workpiece> parts = client::SampleParts();
   client::Scene scene;
-  for (std::size_t i = 0; i < things; ++i) {
+  for (std::size_t i = 0; i < objects; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 5;
     Pose pose = Pose::Identity();
-    if (things > 1) pose.translation() << kCircleM * std::cos(angle), kCircleM * std::sin(angle), 0;
+    if (objects > 1)
+      pose.translation() << kCircleM * std::cos(angle), kCircleM * std::sin(angle), 0;
     scene.objects.push_back({&parts[i].mesh, pose});
   }
   return Render(name, model, scene);
@@ -83,7 +84,7 @@ std::optional<Frame> ReadFrame(const std::filesystem::path& path) {
   if (!found.ok()) return std::nullopt;
   out.world_sensor = found->world_sensor;
   out.region = recognition::DefaultRegion(out.world_sensor);
-  out.things = found->segments.size();
+  out.objects = found->segments.size();
   out.points = std::move(scan.points);
   return out;
 }
@@ -107,7 +108,7 @@ const Frame& SimulatedFrame(const std::string& name) {
   const auto camera = is_megapixel                    ? Megapixel()
                       : name.starts_with("kinect-v1") ? client::KinectV1()
                                                       : client::KinectV2();
-  return made[name] = RenderThings(name, camera, name.ends_with("-five") ? 5 : 1);
+  return made[name] = RenderObjects(name, camera, name.ends_with("-five") ? 5 : 1);
 }
 
 bool HasRealFrames() { return testing::SharedData("mosd_tabletop").has_value(); }

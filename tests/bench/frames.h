@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "client/simulation/depth_camera.h"
-#include "recognition/segmentation.h"
-#include "recognition/types.h"
+#include "recognition/base/types.h"
+#include "recognition/segmentation/segmentation.h"
+#include "rendering/depth_camera.h"
 
 namespace graspdb::bench {
 
@@ -20,7 +20,7 @@ struct Frame {
   recognition::Points points;  // sensor frame, m
   recognition::Pose world_sensor = recognition::Pose::Identity();
   recognition::Box region;
-  std::size_t things = 0;  // that stand in it
+  std::size_t objects = 0;  // that stand in it
 };
 
 inline constexpr double kDepthUnitM = 0.001;

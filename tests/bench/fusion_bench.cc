@@ -1,4 +1,4 @@
-// One surface from 24 views of a thing on a turntable, as it is made when a stable pose is first
+// One surface from 24 views of an object on a turntable, as it is made when a stable pose is first
 // asked about.
 #include <benchmark/benchmark.h>
 
@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "client/simulation/sample_parts.h"
-#include "recognition/surface_model.h"
+#include "recognition/models/surface_model.h"
+#include "rendering/sample_parts.h"
 #include "tests/bench/peer_pcl.h"
 #include "tests/bench/peer_pcl_fusion.h"
 #include "tests/bench/seen_parts.h"
 #include "tests/bench/suite.h"
-#include "tests/client/simulation/mesh_measure.h"
+#include "tests/rendering/mesh_measure.h"
 
 namespace graspdb::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <random>
 #include <set>
 
-#include "recognition/descriptor_index.h"
-#include "recognition/recall.h"
+#include "recognition/index/descriptor_index.h"
+#include "recognition/index/recall.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/suite.h"
 
@@ -25,10 +25,10 @@ constexpr int kCount = 10;
 constexpr std::size_t kQueries = 64;
 constexpr std::size_t kBins = 288;
 // Building a graph of more takes minutes.
-constexpr std::size_t kMostForGraph = 10'000;
+constexpr std::size_t kMaxForGraph = 10'000;
 // Copies of what others search take too much memory for more.
-constexpr std::size_t kMostForPeers = 100'000;
-constexpr std::size_t kMostWithClouds = 100'000;
+constexpr std::size_t kMaxForPeers = 100'000;
+constexpr std::size_t kMaxWithClouds = 100'000;
 
 // Descriptors of the catalogue, and queries: some of them, a part of whose mass went elsewhere.
 struct Rows {
@@ -52,7 +52,7 @@ Descriptor Blurred(Descriptor descriptor, std::mt19937_64* random) {
 // of a smaller one, blurred.
 Rows RowsOf(std::size_t count) {
   Rows out;
-  const Catalogue catalogue(std::min(count, kMostWithClouds));
+  const Catalogue catalogue(std::min(count, kMaxWithClouds));
   out.count = count;
   std::mt19937_64 random(3);
   std::vector<recognition::IndexedView> views;
@@ -186,10 +186,10 @@ void AddSize(std::size_t count) {
   add("graspdb", Ours);
   add("graspdb, --index flann", Approximate);
   add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
-  if (count > kMostForPeers) return;
+  if (count > kMaxForPeers) return;
   add("FLANN kd-forest", [](const Rows& r) { return Flann(r, flann::KDTreeIndexParams(4), 128); });
   add("faiss flat, Hellinger", Faiss);
-  if (count <= kMostForGraph) add("hnswlib, Hellinger", Hnsw);
+  if (count <= kMaxForGraph) add("hnswlib, Hellinger", Hnsw);
 }
 
 }  // namespace

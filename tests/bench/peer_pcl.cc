@@ -185,22 +185,22 @@ OrientedCloud::Ptr ToPcl(const recognition::OrientedCloud& cloud) {
   return out;
 }
 
-std::vector<Thing> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry3d& world_sensor,
-                            const recognition::Box& region,
-                            const recognition::SegmentationParameters& segmentation,
-                            const recognition::DescriptorParameters& descriptor) {
+std::vector<Object> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry3d& world_sensor,
+                             const recognition::Box& region,
+                             const recognition::SegmentationParameters& segmentation,
+                             const recognition::DescriptorParameters& descriptor) {
   const Cloud::Ptr world(new Cloud);
   pcl::transformPointCloud(*frame, *world, world_sensor.cast<float>().matrix());
   const Cloud::Ptr above = RemovePlane(Crop(world, region), segmentation);
   const Cloud::Ptr voxels = Voxels(RemoveOutliers(above, segmentation), descriptor.voxel_size_m);
   const Eigen::Vector3f viewpoint = world_sensor.translation().cast<float>();
-  std::vector<Thing> out;
+  std::vector<Object> out;
   for (const pcl::PointIndices& cluster : Clusters(voxels, segmentation)) {
-    Thing thing;
-    thing.cloud.reset(new Cloud(*voxels, cluster.indices));
-    thing.normals = Normals(thing.cloud, viewpoint, descriptor.normal_radius_m);
-    thing.signature = Vfh(thing.cloud, thing.normals, viewpoint);
-    out.push_back(std::move(thing));
+    Object object;
+    object.cloud.reset(new Cloud(*voxels, cluster.indices));
+    object.normals = Normals(object.cloud, viewpoint, descriptor.normal_radius_m);
+    object.signature = Vfh(object.cloud, object.normals, viewpoint);
+    out.push_back(std::move(object));
   }
   return out;
 }
@@ -253,14 +253,14 @@ std::vector<int> Forest::Nearest(const Signature& signature, int count) const {
   return found.front();
 }
 
-Answer Recognize(const Thing& thing, const Forest& forest, const std::vector<View>& views,
+Answer Recognize(const Object& object, const Forest& forest, const std::vector<View>& views,
                  int count, double max_correspondence_m) {
-  const OrientedCloud::Ptr scene = Join(*thing.cloud, *thing.normals);
+  const OrientedCloud::Ptr scene = Join(*object.cloud, *object.normals);
   Eigen::Vector4f centroid;
   pcl::compute3DCentroid(*scene, centroid);
   Answer best;
   double least = std::numeric_limits<double>::infinity();
-  for (const int i : forest.Nearest(thing.signature, count)) {
+  for (const int i : forest.Nearest(object.signature, count)) {
     const View& view = views[static_cast<std::size_t>(i)];
     Eigen::Matrix4f guess = Eigen::Matrix4f::Identity();
     guess.topRightCorner<3, 1>() = (centroid - view.centroid).head<3>();

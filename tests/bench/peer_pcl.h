@@ -10,8 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "recognition/parameters.h"
-#include "recognition/types.h"
+#include "recognition/base/types.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/segmentation/segmentation_parameters.h"
 
 namespace graspdb::peer {
 
@@ -19,8 +20,8 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using OrientedCloud = pcl::PointCloud<pcl::PointNormal>;
 using Signature = pcl::VFHSignature308;
 
-// One thing on the table, world frame.
-struct Thing {
+// One object on the table, world frame.
+struct Object {
   Cloud::Ptr cloud;
   pcl::PointCloud<pcl::Normal>::Ptr normals;
   Signature signature;
@@ -35,10 +36,10 @@ OrientedCloud::Ptr ToPcl(const recognition::OrientedCloud& cloud);
 
 // PassThrough three times, SACSegmentation and ExtractIndices, StatisticalOutlierRemoval,
 // VoxelGrid, EuclideanClusterExtraction, NormalEstimation, VFHEstimation.
-std::vector<Thing> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry3d& world_sensor,
-                            const recognition::Box& region,
-                            const recognition::SegmentationParameters& segmentation,
-                            const recognition::DescriptorParameters& descriptor);
+std::vector<Object> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry3d& world_sensor,
+                             const recognition::Box& region,
+                             const recognition::SegmentationParameters& segmentation,
+                             const recognition::DescriptorParameters& descriptor);
 
 // The signature of points and normals that are there already.
 Signature DescribeCloud(const recognition::OrientedCloud& cloud, const Eigen::Vector3d& viewpoint);
@@ -75,15 +76,15 @@ struct View {
   Eigen::Matrix4f world_grasp = Eigen::Matrix4f::Identity();  // T_world_tcp of its capture
 };
 
-// The answer for one thing.
+// The answer for one object.
 struct Answer {
   int view = -1;
   Eigen::Matrix4f moved = Eigen::Matrix4f::Identity();  // from the view's capture to the scene
   Eigen::Matrix4f world_grasp = Eigen::Matrix4f::Identity();
 };
-// The `count` nearest views, each moved to the thing's centroid and aligned with normals; the one
+// The `count` nearest views, each moved to the object's centroid and aligned with normals; the one
 // that fits best.
-Answer Recognize(const Thing& thing, const Forest& forest, const std::vector<View>& views,
+Answer Recognize(const Object& object, const Forest& forest, const std::vector<View>& views,
                  int count, double max_correspondence_m);
 
 }  // namespace graspdb::peer

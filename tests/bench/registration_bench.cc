@@ -1,13 +1,14 @@
-// Laying what was taught on what is seen: a thing that has turned by half a step of the turntable,
-// and was moved.
+// Laying what was taught on what is seen: an object that has turned by half a step of the
+// turntable, and was moved.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "client/simulation/depth_camera.h"
-#include "recognition/point_search.h"
-#include "recognition/refinement.h"
+#include "recognition/matching/matching_parameters.h"
+#include "recognition/matching/refinement.h"
+#include "recognition/points/point_search.h"
+#include "rendering/depth_camera.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/peer_pcl.h"
 #include "tests/bench/suite.h"
@@ -18,7 +19,7 @@ namespace {
 using recognition::OrientedCloud;
 using recognition::Pose;
 
-// What one sees of a thing alone.
+// What one sees of an object alone.
 struct Look {
   recognition::Scan scan;
   recognition::Pose world_sensor = Pose::Identity();
@@ -42,11 +43,11 @@ struct ScanLookUps {
   explicit ScanLookUps(const Look& look)
       : grid(look.segment.cloud.points, 0.003F, 0.021F),
         columns(look.segment.cloud),
-        sight(look.scan, look.world_sensor, look.segment) {}
+        depth_buffer(look.scan, look.world_sensor, look.segment) {}
 
   recognition::NearestGrid grid;
-  recognition::OrientedColumns columns;
-  recognition::Sight sight;
+  recognition::SoaCloud columns;
+  recognition::DepthBuffer depth_buffer;
 };
 
 struct Pair {
@@ -92,8 +93,9 @@ void Report(const Pair& pair, const Pose& found, benchmark::State* state) {
 
 void Ours(benchmark::State& state, const Pair& pair) {
   const ScanLookUps& at = *pair.look_ups;
-  // Without the knowledge that things stand on a table, which the others do not have.
-  const recognition::RefinementTarget target{pair.seen.segment.cloud, at.columns, at.grid, at.sight,
+  // Without the knowledge that objects stand on a table, which the others do not have.
+  const recognition::RefinementTarget target{pair.seen.segment.cloud, at.columns, at.grid,
+                                             at.depth_buffer,
                                              /*on_table=*/false};
   Pose found = Pose::Identity();
   {

@@ -1,6 +1,6 @@
 #include "tests/bench/seen_parts.h"
 
-#include "client/eval/trial.h"
+#include "lab/experiment/trial.h"
 
 namespace graspdb::bench {
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "client/simulation/workpiece.h"
-#include "recognition/types.h"
+#include "recognition/base/types.h"
+#include "rendering/workpiece.h"
 
 namespace graspdb::bench {
 
@@ -22,11 +22,11 @@ struct SeenPart {
 // The parts seen by a simulated Kinect v2 from all around; nothing where it shows no part.
 std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts);
 
-// A point of the thing in `seen`, world frame, if the thing were stretched along its axes.
+// A point of the object in `seen`, world frame, if the object were stretched along its axes.
 Eigen::Vector3f StretchedPoint(const SeenPart& seen, const Eigen::Vector3f& factors,
                                const Eigen::Vector3f& point);
 
-// The cloud if the thing were stretched so.
+// The cloud if the object were stretched so.
 recognition::OrientedCloud StretchedCloud(const SeenPart& seen, const Eigen::Vector3f& factors);
 
 // By how much each part is stretched along its axes, one variant after the other; the first one

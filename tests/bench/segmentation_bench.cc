@@ -1,7 +1,7 @@
 // From a frame to the descriptors of what stands in it.
 #include <benchmark/benchmark.h>
 
-#include "recognition/descriptor.h"
+#include "recognition/descriptors/descriptor.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/peer_pcl.h"
 #include "tests/bench/suite.h"
@@ -34,14 +34,14 @@ std::size_t Peer(const Frame& frame) {
 
 void Run(benchmark::State& state, std::size_t (*describe)(const Frame&), const Frames& frames_of) {
   const std::vector<const Frame*> frames = frames_of();
-  std::size_t things = 0;
+  std::size_t objects = 0;
   const Counted counted;
   for (auto _ : state) {
-    things = 0;
-    for (const Frame* frame : frames) things += describe(*frame);
-    benchmark::DoNotOptimize(things);
+    objects = 0;
+    for (const Frame* frame : frames) objects += describe(*frame);
+    benchmark::DoNotOptimize(objects);
   }
-  state.counters["things"] = static_cast<double>(things);
+  state.counters["objects"] = static_cast<double>(objects);
 }
 
 void Add(const std::string& name, const Frames& frames) {

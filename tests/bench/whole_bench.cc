@@ -5,7 +5,7 @@
 #include <chrono>
 #include <functional>
 
-#include "client/load/load_report.h"
+#include "lab/load/load_report.h"
 #include "recognition/recognizer.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/frames.h"
@@ -75,8 +75,8 @@ int Peer(const Frame& frame, const PeerCatalogue& catalogue) {
   const recognition::MatchingParameters parameters;
   int grasps = 0;
   const auto cloud = peer::Unproject(frame.depth, frame.camera, kDepthUnitM);
-  for (const auto& thing : peer::Describe(cloud, frame.world_sensor, frame.region, {}, {})) {
-    grasps += peer::Recognize(thing, *catalogue.forest, catalogue.views, kCandidates,
+  for (const auto& object : peer::Describe(cloud, frame.world_sensor, frame.region, {}, {})) {
+    grasps += peer::Recognize(object, *catalogue.forest, catalogue.views, kCandidates,
                               parameters.max_correspondence_m)
                   .view >= 0;
   }

@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "client/api/client.h"
+#include "client/sdk/client.h"
 #include "server/server.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 
 namespace graspdb::testing {
 

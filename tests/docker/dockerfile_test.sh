@@ -27,7 +27,7 @@ done
 }
 
 # So does compiling, where a file of the server includes one that is not there.
-grep -rhoE '^#include "[a-z]+/' "$context"/{server,storage,recognition,settings,logging} |
+grep -rhoE '^#include "[a-z]+/' "$context"/{server,storage,recognition,program} |
   sed 's/.*"\(.*\)\//\1/' | sort -u | while read -r folder; do
   # rocksdb/, absl/ and the like are none of the source's.
   [ ! -d "$source/$folder" ] || [ -d "$context/$folder" ] ||

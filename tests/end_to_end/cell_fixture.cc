@@ -5,12 +5,12 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/pose_message.h"
-#include "client/simulated_robot/pick_judge.h"
-#include "client/simulation/sample_parts.h"
-#include "client/simulation/scene_file.h"
+#include "files/pose_message.h"
 #include "graspdb/v1/cell.pb.h"
-#include "settings/listen_address.h"
+#include "lab/simulated_robot/pick_judge.h"
+#include "program/listen_address.h"
+#include "rendering/sample_parts.h"
+#include "rendering/scene_file.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "client/robots/gri_client.h"
-#include "client/simulation/capture_plan.h"
-#include "client/simulation/workpiece.h"
+#include "client/cell/robots/gri_client.h"
+#include "rendering/capture_plan.h"
+#include "rendering/workpiece.h"
 #include "tests/end_to_end/programs_fixture.h"
 
 namespace graspdb::end_to_end {

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "absl/time/clock.h"
-#include "client/sensors/fakenect_recording.h"
-#include "client/sensors/kinect_v1_calibration.h"
-#include "client/simulation/depth_camera.h"
-#include "client/simulation/simulation.h"
+#include "client/cell/sensors/fakenect_recording.h"
+#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "rendering/depth_camera.h"
+#include "rendering/simulation.h"
 #include "tests/end_to_end/cell_fixture.h"
 #include "tests/testing/status_matchers.h"
 
@@ -46,7 +46,7 @@ TEST_F(CellProgramsTest, TheObjectsPoseBelongsToTheGrasp) {
   EXPECT_LT(off.norm(), 0.003);
 }
 
-TEST_F(CellProgramsTest, WithoutThingsNoPoseIsFound) {
+TEST_F(CellProgramsTest, WithoutObjectsNoPoseIsFound) {
   StartCell();
   StartAgent();
   client::GriClient robot = Robot();
@@ -131,7 +131,7 @@ TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
 TEST_F(CellProgramsTest, ASimulatedRobotTellsProgramsTooWhereNothingIsGiven) {
   StartCell();
   LayOut(0);
-  StartAgent({"--job", "1 object=no-such-thing", "--job", "2 any"});
+  StartAgent({"--job", "1 object=no-such-object", "--job", "2 any"});
   const std::vector<std::string> robot = {"robot",     "--cell",  "press-3",    "--agent",
                                           gri_,        "--scene", Path(scene_), "--parts",
                                           "l-bracket", "--picks", "2"};
@@ -204,7 +204,7 @@ TEST_F(CellProgramsTest, ARecordedKinectIsSeenThroughLibfreenect) {
 TEST_F(CellProgramsTest, WhatCameToNoGoodEndIsKeptAndAskedAgain) {
   StartCell();
   LayOut(0);
-  StartAgent({"--black-box", Path("box"), "--job", "1 any", "--job", "2 object=no-such-thing"});
+  StartAgent({"--black-box", Path("box"), "--job", "1 any", "--job", "2 object=no-such-object"});
   client::GriClient robot = Robot();
   EXPECT_EQ(Trigger(robot, 2).code, GriCode::kNoPosesFound);
   agent_->Signal(SIGTERM);

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "client/api/client.h"
+#include "client/sdk/client.h"
 #include "server/scan_from_proto.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 
 namespace graspdb::end_to_end {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "graspdb/v1/catalog_service.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "tests/client/files/temporary_folder.h"
 #include "tests/end_to_end/process.h"
+#include "tests/files/temporary_folder.h"
 
 namespace graspdb::end_to_end {
 

@@ -1,9 +1,9 @@
 // Requests that were kept, asked again by the command line.
 #include <gmock/gmock.h>
 
-#include "client/api/client.h"
-#include "client/blackbox/black_box.h"
-#include "client/cli/scan_source.h"
+#include "client/cell/blackbox/black_box.h"
+#include "client/cli/recognize/scan_source.h"
+#include "client/sdk/client.h"
 #include "tests/end_to_end/outcome_matchers.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"

@@ -50,7 +50,7 @@ TEST_F(ServerProcessTest, ItListensOnlyToThisMachineUnlessToldOtherwise) {
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "here"}), EndsWith(2));
 }
 
-TEST_F(ServerProcessTest, AFolderWithOtherThingsIsNotMadeADatabase) {
+TEST_F(ServerProcessTest, AFolderWithOtherObjectsIsNotMadeADatabase) {
   folder_.Write("diary.txt", "Dear diary");
   const Finished outcome = Serve({"--db", folder_.path().string(), "--listen", "127.0.0.1:0"});
   EXPECT_THAT(outcome, EndsWith(1));

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "client/files/capture_set.h"
-#include "client/files/pose_message.h"
-#include "client/simulation/mesh_file.h"
-#include "client/simulation/solid.h"
+#include "files/capture_set.h"
+#include "files/pose_message.h"
+#include "rendering/mesh_file.h"
+#include "rendering/solid.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 

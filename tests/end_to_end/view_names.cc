@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/api/client.h"
+#include "client/sdk/client.h"
 
 namespace graspdb::end_to_end {
 

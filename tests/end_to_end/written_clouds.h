@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "recognition/types.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::end_to_end {
 

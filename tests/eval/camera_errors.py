@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""camera_errors.py FOLDER: the errors of real depth cameras, for client/simulation/camera_presets.cc.
+"""camera_errors.py FOLDER: the errors of real depth cameras, for rendering/camera_presets.cc.
 
 FOLDER has frames.json as `graspdb eval` reads it, with "intrinsics" and "plane" of each frame. Of
 the planes: the noise of single pixels, errors over some pixels ("bumps") and over the image
-("warps"), in mm along the ray and scaled to 1 m. Of the things whose pose is known: what is measured
+("warps"), in mm along the ray and scaled to 1 m. Of the objects whose pose is known: what is measured
 there by the distance from the silhouette and by the angle of incidence. Needs python3-numpy and
 python3-scipy.
 """
@@ -112,11 +112,11 @@ def print_shares(what, low, high, chosen, state):
     print(f"    {what} {low} to {high}: {chosen.sum():5d} pixels, {shares}")
 
 
-def print_thing(folder, frame, thing, points):
-    pose = np.array(thing["T_sensor_mesh"])
-    path = os.path.join(folder, thing["mesh"])
+def print_thing(folder, frame, object, points):
+    pose = np.array(object["T_sensor_mesh"])
+    path = os.path.join(folder, object["mesh"])
     vertices, faces = (read_obj if path.endswith(".obj") else read_ply)(path)
-    unit = 0.001 if thing["meshUnit"] == "mm" else 1
+    unit = 0.001 if object["meshUnit"] == "mm" else 1
     at, normals = sample(vertices * unit, faces, 400000)
     at = at @ pose[:3, :3].T + pose[:3, 3]
     cosines = -(normals @ pose[:3, :3].T * at).sum(1) / np.linalg.norm(at, axis=1)
@@ -135,7 +135,7 @@ def print_thing(folder, frame, thing, points):
     off = points[..., 2] - depth
     state = np.where(~np.isfinite(points[..., 2]), "lost", np.where(
         np.abs(off) * cosine < NEAR_M, "there", np.where(off > 0, "behind", "before")))
-    print(f"  {thing['object']}: {1000 * np.nanmean(depth) / k['fx']:.2f} mm a pixel")
+    print(f"  {object['object']}: {1000 * np.nanmean(depth) / k['fx']:.2f} mm a pixel")
     for low, high in ((1, 1.5), (1.5, 2.5), (2.5, 3.5), (3.5, 5), (5, 8), (8, 99)):
         print_shares("pixels from the silhouette", low, high, mask & (inside >= low) & (inside < high),
                      state)
@@ -154,9 +154,9 @@ def main():
         print(f"{frame['frame']}: {frame['sensor']}")
         points = read_pcd(os.path.join(folder, frame["frame"]))
         print_plane(frame, points)
-        for thing in frame["objects"]:
-            if thing.get("T_sensor_mesh"):
-                print_thing(folder, frame, thing, points)
+        for object in frame["objects"]:
+            if object.get("T_sensor_mesh"):
+                print_thing(folder, frame, object, points)
 
 
 if __name__ == "__main__":

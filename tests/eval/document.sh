@@ -28,9 +28,9 @@ trap 'rm -f "$block"' EXIT
   picture everything-recall-over-the-add-s-that-is-allowed \
     "Recall over the pose error that is allowed, everything at once"
   picture unknown-precision-and-recall-over-the-least-score \
-    "Precision and recall over the score, things that were never taught among them"
+    "Precision and recall over the score, objects that were never taught among them"
   picture unknown-share-of-right-answers-by-score \
-    "What a score is worth: share of right answers by score, with things that were never taught"
+    "What a score is worth: share of right answers by score, with objects that were never taught"
 } >"$block"
 # First, so that a document without a place for them keeps its pictures.
 "$tests/document/renew_block.sh" "$docs/experiment.md" "./run eval" "$block"

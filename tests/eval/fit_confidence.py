@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""fit_confidence.py REPORT.json...: the coefficients of recognition/confidence.cc, and what they are worth.
+"""fit_confidence.py REPORT.json...: the coefficients of recognition/verification/confidence.cc, and what they are worth.
 
 The reports are those of `graspdb eval ... --min-score 1e-9 --out FOLDER`, of cases and of real
 frames: with that score every answer is judged and none is rejected. Prints a logistic regression
@@ -21,7 +21,7 @@ FRAMES = 8  # real frames weigh as much as so many simulated cases
 
 
 def doubts(evidence):
-    return [evidence["doubt"][name] for name in DOUBTS]
+    return [evidence["features"][name] for name in DOUBTS]
 
 
 def samples(path):

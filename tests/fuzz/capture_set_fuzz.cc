@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "client/files/capture_set.h"
-#include "client/simulation/sample_parts.h"
-#include "client/simulation/scene_file.h"
+#include "files/capture_set.h"
+#include "rendering/sample_parts.h"
+#include "rendering/scene_file.h"
 #include "tests/fuzz/message_mutator.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"

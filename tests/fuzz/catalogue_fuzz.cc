@@ -11,7 +11,7 @@ namespace {
 // A new database after so many inputs: it keeps every change, and memory is short.
 constexpr int kInputsOfDatabase = 500;
 constexpr int kInputsOfStart = 50;
-constexpr int kMostOperations = 16;
+constexpr int kMaxOperations = 16;
 
 const std::vector<std::string>& Words() {
   static const std::vector<std::string> words = {"a",
@@ -45,7 +45,7 @@ const std::vector<std::string>& Words() {
 void Run(const Operations& operations) {
   static FuzzServer server;
   static int inputs = 0;
-  if (operations.operations_size() > kMostOperations) return;
+  if (operations.operations_size() > kMaxOperations) return;
   if (inputs % kInputsOfDatabase == 0) server.StartAnew();
   ++inputs;
   Calls calls(server);

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "client/files/depth_png.h"
+#include "files/depth_png.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 
@@ -19,7 +19,7 @@ constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kWidthAt = 16;
 constexpr std::size_t kHeightAt = 20;
 // Larger images are read as those of another camera: they only cost time.
-constexpr std::uint64_t kMostPixels = 1 << 18;
+constexpr std::uint64_t kMaxPixels = 1 << 18;
 
 const ScratchFolder& Folder() {
   static const ScratchFolder folder;
@@ -34,7 +34,7 @@ std::uint32_t GetUint32(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-void MendChecksums(std::string& bytes) {
+void FixChecksums(std::string& bytes) {
   std::size_t at = kSignatureBytes;
   while (at + kChunkStartBytes + kChecksumBytes <= bytes.size()) {
     const std::size_t length = GetUint32(bytes, at);
@@ -57,12 +57,12 @@ void ReadSidecar(std::string_view text) {
 }
 
 void ReadPng(std::string bytes) {
-  MendChecksums(bytes);
+  FixChecksums(bytes);
   client::DepthPngCamera camera;
   camera.intrinsics = {.width = 64, .height = 48, .fx = 60, .fy = 60, .cx = 31.5, .cy = 23.5};
   const std::uint64_t width = GetUint32(bytes, kWidthAt);
   const std::uint64_t height = GetUint32(bytes, kHeightAt);
-  if (width < kMostPixels && height < kMostPixels && width * height <= kMostPixels) {
+  if (width < kMaxPixels && height < kMaxPixels && width * height <= kMaxPixels) {
     camera.intrinsics.width = static_cast<int>(width);
     camera.intrinsics.height = static_cast<int>(height);
   }

@@ -2,10 +2,10 @@
 #include <iterator>
 
 #include "absl/strings/str_cat.h"
-#include "client/files/capture_set.h"
-#include "client/files/depth_png.h"
-#include "client/files/point_file.h"
-#include "client/simulation/mesh_file.h"
+#include "files/capture_set.h"
+#include "files/depth_png.h"
+#include "files/point_file.h"
+#include "rendering/mesh_file.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 #include "tests/fuzz/scratch_folder.h"

@@ -20,7 +20,7 @@ void FuzzServer::Restart() {
   options.database = database();
   options.listen = "127.0.0.1:0";
   options.workers = 1;
-  options.max_points = kMostPoints;
+  options.max_points = kMaxPoints;
   options.cache_mib = 16;
   auto server = server::Server::Start(options);
   if (!server.ok()) std::fprintf(stderr, "%s\n", server.status().ToString().c_str());

@@ -12,7 +12,7 @@
 namespace graspdb::fuzz {
 
 // More points than any input has; a frame with more is refused as it would be with the usual limit.
-inline constexpr int kMostPoints = 20'000;
+inline constexpr int kMaxPoints = 20'000;
 
 class FuzzServer {
  public:

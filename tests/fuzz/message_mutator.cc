@@ -14,7 +14,7 @@ using google::protobuf::Reflection;
 
 // A step from one input to the next; with more fields at once most inputs break in several places,
 // and the first check that refuses hides the others.
-constexpr std::size_t kMostChanges = 4;
+constexpr std::size_t kMaxChanges = 4;
 // Lists grow one by one: copies of copies double quickly.
 constexpr int kLongestList = 64;
 
@@ -58,7 +58,7 @@ void MessageMutator::CollectMessages(Message& message, std::vector<Message*>& ou
 }
 
 void MessageMutator::Mutate(Message& message) {
-  const std::size_t changes = 1 + Pick(kMostChanges);
+  const std::size_t changes = 1 + Pick(kMaxChanges);
   for (std::size_t i = 0; i < changes; ++i) {
     std::vector<Slot> slots;
     Collect(message, slots);

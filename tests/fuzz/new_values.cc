@@ -16,8 +16,8 @@ namespace {
 using Limits = std::numeric_limits<float>;
 
 // Bytes that a string field grows to by one mutation, at most.
-constexpr std::size_t kMostGrowth = 64;
-constexpr std::size_t kMostFloats = 4096;
+constexpr std::size_t kMaxGrowth = 64;
+constexpr std::size_t kMaxFloats = 4096;
 
 constexpr std::array<std::int64_t, 18> kIntegers = {0,
                                                     1,
@@ -73,7 +73,7 @@ void SetFloat(float value, std::size_t index, std::string& bytes) {
 
 std::string MutatedBytes(std::string old) {
   const std::size_t size = old.size();
-  old.resize(size + kMostGrowth);
+  old.resize(size + kMaxGrowth);
   old.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(old.data()), size, old.size()));
   return old;
 }
@@ -151,7 +151,7 @@ std::string MessageMutator::NewSize(std::string old) {
 
 // Bytes as the coordinates of a packed cloud.
 std::string MessageMutator::NewFloats(std::string old) {
-  const std::size_t count = std::min(old.size() / sizeof(float), kMostFloats);
+  const std::size_t count = std::min(old.size() / sizeof(float), kMaxFloats);
   const std::size_t first = Pick(count);
   const std::size_t run =
       1 + (OneIn(3) ? Pick(count - first) : std::min(Pick(3), count - first - 1));

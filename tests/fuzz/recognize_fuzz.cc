@@ -29,7 +29,7 @@ class Rig {
     catalogue_ = storage::Catalogue::Open(server_.database()).value();
     live_ = server::LiveCatalogue::Follow(*catalogue_, parameters_.descriptor).value();
     clouds_.emplace(*catalogue_, parameters_.descriptor, std::size_t{16} << 20U);
-    recognizer_.emplace(*catalogue_, *live_, *clouds_, parameters_, kMostPoints);
+    recognizer_.emplace(*catalogue_, *live_, *clouds_, parameters_, kMaxPoints);
   }
 
   absl::StatusOr<v1::RecognizeResponse> Answer(const v1::RecognizeRequest& request) {

@@ -119,7 +119,7 @@ void Use(storage::Catalogue& catalogue) {
   catalogue.ReadChanges(0, 1000).status().IgnoreError();
   if (!live.ok()) return;
   server::ViewCloudCache clouds(catalogue, parameters.descriptor, std::size_t{16} << 20U);
-  server::FrameRecognizer recognizer(catalogue, **live, clouds, parameters, kMostPoints);
+  server::FrameRecognizer recognizer(catalogue, **live, clouds, parameters, kMaxPoints);
   static const v1::RecognizeRequest frame = [] {
     v1::RecognizeRequest request;
     const v1::UploadViewsRequest seen = SegmentedView(kFusedPart, 30, "seen", false);

@@ -36,7 +36,7 @@ using Bytes = std::vector<std::uint8_t>;
 // The largest of fuzz.sh: bytes of an input, s for a case, bytes of memory.
 constexpr std::size_t kLongest = 65536;
 constexpr unsigned int kSlowest = 30;
-constexpr std::int64_t kMostMemory = std::int64_t{2048} << 20U;
+constexpr std::int64_t kMaxMemory = std::int64_t{2048} << 20U;
 // Mutations of mutations of a kept input, at most; with more the input becomes noise.
 constexpr int kDeepest = 8;
 
@@ -81,8 +81,7 @@ void Execute(const std::string& name, const Bytes& input) {
   alarm(0);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  Require(std::int64_t{usage.ru_maxrss} * 1024 < kMostMemory,
-          "no more memory than a case may take");
+  Require(std::int64_t{usage.ru_maxrss} * 1024 < kMaxMemory, "no more memory than a case may take");
 }
 
 int Replay(const char* program, int count, const char* folder) {

@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "client/robots/gri_protocol.h"
-#include "client/robots/line_protocol.h"
-#include "client/robots/line_reply.h"
-#include "tests/client/robots/scripted_runner.h"
+#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/line_protocol.h"
+#include "client/cell/robots/line_reply.h"
+#include "tests/client/cell/robots/scripted_runner.h"
 #include "tests/fuzz/requirement.h"
 
 namespace graspdb::fuzz {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "absl/strings/str_split.h"
-#include "client/cell/agent_options.h"
-#include "client/cell/calibration_config.h"
-#include "client/sensors/sensor_spec.h"
+#include "client/cell/agent/agent_options.h"
+#include "client/cell/agent/calibration_config.h"
+#include "client/cell/sensors/sensor_spec.h"
 #include "server/options.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"

@@ -49,7 +49,7 @@ void ReadCloud(std::string bytes) {
 }
 
 // Each part is its size, a checksum chained over all parts, and so many bytes.
-void MendIndex(std::string& bytes) {
+void FixIndex(std::string& bytes) {
   constexpr std::size_t kStartBytes = 8;
   std::uint32_t checksum = storage::Crc32c(std::string_view(bytes).substr(0, kMagicBytes));
   std::size_t at = kMagicBytes;
@@ -64,7 +64,7 @@ void MendIndex(std::string& bytes) {
 
 void ReadIndex(std::string bytes) {
   static const ScratchFolder folder;
-  MendIndex(bytes);
+  FixIndex(bytes);
   folder.Write(std::string(storage::kIndexFile), bytes);
   auto reader = storage::IndexFileReader::Open(folder.path().string());
   if (!reader.ok()) return;

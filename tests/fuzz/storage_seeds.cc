@@ -1,7 +1,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "recognition/parameters.h"
+#include "recognition/descriptors/descriptor_parameters.h"
 #include "storage/approximate_file.h"
 #include "storage/catalogue.h"
 #include "storage/family.h"

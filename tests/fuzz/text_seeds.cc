@@ -1,4 +1,4 @@
-#include "client/robots/gri_message.h"
+#include "client/cell/robots/gri_message.h"
 #include "tests/fuzz/seed_writer.h"
 
 namespace graspdb::fuzz {

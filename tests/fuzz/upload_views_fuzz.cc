@@ -13,7 +13,7 @@ namespace {
 
 constexpr char kObject[] = "objects/fuzzed";
 constexpr char kStablePose[] = "objects/fuzzed/stablePoses/flat";
-constexpr int kMostViews = 8;
+constexpr int kMaxViews = 8;
 // A new database after so many inputs: it keeps every change, and memory is short.
 constexpr int kInputsOfDatabase = 500;
 
@@ -58,7 +58,7 @@ void ListViews(FuzzServer& server, int expected) {
 void Run(fuzz::Uploads uploads) {
   static FuzzServer server;
   static int inputs = 0;
-  if (uploads.views_size() > kMostViews) return;
+  if (uploads.views_size() > kMaxViews) return;
   if (inputs++ % kInputsOfDatabase == 0) server.StartAnew();
   server.Declare("fuzzed");
   v1::UploadViewsResponse response;

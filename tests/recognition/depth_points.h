@@ -1,7 +1,7 @@
 // The points of a depth image.
 #pragma once
 
-#include "recognition/depth_image.h"
+#include "recognition/points/depth_image.h"
 
 namespace graspdb::testing {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "recognition/descriptor.h"
+#include "recognition/descriptors/descriptor.h"
 
 namespace graspdb::testing {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "recognition/types.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::testing {
 

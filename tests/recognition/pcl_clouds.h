@@ -4,7 +4,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "recognition/types.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::testing {
 

@@ -192,7 +192,7 @@ TEST_F(RecognizerTest, ScoreBelowTheLeastIsUnknownAndNamesNoView) {
   EXPECT_THAT(found.candidates, SizeIs(10));
 }
 
-TEST_F(RecognizerTest, ThingThatWasNotTaughtIsUnknown) {
+TEST_F(RecognizerTest, ObjectThatWasNotTaughtIsUnknown) {
   Solid plate;
   plate.boxes = {{{-0.11, -0.11, 0}, {0.11, 0.11, 0.015}}};
   EXPECT_EQ(MustDetect({plate}).outcome, RecognitionOutcome::kUnknownObject);

@@ -1,5 +1,5 @@
 // How much is searched for what nothing explains, and what the answer says of the rest.
-#include "recognition/search_budget.h"
+#include "recognition/base/search_budget.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "recognition/refinement.h"
-#include "recognition/segmentation.h"
+#include "recognition/matching/refinement.h"
+#include "recognition/segmentation/segmentation.h"
 
 namespace graspdb::testing {
 
@@ -23,17 +23,17 @@ struct SeenFromAbove {
     for (std::size_t i = 0; i < scan.points.size(); ++i) {
       segment.indices.push_back(static_cast<std::int32_t>(i));
     }
-    sight.emplace(scan, world_sensor, segment);
+    depth_buffer.emplace(scan, world_sensor, segment);
   }
   recognition::RefinementTarget Target(bool on_table) const {
-    return {cloud, columns, grid, *sight, on_table};
+    return {cloud, columns, grid, *depth_buffer, on_table};
   }
 
   recognition::OrientedCloud cloud;
-  recognition::OrientedColumns columns;
+  recognition::SoaCloud columns;
   recognition::NearestGrid grid;
   recognition::Pose world_sensor = recognition::Pose::Identity();
-  std::optional<recognition::Sight> sight;
+  std::optional<recognition::DepthBuffer> depth_buffer;
 };
 
 }  // namespace graspdb::testing

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "recognition/segmentation.h"
+#include "recognition/segmentation/segmentation.h"
 
 namespace graspdb::testing {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "recognition/descriptor_chunk.h"
+#include "recognition/index/descriptor_chunk.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::testing {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "recognition/types.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::testing {
 

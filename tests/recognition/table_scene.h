@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "recognition/types.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::testing {
 
-// A thing made of boxes along its own axes.
+// An object made of boxes along its own axes.
 struct Solid {
   recognition::Pose world_solid = recognition::Pose::Identity();
   std::vector<recognition::Box> boxes;

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "absl/strings/str_format.h"
-#include "recognition/region.h"
+#include "recognition/segmentation/region.h"
 
 namespace graspdb::testing {
 namespace {

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "recognition/clouds_in_memory.h"
+#include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 #include "tests/recognition/table_scene.h"
 

@@ -59,7 +59,7 @@ class ProposeThresholdsTest : public ::testing::Test {
   std::size_t stop_at_ = 1000;
 };
 
-TEST_F(ProposeThresholdsTest, ThingsThatLookDifferentNeedNoThresholdOfTheirOwn) {
+TEST_F(ProposeThresholdsTest, ObjectsThatLookDifferentNeedNoThresholdOfTheirOwn) {
   const auto all = Propose("");
   ASSERT_THAT(all, IsOk());
   ASSERT_THAT(*all, SizeIs(3));

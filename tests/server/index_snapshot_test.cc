@@ -182,7 +182,7 @@ TEST_F(IndexSnapshotTest, AnIndexThatIsFarBehindIsRefused) {
     ASSERT_THAT(catalogue, IsOk());
     const auto view = (*catalogue)->GetView(FlatPoseOf("wedge") + "/views/turn-0");
     ASSERT_THAT(view, IsOk());
-    std::vector<storage::NewView> views(server::kMostChangesBehind + 1, {*view, "cloud"});
+    std::vector<storage::NewView> views(server::kMaxChangesBehind + 1, {*view, "cloud"});
     for (std::size_t i = 0; i < views.size(); ++i) {
       views[i].record.set_name(FlatPoseOf("wedge") + "/views/more-" + std::to_string(i));
     }

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "server/live_catalogue.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
 namespace {

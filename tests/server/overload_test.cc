@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/server/error_details.h"
 #include "tests/server/sample_captures.h"
 #include "tests/server/service_rig.h"

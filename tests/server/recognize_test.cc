@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/files/pose_message.h"
+#include "files/pose_message.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

@@ -126,7 +126,7 @@ TEST_F(RequestLimitsTest, AFrameOfAStreamIsAnsweredWithTheField) {
 TEST_F(RequestLimitsTest, WhatTheContractAllowsIsTaken) {
   v1::CreateObjectRequest request;
   request.set_object_id(std::string(63, 'o'));
-  request.mutable_object()->set_display_name(std::string(server::kMostNameBytes, 'n'));
+  request.mutable_object()->set_display_name(std::string(server::kMaxNameBytes, 'n'));
   for (int i = 0; i < 32; ++i) request.mutable_object()->add_labels("l" + std::to_string(i));
   EXPECT_THAT(Call(&Catalog::CreateObject, request), IsGrpcOk());
   request.set_object_id("o");
@@ -160,7 +160,7 @@ TEST_F(RequestLimitsTest, HugeRecordsOfOldAreListedToAnyClientAndDeleted) {
     ASSERT_THAT(stub->ListObjects(&context, request, &page), IsGrpcOk());
     for (const v1::Object& object : page.objects()) {
       names.push_back(object.name());
-      EXPECT_LE(object.display_name().size(), server::kMostNameBytes);
+      EXPECT_LE(object.display_name().size(), server::kMaxNameBytes);
     }
     request.set_page_token(page.next_page_token());
   } while (!page.next_page_token().empty());

@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "client/files/cloud_message.h"
-#include "client/files/pose_message.h"
-#include "client/simulation/depth_camera.h"
-#include "client/simulation/sample_parts.h"
-#include "recognition/segmentation.h"
+#include "files/cloud_message.h"
+#include "files/pose_message.h"
+#include "recognition/segmentation/segmentation.h"
+#include "rendering/depth_camera.h"
+#include "rendering/sample_parts.h"
 #include "tests/recognition/depth_points.h"
 
 namespace graspdb::testing {

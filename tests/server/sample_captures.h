@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "client/simulation/workpiece.h"
 #include "graspdb/v1/geometry.pb.h"
-#include "recognition/types.h"
+#include "recognition/base/types.h"
+#include "rendering/workpiece.h"
 
 namespace graspdb::testing {
 

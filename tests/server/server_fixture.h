@@ -12,7 +12,7 @@
 #include "graspdb/v1/cell_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "server/server.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/server/error_details.h"
 #include "tests/server/sample_captures.h"
 

@@ -4,7 +4,7 @@
 
 #include "server/records.h"
 #include "storage/packed_cloud.h"
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::server {

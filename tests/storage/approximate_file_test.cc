@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "tests/client/files/temporary_folder.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::storage {

@@ -1,0 +1,178 @@
+#include "client/cell/agent/agent.h"
+
+#include <spdlog/spdlog.h>
+
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/agent/calibrations.h"
+#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/counters_log.h"
+#include "client/cell/agent/health.h"
+#include "client/cell/agent/job_bundle.h"
+#include "client/cell/blackbox/black_box.h"
+#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/line_protocol.h"
+#include "client/cell/robots/robot_server.h"
+#include "client/sdk/resource_name.h"
+#include "program/listen_address.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr absl::Duration kHealthPeriod = absl::Milliseconds(200);
+
+ConnectionOptions ConnectionTo(const AgentOptions& options) {
+  ConnectionOptions out;
+  out.server = options.server;
+  out.timeout = absl::Seconds(options.time_limit_s);
+  out.retry = false;  // the cycle has pauses of its own, within a job's time
+  return out;
+}
+
+CellRunnerOptions RunnerOptions(const AgentOptions& options) {
+  CellRunnerOptions out;
+  out.time_limit = absl::Seconds(options.time_limit_s);
+  out.reach.min_m = options.min_reach_m;
+  out.reach.max_m = options.max_reach_m;
+  return out;
+}
+
+absl::StatusOr<std::unique_ptr<RobotServer>> Listen(RobotProtocol& protocol,
+                                                    const std::string& flag,
+                                                    const std::string& text) {
+  const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
+  if (!address.ok()) return address.status();
+  RobotServerOptions options;
+  options.address = address->host == "localhost" ? "127.0.0.1" : address->host;
+  options.port = address->port;
+  return RobotServer::Start(protocol, options);
+}
+
+std::string AddressOf(const std::string& listen, const RobotServer* server) {
+  if (server == nullptr) return "";
+  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", server->port());
+}
+
+absl::StatusOr<std::unique_ptr<BlackBox>> OpenBlackBox(const AgentOptions& options) {
+  if (options.black_box.empty()) return nullptr;
+  BlackBoxOptions box;
+  box.ring.folder = options.black_box;
+  box.ring.byte_limit = static_cast<std::uint64_t>(options.black_box_mib) << 20U;
+  return BlackBox::Open(box);
+}
+
+}  // namespace
+
+// In the order in which they need each other; they go in the other one.
+struct Agent::Parts {
+  Parts(const AgentOptions& given, const Jobs& jobs,
+        const std::vector<CalibrationConfig>& calibrated, const LineProtocolOptions& line,
+        std::unique_ptr<DepthSensor> camera, std::unique_ptr<BlackBox> box)
+      : options(given),
+        black_box(std::move(box)),
+        sensor(std::move(camera)),
+        client(ConnectionTo(options)),
+        cell(client, ResourceName("cells", options.cell), absl::Seconds(options.cell_period_s)),
+        capture_and_recognize(*sensor, client, cell, ResourceName("cells", options.cell)),
+        gri_runner(jobs, JobProtocol::kGri, RunnerOptions(options), PartsOfRunner()),
+        line_runner(jobs, JobProtocol::kLine, RunnerOptions(options), PartsOfRunner()),
+        gri_jobs(gri_runner),
+        calibrations(calibrated, client, *sensor, cell),
+        gri_protocol(gri_jobs, &calibrations),
+        line_protocol(line_runner, line) {}
+
+  CellParts PartsOfRunner() {
+    return {*sensor,  client,
+            cell,     capture_and_recognize,
+            counters, [this](const JobReport& report) {
+              Keep(report); }};
+  }
+
+  void Keep(const JobReport& report) {
+    if (black_box == nullptr) return;
+    std::optional<v1::Bundle> bundle = BundleOf(report);
+    if (!bundle) return;
+    const bool is_kept = options.black_box_all || report.poses.empty() ||
+                         IsTroubled(*bundle, options.black_box_score);
+    if (is_kept) (void)black_box->Keep(*std::move(bundle));  // what it drops it counts
+  }
+
+  std::string CountersText() const {
+    const BlackBoxCounts kept = black_box == nullptr ? BlackBoxCounts() : black_box->counts();
+    return absl::StrCat(counters.Text(), " bundles=", kept.kept, " bundles_dropped=", kept.dropped,
+                        " bundles_failed=", kept.failed);
+  }
+
+  const AgentOptions options;
+  const std::unique_ptr<BlackBox> black_box;
+  const std::unique_ptr<DepthSensor> sensor;
+  Client client;
+  Counters counters;
+  CellCache cell;
+  CaptureAndRecognize capture_and_recognize;
+  CellRunner gri_runner;
+  CellRunner line_runner;
+  GriJobs gri_jobs;
+  Calibrations calibrations;
+  GriProtocol gri_protocol;
+  LineProtocol line_protocol;
+  std::unique_ptr<RobotServer> gri_server;
+  std::unique_ptr<RobotServer> line_server;
+  std::unique_ptr<Health> health;
+  std::optional<CountersLog> counters_log;
+};
+
+Agent::Agent(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Agent::~Agent() { parts_->capture_and_recognize.Stop(); }
+
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
+                                                    std::unique_ptr<DepthSensor> sensor) {
+  if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
+  absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
+  if (!jobs.ok()) return jobs.status();
+  const auto calibrations =
+      ParseCalibrations(options.calibrations, ResourceName("cells", options.cell));
+  if (!calibrations.ok()) return calibrations.status();
+  const absl::StatusOr<LineProtocolOptions> line = LineOptions(options);
+  if (!line.ok()) return line.status();
+  absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
+  if (!box.ok()) return box.status();
+  auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, *line, std::move(sensor),
+                                       *std::move(box));
+  if (!options.gri.empty()) {
+    auto server = Listen(parts->gri_protocol, "--gri", options.gri);
+    if (!server.ok()) return server.status();
+    parts->gri_server = *std::move(server);
+  }
+  if (!options.line.empty()) {
+    auto server = Listen(parts->line_protocol, "--line", options.line);
+    if (!server.ok()) return server.status();
+    parts->line_server = *std::move(server);
+  }
+  if (!options.health.empty()) {
+    auto health = Health::Start(
+        options.health, [p = parts.get()] { return p->gri_runner.IsReady(); }, kHealthPeriod);
+    if (!health.ok()) return health.status();
+    parts->health = *std::move(health);
+  }
+  parts->counters_log.emplace([p = parts.get()] { return p->CountersText(); },
+                              absl::Seconds(options.counters_period_s));
+  return std::unique_ptr<Agent>(new Agent(std::move(parts)));
+}
+
+std::string Agent::gri_address() const {
+  return AddressOf(parts_->options.gri, parts_->gri_server.get());
+}
+
+std::string Agent::line_address() const {
+  return AddressOf(parts_->options.line, parts_->line_server.get());
+}
+
+std::string Agent::health_address() const {
+  return parts_->health == nullptr ? "" : parts_->health->address();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,141 @@
+#include "client/cell/agent/agent_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/agent/calibration_config.h"
+#include "program/listen_address.h"
+#include "program/settings_file.h"
+#include "program/version.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr char kFooter[] =
+    R"(Every flag is also a variable (--time-limit is GRASPDB_TIME_LIMIT) and a key of the file given
+to --config:
+  server="10.0.0.5:50051"
+  cell="press-3"
+  sensor="freenect"
+  gri="0.0.0.0:7100"
+  allow-remote-robots=true
+  job=["1 any","2 object=flange"]
+
+A first try without camera and robot:
+  graspdb-cell --cell press-3 --sensor simulated
+Stop it with SIGTERM or Ctrl-C: jobs that run are finished.
+Exit status: 0 stopped as asked, 1 could not start, 2 wrong usage.)";
+
+void AddAddresses(CLI::App& app, AgentOptions* o) {
+  app.add_option("--server", o->server, "HOST:PORT of graspdb-server")->capture_default_str();
+  app.add_option("--gri", o->gri,
+                 "HOST:PORT for robots that speak the Generic Robot Interface; \"\" for none")
+      ->capture_default_str();
+  app.add_option("--line", o->line, "HOST:PORT for the line protocol; \"\" for none")
+      ->capture_default_str();
+  app.add_option("--line-format", o->line_format,
+                 "How poses are written on the line protocol for robots that say no FORMAT: a "
+                 "vendor's name or a number from 1 to 51");
+  app.add_option("--health", o->health, "HOST:PORT of the health service (gRPC); \"\" for none")
+      ->capture_default_str();
+  app.add_flag("--allow-remote-robots", o->allow_remote_robots,
+               "Listen on other addresses than this machine's own; robots' protocols know neither "
+               "encryption nor passwords, so let only the cell's network reach them");
+}
+
+void AddLimits(CLI::App& app, AgentOptions* o) {
+  const auto number = [&](const char* flag, double* value, const char* text, double lo, double hi) {
+    app.add_option(flag, *value, text)->check(CLI::Range(lo, hi))->capture_default_str();
+  };
+  number("--time-limit", &o->time_limit_s, "Seconds that a job may take, waiting included", 0.01,
+         600);
+  number("--max-frame-age", &o->max_frame_age_s, "Seconds after which a frame is no answer", 0.01,
+         60);
+  number("--min-reach", &o->min_reach_m, "Nearest that the tool may come to the robot's base, m", 0,
+         1000);
+  number("--max-reach", &o->max_reach_m, "Farthest that the tool may go from the robot's base, m",
+         0, 1000);
+  number("--cell-period", &o->cell_period_s, "Seconds between looks at the cell's calibration",
+         0.05, 3600);
+  number("--counters-period", &o->counters_period_s, "Seconds between counters in the log", 0.1,
+         86400);
+}
+
+void AddBlackBox(CLI::App& app, AgentOptions* o) {
+  app.add_option("--black-box", o->black_box,
+                 "Folder that keeps requests that came to no good end, for graspdb replay");
+  app.add_option("--black-box-mib", o->black_box_mib, "Its size, MiB; the oldest leave")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+  app.add_flag("--black-box-all", o->black_box_all, "Keep all requests");
+  app.add_option("--black-box-score", o->black_box_score, "Keep answers that score less")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
+  ParsedAgentOptions out;
+  AgentOptions* o = &out.options;
+  CLI::App app(
+      "graspdb-cell is the agent of a robot cell: it takes frames from the camera, asks the "
+      "server, "
+      "and tells the robot where to grasp.",
+      "graspdb-cell");
+  app.set_version_flag("--version", absl::StrCat("graspdb-cell ", kVersion));
+  app.footer(absl::StrCat(JobHelp(), "\n\n", CalibrationHelp(), "\n\n", kFooter));
+  app.add_option("--cell", o->cell, "Id of the cell, as graspdb cells set made it")->required();
+  app.add_option("--sensor", o->sensor, "The camera: freenect, openni2, files:FOLDER, simulated")
+      ->required();
+  app.add_option("--job", o->jobs, "A job, see below; give it once for each")
+      ->expected(1)
+      ->take_all()
+      ->type_name("\"NUMBER WORDS\"")
+      ->capture_default_str();
+  app.add_option("--calibrate", o->calibrations,
+                 "A hand-eye calibration that robots may drive, see below; give it once for each")
+      ->expected(1)
+      ->take_all()
+      ->type_name("\"PIPELINE WORDS\"");
+  AddAddresses(app, o);
+  AddLimits(app, o);
+  AddBlackBox(app, o);
+  app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  AddSettingsFile(app);
+  const std::optional<int> end = ParseArguments(app, argc, argv);
+  out.done = end.has_value();
+  out.exit_status = end.value_or(0);
+  return out;
+}
+
+absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options) {
+  if (options.line_format.empty()) return LineProtocolOptions();
+  const absl::StatusOr<int> code = PoseFormatNamed(options.line_format);
+  if (!code.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat("--line-format: ", code.status().message()));
+  }
+  return LineProtocolOptions{.pose_format = *code};
+}
+
+absl::Status CheckAddresses(const AgentOptions& options) {
+  if (options.gri.empty() && options.line.empty()) {
+    return absl::InvalidArgumentError("no robot could connect; give --gri or --line");
+  }
+  const std::vector<std::pair<std::string, std::string>> flags = {
+      {"--gri", options.gri}, {"--line", options.line}, {"--health", options.health}};
+  for (const auto& [flag, text] : flags) {
+    if (text.empty()) continue;
+    const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
+    if (!address.ok()) return address.status();
+    if (options.allow_remote_robots || IsLoopback(address->host)) continue;
+    return absl::FailedPreconditionError(absl::StrCat(
+        flag, " ", text, " can be reached from other machines, without encryption or password; ",
+        "add --allow-remote-robots if only the cell's network reaches it"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

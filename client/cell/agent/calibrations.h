@@ -1,0 +1,34 @@
+// The hand-eye calibrations that a cell's robots may drive.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cell/agent/calibration_config.h"
+#include "client/cell/agent/cell_cache.h"
+#include "client/cell/calibration/cell_calibrator.h"
+#include "client/cell/robots/robot_calibrator.h"
+
+namespace graspdb::client {
+
+// Calibrates over the cell's camera and server; what was found is used by the next job.
+// Thread-safe.
+class Calibrations : public RobotCalibrator {
+ public:
+  // All references must outlive this.
+  Calibrations(const std::vector<CalibrationConfig>& configs, Client& client, DepthSensor& sensor,
+               CellCache& cell);
+
+  absl::Status Check(int pipeline) override { return sessions_.Check(pipeline); }
+  absl::Status Init(int pipeline) override { return sessions_.Init(pipeline); }
+  absl::Status SetPose(int pipeline, int slot, const recognition::Pose& base_flange) override {
+    return sessions_.SetPose(pipeline, slot, base_flange);
+  }
+  absl::StatusOr<CalibrationReport> Calibrate(int pipeline) override;
+
+ private:
+  CellCalibrator sessions_;
+  CellCache& cell_;
+};
+
+}  // namespace graspdb::client

@@ -1,0 +1,88 @@
+#include "client/cell/agent/capture_and_recognize.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "client/cell/agent/refusal.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr absl::Duration kFirstPause = absl::Milliseconds(20);
+constexpr absl::Duration kLongestPause = absl::Milliseconds(500);
+
+bool IsPassing(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsUnavailable(status) ||
+         absl::IsResourceExhausted(status);
+}
+
+void SetScan(std::variant<v1::DepthImage, v1::PointCloud> scan, v1::RecognizeRequest* request) {
+  if (auto* image = std::get_if<v1::DepthImage>(&scan)) {
+    *request->mutable_depth_image() = std::move(*image);
+  } else {
+    *request->mutable_cloud() = std::move(std::get<v1::PointCloud>(scan));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(absl::Time deadline) {
+  absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);
+  if (absl::IsUnavailable(frame.status()) || absl::IsDeadlineExceeded(frame.status())) {
+    return absl::AbortedError(frame.status().message());
+  }
+  return frame;
+}
+
+absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& base_flange,
+                                      absl::Time deadline, Look* look) {
+  look->request.Clear();
+  const absl::StatusOr<KeptCell> cell = cell_.Get();
+  if (!cell.ok()) return cell.status();
+  look->cell = *cell;
+  const absl::Time start = absl::Now();
+  absl::StatusOr<SensorFrame> frame = Grab(deadline);
+  look->camera_time += absl::Now() - start;
+  if (!frame.ok()) return frame.status();
+  const absl::StatusOr<recognition::Pose> world_sensor =
+      WorldSensor(cell->frames, base_flange, frame->world_sensor);
+  if (!world_sensor.ok()) return world_sensor.status();
+  look->request.set_cell(name_);
+  *look->request.mutable_sensor_pose() = ToMessage(*world_sensor);
+  SetScan(std::move(frame->scan), &look->request);
+  absl::StatusOr<v1::RecognizeResponse> response =
+      client_.Recognize(look->request, deadline - absl::Now());
+  if (!response.ok()) return Refusal(response.status());
+  look->response = *std::move(response);
+  return absl::OkStatus();
+}
+
+absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& base_flange,
+                                      absl::Time deadline, Look* look) {
+  absl::Duration pause = kFirstPause;
+  absl::Status no_server;
+  for (;;) {
+    absl::Status status = Try(base_flange, deadline, look);
+    if (status.ok()) return status;
+    if (absl::IsUnavailable(status)) no_server = status;
+    if (absl::IsDeadlineExceeded(status)) {  // of an unreachable server, not a slow one
+      if (absl::IsUnavailable(cell_.state())) return cell_.state();
+      return no_server.ok() ? status : no_server;
+    }
+    if (!IsPassing(status)) return status;
+    const bool is_late = absl::Now() + pause >= deadline;
+    if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
+      // The camera had no time left for another frame after the server had not come.
+      if (absl::IsAborted(status) && !no_server.ok()) return no_server;
+      return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
+    }
+    pause = std::min(2 * pause, kLongestPause);
+  }
+}
+
+void CaptureAndRecognize::Stop() {
+  if (!stopped_.HasBeenNotified()) stopped_.Notify();
+}
+
+}  // namespace graspdb::client

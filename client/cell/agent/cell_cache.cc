@@ -1,0 +1,88 @@
+#include "client/cell/agent/cell_cache.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "program/log_field.h"
+
+namespace graspdb::client {
+namespace {
+
+absl::StatusOr<KeptCell> Read(Client& client, const std::string& name) {
+  absl::StatusOr<v1::Cell> cell = client.GetCell(name);
+  if (absl::IsNotFound(cell.status())) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the server knows no ", name, "; make it with: graspdb cells set ", name.substr(6)));
+  }
+  if (!cell.ok()) return cell.status();
+  absl::StatusOr<CellFrames> frames = FramesOf(*cell);
+  if (!frames.ok()) return frames.status();
+  KeptCell out{*frames, std::nullopt};
+  if (cell->has_workspace()) {
+    const v1::Vector3& low = cell->workspace().min();
+    const v1::Vector3& high = cell->workspace().max();
+    out.workspace = {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}};
+  }
+  return out;
+}
+
+}  // namespace
+
+CellCache::CellCache(Client& client, std::string cell, absl::Duration period)
+    : client_(client),
+      name_(std::move(cell)),
+      period_(period),
+      cell_(absl::UnavailableError("the cell has not been read yet")),
+      state_(cell_.status()),
+      thread_([this] { Watch(); }) {}
+
+CellCache::~CellCache() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  thread_.join();
+}
+
+absl::StatusOr<KeptCell> CellCache::Get() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (cell_.ok()) return cell_;
+  }
+  if (absl::Status status = Refresh(); !status.ok()) return status;
+  absl::MutexLock lock(&mutex_);
+  return cell_;
+}
+
+absl::Status CellCache::Refresh() {
+  absl::StatusOr<KeptCell> cell = Read(client_, name_);
+  absl::MutexLock lock(&mutex_);
+  if (state_.code() != cell.status().code()) {
+    if (cell.ok()) {
+      spdlog::info("event=server_there cell={}", name_);
+    } else {
+      spdlog::warn("event=server_lost error={}", LogField(std::string(cell.status().message())));
+    }
+  }
+  state_ = cell.status();
+  // A server that is away, or busy, does not move the cell.
+  if (cell.ok() || absl::IsFailedPrecondition(state_)) cell_ = std::move(cell);
+  return state_;
+}
+
+absl::Status CellCache::state() const {
+  absl::MutexLock lock(&mutex_);
+  return state_;
+}
+
+void CellCache::Watch() {
+  for (;;) {
+    (void)Refresh();  // kept in state_, and logged
+    absl::MutexLock lock(&mutex_);
+    if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_)) return;
+  }
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,173 @@
+#include "client/cell/agent/cell_runner.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/agent/job_answer.h"
+#include "client/cell/agent/refusal.h"
+#include "program/log_field.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr absl::Duration kShowMemory = absl::Minutes(10);
+
+PickOutcome OutcomeOf(JobKind kind) {
+  if (kind == JobKind::kPicked) return PickOutcome::kPicked;
+  return kind == JobKind::kMissed ? PickOutcome::kMissed : PickOutcome::kSlipped;
+}
+
+v1::GraspOutcome ToMessage(PickOutcome outcome) {
+  if (outcome == PickOutcome::kPicked) return v1::GRASP_OUTCOME_PICKED;
+  return outcome == PickOutcome::kMissed ? v1::GRASP_OUTCOME_MISSED : v1::GRASP_OUTCOME_SLIPPED;
+}
+
+void Log(const JobRequest& request, const absl::Status& status, std::size_t poses,
+         absl::Duration camera, absl::Duration all) {
+  spdlog::log(status.ok() ? spdlog::level::info : spdlog::level::warn,
+              "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}",
+              request.job, LogField(request.robot), absl::StatusCodeToString(status.code()), poses,
+              absl::ToDoubleMilliseconds(camera), absl::ToDoubleMilliseconds(all),
+              status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
+}
+
+}  // namespace
+
+CellRunner::CellRunner(Jobs jobs, JobProtocol protocol, CellRunnerOptions options, CellParts parts)
+    : jobs_(std::move(jobs)),
+      protocol_(protocol),
+      options_(std::move(options)),
+      parts_(std::move(parts)),
+      labels_(parts_.client),
+      showing_(parts_.client, kShowMemory) {}
+
+bool CellRunner::IsReady() { return parts_.cell.state().ok() && parts_.sensor.IsReady(); }
+
+absl::Status CellRunner::Check(int job) {
+  const auto found = jobs_.find(job);
+  if (found == jobs_.end()) {
+    return absl::NotFoundError(absl::StrCat("there is no job ", job, " in the cell's settings"));
+  }
+  const JobProtocol meant = found->second.protocol;
+  if (meant != JobProtocol::kAny && meant != protocol_) {
+    return absl::PermissionDeniedError(absl::StrCat("job ", job, " is for another protocol"));
+  }
+  return absl::OkStatus();
+}
+
+bool CellRunner::ReturnsPoses(int job) {
+  const auto found = jobs_.find(job);
+  return found == jobs_.end() || found->second.kind == JobKind::kRecognize;
+}
+
+absl::Time CellRunner::DeadlineOf(const JobConfig& job) const {
+  return absl::Now() + job.time_limit.value_or(options_.time_limit);
+}
+
+absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) {
+  if (absl::Status status = Check(request.job); !status.ok()) return status;
+  const JobConfig& job = jobs_.at(request.job);
+  if (job.kind == JobKind::kRecognize) return Recognize(job, request);
+  absl::Status done = job.kind == JobKind::kShowGrasp ? Show(job, request)
+                                                      : Tell(request.robot, OutcomeOf(job.kind));
+  Log(request, done, 0, absl::ZeroDuration(), absl::ZeroDuration());
+  if (!done.ok()) return done;
+  return std::vector<JobPose>();
+}
+
+absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
+                                                           const JobRequest& request) {
+  JobReport report{request, absl::Now()};
+  report.status =
+      parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.look);
+  if (report.status.ok()) {
+    showing_.Remember(request.robot, {report.look.response, report.look.cell.frames, report.start});
+    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.look);
+    report.status = poses.status();
+    if (poses.ok()) report.poses = *std::move(poses);
+  }
+  report.duration = absl::Now() - report.start;
+  const absl::Duration camera = report.look.camera_time;
+  parts_.counters.CountJob(report.status, report.poses.size(), report.duration - camera);
+  Log(request, report.status, report.poses.size(), camera, report.duration);
+  if (parts_.hear) parts_.hear(report);
+  if (!report.status.ok()) return report.status;
+  return std::move(report.poses);
+}
+
+absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job, const Look& look) {
+  std::shared_ptr<const LabelledObjects> labelled;
+  if (!job.label.empty()) {
+    absl::StatusOr<std::shared_ptr<const LabelledObjects>> found =
+        labels_.At(look.response.catalog_revision());
+    if (!found.ok()) return Refusal(found.status());
+    labelled = *std::move(found);
+  }
+  const auto has_label = [&](const std::string& object, const std::string& label) {
+    return labelled->contains({object, label});
+  };
+  Reach reach = options_.reach;
+  reach.workspace = look.cell.workspace;
+  std::vector<JobPose> poses = PosesFor(job, look.response, look.cell.frames, reach, has_label);
+  for (JobPose& pose : poses) pose.camera_s = absl::ToDoubleSeconds(look.camera_time);
+  return poses;
+}
+
+absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
+  if (!request.base_flange) {
+    return absl::InvalidArgumentError("send where the tool is with the request");
+  }
+  std::optional<SeenScene> scene = showing_.Recall(request.robot);
+  if (!scene) {
+    const absl::StatusOr<KeptCell> cell = parts_.cell.Get();
+    if (cell.ok() && cell->frames.flange_sensor) {
+      return absl::InvalidArgumentError(
+          "the camera is on the robot, and this request says where the tool is, not the flange; "
+          "run a recognising job first");
+    }
+    Look look;
+    absl::Status looked =
+        parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &look);
+    if (!looked.ok()) return looked;
+    scene = SeenScene{look.response, look.cell.frames, absl::Now()};
+  }
+  absl::Status stored = showing_.Store(job, *scene, *request.base_flange);
+  // It is the place of the tool, which came with the request, that is wrong.
+  const bool is_misplaced = absl::IsNotFound(stored) || absl::IsOutOfRange(stored);
+  return is_misplaced ? absl::InvalidArgumentError(stored.message()) : stored;
+}
+
+void CellRunner::Given(const std::string& robot, const JobPose& pose) {
+  absl::MutexLock lock(&mutex_);
+  given_.insert_or_assign(robot, pose);
+}
+
+absl::Status CellRunner::Tell(const std::string& robot, PickOutcome outcome) {
+  JobPose about;
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto given = given_.extract(robot);
+    if (given.empty()) {
+      return absl::FailedPreconditionError("no pose was given to this robot that is not told of");
+    }
+    about = given.mapped();
+  }
+  if (about.grasp_id.empty()) {
+    return absl::FailedPreconditionError("the pose that was given has no grasp");
+  }
+  v1::ReportGraspOutcomeRequest report;
+  report.set_name(about.stable_pose);
+  report.set_grasp_id(about.grasp_id);
+  report.set_outcome(ToMessage(outcome));
+  if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
+    absl::MutexLock lock(&mutex_);
+    given_.try_emplace(robot, about);  // it may be told again, unless another was given meanwhile
+    return Refusal(kept);
+  }
+  parts_.counters.CountOutcome(outcome);
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,76 @@
+// The jobs of a cell, as robots ask for them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "client/cell/agent/capture_and_recognize.h"
+#include "client/cell/agent/counters.h"
+#include "client/cell/agent/hand_guided_teaching.h"
+#include "client/cell/agent/job_config.h"
+#include "client/cell/agent/labels.h"
+#include "client/cell/agent/reach.h"
+#include "client/cell/robots/job_runner.h"
+
+namespace graspdb::client {
+
+struct CellRunnerOptions {
+  absl::Duration time_limit = absl::Seconds(5);  // of jobs that say nothing else
+  Reach reach = {};                              // its workspace is the cell's
+};
+
+// What a job that looked has come to, for those who keep it.
+struct JobReport {
+  JobRequest request;
+  absl::Time start;
+  absl::Duration duration = absl::ZeroDuration();
+  absl::Status status = absl::OkStatus();
+  Look look = {};  // as far as it came
+  std::vector<JobPose> poses = {};
+};
+using HearJob = std::function<void(const JobReport& report)>;
+
+// Over a camera and a server. All must outlive who uses it; `hear` may be empty, and is called on
+// the robot's thread.
+struct CellParts {
+  DepthSensor& sensor;
+  Client& client;
+  CellCache& cell;
+  CaptureAndRecognize& capture_and_recognize;
+  Counters& counters;
+  HearJob hear = {};
+};
+
+// Does the jobs of a cell for robots that speak one protocol. Thread-safe.
+class CellRunner : public JobRunner {
+ public:
+  CellRunner(Jobs jobs, JobProtocol protocol, CellRunnerOptions options, CellParts parts);
+
+  bool IsReady() override;
+  absl::Status Check(int job) override;
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override;
+  bool ReturnsPoses(int job) override;
+  void Given(const std::string& robot, const JobPose& pose) override;
+  absl::Status Tell(const std::string& robot, PickOutcome outcome) override;
+
+ private:
+  absl::StatusOr<std::vector<JobPose>> Recognize(const JobConfig& job, const JobRequest& request);
+  absl::StatusOr<std::vector<JobPose>> PosesOf(const JobConfig& job, const Look& look);
+  absl::Status Show(const JobConfig& job, const JobRequest& request);
+  absl::Time DeadlineOf(const JobConfig& job) const;
+
+  const Jobs jobs_;
+  const JobProtocol protocol_;
+  const CellRunnerOptions options_;
+  const CellParts parts_;
+  Labels labels_;
+  HandGuidedTeaching showing_;
+  absl::Mutex mutex_;
+  std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);  // last, by robot; not yet told of
+};
+
+}  // namespace graspdb::client

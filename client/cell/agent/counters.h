@@ -1,0 +1,38 @@
+// What a cell's agent counts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "client/cell/robots/job_runner.h"
+#include "program/latency_histogram.h"
+
+namespace graspdb::client {
+
+// How jobs went since the start. Thread-safe.
+class Counters {
+ public:
+  // `poses`: how many a job that went well has found. `beside_camera`: what it took but for the
+  // camera's frame.
+  void CountJob(const absl::Status& status, std::size_t poses, absl::Duration beside_camera);
+  void CountOutcome(PickOutcome outcome);
+
+  // All as `key=value`, for the log.
+  std::string Text() const;
+
+ private:
+  mutable absl::Mutex mutex_;
+  std::int64_t jobs_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::int64_t with_pose_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::map<std::string, std::int64_t> errors_ ABSL_GUARDED_BY(mutex_);  // by code
+  std::array<std::int64_t, 3> outcomes_ ABSL_GUARDED_BY(mutex_) = {};   // by PickOutcome
+  LatencyHistogram times_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::client

@@ -1,0 +1,30 @@
+#include "client/cell/agent/counters_log.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace graspdb::client {
+
+CountersLog::CountersLog(std::function<std::string()> text, absl::Duration period)
+    : text_(std::move(text)), period_(period), thread_([this] { Run(); }) {}
+
+CountersLog::~CountersLog() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  thread_.join();
+}
+
+void CountersLog::Run() {
+  for (bool last = false; !last;) {
+    {
+      absl::MutexLock lock(&mutex_);
+      last = mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_);
+    }
+    spdlog::info("event=counters {}", text_());
+  }
+}
+
+}  // namespace graspdb::client

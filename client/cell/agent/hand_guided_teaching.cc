@@ -1,0 +1,100 @@
+#include "client/cell/agent/hand_guided_teaching.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/agent/refusal.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+constexpr double kFarthestM = 0.3;
+constexpr double kBelowTableM = 0.001;
+
+const v1::Detection* NearestObject(const JobConfig& job, const SeenScene& scene,
+                                   const Eigen::Vector3d& world_tcp) {
+  const v1::Detection* nearest = nullptr;
+  double least = kFarthestM;
+  for (const v1::Detection& detection : scene.answer.detections()) {
+    const bool is_known = detection.status() == v1::OK || detection.status() == v1::NO_GRASP ||
+                          detection.status() == v1::OUT_OF_WORKSPACE;
+    if (!is_known || (!job.object.empty() && detection.object() != job.object)) continue;
+    const v1::Vector3& c = detection.centroid();
+    const double distance = (Eigen::Vector3d(c.x(), c.y(), c.z()) - world_tcp).norm();
+    if (distance > least) continue;
+    least = distance;
+    nearest = &detection;
+  }
+  return nearest;
+}
+
+absl::Status CheckAboveTable(const Pose& object_tcp, double approach_distance_m) {
+  const double tcp = object_tcp.translation().z();
+  const double before = tcp - approach_distance_m * object_tcp.linear()(2, 2);
+  if (tcp >= -kBelowTableM && before >= -kBelowTableM) return absl::OkStatus();
+  return absl::OutOfRangeError(absl::StrCat(
+      "the tool would go ", 1000 * -std::min(tcp, before),
+      " mm below the table; does the tool's z axis point in the direction of approach, and is the "
+      "cell calibrated?"));
+}
+
+v1::Grasp GraspOf(const JobConfig& job, const Pose& object_tcp) {
+  v1::Grasp out;
+  out.set_grasp_id(job.grasp_id);
+  *out.mutable_tcp_pose() = ToMessage(object_tcp);
+  out.set_approach_distance_m(job.approach_distance_m);
+  out.set_retreat_distance_m(job.retreat_distance_m);
+  out.set_gripper_opening_m(job.gripper_opening_m);
+  out.set_priority(job.priority);
+  return out;
+}
+
+}  // namespace
+
+void HandGuidedTeaching::Remember(const std::string& robot, SeenScene scene) {
+  absl::MutexLock lock(&mutex_);
+  seen_.insert_or_assign(robot, std::move(scene));
+}
+
+std::optional<SeenScene> HandGuidedTeaching::Recall(const std::string& robot) {
+  absl::MutexLock lock(&mutex_);
+  const auto seen = seen_.find(robot);
+  if (seen == seen_.end() || absl::Now() - seen->second.time > memory_) return std::nullopt;
+  return seen->second;
+}
+
+absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& scene,
+                                       const Pose& base_tcp) {
+  const Pose world_tcp = scene.frames.world_base * base_tcp;
+  const v1::Detection* object = NearestObject(job, scene, world_tcp.translation());
+  if (object == nullptr) {
+    return absl::NotFoundError(absl::StrCat(
+        "nothing ", job.object.empty() ? "known" : "of " + job.object,
+        " was seen within 0.3 m of the tool; run a recognising job before the robot is over it"));
+  }
+  const Pose object_tcp = FromMessage(object->refined_pose()).inverse() * world_tcp;
+  absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
+  if (!above.ok()) return above;
+  absl::StatusOr<v1::StablePose> pose = client_.GetStablePose(object->stable_pose());
+  if (!pose.ok()) return Refusal(pose.status());
+  v1::UpdateStablePoseRequest update;
+  *update.mutable_stable_pose() = *pose;  // with its etag: nobody else's change is lost
+  auto* grasps = update.mutable_stable_pose()->mutable_grasps();
+  const auto is_it = [&](const v1::Grasp& grasp) { return grasp.grasp_id() == job.grasp_id; };
+  const auto existing = std::ranges::find_if(*grasps, is_it);
+  (existing == grasps->end() ? *grasps->Add() : *existing) = GraspOf(job, object_tcp);
+  update.mutable_update_mask()->add_paths("grasps");
+  absl::Status stored = Refusal(client_.UpdateStablePose(update).status());
+  if (stored.ok()) {
+    spdlog::info("event=grasp_shown stable_pose={} grasp={}", object->stable_pose(), job.grasp_id);
+  }
+  return stored;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,97 @@
+#include "client/cell/agent/job_answer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+// An object that the job is about, with the grasps that the robot can take.
+struct Object {
+  const v1::Detection* detection = nullptr;
+  std::vector<const v1::GraspProposal*> grasps;
+};
+
+bool IsWanted(const JobConfig& job, const v1::Detection& detection, const HasLabel& has_label) {
+  const bool without_grasp =
+      detection.status() == v1::NO_GRASP && job.primary == JobPrimary::kObject;
+  if (detection.status() != v1::OK && !without_grasp) return false;
+  if (detection.score() < job.min_score) return false;
+  if (!job.object.empty() && detection.object() != job.object) return false;
+  return job.label.empty() || has_label(detection.object(), job.label);
+}
+
+ToolPath PathOf(const v1::GraspProposal& grasp) {
+  return {FromMessage(grasp.tcp_pose()), grasp.approach_distance_m(), grasp.retreat_distance_m()};
+}
+
+std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse& answer,
+                               const CellFrames& frames, const Reach& reach,
+                               const HasLabel& has_label) {
+  std::vector<Object> out;
+  for (const v1::Detection& detection : answer.detections()) {
+    if (!IsWanted(job, detection, has_label)) continue;
+    Object object{&detection, {}};
+    for (const v1::GraspProposal& grasp : detection.grasps()) {
+      if (IsWithinReach(reach, frames.world_base, PathOf(grasp))) object.grasps.push_back(&grasp);
+    }
+    if (!object.grasps.empty() || detection.status() == v1::NO_GRASP) {
+      out.push_back(std::move(object));
+    }
+  }
+  std::ranges::stable_sort(
+      out, {}, [](const Object& object) { return object.detection->touching() ? 1 : 0; });
+  return out;
+}
+
+JobPose PoseOf(const v1::Detection& detection, const v1::GraspProposal* grasp) {
+  JobPose out;
+  out.object = detection.object();
+  out.stable_pose = detection.stable_pose();
+  out.score = detection.score();
+  if (grasp == nullptr) return out;
+  out.grasp_id = grasp->grasp_id();
+  out.gripper_opening_m = grasp->gripper_opening_m();
+  out.approach_distance_m = grasp->approach_distance_m();
+  out.retreat_distance_m = grasp->retreat_distance_m();
+  return out;
+}
+
+}  // namespace
+
+std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse& answer,
+                              const CellFrames& frames, const Reach& reach,
+                              const HasLabel& has_label) {
+  const Pose base_world = frames.world_base.inverse();
+  std::vector<JobPose> out;
+  for (const Object& object : ObjectsFor(job, answer, frames, reach, has_label)) {
+    const Pose base_object = base_world * FromMessage(object.detection->refined_pose());
+    std::vector<Pose> base_tcps;
+    base_tcps.reserve(object.grasps.size());
+    for (const v1::GraspProposal* grasp : object.grasps) {
+      base_tcps.push_back(base_world * FromMessage(grasp->tcp_pose()));
+    }
+    if (job.primary == JobPrimary::kObject) {
+      JobPose pose =
+          PoseOf(*object.detection, object.grasps.empty() ? nullptr : object.grasps.front());
+      pose.base_primary = base_object;
+      pose.base_related = std::move(base_tcps);
+      out.push_back(std::move(pose));
+      continue;
+    }
+    for (std::size_t i = 0; i < object.grasps.size(); ++i) {
+      JobPose pose = PoseOf(*object.detection, object.grasps[i]);
+      pose.base_primary = base_tcps[i];
+      pose.base_related = {base_object};
+      out.push_back(std::move(pose));
+    }
+  }
+  if (job.most_poses != 0 && out.size() > job.most_poses) out.resize(job.most_poses);
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,30 @@
+#include "client/cell/agent/job_bundle.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include "program/version.h"
+
+namespace graspdb::client {
+
+std::optional<v1::Bundle> BundleOf(const JobReport& report) {
+  const v1::RecognizeRequest& request = report.look.request;
+  if (!request.has_depth_image() && !request.has_cloud()) return std::nullopt;
+  v1::Bundle out;
+  *out.mutable_request_time() =
+      google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(report.start));
+  out.set_duration_ms(absl::ToDoubleMilliseconds(report.duration));
+  out.set_robot(report.request.robot);
+  out.set_job(report.request.job);
+  out.set_agent_version(kVersion);
+  *out.mutable_request() = request;
+  if (report.status.ok()) {
+    *out.mutable_response() = report.look.response;
+    out.set_catalog_revision(report.look.response.catalog_revision());
+  } else {
+    out.mutable_error()->set_code(static_cast<int>(report.status.code()));
+    out.mutable_error()->set_message(std::string(report.status.message()));
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,26 @@
+#include "client/cell/agent/labels.h"
+
+#include <vector>
+
+namespace graspdb::client {
+
+absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(std::int64_t revision) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (revision_ >= revision) return objects_;
+  }
+  const absl::StatusOr<std::vector<v1::Object>> listed = client_.ListObjects();
+  if (!listed.ok()) return listed.status();
+  auto objects = std::make_shared<LabelledObjects>();
+  for (const v1::Object& object : *listed) {
+    for (const std::string& label : object.labels()) objects->emplace(object.name(), label);
+  }
+  absl::MutexLock lock(&mutex_);
+  if (revision_ < revision) {
+    revision_ = revision;
+    objects_ = std::move(objects);
+  }
+  return objects_;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,36 @@
+// Which objects carry which labels.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "client/sdk/client.h"
+
+namespace graspdb::client {
+
+// Pairs of object (resource name) and label.
+using LabelledObjects = std::set<std::pair<std::string, std::string>>;
+
+// Asks the server once for every revision of its catalogue. Thread-safe.
+class Labels {
+ public:
+  // `client` must outlive this.
+  explicit Labels(Client& client) : client_(client) {}
+
+  // As of that revision or a later one. Errors of the server.
+  absl::StatusOr<std::shared_ptr<const LabelledObjects>> At(std::int64_t revision);
+
+ private:
+  Client& client_;
+  absl::Mutex mutex_;
+  std::int64_t revision_ ABSL_GUARDED_BY(mutex_) = -1;
+  std::shared_ptr<const LabelledObjects> objects_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::client

@@ -1,0 +1,57 @@
+// graspdb-cell, the agent of a robot cell.
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <string>
+
+#include "client/cell/agent/agent.h"
+#include "client/cell/agent/agent_options.h"
+#include "client/cell/sensors/open_sensor.h"
+#include "program/log.h"
+#include "program/log_field.h"
+#include "program/stop_signal.h"
+#include "program/version.h"
+
+namespace graspdb::client {
+namespace {
+
+int Fail(const absl::Status& status) {
+  std::fprintf(stderr, "graspdb-cell: %s\n", std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) ? 2 : 1;
+}
+
+void Say(const char* what, const std::string& address) {
+  if (!address.empty()) std::printf("%s on %s\n", what, address.c_str());
+}
+
+int Run(int argc, char** argv) {
+  const ParsedAgentOptions parsed = ParseAgentOptions(argc, argv);
+  if (parsed.done) return parsed.exit_status;
+  const AgentOptions& options = parsed.options;
+
+  const StopSignal stop;
+  StartLog("graspdb-cell", options.log_level);
+  SensorSettings settings;
+  settings.max_age = absl::Seconds(options.max_frame_age_s);
+  absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenSensor(options.sensor, settings);
+  if (!sensor.ok()) return Fail(sensor.status());
+  const std::string name = (*sensor)->Name();
+  absl::StatusOr<std::unique_ptr<Agent>> agent = Agent::Start(options, *std::move(sensor));
+  if (!agent.ok()) return Fail(agent.status());
+  spdlog::info("event=start version={} cell={} sensor={} server={}", kVersion,
+               LogField(options.cell), LogField(name), LogField(options.server));
+  Say("line protocol", (*agent)->line_address());
+  Say("health", (*agent)->health_address());
+  Say("GRI", (*agent)->gri_address());
+  std::printf("ready for robots\n");
+  std::fflush(stdout);
+
+  const int signal = stop.Wait();
+  spdlog::info("event=stop signal={}", signal);
+  return 0;
+}
+
+}  // namespace
+}  // namespace graspdb::client
+
+int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }

@@ -1,0 +1,117 @@
+#include "client/cell/blackbox/black_box.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "absl/time/time.h"
+#include "client/cell/blackbox/bundle_file.h"
+#include "program/log_field.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr int kNiceness = 10;
+
+absl::Time TimeOf(const v1::Bundle& bundle) {
+  return absl::FromUnixSeconds(bundle.request_time().seconds()) +
+         absl::Nanoseconds(bundle.request_time().nanos());
+}
+
+}  // namespace
+
+bool IsTroubled(const v1::Bundle& bundle, double low_score) {
+  if (!bundle.has_response() || bundle.response().status() != v1::OK) return true;
+  double best = 0;
+  for (const v1::Detection& detection : bundle.response().detections()) {
+    if (detection.status() == v1::OK) best = std::max(best, detection.score());
+  }
+  return best < low_score;
+}
+
+absl::StatusOr<std::unique_ptr<BlackBox>> BlackBox::Open(const BlackBoxOptions& options) {
+  absl::StatusOr<BundleRing> ring = BundleRing::Open(options.ring);
+  if (!ring.ok()) return ring.status();
+  std::unique_ptr<BlackBox> out(new BlackBox(*std::move(ring), options.most_waiting));
+  try {
+    out->thread_ = std::thread([box = out.get()] { box->WriteAll(); });
+  } catch (const std::system_error&) {
+    return absl::ResourceExhaustedError("no thread is left; see to the system's limits");
+  }
+  return out;
+}
+
+BlackBox::BlackBox(BundleRing ring, std::size_t most_waiting)
+    : ring_(std::move(ring)), most_waiting_(most_waiting) {}
+
+BlackBox::~BlackBox() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+    changed_.SignalAll();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+bool BlackBox::Keep(v1::Bundle bundle) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (waiting_.size() >= most_waiting_) {
+      ++counts_.dropped;
+      return false;
+    }
+    waiting_.push_back(std::move(bundle));
+  }
+  changed_.SignalAll();  // whoever wakes finds the lock free
+  return true;
+}
+
+void BlackBox::Flush() {
+  absl::MutexLock lock(&mutex_);
+  while (writing_ || !waiting_.empty()) changed_.Wait(&mutex_);
+}
+
+BlackBoxCounts BlackBox::counts() const {
+  absl::MutexLock lock(&mutex_);
+  return counts_;
+}
+
+absl::Status BlackBox::Write(const v1::Bundle& bundle) {
+  const absl::StatusOr<std::string> bytes = BundleBytes(bundle);
+  return bytes.ok() ? ring_.Add(*bytes, TimeOf(bundle)) : bytes.status();
+}
+
+void BlackBox::WriteAll() {
+  // Whoever keeps something goes on before it is written. Linux keeps a niceness for each thread,
+  // and never refuses a higher one.
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
+  absl::StatusCode last_failure = absl::StatusCode::kOk;
+  for (;;) {
+    v1::Bundle next;
+    {
+      absl::MutexLock lock(&mutex_);
+      while (waiting_.empty() && !stop_) changed_.Wait(&mutex_);
+      if (waiting_.empty()) return;
+      next = std::move(waiting_.front());
+      waiting_.pop_front();
+      writing_ = true;
+    }
+    const absl::Status written = Write(next);
+    // A full disk is not to be filled by the log that says so.
+    if (!written.ok() && written.code() != last_failure) {
+      spdlog::warn("event=bundle_not_kept error={}", LogField(std::string(written.message())));
+    }
+    last_failure = written.code();
+    absl::MutexLock lock(&mutex_);
+    ++(written.ok() ? counts_.kept : counts_.failed);
+    writing_ = false;
+    changed_.SignalAll();
+  }
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,69 @@
+#include "client/cell/blackbox/bundle_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::string_view kMagic = "GBB";
+constexpr char kVersion = 1;
+constexpr std::size_t kHeaderBytes = 4;
+
+absl::Status NoBundle(const std::filesystem::path& path) {
+  return absl::DataLossError(path.string() + " is no bundle, or not a whole one; leave it out");
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
+  std::string out(kMagic);
+  out += kVersion;
+  if (bundle.AppendToString(&out)) return out;
+  return absl::ResourceExhaustedError("the bundle is larger than a message may be");
+}
+
+absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return NoBundle(path);
+  if (bytes[kMagic.size()] != kVersion) {
+    return absl::FailedPreconditionError(path.string() +
+                                         " is a bundle of a newer program; use that one");
+  }
+  v1::Bundle out;
+  const auto size = static_cast<int>(bytes.size() - kHeaderBytes);
+  if (!out.ParseFromArray(bytes.data() + kHeaderBytes, size)) return NoBundle(path);
+  if (!out.has_request() || out.result_case() == v1::Bundle::RESULT_NOT_SET) return NoBundle(path);
+  return out;
+}
+
+absl::StatusOr<std::vector<std::filesystem::path>> ListBundles(
+    const std::vector<std::string>& paths) {
+  std::vector<std::filesystem::path> out;
+  for (const std::string& path : paths) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error)) {
+      if (!std::filesystem::exists(path, error)) {
+        return absl::NotFoundError("there is no " + path + "; name bundles or a folder of them");
+      }
+      out.emplace_back(path);
+      continue;
+    }
+    std::vector<std::filesystem::path> inside;
+    for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+         entry.increment(error)) {
+      if (entry->path().extension() == kBundleSuffix) inside.push_back(entry->path());
+    }
+    if (inside.empty()) return absl::NotFoundError("there are no bundles in " + path);
+    std::ranges::sort(inside);  // their names begin with their numbers
+    out.insert(out.end(), inside.begin(), inside.end());
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

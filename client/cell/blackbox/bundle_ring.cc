@@ -1,0 +1,121 @@
+#include "client/cell/blackbox/bundle_ring.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cell/blackbox/bundle_file.h"
+#include "files/atomic_file.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::size_t kDigits = 10;
+
+absl::Status Failed(const std::filesystem::path& path, const std::error_code& error) {
+  const std::string text = absl::StrCat("cannot use ", path.string(), ": ", error.message(),
+                                        "; choose another folder or make this one writable");
+  if (error == std::errc::permission_denied || error == std::errc::read_only_file_system) {
+    return absl::PermissionDeniedError(text);
+  }
+  return absl::FailedPreconditionError(text);
+}
+
+// The number that a name begins with; 0 where it is no name of a ring's.
+std::uint64_t NumberOf(const std::string& name) {
+  std::uint64_t number = 0;
+  if (name.size() <= kDigits || name[kDigits] != '-') return 0;
+  return absl::SimpleAtoi(name.substr(0, kDigits), &number) ? number : 0;
+}
+
+// What WriteFileAtomically leaves when the process ends in the middle.
+bool IsLeftOver(const std::string& name) {
+  return NumberOf(name) > 0 && absl::StrContains(name, kBundleSuffix) && name.ends_with(".tmp");
+}
+
+}  // namespace
+
+absl::StatusOr<BundleRing> BundleRing::Open(BundleRingOptions options) {
+  BundleRing out(std::move(options));
+  absl::Status status = out.TakeOver();
+  if (status.ok()) status = out.MakeRoom(0);
+  if (!status.ok()) return status;
+  return out;
+}
+
+absl::Status BundleRing::TakeOver() {
+  std::error_code error;
+  std::filesystem::create_directories(options_.folder, error);
+  if (error) return Failed(options_.folder, error);
+  std::filesystem::directory_iterator entry(options_.folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::filesystem::path& path = entry->path();
+    const std::string name = path.filename().string();
+    if (IsLeftOver(name)) {
+      std::filesystem::remove(path, error);
+      continue;
+    }
+    if (NumberOf(name) == 0 || path.extension() != kBundleSuffix) continue;
+    std::error_code gone;
+    const std::uint64_t bytes = std::filesystem::file_size(path, gone);
+    if (gone) continue;
+    files_.push_back({path, bytes});
+    bytes_ += bytes;
+    next_ = std::max(next_, NumberOf(name) + 1);
+  }
+  if (error) return Failed(options_.folder, error);
+  std::ranges::sort(files_, {}, &File::path);
+  return absl::OkStatus();
+}
+
+absl::Status BundleRing::RemoveOldest() {
+  std::error_code error;
+  // One that somebody else took away is gone as well.
+  std::filesystem::remove(files_.front().path, error);
+  if (error) return Failed(files_.front().path, error);
+  bytes_ -= files_.front().bytes;
+  files_.pop_front();
+  return absl::OkStatus();
+}
+
+bool BundleRing::IsDiskFull(std::uint64_t bytes) const {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(options_.folder, error);
+  // Where the system does not say, the write will.
+  return !error && space.available < options_.least_free_bytes + bytes;
+}
+
+absl::Status BundleRing::MakeRoom(std::uint64_t bytes) {
+  while (!files_.empty() && (bytes_ + bytes > options_.byte_limit || IsDiskFull(bytes))) {
+    if (absl::Status removed = RemoveOldest(); !removed.ok()) return removed;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status BundleRing::Add(const std::string& bytes, absl::Time time) {
+  if (bytes.size() > options_.byte_limit) {
+    return absl::ResourceExhaustedError(absl::StrCat("a bundle of ", bytes.size(),
+                                                     " bytes is larger than all may be (",
+                                                     options_.byte_limit, "); allow more"));
+  }
+  if (absl::Status room = MakeRoom(bytes.size()); !room.ok()) return room;
+  if (IsDiskFull(bytes.size())) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("less than ", options_.least_free_bytes, " bytes would be left free in ",
+                     options_.folder.string(), "; make room on the disk"));
+  }
+  const std::string when = absl::FormatTime("%Y%m%dT%H%M%SZ", time, absl::UTCTimeZone());
+  const std::filesystem::path path =
+      options_.folder / absl::StrFormat("%010d-%s%s", next_, when, kBundleSuffix);
+  absl::Status written = WriteFileAtomically(path, bytes, Durability::kProcessCrash);
+  if (!written.ok()) return written;
+  ++next_;
+  files_.push_back({path, bytes.size()});
+  bytes_ += bytes.size();
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

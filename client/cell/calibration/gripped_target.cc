@@ -1,0 +1,182 @@
+#include "client/cell/calibration/gripped_target.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "client/cell/calibration/orientations.h"
+#include "recognition/points/voxels.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Vector3f;
+using recognition::OrientedCloud;
+using recognition::Pose;
+using recognition::SurfaceModel;
+
+// Look-ups over the scan: cells, and how far they reach, m.
+constexpr float kCellM = 0.003F;
+constexpr float kReachM = 0.021F;
+
+// Places of the scan on which sides are laid.
+constexpr double kPlaceSpacingM = 0.012;
+constexpr std::size_t kMaxPlaces = 500;
+constexpr int kTurns = 30;
+// Cosine between the normals of a place and of what is laid on it; and of all other points.
+constexpr float kPlaceAgreement = 0.9F;
+constexpr float kAgreement = 0.6F;
+// Farther off, m, a point of a side is not on the scan.
+constexpr float kOnScanM = 0.012F;
+// So many points, drawn from all over the side, tell most guesses that lead nowhere.
+constexpr std::size_t kFirstLook = 16;
+constexpr float kWorthALook = 0.25F;
+// Guesses that are refined: of each place, where an arm is round and objects can be laid on it in
+// any number of ways, and in all.
+constexpr std::size_t kGuessesEach = 8;
+constexpr std::size_t kGuesses = 2000;
+constexpr std::size_t kFinalists = 24;
+// Guesses nearer to each other than this lead to the same place: m, rad.
+constexpr double kSamePlaceM = 0.008;
+constexpr double kSameTurnRad = 0.14;
+// Less of it in sight, or less of that where it should be, is no detection: an empty gripper looks
+// like many objects to nine tenths.
+constexpr double kMinSeen = 0.94;
+constexpr double kMinShown = 0.55;
+
+struct Guess {
+  Matrix3f rotation = Matrix3f::Identity();  // T_sensor_target
+  Vector3f translation = Vector3f::Zero();
+  float fit = 0;
+
+  TargetFit Start() const {
+    TargetFit out;
+    out.world_target.linear() =
+        Eigen::Quaterniond(rotation.cast<double>()).normalized().toRotationMatrix();
+    out.world_target.translation() = translation.cast<double>();
+    return out;
+  }
+};
+
+void KeepBest(std::size_t count, std::vector<Guess>* guesses) {
+  std::ranges::stable_sort(*guesses, std::greater(), &Guess::fit);
+  guesses->resize(std::min(guesses->size(), count));
+}
+
+// Lays sides on one scan.
+class Laying {
+ public:
+  Laying(const SurfaceModel& model, const OrientedCloud& cloud)
+      : sides_(SidesOf(model)), cloud_(cloud), grid_(cloud.points, kCellM, kReachM) {}
+
+  std::vector<Guess> Guesses() const {
+    std::vector<Guess> out;
+    for (const std::size_t place : Places()) {
+      std::vector<Guess> here;
+      for (int turn = 0; turn < kTurns; ++turn) TryAt(place, turn, &here);
+      KeepBest(kGuessesEach, &here);
+      out.insert(out.end(), here.begin(), here.end());
+    }
+    KeepBest(kGuesses, &out);
+    return out;
+  }
+
+ private:
+  std::vector<std::size_t> Places() const {
+    const recognition::VoxelCloud thin =
+        recognition::DownsampleToVoxels(cloud_.points, kPlaceSpacingM);
+    std::vector<std::size_t> all(thin.points.size());
+    for (std::size_t i = 0; i < thin.voxel_of.size(); ++i) {
+      all[static_cast<std::size_t>(thin.voxel_of[i])] = i;
+    }
+    const std::size_t step = 1 + all.size() / kMaxPlaces;
+    std::vector<std::size_t> out;
+    out.reserve(all.size() / step + 1);
+    for (std::size_t i = 0; i < all.size(); i += step) out.push_back(all[i]);
+    return out;
+  }
+
+  void TryAt(std::size_t place, int turn, std::vector<Guess>* guesses) const {
+    const Vector3f& at = cloud_.points[place];
+    const auto angle = static_cast<float>(2 * std::numbers::pi * turn / kTurns);
+    const Matrix3f sensor_look = (Eigen::Quaternionf::FromTwoVectors(Vector3f::UnitZ(), at) *
+                                  Eigen::AngleAxisf(angle, Vector3f::UnitZ()))
+                                     .toRotationMatrix();
+    for (const Side& side : sides_) {
+      Guess guess{.rotation = sensor_look * side.look_object};
+      const Vector3f wanted = guess.rotation.transpose() * cloud_.normals[place];
+      for (const std::size_t anchor : side.anchors) {
+        if (wanted.dot(side.normals[anchor]) < kPlaceAgreement) continue;
+        guess.translation = at - guess.rotation * side.points[anchor];
+        guess.fit = FitOf(side, guess);
+        if (guess.fit > 0) guesses->push_back(guess);
+      }
+    }
+  }
+
+  // How much of the side lies on the scan, 0 to 1.
+  float FitOf(const Side& side, const Guess& guess) const {
+    float sum = 0;
+    for (std::size_t i = 0; i < side.points.size(); ++i) {
+      if (i == kFirstLook && sum < kWorthALook * static_cast<float>(kFirstLook)) return 0;
+      const Vector3f p = guess.rotation * side.points[i] + guess.translation;
+      const int nearest = grid_.Nearest(p);
+      if (nearest < 0) continue;
+      const auto at = static_cast<std::size_t>(nearest);
+      if ((guess.rotation * side.normals[i]).dot(cloud_.normals[at]) < kAgreement) continue;
+      const float share = (p - cloud_.points[at]).squaredNorm() / (kOnScanM * kOnScanM);
+      sum += std::max(0.0F, 1 - share);
+    }
+    return sum / static_cast<float>(side.points.size());
+  }
+
+  const std::vector<Side> sides_;
+  const OrientedCloud& cloud_;
+  const recognition::NearestGrid grid_;
+};
+
+bool LeadToTheSame(const SurfaceModel& model, const Pose& a, const Pose& b) {
+  const Eigen::Vector3d center = model.center.cast<double>();
+  return (a * center - b * center).norm() < kSamePlaceM &&
+         Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameTurnRad;
+}
+
+// The best guesses, each once.
+std::vector<TargetFit> Finalists(const SurfaceModel& model, const TargetScan& scan) {
+  std::vector<TargetFit> all;
+  for (const Guess& guess : Laying(model, scan.cloud()).Guesses()) all.push_back(guess.Start());
+  scan.RefineRoughly(model, all.data(), all.size());
+  std::ranges::stable_sort(all, std::greater(), &TargetFit::value);
+  std::vector<TargetFit> out;
+  for (const TargetFit& fit : all) {
+    const auto is_same = [&](const TargetFit& other) {
+      return LeadToTheSame(model, other.world_target, fit.world_target);
+    };
+    if (std::ranges::none_of(out, is_same)) out.push_back(fit);
+    if (out.size() == kFinalists) break;
+  }
+  return out;
+}
+
+// Enough of the target is in sight, and that is where it should be.
+bool IsFound(const TargetFit& fit) {
+  return fit.value() > 0 && fit.seen >= kMinSeen && fit.shown >= kMinShown;
+}
+
+}  // namespace
+
+std::optional<TargetFit> FindGrippedTarget(const SurfaceModel& model, const TargetScan& scan) {
+  TargetFit best;
+  for (const TargetFit& finalist : Finalists(model, scan)) {
+    const TargetFit fit = scan.Refine(model, finalist.world_target);
+    if (fit.value() > best.value()) best = fit;
+  }
+  if (!IsFound(best)) return std::nullopt;
+  return best;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,194 @@
+#include "client/cell/calibration/hand_eye.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cell/calibration/hand_eye_equation.h"
+#include "client/cell/robots/rotation_vector.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using recognition::Pose;
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+
+constexpr double kRadian = std::numbers::pi / 180;
+// A sample that is so many times farther off is wrong: the target was taken for something else, or
+// had slipped.
+constexpr double kAgrees = 10;
+constexpr std::size_t kSubset = 4;
+constexpr int kSubsets = 200;
+constexpr int kSteps = 20;
+// The robot must have turned by so much about each of two axes, root mean square over pairs.
+constexpr double kMinTurnRad = 8 * kRadian;
+
+using Equations = std::vector<HandEyeEquation>;
+
+Equations EquationsOf(std::span<const HandEyeSample> samples, CameraMount mount) {
+  Equations out;
+  out.reserve(samples.size());
+  for (const HandEyeSample& sample : samples) {
+    const bool fixed = mount == CameraMount::kFixed;
+    out.push_back({fixed ? sample.base_flange : sample.base_flange.inverse(), sample.camera_target,
+                   mount, sample.covariance});
+  }
+  return out;
+}
+
+double CostOf(const Equations& equations, const HandEyeSolution& solution) {
+  double cost = 0;
+  for (const HandEyeEquation& equation : equations) {
+    const double size = std::min(SizeOf(equation, solution), kAgrees);
+    cost += size * size;
+  }
+  return cost;
+}
+
+HandEyeSolution SolveRobustly(const Equations& equations) {
+  std::mt19937_64 random(1);
+  HandEyeSolution best = SolveClosedForm(equations);
+  double least = CostOf(equations, best);
+  std::vector<std::size_t> order(equations.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (int i = 0; i < kSubsets; ++i) {
+    Equations some;
+    for (std::size_t k = 0; k < kSubset; ++k) {
+      std::swap(order[k], order[k + random() % (order.size() - k)]);
+      some.push_back(equations[order[k]]);
+    }
+    const HandEyeSolution solution = SolveClosedForm(some);
+    const double cost = CostOf(equations, solution);
+    if (cost >= least) continue;
+    least = cost;
+    best = solution;
+  }
+  return best;
+}
+
+Pose Moved(const Pose& pose, const Vector6d& step) {
+  Pose by = Pose::Identity();
+  by.linear() = FromRotationVector(step.head<3>());
+  by.translation() = step.tail<3>();
+  return pose * by;
+}
+
+// Errors follow a small step of Y as they are, and one of X as seen from the target.
+HandEyeSolution Refine(const Equations& equations, HandEyeSolution solution) {
+  for (int step = 0; step < kSteps; ++step) {
+    Matrix12d hessian = Matrix12d::Zero();
+    Vector12d gradient = Vector12d::Zero();
+    for (const HandEyeEquation& equation : equations) {
+      const Matrix6d whiten = WhiteningOf(equation, solution);
+      const Vector6d error = whiten * ErrorOf(equation, solution);
+      const double share = error.norm() / kAgrees;
+      if (share >= 1) continue;
+      Eigen::Matrix<double, 6, 12> rows;
+      rows << -AdjointOf(equation.b.inverse()), Matrix6d::Identity();
+      rows = (whiten * rows).eval();
+      const double weight = (1 - share * share) * (1 - share * share);  // Tukey's
+      hessian += weight * rows.transpose() * rows;
+      gradient += weight * rows.transpose() * error;
+    }
+    hessian.diagonal().array() += 1e-9;
+    const Vector12d move = -hessian.ldlt().solve(gradient);
+    solution.x = Moved(solution.x, move.head<6>());
+    solution.y = Moved(solution.y, move.tail<6>());
+    if (move.norm() < 1e-12) break;
+  }
+  return solution;
+}
+
+// By how much the robot turned about the second of its main axes.
+double SecondTurn(const Equations& equations) {
+  Matrix3d moments = Matrix3d::Zero();
+  double pairs = 0;
+  for (std::size_t i = 0; i < equations.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j, ++pairs) {
+      const Vector3d turn =
+          RotationVector(equations[j].a.linear() * equations[i].a.linear().transpose());
+      moments += turn * turn.transpose();
+    }
+  }
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(moments / pairs).eigenvalues()[1]);
+}
+
+absl::Status CheckTurns(const Equations& equations) {
+  const double turn = SecondTurn(equations);
+  if (turn >= kMinTurnRad) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrFormat("the poses are too alike: the robot turned by %.1f degrees about a second "
+                      "axis, at least %.0f "
+                      "are needed; tilt the tool to different sides",
+                      turn / kRadian, kMinTurnRad / kRadian));
+}
+
+std::vector<HandEyeResidual> ResidualsOf(const Equations& equations,
+                                         const HandEyeSolution& solution) {
+  std::vector<HandEyeResidual> out;
+  out.reserve(equations.size());
+  for (const HandEyeEquation& equation : equations) {
+    const Vector6d error = ErrorOf(equation, solution);
+    out.push_back({.shift_m = error.tail<3>().norm(),
+                   .turn_rad = error.head<3>().norm(),
+                   .used = SizeOf(equation, solution) < kAgrees});
+  }
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, CameraMount mount) {
+  const Equations all = EquationsOf(samples, mount);
+  if (all.size() < kMinHandEyeSamples) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("there are ", all.size(), " poses with the target in view, at least ",
+                     kMinHandEyeSamples, " are needed; drive to more"));
+  }
+  if (absl::Status status = CheckTurns(all); !status.ok()) return status;
+  const HandEyeSolution solution = Refine(all, SolveRobustly(all));
+  HandEye out;
+  out.mount_camera = solution.x;
+  out.mount_target = solution.y;
+  out.residuals = ResidualsOf(all, solution);
+  Equations used;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const HandEyeResidual& residual = out.residuals[i];
+    if (!residual.used) continue;
+    used.push_back(all[i]);
+    out.shift_m += residual.shift_m * residual.shift_m;
+    out.turn_rad += residual.turn_rad * residual.turn_rad;
+  }
+  if (2 * used.size() < all.size()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("only ", used.size(), " of ", all.size(),
+                     " poses agree with each other; does the target sit firmly, and is it always "
+                     "recognised?"));
+  }
+  if (used.size() < kMinHandEyeSamples) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "only ", used.size(), " of ", all.size(), " poses agree with each other, at least ",
+        kMinHandEyeSamples, " are needed; drive to more, and see that the target sits firmly"));
+  }
+  if (absl::Status status = CheckTurns(used); !status.ok()) return status;
+  const auto count = static_cast<double>(used.size());
+  out.shift_m = std::sqrt(out.shift_m / count);
+  out.turn_rad = std::sqrt(out.turn_rad / count);
+  return out;
+}
+
+std::vector<HandEyeResidual> CheckHandEye(std::span<const HandEyeSample> samples, CameraMount mount,
+                                          const Pose& mount_camera, const Pose& mount_target) {
+  return ResidualsOf(EquationsOf(samples, mount), {mount_camera, mount_target});
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,122 @@
+#include "client/cell/calibration/hand_eye_session.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/cell/calibration/calibrated_cell.h"
+#include "files/pose_message.h"
+#include "recognition/base/units.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
+using recognition::Pose;
+
+absl::Status NotBegun() {
+  return absl::AbortedError("the calibration was not begun; send HEC_INIT first");
+}
+
+// What cannot be the robot's fault must not look like it.
+absl::Status NotOfTheRobot(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) ? absl::InternalError(status.message()) : status;
+}
+
+absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
+  absl::StatusOr<v1::Cell> cell = client.GetCell(setup.cell);
+  if (absl::IsNotFound(cell.status())) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("there is no ", setup.cell, "; make it with `graspdb cells set`"));
+  }
+  if (!cell.ok()) return NotOfTheRobot(cell.status());
+  if (setup.mount == CameraMount::kFixed) {
+    // Without the camera's level nothing could be saved.
+    if (auto update = CalibratedCell(*cell, {}, setup.mount); !update.ok()) return update.status();
+  }
+  return cell;
+}
+
+void LogResiduals(const std::map<int, HandEyeSample>& samples, const HandEye& hand_eye) {
+  auto residual = hand_eye.residuals.begin();
+  for (const auto& [slot, sample] : samples) {
+    spdlog::info("event=hand_eye_residual slot={} shift_mm={:.2f} turn_deg={:.2f} used={}", slot,
+                 kMmPerM * residual->shift_m, kDegreesPerRadian * residual->turn_rad,
+                 residual->used);
+    ++residual;
+  }
+}
+
+}  // namespace
+
+HandEyeSession::HandEyeSession(Client& client, DepthSensor& sensor, HandEyeSetup setup)
+    : client_(client), sensor_(sensor), setup_(std::move(setup)) {}
+
+absl::Status HandEyeSession::Init() {
+  absl::MutexLock lock(&mutex_);
+  target_.reset();
+  samples_.clear();
+  const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
+  if (!cell.ok()) return cell.status();
+  absl::StatusOr<Target> target = LoadTarget(client_, setup_.target);
+  if (!target.ok()) return NotOfTheRobot(target.status());
+  if (setup_.mount == CameraMount::kFixed) world_sensor_ = FromMessage(cell->sensor_pose());
+  target_ = *std::move(target);
+  spdlog::info("event=hand_eye_begun cell={} target={}", setup_.cell, target_->stable_pose);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SeenTarget> HandEyeSession::Look() {
+  const absl::StatusOr<StillScan> scan =
+      TakeStillScan(sensor_, setup_.frames, absl::Now() + setup_.frames_within);
+  if (!scan.ok()) return NotOfTheRobot(scan.status());
+  absl::StatusOr<SeenTarget> found =
+      setup_.mount == CameraMount::kFixed
+          ? FindGrippedTarget(*target_, *scan, world_sensor_, setup_.region)
+          : FindStandingTarget(client_, *target_, *scan);
+  if (!found.ok()) return NotOfTheRobot(found.status());
+  return found;
+}
+
+absl::Status HandEyeSession::SetPose(int slot, const Pose& base_flange) {
+  absl::MutexLock lock(&mutex_);
+  if (!target_) return NotBegun();
+  const absl::StatusOr<SeenTarget> seen = Look();
+  if (!seen.ok()) return seen.status();
+  samples_[slot] = {base_flange, seen->sensor_target, seen->covariance};
+  spdlog::info("event=hand_eye_pose cell={} slot={} distance_m={:.3f}", setup_.cell, slot,
+               seen->sensor_target.translation().norm());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
+  absl::MutexLock lock(&mutex_);
+  if (!target_) return NotBegun();
+  std::vector<HandEyeSample> samples;
+  samples.reserve(samples_.size());
+  for (const auto& [slot, sample] : samples_) samples.push_back(sample);
+  const absl::StatusOr<HandEye> hand_eye = SolveHandEye(samples, setup_.mount);
+  if (!hand_eye.ok()) return absl::NotFoundError(hand_eye.status().message());
+  LogResiduals(samples_, *hand_eye);
+  const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
+  if (!cell.ok()) return cell.status();
+  const auto update = CalibratedCell(*cell, *hand_eye, setup_.mount);
+  if (!update.ok()) return update.status();
+  const absl::StatusOr<v1::Cell> saved = client_.UpdateCell(*update);
+  if (!saved.ok()) return NotOfTheRobot(saved.status());
+  CalibrationReport out{.shift_m = hand_eye->shift_m,
+                        .turn_rad = hand_eye->turn_rad,
+                        .used = 0,
+                        .poses = samples.size()};
+  for (const HandEyeResidual& residual : hand_eye->residuals) out.used += residual.used ? 1 : 0;
+  spdlog::info("event=hand_eye_calibrated cell={} used={} poses={} shift_mm={:.2f} turn_deg={:.2f}",
+               setup_.cell, out.used, out.poses, kMmPerM * out.shift_m,
+               kDegreesPerRadian * out.turn_rad);
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,58 @@
+// The hand-eye calibration of one camera, pose by pose.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "client/cell/calibration/hand_eye.h"
+#include "client/cell/calibration/target.h"
+#include "client/cell/robots/robot_calibrator.h"
+#include "client/cell/sensors/depth_sensor.h"
+#include "client/sdk/client.h"
+
+namespace graspdb::client {
+
+// What is calibrated, and with what.
+struct HandEyeSetup {
+  std::string cell;    // `cells/{cell}`
+  std::string target;  // as LoadTarget takes it
+  CameraMount mount = CameraMount::kFixed;
+  int frames = 5;  // that are averaged at each pose
+  absl::Duration frames_within = absl::Seconds(10);
+  // Where a fixed camera's robot holds the target, world frame, m; see FindGrippedTarget.
+  std::optional<recognition::Box> region = {};
+};
+
+// Thread-safe; one call at a time works, the others wait. Errors as RobotCalibrator.
+class HandEyeSession {
+ public:
+  // `client` and `sensor` must outlive it.
+  HandEyeSession(Client& client, DepthSensor& sensor, HandEyeSetup setup);
+
+  // Reads the cell and the target from the server, and forgets all poses.
+  absl::Status Init() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  // Looks where the target is while the robot stands at `base_flange`. `slot`: any number.
+  absl::Status SetPose(int slot, const recognition::Pose& base_flange) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  // Solves, and writes the cell, see CalibratedCell. The log has the residual of every pose.
+  absl::StatusOr<CalibrationReport> Calibrate() ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  absl::StatusOr<SeenTarget> Look() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  Client& client_;
+  DepthSensor& sensor_;
+  const HandEyeSetup setup_;
+  absl::Mutex mutex_;
+  std::optional<Target> target_ ABSL_GUARDED_BY(mutex_);  // after Init
+  recognition::Pose world_sensor_ ABSL_GUARDED_BY(mutex_) = recognition::Pose::Identity();
+  std::map<int, HandEyeSample> samples_ ABSL_GUARDED_BY(mutex_);  // by slot
+};
+
+}  // namespace graspdb::client

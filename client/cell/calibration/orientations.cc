@@ -1,0 +1,85 @@
+#include "client/cell/calibration/orientations.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "recognition/verification/visibility.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3f;
+
+// Directions on a whole sphere: neighbours are eleven degrees apart.
+constexpr int kDirections = 300;
+// Sine of the lowest look-down angle: objects are seen a little from below when they are held.
+constexpr double kLowest = -0.2;
+// Far enough that the side is seen as a whole, m.
+constexpr float kDistanceM = 0.7F;
+constexpr std::size_t kPoints = 60;
+// A prime above kPoints, so that no point of a side is taken twice; of 60 points every 37th.
+constexpr std::size_t kStep = 877;
+constexpr std::size_t kAnchors = 4;
+
+// The k-th of directions spread evenly over the sphere (a Fibonacci lattice).
+Vector3f Direction(int k) {
+  const double z = 1 - (2 * k + 1.0) / kDirections;
+  const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
+  const double radius = std::sqrt(1 - z * z);
+  return Eigen::Vector3d(radius * std::cos(turn), radius * std::sin(turn), z).cast<float>();
+}
+
+// Positions of points as far from each other as can be, the first nearest to the mean.
+std::vector<std::size_t> FarApart(const recognition::Points& points) {
+  Vector3f mean = Vector3f::Zero();
+  for (const Vector3f& p : points) mean += p;
+  mean /= static_cast<float>(points.size());
+  std::vector<std::size_t> out;
+  std::vector<float> nearest(points.size(), 1e9F);
+  const auto by_distance = [&](const Vector3f& a, const Vector3f& b) {
+    return (a - mean).squaredNorm() < (b - mean).squaredNorm();
+  };
+  auto next =
+      static_cast<std::size_t>(std::ranges::min_element(points, by_distance) - points.begin());
+  while (out.size() < std::min(kAnchors, points.size())) {
+    out.push_back(next);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      nearest[i] = std::min(nearest[i], (points[i] - points[next]).squaredNorm());
+    }
+    next = static_cast<std::size_t>(std::ranges::max_element(nearest) - nearest.begin());
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Side> SidesOf(const recognition::SurfaceModel& model) {
+  std::vector<Side> out;
+  for (int k = 0; k < kDirections; ++k) {
+    const Vector3f to_camera = Direction(k);
+    if (static_cast<double>(to_camera.z()) < kLowest) continue;
+    Side side;
+    side.look_object =
+        Eigen::Quaternionf::FromTwoVectors(to_camera, -Vector3f::UnitZ()).toRotationMatrix();
+    Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();
+    sensor_object.linear() = side.look_object;
+    sensor_object.translation() = Vector3f(0, 0, kDistanceM) - side.look_object * model.center;
+    const recognition::VisibleSurface visible(model.coarse, sensor_object);
+    const std::vector<std::size_t>& seen = visible.points();
+    if (seen.empty()) continue;
+    const std::size_t count = std::min(kPoints, seen.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      // Spread over all of them, and the first ones too.
+      const std::size_t at = seen[(i * kStep % count) * seen.size() / count];
+      side.points.push_back(model.coarse.cloud.points[at]);
+      side.normals.push_back(model.coarse.cloud.normals[at]);
+    }
+    side.anchors = FarApart(side.points);
+    out.push_back(std::move(side));
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,130 @@
+#include "client/cell/calibration/still_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "files/cloud_message.h"
+#include "files/depth_message.h"
+#include "recognition/points/depth_image.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3f;
+
+// Depths farther from the median than this share of it are of another surface.
+constexpr float kSameSurface = 0.01F;
+constexpr absl::Duration kPause = absl::Milliseconds(20);  // between looks whether frames come
+
+absl::StatusOr<StillScan> FromImage(const v1::DepthImage& message) {
+  recognition::DepthImage image{
+      .depth = {}, .camera = FromMessage(message.intrinsics()), .unit_m = DepthUnit(message)};
+  absl::StatusOr<std::vector<std::uint16_t>> counts = CountsFromMessage(message);
+  if (!counts.ok()) return counts.status();
+  if (!(image.camera.fx > 0 && image.camera.fy > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("the focal lengths of the depth image are ",
+                                                   image.camera.fx, " and ", image.camera.fy,
+                                                   " pixels; check the camera"));
+  }
+  image.depth = *std::move(counts);
+  StillScan out{.points = {}, .width = image.camera.width};
+  out.points.reserve(image.depth.size());
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    out.points.push_back(recognition::PointAt(image, i));
+  }
+  return out;
+}
+
+bool IsMeasured(const Vector3f& p) { return p.allFinite() && p.z() > 0; }
+
+bool LieOnEachOther(std::span<const StillScan> scans) {
+  return std::ranges::all_of(scans, [&](const StillScan& scan) {
+    return scan.width > 0 && scan.width == scans.front().width &&
+           scan.points.size() == scans.front().points.size();
+  });
+}
+
+// Of one pixel: a point along its ray. `depths` is room to work in.
+Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
+                        std::vector<float>* depths) {
+  Vector3f ray = Vector3f::Zero();
+  depths->clear();
+  for (const StillScan& scan : scans) {
+    const Vector3f& p = scan.points[pixel];
+    if (!IsMeasured(p)) continue;
+    depths->push_back(p.z());
+    ray = p / p.z();
+  }
+  if (depths->empty() || 2 * depths->size() < scans.size()) {
+    return Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  }
+  const auto middle = depths->begin() + static_cast<std::ptrdiff_t>(depths->size() / 2);
+  std::ranges::nth_element(*depths, middle);
+  const float median = *middle;
+  float sum = 0;
+  float count = 0;
+  for (const float depth : *depths) {
+    if (std::abs(depth - median) > kSameSurface * median) continue;
+    sum += depth;
+    ++count;
+  }
+  return sum / count * ray;
+}
+
+}  // namespace
+
+absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame) {
+  if (const auto* image = std::get_if<v1::DepthImage>(&frame.scan)) return FromImage(*image);
+  const auto& cloud = std::get<v1::PointCloud>(frame.scan);
+  absl::StatusOr<recognition::Points> points = PointsFromMessage(cloud);
+  if (!points.ok()) return points.status();
+  return StillScan{.points = *std::move(points), .width = cloud.width()};
+}
+
+absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
+  if (frames.empty()) return absl::InvalidArgumentError("there is no frame; take at least one");
+  std::vector<StillScan> scans;
+  scans.reserve(frames.size());
+  for (const SensorFrame& frame : frames) {
+    absl::StatusOr<StillScan> scan = ScanOf(frame);
+    if (!scan.ok()) return scan.status();
+    scans.push_back(*std::move(scan));
+  }
+  if (scans.size() == 1 || !LieOnEachOther(scans)) return std::move(scans.back());
+  StillScan out{.points = {}, .width = scans.front().width};
+  out.points.reserve(scans.front().points.size());
+  std::vector<float> depths;
+  for (std::size_t i = 0; i < scans.front().points.size(); ++i) {
+    out.points.push_back(MeanNearMedian(scans, i, &depths));
+  }
+  return out;
+}
+
+void AwaitFrames(DepthSensor& sensor, absl::Time deadline) {
+  while (!sensor.IsReady() && absl::Now() < deadline) absl::SleepFor(kPause);
+}
+
+absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int count,
+                                                    absl::Time deadline) {
+  std::vector<SensorFrame> frames;
+  for (int i = 0; i < count; ++i) {
+    absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
+    if (!frame.ok()) return frame.status();
+    frames.push_back(*std::move(frame));
+  }
+  return frames;
+}
+
+absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline) {
+  const absl::StatusOr<std::vector<SensorFrame>> frames = TakeFrames(sensor, count, deadline);
+  if (!frames.ok()) return frames.status();
+  return Averaged(*frames);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,201 @@
+#include "client/cell/calibration/target.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cell/calibration/gripped_target.h"
+#include "files/cloud_message.h"
+#include "files/pose_message.h"
+#include "recognition/points/voxels.h"
+#include "recognition/segmentation/clusters.h"
+#include "recognition/segmentation/region.h"
+#include "recognition/segmentation/segmentation.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Box;
+using recognition::Points;
+using recognition::Pose;
+
+// Views that were taught apart from each other by more than this, m, were not told where the object
+// was.
+constexpr float kLargestDeviationM = 0.004F;
+// Two detections that are nearer to each other, m, are of one object.
+constexpr double kApartM = 0.05;
+// Around a standing target: beyond it, and above the table, m.
+constexpr double kMarginM = 0.03;
+constexpr double kStandsAboveM = 0.006;
+// What the server has found and is refined to less than this share of its surface stays as it was.
+constexpr double kRefinedSeen = 0.75;
+// Where a gripper may hold a target, unless the caller knows better: above the table, so that its
+// plane is out, and around the world's origin.
+constexpr double kAboveTableM = 0.02;
+constexpr double kHighestM = 1.0;
+constexpr double kAroundM = 1.0;
+
+absl::StatusOr<std::string> StablePoseNamed(Client& client, const std::string& name) {
+  if (absl::StrContains(name, "/stablePoses/")) return name;
+  const absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(name);
+  if (absl::IsNotFound(poses.status())) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the target ", name, " is not in the catalogue; teach it first"));
+  }
+  if (!poses.ok()) return poses.status();
+  if (poses->size() == 1) return poses->front().name();
+  return absl::FailedPreconditionError(absl::StrCat("the target ", name, " has ", poses->size(),
+                                                    " stable poses; name one of them: ", name,
+                                                    "/stablePoses/..."));
+}
+
+absl::Status RefuseSymmetry(Client& client, const std::string& stable_pose) {
+  const auto symmetric = [&](int order) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        stable_pose, " looks the same after a turn about the vertical (symmetry ", order,
+        ", 0: any turn), so where it is turned to cannot be seen; take a target without symmetry"));
+  };
+  const absl::StatusOr<v1::StablePose> declared = client.GetStablePose(stable_pose);
+  if (absl::IsNotFound(declared.status())) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(stable_pose, " is not in the catalogue; teach it first"));
+  }
+  if (!declared.ok()) return declared.status();
+  if (declared->has_symmetry_order() && declared->symmetry_order() != 1) {
+    return symmetric(declared->symmetry_order());
+  }
+  const std::string object = stable_pose.substr(0, stable_pose.find("/stablePoses/"));
+  const auto alike = client.FindLookAlikes(object);
+  if (!alike.ok()) return alike.status();
+  for (const v1::StablePoseSymmetry& found : alike->symmetries()) {
+    if (found.stable_pose() == stable_pose && found.found_order() != 1) {
+      return symmetric(found.found_order());
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<recognition::PosedCloud> CloudOf(Client& client, const std::string& view_name) {
+  const absl::StatusOr<v1::View> view = client.GetView(view_name);
+  if (!view.ok()) return view.status();
+  const absl::StatusOr<Points> points = PointsFromMessage(view->cloud());
+  if (!points.ok()) return points.status();
+  const Pose world_sensor = FromMessage(view->sensor_pose());
+  auto cloud = std::make_shared<recognition::OrientedCloud>(
+      recognition::PrepareCloud(recognition::Transform(world_sensor, *points),
+                                world_sensor.translation(), recognition::DescriptorParameters()));
+  return recognition::PosedCloud{std::move(cloud), FromMessage(view->object_pose())};
+}
+
+// Whether `detection` is the target, and says where it is.
+bool IsSure(const v1::Detection& detection, const std::string& stable_pose) {
+  if (detection.stable_pose() != stable_pose) return false;
+  return detection.status() != v1::AMBIGUOUS || detection.equivalent_poses().empty();
+}
+
+// Points in the sensor frame.
+Points PointsIn(const Box& world_box, const StillScan& scan, const Pose& world_sensor) {
+  Points out;
+  for (const std::int32_t i :
+       recognition::CropToRegion(scan.points, world_sensor, world_box).indices) {
+    out.push_back(scan.points[static_cast<std::size_t>(i)]);
+  }
+  return out;
+}
+
+bool IsApart(const v1::Detection& a, const v1::Detection& b) {
+  const Pose between = FromMessage(a.refined_pose()).inverse() * FromMessage(b.refined_pose());
+  return between.translation().norm() > kApartM;
+}
+
+// Refined on the target's points between the table and its height.
+SeenTarget RefineStanding(const Target& target, const StillScan& scan, const Pose& world_sensor,
+                          const Pose& world_target) {
+  const Eigen::Vector3d center = world_target * target.model->center.cast<double>();
+  const Eigen::Vector3d reach =
+      Eigen::Vector3d::Constant(static_cast<double>(target.model->radius_m) + kMarginM);
+  Box around{center - reach, center + reach};
+  around.min.z() = kStandsAboveM;
+  const Points points = PointsIn(around, scan, world_sensor);
+  const TargetScan standing(points, scan.points, world_sensor, /*on_table=*/true);
+  const TargetFit fit = standing.Refine(*target.model, world_target);
+  const Pose sensor_target =
+      world_sensor.inverse() * (fit.seen >= kRefinedSeen ? fit.world_target : world_target);
+  return {sensor_target, CovarianceOf(*target.model, points, sensor_target, /*on_table=*/true)};
+}
+
+}  // namespace
+
+absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
+  absl::StatusOr<std::string> stable_pose = StablePoseNamed(client, name);
+  if (!stable_pose.ok()) return stable_pose.status();
+  if (absl::Status status = RefuseSymmetry(client, *stable_pose); !status.ok()) return status;
+  const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(*stable_pose);
+  if (!views.ok()) return views.status();
+  std::vector<recognition::PosedCloud> clouds;
+  clouds.reserve(views->size());
+  for (const v1::View& view : *views) {
+    absl::StatusOr<recognition::PosedCloud> cloud = CloudOf(client, view.name());
+    if (!cloud.ok()) return cloud.status();
+    clouds.push_back(*std::move(cloud));
+  }
+  Target out{.stable_pose = *std::move(stable_pose), .model = recognition::FuseViews(clouds)};
+  if (out.model == nullptr || out.model->deviation_m > kLargestDeviationM) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        out.stable_pose, " has ", views->size(),
+        " views, and they do not make one shape; teach it from all around with its object poses"));
+  }
+  return out;
+}
+
+absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& target,
+                                              const StillScan& scan) {
+  v1::RecognizeRequest request;
+  *request.mutable_cloud() = CloudMessage(scan.points, scan.width);
+  const absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(request);
+  if (absl::IsFailedPrecondition(response.status())) {
+    return absl::NotFoundError(
+        "no table is in sight that the target could stand on; look down at it from nearer");
+  }
+  if (!response.ok()) return response.status();
+  const v1::Detection* found = nullptr;
+  for (const v1::Detection& detection : response->detections()) {
+    if (!IsSure(detection, target.stable_pose)) continue;
+    if (found != nullptr && IsApart(*found, detection)) {
+      return absl::NotFoundError(
+          absl::StrCat(target.stable_pose, " is seen more than once; leave one on the table"));
+    }
+    // Parts of one object, of which the largest knows best.
+    if (found == nullptr || detection.point_count() > found->point_count()) found = &detection;
+  }
+  if (found == nullptr) {
+    return absl::NotFoundError(absl::StrCat(target.stable_pose, " is not recognised among ",
+                                            response->detections_size(),
+                                            " objects in sight; look at it as it was taught"));
+  }
+  return RefineStanding(target, scan, FromMessage(response->sensor_pose()),
+                        FromMessage(found->refined_pose()));
+}
+
+absl::StatusOr<SeenTarget> FindGrippedTarget(const Target& target, const StillScan& scan,
+                                             const Pose& world_sensor,
+                                             const std::optional<Box>& region) {
+  const Box around =
+      region.value_or(Box{{-kAroundM, -kAroundM, kAboveTableM}, {kAroundM, kAroundM, kHighestM}});
+  const Points points = PointsIn(around, scan, world_sensor);
+  const TargetScan held(points, scan.points, Pose::Identity(), /*on_table=*/false);
+  if (const std::optional<TargetFit> found = FindGrippedTarget(*target.model, held)) {
+    return SeenTarget{found->world_target, CovarianceOf(*target.model, points, found->world_target,
+                                                        /*on_table=*/false)};
+  }
+  return absl::NotFoundError(absl::StrFormat(
+      "%s is not recognised among %d points where the gripper may hold it; turn it so that the "
+      "camera sees most of it, as it was taught",
+      target.stable_pose, points.size()));
+}
+
+}  // namespace graspdb::client

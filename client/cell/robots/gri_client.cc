@@ -1,0 +1,41 @@
+#include "client/cell/robots/gri_client.h"
+
+#include <array>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace graspdb::client {
+
+GriClient::GriClient(asio::ip::tcp::iostream stream, std::chrono::milliseconds timeout)
+    : stream_(std::move(stream)), timeout_(timeout) {}
+
+absl::StatusOr<GriClient> GriClient::Connect(const std::string& host, std::uint16_t port,
+                                             std::chrono::milliseconds timeout) {
+  asio::ip::tcp::iostream stream;
+  stream.expires_after(timeout);
+  stream.connect(host, std::to_string(port));
+  if (!stream) {
+    return absl::UnavailableError(absl::StrCat("nobody answers robots at ", host, ":", port, " (",
+                                               stream.error().message(), "); start graspdb-cell"));
+  }
+  asio::error_code refused;  // then answers only take longer
+  stream.socket().set_option(asio::ip::tcp::no_delay(true), refused);
+  return GriClient(std::move(stream), timeout);
+}
+
+absl::StatusOr<GriResponse> GriClient::Ask(const GriRequest& request) {
+  const auto asked = GriBytes(request);
+  std::array<std::uint8_t, kGriResponseBytes> answer = {};
+  stream_.expires_after(timeout_);
+  stream_.write(reinterpret_cast<const char*>(asked.data()), asked.size());
+  stream_.flush();
+  stream_.read(reinterpret_cast<char*>(answer.data()), answer.size());
+  if (!stream_) {
+    return absl::UnavailableError(
+        absl::StrCat("the cell's agent gave no answer (", stream_.error().message(), ")"));
+  }
+  return ParseGriResponse(answer);
+}
+
+}  // namespace graspdb::client

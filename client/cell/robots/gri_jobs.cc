@@ -1,0 +1,90 @@
+#include "client/cell/robots/gri_jobs.h"
+
+#include <optional>
+
+#include "client/cell/robots/gri_data.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count); }
+
+std::int32_t Millionths(double value) { return Saturated(1e6 * value); }
+
+void DescribeGrasp(const JobPose& primary, GriResponse* response) {
+  response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
+  response->data[gri_data::kApproachDistance] = Millionths(1e3 * primary.approach_distance_m);
+  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * primary.retreat_distance_m);
+  response->data[gri_data::kScore] = Millionths(primary.score);
+  response->data[gri_data::kCameraTime] = Millionths(primary.camera_s);
+}
+
+std::optional<Pose> FlangeOf(const GriRequest& request) {
+  absl::StatusOr<Pose> pose = FromGriPose(request.pose, request.pose_format);
+  return pose.ok() ? std::optional(*pose) : std::nullopt;
+}
+
+// The pose of an answer, or why there is none.
+void Give(const JobAnswer& answer, GriResponse* response) {
+  response->code = answer.code;
+  if (answer.code != GriCode::kNoError) return;
+  response->data[gri_data::kPrimaryLeft] = CountOf(answer.primaries_left);
+  response->data[gri_data::kRelatedLeft] = CountOf(answer.related_left);
+  DescribeGrasp(answer.primary, response);
+  const absl::StatusOr<GriPose> sent = ToGriPose(answer.base_pose, response->pose_format);
+  if (!sent.ok()) {
+    response->code = GriCodeOf(sent.status());
+    return;
+  }
+  response->pose = *sent;
+}
+
+}  // namespace
+
+void GriJobs::GivePrimary(const std::string& robot, const JobAnswer& answer,
+                          GriResponse* response) {
+  Give(answer, response);
+  if (response->code == GriCode::kNoError) {
+    jobs_.runner().Given(robot, answer.primary);
+  } else if (answer.code == GriCode::kNoError) {
+    jobs_.PassOver(robot, response->job_id);
+  }
+}
+
+void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
+                        GriResponse* response) {
+  const int job = request.job_id;
+  response->code = jobs_.Check(job).code;
+  if (response->code != GriCode::kNoError) return;
+  const JobRequest asked = {.job = job, .robot = robot, .base_flange = FlangeOf(request)};
+  switch (static_cast<GriAction>(request.action)) {
+    case GriAction::kTriggerJobSync:
+      return GivePrimary(robot, jobs_.Run(asked), response);
+    case GriAction::kTriggerJobAsync:
+      response->code = jobs_.Start(asked).code;
+      return;
+    case GriAction::kGetJobStatus:
+      response->data[gri_data::kJobStatus] = static_cast<std::int32_t>(jobs_.StatusOf(robot, job));
+      return;
+    case GriAction::kGetNextPose:
+      return GivePrimary(robot, jobs_.Next(robot, job), response);
+    case GriAction::kGetRelatedPose:
+      return Give(jobs_.NextRelated(robot, job), response);
+    default:
+      response->code = GriCode::kInvalidAction;
+  }
+}
+
+GriResponse GriJobs::Answer(const std::string& robot, const GriRequest& request) {
+  GriResponse out = ResponseTo(request);
+  if (static_cast<GriAction>(request.action) == GriAction::kStatus) {
+    out.data[gri_data::kReady] = jobs_.runner().IsReady() ? 1 : 0;
+  } else {
+    AnswerJob(robot, request, &out);
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

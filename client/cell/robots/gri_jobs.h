@@ -1,0 +1,28 @@
+// Jobs as the Generic Robot Interface asks for them.
+#pragma once
+
+#include <string>
+
+#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/robot_jobs.h"
+
+namespace graspdb::client {
+
+// Answers STATUS, TRIGGER_JOB_SYNC, TRIGGER_JOB_ASYNC, GET_JOB_STATUS, GET_NEXT_POSE and
+// GET_RELATED_POSE. Thread-safe.
+class GriJobs {
+ public:
+  // `runner` must outlive this. The destructor waits for jobs that run.
+  explicit GriJobs(JobRunner& runner) : jobs_(runner) {}
+
+  // `robot` is who asks, such as its address. The header must have been checked.
+  GriResponse Answer(const std::string& robot, const GriRequest& request);
+
+ private:
+  void AnswerJob(const std::string& robot, const GriRequest& request, GriResponse* response);
+  void GivePrimary(const std::string& robot, const JobAnswer& answer, GriResponse* response);
+
+  RobotJobs jobs_;
+};
+
+}  // namespace graspdb::client

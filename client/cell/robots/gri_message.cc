@@ -1,0 +1,208 @@
+#include "client/cell/robots/gri_message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kMagic = {'G', 'R', 'I', 0};
+constexpr double kPerUnit = 1e6;
+
+// Reads numbers one after the other.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  void Read(T* value) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      bits |= static_cast<std::uint64_t>(bytes_[at_++]) << (8 * i);
+    }
+    *value = static_cast<T>(bits);
+  }
+
+  template <typename T, std::size_t kCount>
+  void Read(std::array<T, kCount>* values) {
+    for (T& value : *values) Read(&value);
+  }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+class Writer {
+ public:
+  explicit Writer(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  void Write(T value) {
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      bytes_[at_++] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+    }
+  }
+
+  template <typename T, std::size_t kCount>
+  void Write(const std::array<T, kCount>& values) {
+    for (const T value : values) Write(value);
+  }
+
+ private:
+  std::span<std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+absl::Status CheckMagic(const std::array<std::uint8_t, 4>& magic) {
+  if (magic == kMagic) return absl::OkStatus();
+  return absl::InvalidArgumentError("the message does not begin with \"GRI\"");
+}
+
+absl::StatusOr<std::int32_t> Millionths(double number) {
+  const double scaled = std::round(number * kPerUnit);
+  if (std::abs(scaled) <= std::numeric_limits<std::int32_t>::max()) {
+    return static_cast<std::int32_t>(scaled);
+  }
+  return absl::OutOfRangeError(
+      absl::StrCat(number, " does not fit into the message, which reaches to 2147.48"));
+}
+
+template <std::size_t kCount>
+absl::Status ToMillionths(const std::array<double, kCount>& numbers,
+                          std::array<std::int32_t, kCount>* out) {
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const absl::StatusOr<std::int32_t> number = Millionths(numbers[i]);
+    if (!number.ok()) return number.status();
+    (*out)[i] = *number;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+GriResponse ResponseTo(const GriRequest& request) {
+  GriResponse out;
+  out.pose_format = request.pose_format;
+  out.action = request.action;
+  out.job_id = request.job_id;
+  return out;
+}
+
+std::int32_t Saturated(double number) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  if (std::isnan(number)) return Limits::max();
+  const double fitting = std::clamp<double>(number, Limits::min(), Limits::max());
+  return static_cast<std::int32_t>(std::lround(fitting));
+}
+
+absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriRequestBytes> bytes) {
+  Reader reader(bytes);
+  std::array<std::uint8_t, 4> magic = {};
+  reader.Read(&magic);
+  if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
+  GriRequest out;
+  reader.Read(&out.version);
+  reader.Read(&out.length);
+  reader.Read(&out.pose_format);
+  reader.Read(&out.action);
+  reader.Read(&out.job_id);
+  reader.Read(&out.pose.position);
+  reader.Read(&out.pose.rotation);
+  reader.Read(&out.data);
+  return out;
+}
+
+absl::StatusOr<GriResponse> ParseGriResponse(
+    std::span<const std::uint8_t, kGriResponseBytes> bytes) {
+  Reader reader(bytes);
+  std::array<std::uint8_t, 4> magic = {};
+  reader.Read(&magic);
+  if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
+  std::uint8_t version = 0;
+  std::uint8_t length = 0;
+  reader.Read(&version);
+  reader.Read(&length);
+  if (version != kGriVersion || length != kGriResponseBytes) {
+    return absl::InvalidArgumentError("the answer is of another version or length");
+  }
+  GriResponse out;
+  std::int16_t code = 0;
+  reader.Read(&out.pose_format);
+  reader.Read(&out.action);
+  reader.Read(&out.job_id);
+  reader.Read(&code);
+  out.code = static_cast<GriCode>(code);
+  reader.Read(&out.pose.position);
+  reader.Read(&out.pose.rotation);
+  reader.Read(&out.data);
+  return out;
+}
+
+std::array<std::uint8_t, kGriRequestBytes> GriBytes(const GriRequest& request) {
+  std::array<std::uint8_t, kGriRequestBytes> out = {};
+  Writer writer(out);
+  writer.Write(kMagic);
+  writer.Write(request.version);
+  writer.Write(request.length);
+  writer.Write(request.pose_format);
+  writer.Write(request.action);
+  writer.Write(request.job_id);
+  writer.Write(request.pose.position);
+  writer.Write(request.pose.rotation);
+  writer.Write(request.data);
+  return out;
+}
+
+std::array<std::uint8_t, kGriResponseBytes> GriBytes(const GriResponse& response) {
+  std::array<std::uint8_t, kGriResponseBytes> out = {};
+  Writer writer(out);
+  writer.Write(kMagic);
+  writer.Write(kGriVersion);
+  writer.Write(static_cast<std::uint8_t>(kGriResponseBytes));
+  writer.Write(response.pose_format);
+  writer.Write(response.action);
+  writer.Write(response.job_id);
+  writer.Write(static_cast<std::int16_t>(response.code));
+  writer.Write(response.pose.position);
+  writer.Write(response.pose.rotation);
+  writer.Write(response.data);
+  return out;
+}
+
+GriCode CheckGriRequest(const GriRequest& request) {
+  if (request.version != kGriVersion) return GriCode::kUnknownProtocolVersion;
+  if (request.length != kGriRequestBytes) return GriCode::kInvalidRequestLength;
+  if (request.pose_format < kQuaternionWxyz || request.pose_format > kLastPoseFormat) {
+    return GriCode::kInvalidRequest;
+  }
+  if (request.action < static_cast<std::uint8_t>(GriAction::kStatus) ||
+      request.action > static_cast<std::uint8_t>(GriAction::kHecCalibrate)) {
+    return GriCode::kInvalidAction;
+  }
+  return GriCode::kNoError;
+}
+
+absl::StatusOr<GriPose> ToGriPose(const recognition::Pose& pose, int format) {
+  const absl::StatusOr<RobotPose> numbers = ToRobotPose(pose, format);
+  if (!numbers.ok()) return numbers.status();
+  GriPose out;
+  absl::Status status = ToMillionths(numbers->position_mm, &out.position);
+  if (status.ok()) status = ToMillionths(numbers->rotation, &out.rotation);
+  if (!status.ok()) return status;
+  return out;
+}
+
+absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format) {
+  RobotPose numbers;
+  const auto to_units = [](std::int32_t millionths) { return millionths / kPerUnit; };
+  std::ranges::transform(pose.position, numbers.position_mm.begin(), to_units);
+  std::ranges::transform(pose.rotation, numbers.rotation.begin(), to_units);
+  return FromRobotPose(numbers, format);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,28 @@
+// The Generic Robot Interface as a protocol for RobotServer.
+#pragma once
+
+#include "client/cell/robots/gri_hand_eye.h"
+#include "client/cell/robots/gri_jobs.h"
+#include "client/cell/robots/robot_server.h"
+
+namespace graspdb::client {
+
+// Every message gets an answer of 80 bytes. After bytes that are none of it, or a length that is
+// not that of a request, it hangs up: nobody knows where the next message begins.
+class GriProtocol : public RobotProtocol {
+ public:
+  // `jobs` and `calibrator` must outlive this; without the latter no pipeline can be calibrated.
+  explicit GriProtocol(GriJobs& jobs, RobotCalibrator* calibrator = nullptr)
+      : jobs_(jobs), hand_eye_(calibrator) {}
+
+  std::size_t MessageBytes(std::string_view received) const override;
+  RobotReply Answer(const std::string& robot, std::string_view message) override;
+
+ private:
+  GriResponse Dispatch(const std::string& robot, const GriRequest& request);
+
+  GriJobs& jobs_;
+  GriHandEye hand_eye_;
+};
+
+}  // namespace graspdb::client

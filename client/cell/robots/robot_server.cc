@@ -1,0 +1,143 @@
+#include "client/cell/robots/robot_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/post.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/thread_pool.hpp>
+#include <future>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/cell/robots/robot_connection.h"
+#include "program/log_field.h"
+
+namespace graspdb::client {
+namespace {
+
+// Where nobody can be let in, as when all file handles are in use, the next try is later.
+constexpr std::chrono::milliseconds kBreath{100};
+
+}  // namespace
+
+class RobotServer::Listener {
+ public:
+  Listener(RobotProtocol& protocol, const RobotServerOptions& options)
+      : protocol_(protocol), options_(options), workers_(options.workers) {}
+
+  ~Listener() {
+    if (!thread_.joinable()) return;
+    std::promise<void> hung_up;
+    asio::post(context_, [&] {
+      HangUp();
+      hung_up.set_value();
+    });
+    hung_up.get_future().wait();
+    workers_.join();  // nobody gives them anything more
+    work_.reset();
+    thread_.join();
+  }
+
+  absl::Status Listen() {
+    asio::error_code error;
+    const auto address = asio::ip::make_address(options_.address, error);
+    if (error) return absl::InvalidArgumentError(options_.address + " is no IP address");
+    const asio::ip::tcp::endpoint endpoint(address, options_.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (!error) port_ = acceptor_.local_endpoint(error).port();
+    if (error) {
+      return absl::UnavailableError(absl::StrCat("cannot listen for robots on ", options_.address,
+                                                 ":", options_.port, " (", error.message(),
+                                                 "); is the port in use?"));
+    }
+    Accept();
+    thread_ = std::thread([this] { context_.run(); });
+    return absl::OkStatus();
+  }
+
+  std::uint16_t port() const { return port_; }
+
+ private:
+  void HangUp() {
+    stopping_ = true;
+    asio::error_code closed_already;
+    acceptor_.close(closed_already);
+    breath_.cancel();
+    for (const auto& connection : connections_) {
+      if (const auto open = connection.lock()) open->HangUp();
+    }
+  }
+
+  void Accept() {
+    acceptor_.async_accept([this](asio::error_code error, asio::ip::tcp::socket socket) {
+      if (stopping_) return;
+      if (error) return TakeBreath(error);
+      Welcome(std::move(socket));
+      Accept();
+    });
+  }
+
+  void TakeBreath(const asio::error_code& error) {
+    spdlog::warn("event=robot_not_let_in error={}", LogField(error.message()));
+    breath_.expires_after(kBreath);
+    breath_.async_wait([this](asio::error_code /*cancelled*/) {
+      if (!stopping_) Accept();
+    });
+  }
+
+  void Welcome(asio::ip::tcp::socket socket) {
+    std::erase_if(connections_, [](const auto& other) { return other.expired(); });
+    if (connections_.size() >= options_.most_connections) {
+      spdlog::warn("event=robot_turned_away connections={}", connections_.size());
+      return;
+    }
+    const auto connection = std::make_shared<RobotConnection>(std::move(socket), workers_,
+                                                              protocol_, options_.message_time);
+    connections_.push_back(connection);
+    connection->Begin();
+  }
+
+  RobotProtocol& protocol_;
+  const RobotServerOptions options_;
+  // All but the workers is of the context's one thread.
+  asio::io_context context_{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work_ =
+      asio::make_work_guard(context_);
+  asio::thread_pool workers_;
+  asio::ip::tcp::acceptor acceptor_{context_};
+  asio::steady_timer breath_{context_};
+  std::vector<std::weak_ptr<RobotConnection>> connections_;
+  bool stopping_ = false;
+  std::uint16_t port_ = 0;
+  std::thread thread_;
+};
+
+RobotServer::RobotServer(std::unique_ptr<Listener> listener) : listener_(std::move(listener)) {}
+
+RobotServer::~RobotServer() = default;
+
+std::uint16_t RobotServer::port() const { return listener_->port(); }
+
+absl::StatusOr<std::unique_ptr<RobotServer>> RobotServer::Start(RobotProtocol& protocol,
+                                                                const RobotServerOptions& options) {
+  try {
+    auto listener = std::make_unique<Listener>(protocol, options);
+    if (absl::Status status = listener->Listen(); !status.ok()) return status;
+    return std::unique_ptr<RobotServer>(new RobotServer(std::move(listener)));
+  } catch (const std::system_error& error) {  // threads or epoll
+    return absl::ResourceExhaustedError(
+        absl::StrCat("cannot serve robots (", error.what(), "); see to the system's limits"));
+  }
+}
+
+}  // namespace graspdb::client

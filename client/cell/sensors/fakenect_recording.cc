@@ -1,0 +1,122 @@
+#include "client/cell/sensors/fakenect_recording.h"
+
+#include <google/protobuf/struct.pb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "files/atomic_file.h"
+#include "files/json_object.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr char kIndexFile[] = "INDEX.txt";
+constexpr double kFramesPerSecond = 30;
+constexpr double kTicksPerSecond = 60e6;    // of the Kinect's clock
+constexpr double kFirstSecond = 1'000'000;  // any; 0 would count as none
+constexpr std::size_t kPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
+
+// libfreenect has centimetres.
+absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
+  google::protobuf::Struct document;
+  JsonObject device(&document);
+  device.Number("const_shift", calibration.const_shift);
+  JsonObject registration(&device.At("reg_info"));
+  JsonObject plane(&registration.At("zero_plane_info"));
+  plane.Number("dcmos_emitter_distance", 100 * calibration.baseline_m);
+  plane.Number("dcmos_rcmos_distance", 2.3);
+  plane.Number("reference_distance", 100 * calibration.reference_distance_m);
+  plane.Number("reference_pixel_size", 100 * calibration.reference_pixel_m);
+  JsonObject padding(&registration.At("pad_info"));
+  for (const char* lines : {"start_lines", "end_lines", "cropping_lines"}) padding.Number(lines, 0);
+  return PrintDocument(document, JsonLayout::kIndented);
+}
+
+std::string PgmOf(const std::vector<std::uint16_t>& raw) {
+  std::string bytes = absl::StrCat("P5 ", kKinectV1Width, " ", kKinectV1Height, " 65535\n");
+  bytes.reserve(bytes.size() + 2 * raw.size());
+  for (const std::uint16_t value : raw) {  // not PGM's order of bytes: fakenect's
+    bytes.push_back(static_cast<char>(value & 0xFFU));
+    bytes.push_back(static_cast<char>(value >> 8U));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+absl::StatusOr<FakenectRecording> FakenectRecording::Create(
+    const std::filesystem::path& folder, const KinectV1Calibration& calibration) {
+  std::error_code error;
+  if (std::filesystem::exists(folder / kIndexFile, error)) {
+    return absl::AlreadyExistsError(
+        absl::StrCat(folder.string(), " holds a recording; choose another folder or remove it"));
+  }
+  const absl::StatusOr<std::string> device = DeviceJson(calibration);
+  if (!device.ok()) return device.status();
+  absl::Status written =
+      WriteFileAtomically(folder / "device.json", *device, Durability::kProcessCrash);
+  if (!written.ok()) return written;
+  return FakenectRecording(folder, calibration);
+}
+
+std::string FakenectRecording::NextName() {
+  const double seconds = static_cast<double>(frames_++) / kFramesPerSecond;
+  const auto ticks = static_cast<std::uint32_t>(
+      static_cast<std::int64_t>(seconds * kTicksPerSecond));  // goes round, as the camera's clock
+  std::string name = absl::StrFormat("d-%f-%u.pgm", kFirstSecond + seconds, ticks);
+  absl::StrAppend(&index_, name, "\n");
+  return name;
+}
+
+absl::Status FakenectRecording::Show(const DepthFrame& frame, absl::Duration duration) {
+  if (frame.width != kKinectV1Width || frame.height != kKinectV1Height) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a Kinect v1 has 640 x 480 pixels and the frame ", frame.width, " x ",
+                     frame.height, "; render it with SimulatedKinectV1"));
+  }
+  std::vector<std::uint16_t> raw;
+  raw.reserve(frame.depth_m.size());
+  for (const float z : frame.depth_m) {
+    raw.push_back(RawOfDepth(calibration_, static_cast<double>(z)));
+  }
+  return ShowRaw(raw, duration);
+}
+
+absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
+                                        absl::Duration duration) {
+  if (raw.size() != kPixels) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a Kinect v1 has 640 x 480 pixels and not ", raw.size()));
+  }
+  const std::string first = NextName();
+  absl::Status written =
+      WriteFileAtomically(folder_ / first, PgmOf(raw), Durability::kProcessCrash);
+  if (!written.ok()) return written;
+  const double count = std::round(absl::ToDoubleSeconds(duration) * kFramesPerSecond);
+  for (double frame = 1; frame < count; ++frame) {
+    const std::filesystem::path name = folder_ / NextName();
+    std::error_code error;
+    std::filesystem::remove(name, error);
+    std::filesystem::create_symlink(first, name, error);
+    if (error) {
+      return absl::UnavailableError(
+          absl::StrCat("cannot write ", name.string(), ": ", error.message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status FakenectRecording::PullOut() {
+  return WriteFileAtomically(folder_ / NextName(), "", Durability::kProcessCrash);
+}
+
+absl::Status FakenectRecording::Finish() {
+  return WriteFileAtomically(folder_ / kIndexFile, index_, Durability::kProcessCrash);
+}
+
+}  // namespace graspdb::client

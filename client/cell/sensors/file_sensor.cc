@@ -1,0 +1,138 @@
+#include "client/cell/sensors/file_sensor.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "files/capture_set.h"
+#include "files/cloud_message.h"
+#include "files/depth_png.h"
+#include "files/point_file.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ExtensionOf(const fs::path& path) {
+  return absl::AsciiStrToLower(path.extension().string());
+}
+
+bool IsPlayable(const fs::path& path) {
+  const std::string extension = ExtensionOf(path);
+  return extension == ".pcd" || extension == ".ply" || extension == ".png";
+}
+
+absl::StatusOr<SensorFrame> ReadPng(const fs::path& path) {
+  const absl::StatusOr<DepthPngCamera> camera =
+      ReadIntrinsics(path.parent_path() / kIntrinsicsFile);
+  if (!camera.ok()) return camera.status();
+  absl::StatusOr<v1::DepthImage> image = ReadDepthPng(path, *camera);
+  if (!image.ok()) return image.status();
+  return SensorFrame{.scan = *std::move(image)};
+}
+
+absl::StatusOr<SensorFrame> ReadPoints(const fs::path& path) {
+  const absl::StatusOr<PointFile> file = ReadPointFile(path);
+  if (!file.ok()) return file.status();
+  return SensorFrame{.scan = CloudMessage(*file), .world_sensor = file->sensor_pose};
+}
+
+}  // namespace
+
+FileSensor::FileSensor(std::string name, std::vector<Entry> entries, const FilePlayback& playback)
+    : name_(std::move(name)), entries_(std::move(entries)), playback_(playback) {}
+
+absl::StatusOr<std::vector<FileSensor::Entry>> FileSensor::List(const fs::path& path) {
+  std::vector<Entry> entries;
+  std::error_code error;
+  if (fs::exists(path / kCaptureSetFile, error)) {
+    const absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(path);
+    if (!set.ok()) return set.status();
+    entries.reserve(static_cast<std::size_t>(set->captures_size()));
+    for (const v1::Capture& capture : set->captures()) {
+      Entry& entry = entries.emplace_back(Entry{.path = path / capture.path(), .world_sensor = {}});
+      if (capture.has_sensor_pose()) entry.world_sensor = FromMessage(capture.sensor_pose());
+    }
+    return entries;
+  }
+  for (fs::directory_iterator file(path, error), end; !error && file != end;
+       file.increment(error)) {
+    if (IsPlayable(file->path())) entries.push_back({.path = file->path(), .world_sensor = {}});
+  }
+  if (error) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("cannot list ", path.string(), ": ", error.message()));
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.path < b.path; });
+  return entries;
+}
+
+absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& path,
+                                                             const FilePlayback& playback) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return absl::NotFoundError(absl::StrCat(
+        path.string(), " does not exist; name a folder, a capture set or a file to play"));
+  }
+  std::vector<Entry> entries = {{.path = path, .world_sensor = {}}};
+  if (fs::is_directory(path, error)) {
+    absl::StatusOr<std::vector<Entry>> listed = List(path);
+    if (!listed.ok()) return listed.status();
+    entries = *std::move(listed);
+  }
+  if (entries.empty() || !IsPlayable(entries.front().path)) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        path.string(), " has nothing to play; .pcd, .ply and 16-bit .png files can be"));
+  }
+  return std::unique_ptr<FileSensor>(
+      new FileSensor(absl::StrCat("files of ", path.string()), std::move(entries), playback));
+}
+
+absl::StatusOr<FileSensor::Entry> FileSensor::Take(absl::Time deadline) {
+  absl::Time due;
+  Entry entry;
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (next_ == entries_.size()) {
+      if (!playback_.loop) {
+        return absl::UnavailableError(absl::StrCat(name_, ": all ", entries_.size(),
+                                                   " were shown; add ?loop to begin again"));
+      }
+      next_ = 0;
+    }
+    due = std::max(due_, absl::Now());
+    if (due > deadline) {
+      return absl::DeadlineExceededError(
+          absl::StrCat("the next of the ", name_, " is not due yet; ask with a later deadline"));
+    }
+    if (playback_.rate_hz > 0) due_ = due + absl::Seconds(1 / playback_.rate_hz);
+    entry = entries_[next_++];
+  }
+  absl::SleepFor(due - absl::Now());
+  return entry;
+}
+
+absl::StatusOr<SensorFrame> FileSensor::Next(absl::Time deadline) {
+  const absl::StatusOr<Entry> entry = Take(deadline);
+  if (!entry.ok()) return entry.status();
+  const absl::Time time = absl::Now();
+  absl::StatusOr<SensorFrame> frame =
+      ExtensionOf(entry->path) == ".png" ? ReadPng(entry->path) : ReadPoints(entry->path);
+  if (!frame.ok()) return frame;
+  SetTime(time, *frame);
+  if (entry->world_sensor) frame->world_sensor = entry->world_sensor;
+  return frame;
+}
+
+bool FileSensor::IsReady() {
+  const absl::MutexLock lock(&mutex_);
+  return playback_.loop || next_ < entries_.size();
+}
+
+}  // namespace graspdb::client

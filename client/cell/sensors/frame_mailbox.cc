@@ -1,0 +1,57 @@
+#include "client/cell/sensors/frame_mailbox.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+
+namespace graspdb::client {
+
+FrameMailbox::FrameMailbox(absl::Duration silence) : silence_(silence), last_(absl::Now()) {}
+
+void FrameMailbox::Put(SensorFrame frame) {
+  auto newest = std::make_shared<const SensorFrame>(std::move(frame));
+  const absl::MutexLock lock(&mutex_);
+  newest_.swap(newest);  // what was there is freed after the lock
+  last_ = absl::Now();
+  changed_.SignalAll();
+}
+
+void FrameMailbox::Fail(absl::Status why) {
+  const absl::MutexLock lock(&mutex_);
+  if (why_.ok()) why_ = std::move(why);
+  changed_.SignalAll();
+}
+
+absl::Status FrameMailbox::Silent() const {
+  return absl::UnavailableError(absl::StrCat("the camera has given no frame for ",
+                                             absl::FormatDuration(silence_),
+                                             "; check its cable and its power supply"));
+}
+
+absl::StatusOr<SensorFrame> FrameMailbox::Wait(absl::Time after, absl::Time deadline) {
+  std::shared_ptr<const SensorFrame> found;
+  {
+    const absl::MutexLock lock(&mutex_);
+    while (newest_ == nullptr || newest_->time < after) {
+      const absl::Time now = absl::Now();
+      if (!why_.ok()) return why_;
+      if (now >= GoneAt()) return Silent();
+      if (now >= deadline) {
+        return absl::DeadlineExceededError(
+            "no frame came in time; give the camera a later deadline");
+      }
+      changed_.WaitWithDeadline(&mutex_, std::min(deadline, GoneAt()));
+    }
+    found = newest_;
+  }
+  return *found;
+}
+
+bool FrameMailbox::IsAlive() const {
+  const absl::MutexLock lock(&mutex_);
+  return why_.ok() && absl::Now() < GoneAt();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,32 @@
+// No frame that is too old is an answer.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "client/cell/sensors/depth_sensor.h"
+
+namespace graspdb::client {
+
+// Hands out the frames of another sensor as long as they are fresh. Thread-safe.
+class FreshSensor : public DepthSensor {
+ public:
+  FreshSensor(std::unique_ptr<DepthSensor> sensor, absl::Duration max_age)
+      : sensor_(std::move(sensor)), max_age_(max_age) {}
+
+  // The errors of the sensor; UNAVAILABLE when the frame is older than the limit, or from the
+  // future, as a clock that was set makes it.
+  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override;
+  bool IsReady() override { return sensor_->IsReady(); }
+  bool HasEnded() override { return sensor_->HasEnded(); }
+  std::string Name() const override { return sensor_->Name(); }
+
+ private:
+  const std::unique_ptr<DepthSensor> sensor_;
+  const absl::Duration max_age_;
+};
+
+}  // namespace graspdb::client

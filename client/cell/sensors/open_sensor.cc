@@ -1,0 +1,212 @@
+#include "client/cell/sensors/open_sensor.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/cell/sensors/file_sensor.h"
+#include "client/cell/sensors/freenect_sensor.h"
+#include "client/cell/sensors/fresh_sensor.h"
+#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/openni2_sensor.h"
+#include "client/cell/sensors/reconnecting_sensor.h"
+#include "client/cell/sensors/sensor_spec.h"
+#include "client/cell/sensors/simulated_sensor.h"
+#include "rendering/sample_parts.h"
+#include "rendering/scene_file.h"
+#ifdef GRASPDB_WITH_FREENECT2
+#include "client/cell/sensors/freenect2_sensor.h"
+#endif
+
+namespace graspdb::client {
+namespace {
+
+// What OpenNI's cameras are asked for, where they can.
+constexpr int kOpenNi2Width = 640;
+constexpr int kOpenNi2Height = 480;
+
+using OpenedSensor = absl::StatusOr<std::unique_ptr<DepthSensor>>;
+
+// Fresh frames of a camera that is found again, each time it is opened.
+OpenedSensor KeepOpen(const std::string& name, const SensorSettings& settings,
+                      const SensorFactory& open) {
+  const SensorFactory open_fresh = [open, max_age = settings.max_age]() -> OpenedSensor {
+    OpenedSensor sensor = open();
+    if (!sensor.ok()) return sensor;
+    return std::make_unique<FreshSensor>(*std::move(sensor), max_age);
+  };
+  return std::make_unique<ReconnectingSensor>(
+      name, open_fresh,
+      ReconnectSettings{.first_pause = settings.first_pause,
+                        .longest_pause = settings.longest_pause});
+}
+
+// The settings with the intrinsics that the options give, if they do.
+SensorSettings WithIntrinsics(SensorOptions& options, int width, int height,
+                              SensorSettings settings) {
+  const auto intrinsics = options.Intrinsics(width, height);
+  if (intrinsics) settings.intrinsics = intrinsics;
+  return settings;
+}
+
+OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  FilePlayback playback;
+  playback.loop = options.Flag("loop");
+  playback.rate_hz = options.Number("rate", 0, 0, 1000);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  auto sensor = FileSensor::Open(spec.target, playback);
+  if (!sensor.ok()) return sensor.status();
+  return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+}
+
+OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  const auto parts = SampleParts(options.List("parts"));
+  const std::string camera_name = options.Text("camera", "v2");
+  RandomSceneOptions scenes;
+  scenes.seed = options.Seed("seed", scenes.seed);
+  scenes.objects_per_scene = options.Integer("objects-per-scene", 1, 1, 8);
+  scenes.area_half_width_m = options.Number("area", scenes.area_half_width_m, 0, kRegionHalfWidthM);
+  scenes.stand.look_down_deg = {options.Number("look-down", 40, 0, 90)};
+  scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
+  const double noise = options.Number("noise", 1, 0, 10);
+  const std::string scene = options.Text("scene", "");
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  if (!parts.ok()) return parts.status();
+  absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(camera_name);
+  if (!camera.ok()) return camera.status();
+  if (settings.intrinsics) camera->intrinsics = *settings.intrinsics;
+  camera->noise.scale = noise;
+  const SceneSource source =
+      scene.empty() ? RandomScenes(*parts, scenes)
+                    : SceneSource([scene, parts = *parts] { return ReadScene(scene, parts); });
+  auto sensor = SimulatedSensor::Create(*camera, *parts, source);
+  if (!sensor.ok()) return sensor.status();
+  return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+}
+
+OpenedSensor OpenKinectV1(const SensorSpec& spec, const SensorSettings& given) {
+  SensorOptions options(spec);
+  const SensorSettings settings = WithIntrinsics(options, kKinectV1Width, kKinectV1Height, given);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  return KeepOpen(
+      absl::StrCat("Kinect v1 (libfreenect) no. ", spec.target.empty() ? "0" : spec.target),
+      settings, [which = spec.target, settings] { return OpenFreenect(which, settings); });
+}
+
+OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& given) {
+  SensorOptions options(spec);
+  const bool is_recording = absl::EndsWithIgnoreCase(spec.target, ".oni");
+  const bool loop = is_recording && options.Flag("loop");
+  const SensorSettings settings = WithIntrinsics(options, kOpenNi2Width, kOpenNi2Height, given);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  if (is_recording) {
+    // What has ended is not begun again as a camera would be.
+    OpenedSensor sensor = OpenOpenNi2(spec.target, loop, settings);
+    if (!sensor.ok()) return sensor;
+    return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+  }
+  return KeepOpen(
+      absl::StrCat("OpenNI 2 camera ", spec.target), settings,
+      [uri = spec.target, settings] { return OpenOpenNi2(uri, /*loop=*/false, settings); });
+}
+
+OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
+                          [[maybe_unused]] const SensorSettings& given) {
+#ifdef GRASPDB_WITH_FREENECT2
+  SensorOptions options(spec);
+  const SensorSettings settings = WithIntrinsics(options, kKinectV2Width, kKinectV2Height, given);
+  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  return KeepOpen(absl::StrCat("Kinect v2 (libfreenect2) ", spec.target), settings,
+                  [serial = spec.target, settings] { return OpenFreenect2(serial, settings); });
+#else
+  return absl::UnimplementedError(
+      "this program is built without libfreenect2; install that library (Debian 12 has no package "
+      "of it, see docs/sensors.md) and build again");
+#endif
+}
+
+#ifdef GRASPDB_WITH_FREENECT2
+constexpr bool kHasFreenect2 = true;
+#else
+constexpr bool kHasFreenect2 = false;
+#endif
+
+struct Kind {
+  const char* name;
+  const char* what;
+  bool is_built;
+  const char* package;
+  OpenedSensor (*open)(const SensorSpec&, const SensorSettings&);
+};
+
+constexpr Kind kKinds[] = {
+    {"files", "point files and depth images of a folder", true, "", OpenFiles},
+    {"simulated", "random scenes of sample parts", true, "", OpenSimulated},
+    {"freenect", "Kinect v1", true, "libfreenect-dev", OpenKinectV1},
+    {"openni2", "cameras and recordings of OpenNI 2", true, "libopenni2-dev", OpenOpenNi2Kind},
+    {"freenect2", "Kinect v2", kHasFreenect2, "libfreenect2, not in Debian 12", OpenKinectV2},
+};
+
+absl::StatusOr<std::vector<std::string>> ConnectedOf(const std::string& kind) {
+  if (kind == "freenect") return ListFreenect();
+  if (kind == "openni2") return ListOpenNi2();
+#ifdef GRASPDB_WITH_FREENECT2
+  if (kind == "freenect2") return ListFreenect2();
+#endif
+  return std::vector<std::string>();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& text,
+                                                        const SensorSettings& settings) {
+  const absl::StatusOr<SensorSpec> spec = ParseSensorSpec(text);
+  if (!spec.ok()) return spec.status();
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) {
+    if (spec->kind == kind.name) return kind.open(*spec, settings);
+    names.push_back(kind.is_built
+                        ? kind.name
+                        : absl::StrCat(kind.name, " (not built; wants ", kind.package, ")"));
+  }
+  return absl::InvalidArgumentError(absl::StrCat("there is no kind of sensor \"", spec->kind,
+                                                 "\"; there are ", absl::StrJoin(names, ", ")));
+}
+
+std::vector<SensorListing> ListSensors() {
+  std::vector<SensorListing> listing;
+  for (const Kind& kind : kKinds) {
+    SensorListing& entry = listing.emplace_back();
+    entry.kind = kind.name;
+    entry.what = kind.what;
+    entry.is_built = kind.is_built;
+    entry.package = kind.package;
+    const absl::StatusOr<std::vector<std::string>> connected = ConnectedOf(kind.name);
+    if (!connected.ok()) {
+      entry.trouble = std::string(connected.status().message());
+      continue;
+    }
+    for (const std::string& camera : *connected) {
+      entry.connected.push_back(absl::StrCat(kind.name, ":", camera));
+    }
+  }
+  return listing;
+}
+
+std::string SensorsText(const std::vector<SensorListing>& listing) {
+  std::string text;
+  for (const SensorListing& kind : listing) {
+    absl::StrAppend(&text, kind.kind, ": ", kind.what);
+    if (!kind.is_built) absl::StrAppend(&text, "; not built, wants ", kind.package);
+    absl::StrAppend(&text, "\n");
+    for (const std::string& camera : kind.connected) absl::StrAppend(&text, "  ", camera, "\n");
+    if (!kind.trouble.empty()) absl::StrAppend(&text, "  ", kind.trouble, "\n");
+  }
+  return text;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,50 @@
+// Depth cameras by name, as a config file has them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/cell/sensors/depth_sensor.h"
+#include "client/cell/sensors/sensor_settings.h"
+
+namespace graspdb::client {
+
+// Opens the sensor that `spec` names:
+//
+//   files:PATH[?loop&rate=HZ]       point files and depth images, see file_sensor.h
+//   simulated[:KEY=VALUE,...]       random scenes of sample parts; parts=ID+ID, camera=v1|v2, seed,
+//                                   objects-per-scene, area, look-down, distance, noise as the
+//                                   flags of `graspdb simulate`; scene=FOLDER: what somebody lays
+//                                   out there instead, see scene_file.h
+//   freenect[:N or SERIAL]          Kinect v1, see freenect_sensor.h
+//   openni2[:URI or FILE.oni[?loop]]  cameras of OpenNI 2 and their recordings
+//   freenect2[:SERIAL]              Kinect v2, where built with libfreenect2
+//
+// Cameras are opened in the background, and again after they were unplugged: without the camera
+// this succeeds, and Next is UNAVAILABLE until it is there. No frame is older than
+// settings.max_age.
+//
+// INVALID_ARGUMENT for a kind or option that there is not; UNIMPLEMENTED for a kind that is not
+// built in; the errors of files and simulations, which are opened at once.
+absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& spec,
+                                                        const SensorSettings& settings);
+
+// A kind of sensor, and what of it is connected to this machine now.
+struct SensorListing {
+  std::string kind;
+  std::string what;  // for a person
+  bool is_built = true;
+  std::string package = {};                 // that brings it
+  std::vector<std::string> connected = {};  // as specs
+  std::string trouble = {};                 // why it cannot be said what is connected
+};
+
+// Looks at all kinds; may take some seconds. A camera that another program uses is listed too.
+std::vector<SensorListing> ListSensors();
+
+// A line a kind, and one below it for each camera, for a person to read.
+std::string SensorsText(const std::vector<SensorListing>& listing);
+
+}  // namespace graspdb::client

@@ -1,0 +1,77 @@
+#include "client/cell/sensors/simulated_sensor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/time/clock.h"
+#include "files/depth_message.h"
+#include "rendering/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kDepthUnitM = 0.001;
+constexpr int kFirstScenes = 32;
+
+}  // namespace
+
+SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options) {
+  // The first scenes do not depend on how many follow: more are planned when they are at an end.
+  struct Plan {
+    std::vector<Workpiece> parts;
+    RandomSceneOptions options;
+    std::vector<PlannedCapture> scenes;
+    std::size_t next = 0;
+  };
+  const auto plan = std::make_shared<Plan>(
+      Plan{.parts = std::move(parts), .options = options, .scenes = {}, .next = 0});
+  return [plan]() -> absl::StatusOr<PlannedCapture> {
+    if (plan->next == plan->scenes.size()) {
+      plan->options.count = std::max(kFirstScenes, 2 * static_cast<int>(plan->next));
+      auto more = PlanRandomScenes(plan->parts, plan->options);
+      if (!more.ok()) return more.status();
+      plan->scenes = *std::move(more);
+    }
+    return plan->scenes[plan->next++];
+  };
+}
+
+SimulatedSensor::SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts,
+                                 SceneSource scenes)
+    : camera_(std::move(camera)), parts_(std::move(parts)), scenes_(std::move(scenes)) {}
+
+absl::StatusOr<std::unique_ptr<SimulatedSensor>> SimulatedSensor::Create(
+    const DepthCameraModel& camera, std::vector<Workpiece> parts, SceneSource scenes) {
+  absl::StatusOr<DepthCamera> created = DepthCamera::Create(camera);
+  if (!created.ok()) return created.status();
+  return std::unique_ptr<SimulatedSensor>(
+      new SimulatedSensor(*std::move(created), std::move(parts), std::move(scenes)));
+}
+
+absl::StatusOr<PlannedCapture> SimulatedSensor::Choose() {
+  const absl::MutexLock lock(&mutex_);
+  absl::StatusOr<PlannedCapture> scene = scenes_();
+  if (!scene.ok()) return scene;
+  if (absl::Status known = CheckPlacements(parts_, *scene); !known.ok()) return known;
+  return scene;
+}
+
+absl::StatusOr<SensorFrame> SimulatedSensor::Next(absl::Time deadline) {
+  const absl::Time time = absl::Now();
+  const absl::StatusOr<PlannedCapture> scene = Choose();
+  if (!scene.ok()) return scene.status();
+  const absl::StatusOr<DepthFrame> frame = camera_.Render(
+      SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
+  if (!frame.ok()) return frame.status();
+  if (absl::Now() > deadline) {
+    return absl::DeadlineExceededError(
+        "the simulated camera was not quick enough; give it a later deadline");
+  }
+  SensorFrame out = {
+      .scan = DepthMessage(ToCounts(*frame, kDepthUnitM), camera_.model().intrinsics, kDepthUnitM),
+      .world_sensor = scene->world_sensor};
+  SetTime(time, out);
+  return out;
+}
+
+}  // namespace graspdb::client

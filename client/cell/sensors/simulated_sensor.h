@@ -1,0 +1,52 @@
+// The simulated camera as a sensor.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "client/cell/sensors/depth_sensor.h"
+#include "rendering/capture_plan.h"
+#include "rendering/depth_camera.h"
+#include "rendering/workpiece.h"
+
+namespace graspdb::client {
+
+// What the camera is to see next: workpieces, the camera's pose and the seed of its noise. One call
+// at a time. Its error is that of Next: UNAVAILABLE plays an unplugged camera.
+using SceneSource = std::function<absl::StatusOr<PlannedCapture>()>;
+
+// Another random scene at every call, the same ones for the same options; `options.count` is not
+// read. `parts` as PlanRandomScenes wants them.
+SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options);
+
+// Renders a depth image, in whole millimetres, of a scene at every call, with the camera's pose.
+// Thread-safe.
+class SimulatedSensor : public DepthSensor {
+ public:
+  // What there is to see: `parts`, on a table. Errors as DepthCamera::Create.
+  static absl::StatusOr<std::unique_ptr<SimulatedSensor>> Create(const DepthCameraModel& camera,
+                                                                 std::vector<Workpiece> parts,
+                                                                 SceneSource scenes);
+
+  // The errors of the source and of DepthCamera::Render; INVALID_ARGUMENT when a scene has a
+  // workpiece that `parts` has not; DEADLINE_EXCEEDED when it took too long.
+  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
+  bool IsReady() override { return true; }
+  std::string Name() const override { return "simulated camera"; }
+
+ private:
+  SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts, SceneSource scenes);
+  absl::StatusOr<PlannedCapture> Choose() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const DepthCamera camera_;
+  const std::vector<Workpiece> parts_;
+  absl::Mutex mutex_;
+  SceneSource scenes_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::client

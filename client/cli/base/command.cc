@@ -1,0 +1,63 @@
+#include "client/cli/base/command.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "absl/strings/str_cat.h"
+#include "files/json_object.h"
+
+namespace graspdb::client {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+extern "C" void OnInterrupt(int /*signal*/) { interrupted.store(true); }
+
+}  // namespace
+
+Client Connect(const GlobalOptions& options) {
+  return Client({options.server, absl::Seconds(options.timeout_s)});
+}
+
+CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description) {
+  CLI::App* command = parent.add_subcommand(name, description);
+  command->fallthrough();
+  return command;
+}
+
+absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(message, &text);
+  if (!status.ok()) return absl::InternalError(absl::StrCat("no JSON: ", status.ToString()));
+  return text;
+}
+
+absl::Status PrintJson(const google::protobuf::Message& message) {
+  absl::StatusOr<std::string> text = ToJson(message);
+  if (!text.ok()) return text.status();
+  std::printf("%s\n", text->c_str());
+  return absl::OkStatus();
+}
+
+absl::Status PrintJson(const google::protobuf::Struct& document) {
+  const absl::StatusOr<std::string> text = PrintDocument(document, JsonLayout::kOneLine);
+  if (!text.ok()) return text.status();
+  std::printf("%s\n", text->c_str());
+  return absl::OkStatus();
+}
+
+bool Interrupted() {
+  static const bool watching = [] {
+    struct sigaction action {};
+    action.sa_handler = OnInterrupt;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second Ctrl-C ends the process
+    sigaction(SIGINT, &action, nullptr);
+    return true;
+  }();
+  return watching && interrupted.load();
+}
+
+}  // namespace graspdb::client

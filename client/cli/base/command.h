@@ -1,0 +1,44 @@
+// What all commands of `graspdb` share.
+#pragma once
+
+#include <google/protobuf/struct.pb.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client/sdk/client.h"
+#include "client/sdk/resource_name.h"
+
+namespace graspdb::client {
+
+// Flags that stand before or behind any command.
+struct GlobalOptions {
+  std::string server = "127.0.0.1:50051";
+  double timeout_s = 30;
+  bool json = false;
+};
+
+// What the chosen command does after the command line was read.
+using Action = std::function<absl::Status()>;
+
+// A client as the flags say.
+Client Connect(const GlobalOptions& options);
+
+// A command with the given name under `parent`; global flags may follow it.
+CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description);
+
+// Prints a message as one line of canonical JSON on stdout.
+absl::Status PrintJson(const google::protobuf::Message& message);
+
+// Prints a document as one line of JSON on stdout, its keys in alphabetical order.
+absl::Status PrintJson(const google::protobuf::Struct& document);
+
+// A message as one line of canonical JSON.
+absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
+
+// True once Ctrl-C was pressed; the first call begins to watch for it.
+bool Interrupted();
+
+}  // namespace graspdb::client

@@ -1,0 +1,51 @@
+#include "client/cli/base/command_line.h"
+
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "program/log.h"
+#include "program/settings_file.h"
+
+namespace graspdb::client {
+namespace {
+
+enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoServer = 3 };
+
+int Execute(const Action& action) {
+  absl::Status status;
+  try {
+    status = action();
+  } catch (const std::exception& e) {
+    status = absl::InternalError(std::string("a library failed: ") + e.what());
+  }
+  if (status.ok()) return kDone;
+  std::fprintf(stderr, "graspdb: %s\n", std::string(status.message()).c_str());
+  return absl::IsUnavailable(status) ? kNoServer : kFailed;
+}
+
+}  // namespace
+
+void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
+  app.add_option("--server", global->server, "HOST:PORT of the server")->capture_default_str();
+  app.add_option("--timeout", global->timeout_s, "Seconds that a call may take")
+      ->check(CLI::Range(0.001, 86400.0))
+      ->capture_default_str();
+  app.add_flag("--json", global->json, "Print answers as JSON, one document a line");
+}
+
+int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string> other_commands,
+                   int argc, char** argv) {
+  AddSettingsFile(app, std::move(other_commands));
+  if (const std::optional<int> end = ParseArguments(app, argc, argv)) return *end;
+  if (!action) {  // checked here, so that CLI11 names a command that it does not know
+    std::fprintf(stderr, "A subcommand is required\nRun with --help for more information.\n");
+    return kWrongUsage;
+  }
+  StartLog("graspdb", "warn");  // standard output is for answers
+  return Execute(action);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,25 @@
+// How far a long command is, on stderr.
+#pragma once
+
+#include <string>
+
+namespace graspdb::client {
+
+// On a terminal a bar that is redrawn; elsewhere a line at every quarter.
+class ProgressLine {
+ public:
+  // `objects`: what is counted.
+  explicit ProgressLine(std::string objects = "captures");
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void Report(int done, int total);
+
+ private:
+  std::string things_;
+  bool is_terminal_;
+  int last_ = -1;  // what was drawn: per cent on a terminal, else quarters
+};
+
+}  // namespace graspdb::client

@@ -1,0 +1,29 @@
+#include "client/cli/base/taught_report.h"
+
+#include <cstdio>
+
+#include "absl/strings/str_cat.h"
+
+namespace graspdb::client {
+
+absl::StatusOr<v1::CatalogStatus> ReportTaught(const GlobalOptions& global, Client& client,
+                                               const TaughtViews& views, const std::string& rest) {
+  absl::StatusOr<v1::CatalogStatus> status = client.GetCatalogStatus();
+  if (!status.ok()) return status;
+  if (global.json) {
+    v1::UploadViewsResponse summary;
+    summary.set_created_count(views.created);
+    summary.set_existing_count(views.existing.value_or(0));
+    summary.set_catalog_revision(status->catalog_revision());
+    if (absl::Status printed = PrintJson(summary); !printed.ok()) return printed;
+    return status;
+  }
+  const std::string existing =
+      views.existing ? absl::StrCat(", ", *views.existing, " were there already") : "";
+  std::printf("taught %d views%s; the catalogue has %lld views of %lld objects%s\n", views.created,
+              existing.c_str(), static_cast<long long>(status->view_count()),
+              static_cast<long long>(status->object_count()), rest.c_str());
+  return status;
+}
+
+}  // namespace graspdb::client

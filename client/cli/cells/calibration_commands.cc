@@ -1,0 +1,89 @@
+#include "client/cli/cells/calibration_commands.h"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/calibration/table_level.h"
+#include "client/cli/cells/cell_saving.h"
+#include "client/cli/cells/table_scan.h"
+#include "files/pose_message.h"
+#include "recognition/base/units.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
+using recognition::Pose;
+
+constexpr char kLevelFooter[] =
+    R"(Fits the plane of the empty table and sets the cell's sensor pose: its height and level, keeping
+x, y and the turn about the vertical where the cell has a pose, else with the origin under the
+image centre. Makes the cell where there is none.
+
+Example:
+  graspdb cells level press-3 --frame empty-table.pcd
+  graspdb cells level press-3 --sensor freenect)";
+
+struct Options {
+  std::string id;
+  std::string frame;
+  std::string sensor;
+};
+
+absl::Status Level(const GlobalOptions& global, const Options& options) {
+  const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
+  if (!scan.ok()) return scan.status();
+  const absl::StatusOr<SeenTable> table = FindTable(scan->points);
+  if (!table.ok()) return table.status();
+  Client client = Connect(global);
+  absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
+  const bool is_there = cell.ok();
+  if (absl::IsNotFound(cell.status())) {
+    cell = v1::Cell();
+    cell->set_name(ResourceName("cells", options.id));
+  }
+  if (!cell.ok()) return cell.status();
+  if (cell->has_flange_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the camera of ", options.id, " is on the robot's flange and needs no level"));
+  }
+  const std::optional<Pose> before =
+      cell->has_sensor_pose() ? std::optional(FromMessage(cell->sensor_pose())) : std::nullopt;
+  const absl::StatusOr<Pose> level = LevelOn(*table, before);
+  if (!level.ok()) return level.status();
+  v1::UpdateCellRequest update;
+  update.mutable_update_mask()->add_paths("sensor_pose");
+  *cell->mutable_sensor_pose() = ToMessage(*level);
+  *update.mutable_cell() = *std::move(cell);
+  const absl::StatusOr<v1::Cell> saved = SaveCell(client, update, is_there);
+  if (!saved.ok()) return saved.status();
+  if (global.json) return PrintJson(*saved);
+  std::printf("table: rms %.2f mm, %.0f %% of the points; camera %.1f mm above it\n",
+              kMmPerM * table->rms_m, 100 * table->share, kMmPerM * level->translation().z());
+  if (!before) return absl::OkStatus();
+  std::printf("changed: tilt %.2f degrees, height %+.1f mm\n",
+              kDegreesPerRadian * LevelErrorOf(*table, *before).tilt_rad,
+              kMmPerM * (level->translation().z() - before->translation().z()));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddLevelCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* level = AddCommand(cells, "level", "Find how the camera stands over the table");
+  level->add_option("CELL", options->id, "Id, e.g. press-3")->required();
+  CLI::Option_group* table = level->add_option_group("table", "The empty table");
+  table->add_option("--frame", options->frame, "A frame of it, .pcd or .ply");
+  table->add_option("--sensor", options->sensor, "The camera that looks at it, e.g. freenect");
+  table->require_option(1);
+  level->footer(kLevelFooter);
+  level->callback([=, &global] { *action = [=, &global] { return Level(global, *options); }; });
+}
+
+}  // namespace graspdb::client

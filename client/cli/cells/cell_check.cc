@@ -1,0 +1,218 @@
+#include "client/cli/cells/cell_check.h"
+
+#include <google/protobuf/struct.pb.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/calibration/calibrated_cell.h"
+#include "client/cell/calibration/table_level.h"
+#include "client/cell/calibration/target.h"
+#include "client/cli/cells/table_scan.h"
+#include "files/json_object.h"
+#include "files/pose_message.h"
+#include "recognition/base/units.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::kDegreesPerRadian;
+using recognition::kMmPerM;
+using recognition::Pose;
+
+constexpr char kCheckFooter[] =
+    R"(With --frame: how the table lies against the cell's sensor pose. With --poses and --target: how
+well the cell's calibration agrees with poses of the robot that it was not made from. Each line of
+the file names a frame (beside the file) and T_base_flange, metres and a quaternion:
+  frame-1.pcd X Y Z QX QY QZ QW
+With --json each of the two is a line: {"height_mm", "tilt_deg", "rms_mm", "share"} and {"poses"}.
+
+Example:
+  graspdb cells check press-3 --frame empty-table.pcd --target objects/block --poses poses.txt)";
+
+struct Options {
+  std::string id;
+  std::string frame;
+  std::string sensor;
+  std::string poses;
+  std::string target;
+};
+
+// T_base_flange and the frame that was taken there.
+struct PosedFrame {
+  std::filesystem::path frame;
+  Pose base_flange = Pose::Identity();
+};
+
+absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
+  std::vector<PosedFrame> out;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::ranges::replace(line, ',', ' ');
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
+    std::istringstream words(line);
+    std::string frame;
+    double p[7] = {};
+    words >> frame;
+    for (double& value : p) words >> value;
+    v1::Pose pose;
+    pose.mutable_position()->set_x(p[0]);
+    pose.mutable_position()->set_y(p[1]);
+    pose.mutable_position()->set_z(p[2]);
+    pose.mutable_orientation()->set_x(p[3]);
+    pose.mutable_orientation()->set_y(p[4]);
+    pose.mutable_orientation()->set_z(p[5]);
+    pose.mutable_orientation()->set_w(p[6]);
+    const std::string where = absl::StrCat(path, ", line ", number);
+    if (words.fail()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(where, " is not FRAME X Y Z QX QY QZ QW; write all eight"));
+    }
+    if (absl::Status status = CheckPose(pose, where); !status.ok()) return status;
+    out.push_back({std::filesystem::path(path).parent_path() / frame, FromMessage(pose)});
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<HandEyeSample>> FindTargets(Client& client, const v1::Cell& cell,
+                                                       const Options& options) {
+  const absl::StatusOr<std::vector<PosedFrame>> frames = ReadPoses(options.poses);
+  if (!frames.ok()) return frames.status();
+  const absl::StatusOr<Target> target = LoadTarget(client, ResourceName("objects", options.target));
+  if (!target.ok()) return target.status();
+  std::vector<HandEyeSample> out;
+  for (const PosedFrame& frame : *frames) {
+    const absl::StatusOr<StillScan> scan = FrameFrom(frame.frame);
+    if (!scan.ok()) return scan.status();
+    const absl::StatusOr<SeenTarget> seen =
+        MountOf(cell) == CameraMount::kFixed
+            ? FindGrippedTarget(*target, *scan, FromMessage(cell.sensor_pose()), {})
+            : FindStandingTarget(client, *target, *scan);
+    if (!seen.ok()) {
+      std::fprintf(stderr, "%s: %s\n", frame.frame.c_str(),
+                   std::string(seen.status().message()).c_str());
+      continue;
+    }
+    out.push_back({frame.base_flange, seen->sensor_target, seen->covariance});
+  }
+  if (out.size() >= 2) return out;
+  return absl::FailedPreconditionError(absl::StrCat(
+      "the target was found at ", out.size(), " poses, at least two are needed; drive to more"));
+}
+
+absl::Status PrintHandEye(const std::vector<HandEyeResidual>& off) {
+  HandEyeResidual most;
+  for (const HandEyeResidual& pose : off) {
+    std::printf("pose: off by %.2f mm, %.2f degrees\n", kMmPerM * pose.shift_m,
+                kDegreesPerRadian * pose.turn_rad);
+    most.shift_m = std::max(most.shift_m, pose.shift_m);
+    most.turn_rad = std::max(most.turn_rad, pose.turn_rad);
+  }
+  std::printf("%zu poses: at most %.2f mm, %.2f degrees from their mean\n", off.size(),
+              kMmPerM * most.shift_m, kDegreesPerRadian * most.turn_rad);
+  return absl::OkStatus();
+}
+
+absl::Status PrintHandEyeJson(const std::vector<HandEyeResidual>& off) {
+  google::protobuf::Struct document;
+  JsonObject object(&document);
+  auto* poses = object.At("poses").mutable_list_value();
+  for (const HandEyeResidual& pose : off) {
+    JsonObject one(poses->add_values());
+    one.Number("shift_mm", kMmPerM * pose.shift_m);
+    one.Number("turn_deg", kDegreesPerRadian * pose.turn_rad);
+  }
+  return PrintJson(document);
+}
+
+absl::Status CheckHandEyeOf(bool as_json, Client& client, const v1::Cell& cell,
+                            const Options& options) {
+  const absl::StatusOr<Pose> camera = MountCameraOf(cell);
+  if (!camera.ok()) return camera.status();
+  const auto samples = FindTargets(client, cell, options);
+  if (!samples.ok()) return samples.status();
+  const CameraMount mount = MountOf(cell);
+  const std::vector<HandEyeResidual> off =
+      CheckHandEye(*samples, mount, *camera, MeanTarget(*samples, mount, *camera));
+  return as_json ? PrintHandEyeJson(off) : PrintHandEye(off);
+}
+
+absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const Options& options) {
+  if (!cell.has_sensor_pose() && cell.has_flange_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the camera of ", cell.name(),
+                     " is on the robot's flange, so that no frame alone says how "
+                     "it stands over the table; give --poses and --target"));
+  }
+  if (!cell.has_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(cell.name(), " has no sensor pose; run `graspdb cells level` first"));
+  }
+  const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
+  if (!scan.ok()) return scan.status();
+  const absl::StatusOr<SeenTable> table = FindTable(scan->points);
+  if (!table.ok()) return table.status();
+  const LevelError off = LevelErrorOf(*table, FromMessage(cell.sensor_pose()));
+  if (as_json) {
+    google::protobuf::Struct document;
+    JsonObject object(&document);
+    object.Number("height_mm", kMmPerM * off.height_m);
+    object.Number("tilt_deg", kDegreesPerRadian * off.tilt_rad);
+    object.Number("rms_mm", kMmPerM * table->rms_m);
+    object.Number("share", table->share);
+    return PrintJson(document);
+  }
+  std::printf(
+      "table: %+.2f mm from z = 0, tilted by %.2f degrees; rms %.2f mm, %.0f %% of the "
+      "points\n",
+      kMmPerM * off.height_m, kDegreesPerRadian * off.tilt_rad, kMmPerM * table->rms_m,
+      100 * table->share);
+  return absl::OkStatus();
+}
+
+absl::Status Check(const GlobalOptions& global, const Options& options) {
+  Client client = Connect(global);
+  const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
+  if (!cell.ok()) return cell.status();
+  if (options.frame.empty() && options.sensor.empty() && options.poses.empty()) {
+    return absl::InvalidArgumentError(
+        "nothing to check; give --frame or --sensor, or --poses with --target, or both");
+  }
+  absl::Status status;
+  if (!options.frame.empty() || !options.sensor.empty()) {
+    status = CheckLevel(global.json, *cell, options);
+  }
+  if (status.ok() && !options.poses.empty()) {
+    status = CheckHandEyeOf(global.json, client, *cell, options);
+  }
+  return status;
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* check = AddCommand(cells, "check", "How far off a calibration is");
+  check->add_option("CELL", options->id, "Id, e.g. press-3")->required();
+  CLI::Option* frame =
+      check->add_option("--frame", options->frame, "Frame of the empty table, .pcd or .ply");
+  check->add_option("--sensor", options->sensor, "The camera that looks at the empty table")
+      ->excludes(frame);
+  CLI::Option* poses =
+      check->add_option("--poses", options->poses, "File with the robot's poses and frames");
+  check->add_option("--target", options->target, "Object that the frames show")->needs(poses);
+  poses->needs("--target");
+  check->footer(kCheckFooter);
+  check->callback([=, &global] { *action = [=, &global] { return Check(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,192 @@
+#include "client/cli/cells/cell_commands.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/cells/calibration_commands.h"
+#include "client/cli/cells/cell_check.h"
+#include "client/cli/cells/cell_saving.h"
+#include "client/cli/cells/cell_text.h"
+
+namespace graspdb::client {
+namespace {
+
+struct SetOptions {
+  std::string id;
+  std::string from;
+  std::string display_name;
+  std::vector<double> sensor_pose;
+  std::vector<double> robot_base_pose;
+  std::vector<double> flange_sensor_pose;
+  std::vector<double> region;
+  std::vector<double> workspace;
+};
+
+constexpr char kSetFooter[] =
+    R"(Makes the cell, or changes what is given and keeps the rest. --from takes the JSON of a
+cell, as `graspdb cells show NAME --json` prints it; flags go before it.
+
+Example:
+  graspdb cells set press-3 --sensor-pose 0,-0.5,0.6,-0.891,0,0,0.454 \
+      --region -0.3,-0.3,-0.02,0.3,0.3,0.4)";
+
+void SetVector(const double* values, v1::Vector3* out) {
+  out->set_x(values[0]);
+  out->set_y(values[1]);
+  out->set_z(values[2]);
+}
+
+void SetPose(const std::vector<double>& values, v1::Pose* out) {
+  SetVector(values.data(), out->mutable_position());
+  v1::Quaternion* q = out->mutable_orientation();
+  q->set_x(values[3]);
+  q->set_y(values[4]);
+  q->set_z(values[5]);
+  q->set_w(values[6]);
+}
+
+void SetBox(const std::vector<double>& values, v1::AxisAlignedBox* out) {
+  SetVector(values.data(), out->mutable_min());
+  SetVector(values.data() + 3, out->mutable_max());
+}
+
+absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
+  std::ifstream file(path);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
+  if (status.ok()) return absl::OkStatus();
+  std::string reason(status.message());  // its other lines point into the text
+  reason.resize(std::min(reason.size(), reason.find('\n')));
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, " is no cell: ", reason, "; give what `graspdb cells show NAME --json` prints"));
+}
+
+// The cell as the flags give it, and which of its fields they gave.
+absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
+  v1::UpdateCellRequest request;
+  v1::Cell* cell = request.mutable_cell();
+  if (!options.from.empty()) {
+    if (absl::Status status = ReadCell(options.from, cell); !status.ok()) return status;
+  }
+  if (!options.display_name.empty()) cell->set_display_name(options.display_name);
+  if (!options.sensor_pose.empty()) SetPose(options.sensor_pose, cell->mutable_sensor_pose());
+  if (!options.robot_base_pose.empty()) {
+    SetPose(options.robot_base_pose, cell->mutable_robot_base_pose());
+  }
+  if (!options.flange_sensor_pose.empty()) {
+    SetPose(options.flange_sensor_pose, cell->mutable_flange_sensor_pose());
+  }
+  if (!options.region.empty()) SetBox(options.region, cell->mutable_region_of_interest());
+  if (!options.workspace.empty()) SetBox(options.workspace, cell->mutable_workspace());
+  cell->set_name(ResourceName("cells", options.id));
+  cell->clear_etag();
+  auto* mask = request.mutable_update_mask();
+  if (!cell->display_name().empty()) mask->add_paths("display_name");
+  if (cell->has_sensor_pose()) mask->add_paths("sensor_pose");
+  if (cell->has_robot_base_pose()) mask->add_paths("robot_base_pose");
+  if (cell->has_flange_sensor_pose()) mask->add_paths("flange_sensor_pose");
+  if (cell->has_region_of_interest()) mask->add_paths("region_of_interest");
+  if (cell->has_workspace()) mask->add_paths("workspace");
+  if (cell->has_pipeline()) mask->add_paths("pipeline");
+  return request;
+}
+
+absl::StatusOr<v1::Cell> CreateOrUpdate(Client& client, const v1::UpdateCellRequest& update) {
+  absl::StatusOr<v1::Cell> existing = client.GetCell(update.cell().name());
+  const bool is_there = existing.ok();
+  if (!is_there && !absl::IsNotFound(existing.status())) return existing;
+  if (is_there && update.update_mask().paths().empty()) return existing;
+  return SaveCell(client, update, is_there);
+}
+
+absl::Status PrintCell(const GlobalOptions& global, const absl::StatusOr<v1::Cell>& cell) {
+  if (!cell.ok()) return cell.status();
+  if (global.json) return PrintJson(*cell);
+  std::printf("%s", CellText(*cell).c_str());
+  return absl::OkStatus();
+}
+
+absl::Status ListCells(const GlobalOptions& global) {
+  absl::StatusOr<std::vector<v1::Cell>> cells = Connect(global).ListCells();
+  if (!cells.ok()) return cells.status();
+  for (const v1::Cell& cell : *cells) {
+    if (global.json) {
+      if (absl::Status status = PrintJson(cell); !status.ok()) return status;
+    } else {
+      std::printf("%-30s %s%s\n", cell.name().c_str(),
+                  cell.has_sensor_pose() ? "calibrated" : "not calibrated",
+                  cell.display_name().empty() ? "" : (", " + cell.display_name()).c_str());
+    }
+  }
+  return absl::OkStatus();
+}
+
+void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<SetOptions>();
+  CLI::App* set = AddCommand(cells, "set", "Make or change a cell");
+  set->add_option("CELL", options->id, "Id, e.g. press-3")->required();
+  set->add_option("--from", options->from, "File with the JSON of a cell");
+  set->add_option("--display-name", options->display_name, "What people call it");
+  set->add_option("--sensor-pose", options->sensor_pose, "T_world_sensor: X,Y,Z,QX,QY,QZ,QW")
+      ->delimiter(',')
+      ->expected(7);
+  set->add_option("--robot-base-pose", options->robot_base_pose,
+                  "T_world_base, where the robot stands: as --sensor-pose")
+      ->delimiter(',')
+      ->expected(7);
+  set->add_option("--flange-sensor-pose", options->flange_sensor_pose,
+                  "T_flange_sensor of a camera on the robot: as --sensor-pose")
+      ->delimiter(',')
+      ->expected(7);
+  set->add_option("--region", options->region,
+                  "Where objects stand: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, m")
+      ->delimiter(',')
+      ->expected(6);
+  set->add_option("--workspace", options->workspace, "Where the tool may go, as --region")
+      ->delimiter(',')
+      ->expected(6);
+  set->footer(kSetFooter);
+  set->callback([=, &global] {
+    *action = [=, &global]() -> absl::Status {
+      absl::StatusOr<v1::UpdateCellRequest> update = MakeUpdate(*options);
+      if (!update.ok()) return update.status();
+      Client client = Connect(global);
+      return PrintCell(global, CreateOrUpdate(client, *update));
+    };
+  });
+}
+
+}  // namespace
+
+void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* cells = AddCommand(app, "cells", "List, show, set, level, check and delete cells");
+  cells->require_subcommand(1);
+  AddCommand(*cells, "list", "All cells")->callback([=, &global] {
+    *action = [&global] { return ListCells(global); };
+  });
+  auto id = std::make_shared<std::string>();
+  CLI::App* show = AddCommand(*cells, "show", "One cell");
+  show->add_option("CELL", *id, "Id, e.g. press-3")->required();
+  show->callback([=, &global] {
+    *action = [=, &global] {
+      return PrintCell(global, Connect(global).GetCell(ResourceName("cells", *id)));
+    };
+  });
+  AddSetCommand(*cells, global, action);
+  AddLevelCommand(*cells, global, action);
+  AddCheckCommand(*cells, global, action);
+  CLI::App* remove = AddCommand(*cells, "delete", "Forget a cell");
+  remove->add_option("CELL", *id, "Id, e.g. press-3")->required();
+  remove->callback([=, &global] {
+    *action = [=, &global] { return Connect(global).DeleteCell(ResourceName("cells", *id)); };
+  });
+}
+
+}  // namespace graspdb::client

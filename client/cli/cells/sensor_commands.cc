@@ -1,0 +1,225 @@
+#include "client/cli/cells/sensor_commands.h"
+
+#include <google/protobuf/struct.pb.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/simulated_recording.h"
+#include "client/cli/base/camera.h"
+#include "files/cloud_message.h"
+#include "files/depth_message.h"
+#include "files/depth_png.h"
+#include "files/json_object.h"
+#include "files/point_file.h"
+#include "rendering/sample_parts.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr char kGrabFooter[] =
+    R"(Depth images are written as 16-bit PNG with intrinsics.json beside them, clouds as PCD: a
+folder that "files:DIR" plays. With --json every frame is one line: {"file", "sensor"}.
+
+Examples:
+  graspdb sensors grab freenect --out /tmp/look
+  graspdb sensors grab simulated:seed=7 --frames 20 --out /tmp/scenes)";
+
+constexpr char kFakenectFooter[] =
+    R"(What a Kinect v1 sees of random scenes, one after the other, for programs that run on
+libfreenect; captures.json tells what is where.
+
+Example:
+  graspdb sensors fakenect --out /tmp/kinect
+  fakenect /tmp/kinect graspdb sensors grab freenect --out /tmp/look)";
+
+struct GrabOptions {
+  std::string spec;
+  std::string out;
+  int frames = 1;
+  double wait_s = 10;
+};
+
+struct FakenectOptions {
+  std::string out;
+  std::vector<std::string> parts;
+  int scenes = 5;
+  int objects_per_scene = 1;
+  double hold_s = 2;
+  std::uint64_t seed = 1;
+};
+
+absl::Status List(const GlobalOptions& global) {
+  const std::vector<SensorListing> listing = ListSensors();
+  if (!global.json) {
+    std::printf("%s", SensorsText(listing).c_str());
+    return absl::OkStatus();
+  }
+  for (const SensorListing& kind : listing) {
+    google::protobuf::Struct document;
+    JsonObject object(&document);
+    object.Text("kind", kind.kind);
+    object.Bool("built", kind.is_built);
+    auto* connected = object.At("connected").mutable_list_value();
+    for (const std::string& spec : kind.connected) connected->add_values()->set_string_value(spec);
+    if (!kind.trouble.empty()) object.Text("trouble", kind.trouble);
+    if (absl::Status printed = PrintJson(document); !printed.ok()) return printed;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem::path& folder,
+                                 int number) {
+  const std::string stem = absl::StrFormat("%04d", number);
+  if (const auto* image = std::get_if<v1::DepthImage>(&frame.scan)) {
+    const DepthPngCamera camera = {.intrinsics = FromMessage(image->intrinsics()),
+                                   .depth_unit_m = DepthUnit(*image)};
+    absl::Status status = WriteIntrinsics(folder / kIntrinsicsFile, camera);
+    if (status.ok()) status = WriteDepthPng(folder / (stem + ".png"), *image);
+    if (!status.ok()) return status;
+    return stem + ".png";
+  }
+  const auto& cloud = std::get<v1::PointCloud>(frame.scan);
+  absl::StatusOr<recognition::Points> points = PointsFromMessage(cloud);
+  if (!points.ok()) return points.status();
+  const auto count = static_cast<int>(points->size());
+  const int width = cloud.width() > 0 ? cloud.width() : count;
+  const absl::Status status =
+      WritePcd(folder / (stem + ".pcd"), {.points = *std::move(points),
+                                          .normals = {},
+                                          .width = width,
+                                          .height = count / width,
+                                          .sensor_pose = frame.world_sensor});
+  if (!status.ok()) return status;
+  return stem + ".pcd";
+}
+
+// A camera that is being opened, or was moved, may come within the time.
+absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadline) {
+  for (;;) {
+    absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
+    if (!absl::IsUnavailable(frame.status()) || sensor.HasEnded() || absl::Now() > deadline ||
+        Interrupted()) {
+      return frame;
+    }
+    absl::SleepFor(absl::Milliseconds(100));
+  }
+}
+
+absl::Status PrintKept(bool as_json, const std::string& file, const std::string& sensor) {
+  if (!as_json) {
+    std::printf("%s of %s\n", file.c_str(), sensor.c_str());
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct document;
+  JsonObject object(&document);
+  object.Text("file", file);
+  object.Text("sensor", sensor);
+  return PrintJson(document);
+}
+
+absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
+  spdlog::set_level(spdlog::level::err);  // what is wrong is told at the end
+  const auto sensor = OpenSensor(options.spec, {});
+  if (!sensor.ok()) return NotOfServer(sensor.status());
+  for (int i = 0; i < options.frames; ++i) {
+    if (Interrupted()) {
+      return absl::CancelledError(
+          absl::StrCat("interrupted after ", i, " of ", options.frames, " frames"));
+    }
+    const auto frame = WaitForFrame(**sensor, absl::Now() + absl::Seconds(options.wait_s));
+    if (!frame.ok()) return NotOfServer(frame.status());
+    const absl::StatusOr<std::string> name = Keep(*frame, options.out, i);
+    if (!name.ok()) return name.status();
+    absl::Status printed =
+        PrintKept(global.json, absl::StrCat(options.out, "/", *name), (*sensor)->Name());
+    if (!printed.ok()) return printed;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& options) {
+  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  if (!parts.ok()) return parts.status();
+  const auto plan = PlanRandomScenes(*parts, {.stand = {},
+                                              .count = options.scenes,
+                                              .objects_per_scene = options.objects_per_scene,
+                                              .seed = options.seed});
+  if (!plan.ok()) return plan.status();
+  absl::Status written =
+      WriteSimulatedRecording(options.out, *parts, *plan, absl::Seconds(options.hold_s));
+  if (!written.ok()) return written;
+  if (global.json) {
+    google::protobuf::Struct document;
+    JsonObject object(&document);
+    object.Text("folder", options.out);
+    object.Number("scenes", options.scenes);
+    object.Number("hold_s", options.hold_s);
+    return PrintJson(document);
+  }
+  std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",
+              options.scenes, options.hold_s, options.out.c_str(), options.out.c_str());
+  return absl::OkStatus();
+}
+
+void AddGrab(CLI::App& sensors, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<GrabOptions>();
+  CLI::App* grab = AddCommand(sensors, "grab", "Write frames of a sensor to files");
+  grab->add_option("SENSOR", options->spec, "As `sensors list` names it, or files:PATH, simulated")
+      ->required();
+  grab->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
+  grab->add_option("--frames", options->frames, "How many")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  grab->add_option("--wait", options->wait_s, "Seconds to wait for each")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  grab->footer(kGrabFooter);
+  grab->callback([=, &global] { *action = [=, &global] { return Grab(global, *options); }; });
+}
+
+void AddFakenect(CLI::App& sensors, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<FakenectOptions>();
+  CLI::App* record = AddCommand(sensors, "fakenect", "Write a recording that fakenect plays");
+  record->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
+  record->add_option("--parts", options->parts, "Sample parts to show, by a comma list of ids")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(SamplePartIds()))
+      ->type_name("ID,...");
+  record->add_option("--scenes", options->scenes, "How many")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  record->add_option("--objects-per-scene", options->objects_per_scene, "Objects in a scene")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  record->add_option("--hold", options->hold_s, "Seconds that a scene stands still")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  record->add_option("--seed", options->seed, "Another seed gives other scenes and noise")
+      ->capture_default_str();
+  record->footer(kFakenectFooter);
+  record->callback(
+      [=, &global] { *action = [=, &global] { return WriteFakenect(global, *options); }; });
+}
+
+}  // namespace
+
+void AddSensorsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* sensors = AddCommand(app, "sensors", "Depth cameras of this machine");
+  sensors->require_subcommand(1);
+  AddCommand(*sensors, "list", "Kinds that are built in, and what is connected")
+      ->callback([=, &global] { *action = [&global] { return List(global); }; });
+  AddGrab(*sensors, global, action);
+  AddFakenect(*sensors, global, action);
+}
+
+}  // namespace graspdb::client

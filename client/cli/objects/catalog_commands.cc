@@ -1,0 +1,195 @@
+#include "client/cli/objects/catalog_commands.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/base/cache_text.h"
+#include "client/cli/objects/thresholds_command.h"
+#include "client/teaching/turntable/look_alikes_text.h"
+
+namespace graspdb::client {
+namespace {
+
+void PrintObject(const v1::Object& object) {
+  std::printf("%-40s %s%s\n", object.name().c_str(), object.display_name().c_str(),
+              object.labels().empty()
+                  ? ""
+                  : absl::StrCat(" [", absl::StrJoin(object.labels(), ", "), "]").c_str());
+}
+
+absl::Status ListObjects(const GlobalOptions& global) {
+  absl::StatusOr<std::vector<v1::Object>> objects = Connect(global).ListObjects();
+  if (!objects.ok()) return objects.status();
+  for (const v1::Object& object : *objects) {
+    if (global.json) {
+      if (absl::Status status = PrintJson(object); !status.ok()) return status;
+    } else {
+      PrintObject(object);
+    }
+  }
+  if (objects->empty() && !global.json) {
+    std::printf("the catalogue is empty; teach it with: graspdb import SET\n");
+  }
+  return absl::OkStatus();
+}
+
+void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
+  const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+  std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
+              order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
+  if (pose.has_min_score()) std::printf("    least score %.2f\n", pose.min_score());
+  if (pose.has_mesh_pose()) {
+    const v1::Vector3& p = pose.mesh_pose().position();
+    std::printf("    mesh frame: origin at %.3f %.3f %.3f m\n", p.x(), p.y(), p.z());
+  }
+  for (const v1::Grasp& grasp : pose.grasps()) {
+    const v1::Vector3& p = grasp.tcp_pose().position();
+    std::printf("    grasp %s: at %.3f %.3f %.3f m, approach %.3f m, opening %.3f m, priority %d\n",
+                grasp.grasp_id().c_str(), p.x(), p.y(), p.z(), grasp.approach_distance_m(),
+                grasp.gripper_opening_m(), grasp.priority());
+  }
+}
+
+absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
+  Client client = Connect(global);
+  absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
+  if (!object.ok()) return object.status();
+  if (global.json) return PrintJson(*object);
+  PrintObject(*object);
+  absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object->name());
+  if (!poses.ok()) return poses.status();
+  for (const v1::StablePose& pose : *poses) {
+    absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
+    if (!views.ok()) return views.status();
+    PrintStablePose(pose, views->size());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bool force) {
+  const std::string name = ResourceName("objects", id);
+  absl::Status status = Connect(global).DeleteObject(name, force);
+  if (!status.ok()) return status;
+  if (!global.json) std::printf("deleted %s\n", name.c_str());
+  return absl::OkStatus();
+}
+
+struct ObjectChange {
+  std::string id;
+  std::string display_name;
+  std::vector<std::string> labels;
+  bool no_labels = false;
+};
+
+absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) {
+  v1::UpdateObjectRequest request;
+  request.mutable_object()->set_name(ResourceName("objects", change.id));
+  google::protobuf::FieldMask* mask = request.mutable_update_mask();
+  if (!change.display_name.empty()) {
+    request.mutable_object()->set_display_name(change.display_name);
+    mask->add_paths("display_name");
+  }
+  for (const std::string& label : change.labels) request.mutable_object()->add_labels(label);
+  if (change.no_labels || !change.labels.empty()) mask->add_paths("labels");
+  if (mask->paths().empty()) {
+    return absl::InvalidArgumentError(
+        "nothing to set; give --display-name, --labels or --no-labels");
+  }
+  absl::StatusOr<v1::Object> object = Connect(global).UpdateObject(request);
+  if (!object.ok()) return object.status();
+  if (global.json) return PrintJson(*object);
+  PrintObject(*object);
+  return absl::OkStatus();
+}
+
+void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* action) {
+  auto change = std::make_shared<ObjectChange>();
+  CLI::App* set = AddCommand(objects, "set", "Change what people and robots' jobs call an object");
+  set->add_option("OBJECT", change->id, "Id, e.g. mug")->required();
+  set->add_option("--display-name", change->display_name, "What people call it");
+  CLI::Option* labels =
+      set->add_option("--labels", change->labels, "By which robots' jobs ask for it; replaces all")
+          ->delimiter(',')
+          ->type_name("LABEL,...");
+  set->add_flag("--no-labels", change->no_labels, "Take all labels away")->excludes(labels);
+  set->callback([=, &global] { *action = [=, &global] { return SetObject(global, *change); }; });
+}
+
+absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
+  const auto found = Connect(global).FindLookAlikes(id.empty() ? "" : ResourceName("objects", id));
+  if (!found.ok()) return found.status();
+  if (global.json) return PrintJson(*found);
+  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/true);
+  for (const std::string& note : notes) std::printf("%s\n", note.c_str());
+  if (notes.empty()) std::printf("nothing that was taught looks alike\n");
+  return absl::OkStatus();
+}
+
+std::string IndexText(const v1::CatalogStatus& status) {
+  if (!status.has_approximate_index()) return "exact";
+  const v1::ApproximateIndexStatus& index = status.approximate_index();
+  return absl::StrFormat("%s, %d views and %d newer ones, recall of the 10 nearest %.1f %%, %d MiB",
+                         index.name(), index.view_count(), index.newer_view_count(),
+                         100 * index.recall_at_10(), index.byte_count() >> 20);
+}
+
+absl::Status ShowStatus(const GlobalOptions& global) {
+  absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (global.json) return PrintJson(*status);
+  std::printf("server      %s, version %s, up %.0f s\n", global.server.c_str(),
+              status->server_version().c_str(), status->uptime_s());
+  std::printf("catalogue   %lld objects, %lld stable poses, %lld views\n",
+              static_cast<long long>(status->object_count()),
+              static_cast<long long>(status->stable_pose_count()),
+              static_cast<long long>(status->view_count()));
+  std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
+  std::printf("picks       %lld picked, %lld missed, %lld slipped\n",
+              static_cast<long long>(status->picked_count()),
+              static_cast<long long>(status->missed_count()),
+              static_cast<long long>(status->slipped_count()));
+  std::printf("descriptor  %s\n", status->descriptor_name().c_str());
+  std::printf("index       %s\n", IndexText(*status).c_str());
+  std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
+  std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
+  std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
+  const std::string advice = CacheAdvice(status->model_cache());
+  if (!advice.empty()) std::printf("            %s\n", advice.c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* objects = AddCommand(app, "objects", "List, show, set, check and delete objects");
+  objects->require_subcommand(1);
+  AddCommand(*objects, "list", "All objects")->callback([=, &global] {
+    *action = [&global] { return ListObjects(global); };
+  });
+  auto id = std::make_shared<std::string>();
+  CLI::App* show = AddCommand(*objects, "show", "An object with its stable poses and grasps");
+  show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
+  show->callback([=, &global] { *action = [=, &global] { return ShowObject(global, *id); }; });
+  CLI::App* check = AddCommand(
+      *objects, "check", "What may be confused: symmetries that are not declared, look-alikes");
+  check->add_option("OBJECT", *id, "Id, e.g. mug; without it all objects");
+  check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
+  AddSetCommand(*objects, global, action);
+  AddThresholdsCommand(*objects, global, action);
+  auto force = std::make_shared<bool>(false);
+  CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");
+  remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();
+  remove->add_flag("--force", *force, "Delete its stable poses and views as well");
+  remove->callback(
+      [=, &global] { *action = [=, &global] { return DeleteObject(global, *id, *force); }; });
+}
+
+void AddStatusCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  AddCommand(app, "status", "Say whether the server is there and what it holds")
+      ->callback([=, &global] { *action = [&global] { return ShowStatus(global); }; });
+}
+
+}  // namespace graspdb::client

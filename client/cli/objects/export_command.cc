@@ -1,0 +1,135 @@
+#include "client/cli/objects/export_command.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/progress_line.h"
+#include "files/capture_set.h"
+#include "files/cloud_message.h"
+#include "files/point_file.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+struct Options {
+  std::string folder;
+  std::vector<std::string> objects;
+};
+
+// The id at the end of a resource name.
+std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+
+// A view that is to be written.
+struct Entry {
+  std::string object_id;
+  std::string stable_pose_id;
+  std::string view;  // resource name
+};
+
+absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet* set,
+                        std::vector<Entry>* entries) {
+  v1::CapturedObject* captured = set->add_objects();
+  captured->set_object_id(IdOf(object.name()));
+  captured->set_display_name(object.display_name());
+  absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object.name());
+  if (!poses.ok()) return poses.status();
+  for (const v1::StablePose& pose : *poses) {
+    v1::CapturedStablePose* captured_pose = captured->add_stable_poses();
+    captured_pose->set_stable_pose_id(IdOf(pose.name()));
+    if (pose.has_symmetry_order()) captured_pose->set_symmetry_order(pose.symmetry_order());
+    if (pose.has_min_score()) captured_pose->set_min_score(pose.min_score());
+    if (pose.has_mesh_pose()) *captured_pose->mutable_mesh_pose() = pose.mesh_pose();
+    *captured_pose->mutable_grasps() = pose.grasps();
+    absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
+    if (!views.ok()) return views.status();
+    for (const v1::View& view : *views) {
+      entries->push_back({IdOf(object.name()), IdOf(pose.name()), view.name()});
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WriteView(Client& client, const std::string& folder, const Entry& entry,
+                       v1::Capture* capture) {
+  absl::StatusOr<v1::View> view = client.GetView(entry.view);
+  if (!view.ok()) return view.status();
+  absl::StatusOr<recognition::Points> points = PointsFromMessage(view->cloud());
+  if (!points.ok()) return points.status();
+  PointFile file;
+  file.points = *std::move(points);
+  file.width = static_cast<int>(file.points.size());
+  file.height = 1;
+  file.sensor_pose = FromMessage(view->sensor_pose());
+  const std::string path = absl::StrCat("clouds/", entry.object_id, "/", entry.stable_pose_id, "_",
+                                        IdOf(entry.view), ".pcd");
+  capture->set_path(path);
+  capture->set_split(v1::Capture::TEACH);
+  capture->set_object_id(entry.object_id);
+  capture->set_stable_pose_id(entry.stable_pose_id);
+  *capture->mutable_object_pose() = view->object_pose();
+  *capture->mutable_sensor_pose() = view->sensor_pose();
+  capture->set_segmented(true);
+  capture->set_view_id(IdOf(entry.view));
+  std::error_code error;
+  const std::filesystem::path full = std::filesystem::path(folder) / path;
+  std::filesystem::create_directories(full.parent_path(), error);
+  if (error) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "cannot make the folder ", full.parent_path().string(), ": ", error.message()));
+  }
+  return WritePcd(full, file);
+}
+
+absl::Status RunExport(const GlobalOptions& global, const Options& options) {
+  if (std::filesystem::exists(std::filesystem::path(options.folder) / kCaptureSetFile)) {
+    return absl::AlreadyExistsError(
+        absl::StrCat(options.folder, " holds a capture set already; choose another folder"));
+  }
+  Client client = Connect(global);
+  std::vector<v1::Object> objects;
+  if (options.objects.empty()) {
+    absl::StatusOr<std::vector<v1::Object>> all = client.ListObjects();
+    if (!all.ok()) return all.status();
+    objects = *std::move(all);
+  }
+  for (const std::string& id : options.objects) {
+    absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
+    if (!object.ok()) return object.status();
+    objects.push_back(*std::move(object));
+  }
+  v1::CaptureSet set;
+  std::vector<Entry> entries;
+  for (const v1::Object& object : objects) {
+    absl::Status status = ListObject(client, object, &set, &entries);
+    if (!status.ok()) return status;
+  }
+  ProgressLine progress;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (Interrupted()) return absl::CancelledError("interrupted; captures.json was not written");
+    absl::Status status = WriteView(client, options.folder, entries[i], set.add_captures());
+    if (!status.ok()) return status;
+    progress.Report(static_cast<int>(i + 1), static_cast<int>(entries.size()));
+  }
+  if (absl::Status status = SaveCaptureSet(options.folder, set); !status.ok()) return status;
+  std::printf("wrote %zu views of %zu objects to %s\n", entries.size(), objects.size(),
+              options.folder.c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command = AddCommand(app, "export", "Write the catalogue's views as a capture set");
+  auto options = std::make_shared<Options>();
+  command->add_option("SET", options->folder, "Folder to make")->required();
+  command->add_option("--object", options->objects, "Only these objects");
+  command->footer(
+      "What is written can be imported again, here or elsewhere.\n\n"
+      "Example: graspdb export backup/monday --object mug");
+  command->callback(
+      [=, &global] { *action = [=, &global] { return RunExport(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,37 @@
+#include "client/cli/objects/look_alike_notes.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "client/teaching/turntable/look_alikes_text.h"
+
+namespace graspdb::client {
+namespace {
+
+// So many stable poses are compared with each other after an import without being asked to.
+constexpr int kCheckedStablePoses = 100;
+constexpr std::size_t kShownNotes = 5;
+
+}  // namespace
+
+absl::Status NoteLookAlikes(Client& client, const std::string& object,
+                            const v1::CatalogStatus& status) {
+  if (status.stable_pose_count() > kCheckedStablePoses) {
+    std::fprintf(stderr, "note: see what may be confused with: graspdb objects check\n");
+    return absl::OkStatus();
+  }
+  const auto found = client.FindLookAlikes(object);
+  if (!found.ok()) return found.status();
+  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/false);
+  for (std::size_t i = 0; i < std::min(notes.size(), kShownNotes); ++i) {
+    std::fprintf(stderr, "note: %s\n", notes[i].c_str());
+  }
+  if (notes.size() > kShownNotes) {
+    std::fprintf(stderr, "note: %zu more; see all with: graspdb objects check\n",
+                 notes.size() - kShownNotes);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,16 @@
+// `graspdb objects thresholds`.
+#pragma once
+
+#include <string>
+
+#include "client/cli/base/command.h"
+
+namespace graspdb::client {
+
+// Adds it under `objects`.
+void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action* action);
+
+// One line about a stable pose: how its views score, and the threshold that follows.
+std::string ThresholdText(const v1::ThresholdProposal& proposal);
+
+}  // namespace graspdb::client

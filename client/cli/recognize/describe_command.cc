@@ -1,0 +1,99 @@
+#include "client/cli/recognize/describe_command.h"
+
+#include <google/protobuf/struct.pb.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "files/point_file.h"
+#include "recognition/descriptors/descriptor.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/segmentation/region.h"
+#include "recognition/segmentation/segmentation.h"
+
+namespace graspdb::client {
+namespace {
+
+struct Options {
+  std::string file;
+  std::string descriptor = "mvfh300";
+  std::vector<double> viewpoint = {0, 0, 0};
+};
+
+constexpr char kFooter[] =
+    R"(FILE holds one object's points in metres. Normals are taken from the file; a file
+without them is thinned to 3 mm voxels and gets normals fitted to a radius of 10 mm, as
+the server does it. The viewpoint is the sensor's position in the frame of the points;
+points in the sensor frame have it at 0,0,0.
+
+VFH-263 and MVFH-300 have a total mass of 1, each part the same share; VFH-308 has 100 a
+part, as the Point Cloud Library scales it.
+
+Example: graspdb describe mug.pcd --descriptor vfh308 --json)";
+
+// The measured points with their normals.
+recognition::OrientedCloud OrientedCloudOf(const PointFile& file,
+                                           const Eigen::Vector3d& viewpoint) {
+  recognition::OrientedCloud out;
+  for (std::size_t i = 0; i < file.points.size(); ++i) {
+    if (!recognition::IsMeasurement(file.points[i])) continue;
+    if (!file.normals.empty()) {
+      if (!file.normals[i].allFinite() || file.normals[i].isZero()) continue;
+      out.normals.push_back(file.normals[i].normalized());
+    }
+    out.points.push_back(file.points[i]);
+  }
+  if (!file.normals.empty()) return out;
+  return recognition::PrepareCloud(out.points, viewpoint, recognition::DescriptorParameters());
+}
+
+absl::Status PrintDescription(const GlobalOptions& global, const Options& options,
+                              const recognition::OrientedCloud& cloud,
+                              const recognition::Descriptor& bins) {
+  if (!global.json) {
+    for (const float bin : bins) std::printf("%.9g\n", static_cast<double>(bin));
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct out;
+  auto& fields = *out.mutable_fields();
+  fields["path"].set_string_value(options.file);
+  fields["descriptor"].set_string_value(options.descriptor);
+  fields["pointCount"].set_number_value(static_cast<double>(cloud.points.size()));
+  for (const float bin : bins) {
+    fields["bins"].mutable_list_value()->add_values()->set_number_value(bin);
+  }
+  return PrintJson(out);
+}
+
+absl::Status RunDescribe(const GlobalOptions& global, const Options& options) {
+  absl::StatusOr<PointFile> file = ReadPointFile(options.file);
+  if (!file.ok()) return file.status();
+  const Eigen::Vector3d viewpoint(options.viewpoint[0], options.viewpoint[1], options.viewpoint[2]);
+  const recognition::OrientedCloud cloud = OrientedCloudOf(*file, viewpoint);
+  absl::StatusOr<recognition::Descriptor> bins =
+      recognition::Describe(cloud, viewpoint, *recognition::DescriptorFromName(options.descriptor));
+  if (!bins.ok()) {
+    return {bins.status().code(), absl::StrCat(options.file, ": ", bins.status().message())};
+  }
+  return PrintDescription(global, options, cloud, *bins);
+}
+
+}  // namespace
+
+void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command = AddCommand(app, "describe", "Print the descriptor of a cloud");
+  auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
+  command->add_option("--descriptor", options->descriptor, "Which descriptor")
+      ->check(CLI::IsMember(recognition::DescriptorNames()))
+      ->capture_default_str();
+  command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")
+      ->delimiter(',')
+      ->expected(3);
+  command->footer(kFooter);
+  command->callback(
+      [=, &global] { *action = [=, &global] { return RunDescribe(global, *options); }; });
+}
+
+}  // namespace graspdb::client

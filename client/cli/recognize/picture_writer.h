@@ -1,0 +1,18 @@
+// Pictures of answers.
+#pragma once
+
+#include <filesystem>
+
+#include "client/cli/recognize/scan_source.h"
+#include "client/sdk/client.h"
+
+namespace graspdb::client {
+
+// Writes `folder`/NAME.png for a scan and its answer (the paper's figures 10 and
+// 16): the scan white, the matched view green as found, shifted and refined, and
+// the axes of the best grasp. Asks the server for the view's cloud.
+absl::Status WritePicture(Client& client, const std::filesystem::path& folder, const ScanTask& task,
+                          const v1::RecognizeRequest& request,
+                          const v1::RecognizeResponse& response);
+
+}  // namespace graspdb::client

@@ -1,0 +1,124 @@
+#include "client/cli/recognize/recognize_command.h"
+
+#include <google/protobuf/struct.pb.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/splits.h"
+#include "client/cli/recognize/picture_writer.h"
+#include "client/cli/recognize/scan_source.h"
+#include "client/cli/recognize/scoreboard.h"
+
+namespace graspdb::client {
+namespace {
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string split = "ALL";
+  std::string cell;
+  std::string pictures;
+  bool segmented = false;
+  bool stable = false;
+};
+
+constexpr char kFooter[] =
+    R"(A folder is a capture set; of a set whose truth is known, the table says how far each
+pose is off. Without a sensor pose (captures.json, the VIEWPOINT line or the cell) the
+table before the sensor makes the world frame.
+
+With --json every scan is one line {"path": ..., "response": ...}, or {"path": ...,
+"error": ...} for a scan that was refused; then the exit status is 1.
+
+Examples:
+  graspdb recognize scan.pcd
+  graspdb recognize captures/monday --split QUERY --json | jq .response.status
+  graspdb recognize captures/monday --split QUERY --pictures /tmp/pictures)";
+
+void PrintJsonLine(const std::string& path, const std::string& key, const std::string& json) {
+  // The path goes through protobuf's JSON as well, for the quoting.
+  google::protobuf::Value quoted;
+  quoted.set_string_value(path);
+  std::printf("{\"path\":%s,\"%s\":%s}\n", ToJson(quoted).value_or("\"\"").c_str(), key.c_str(),
+              json.c_str());
+}
+
+std::string ErrorJson(const absl::Status& status) {
+  google::protobuf::Struct error;
+  (*error.mutable_fields())["code"].set_string_value(absl::StatusCodeToString(status.code()));
+  (*error.mutable_fields())["message"].set_string_value(std::string(status.message()));
+  return ToJson(error).value_or("{}");
+}
+
+// Recognises one scan and prints the answer.
+absl::Status RecognizeOne(Client& client, const GlobalOptions& global, const Options& options,
+                          const ScanTask& task, Scoreboard* board) {
+  absl::StatusOr<v1::RecognizeRequest> request = ReadScan(task);
+  if (!request.ok()) return request.status();
+  if (!options.cell.empty()) request->set_cell(ResourceName("cells", options.cell));
+  if (options.segmented) request->set_segmented(true);
+  request->set_omit_timings(options.stable);
+  absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(*request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    absl::StatusOr<std::string> json = ToJson(*response);
+    if (!json.ok()) return json.status();
+    PrintJsonLine(task.path, "response", *json);
+  } else {
+    board->Add(task, *response);
+  }
+  if (options.pictures.empty()) return absl::OkStatus();
+  return WritePicture(client, options.pictures, task, *request, *response);
+}
+
+absl::Status RunRecognize(const GlobalOptions& global, const Options& options) {
+  absl::StatusOr<ScanTasks> scans = ListScans(options.inputs, options.split);
+  if (!scans.ok()) return scans.status();
+  Client client = Connect(global);
+  Scoreboard board;
+  if (!global.json) board.PrintHeader(scans->tasks.front().in_set);
+  int failed = 0;
+  absl::Status first_error;
+  for (const ScanTask& task : scans->tasks) {
+    if (Interrupted()) return absl::CancelledError("interrupted");
+    absl::Status status = RecognizeOne(client, global, options, task, &board);
+    if (status.ok()) continue;
+    if (absl::IsUnavailable(status)) return status;
+    first_error.Update(status);
+    ++failed;
+    if (global.json) PrintJsonLine(task.path, "error", ErrorJson(status));
+    if (scans->tasks.size() == 1) break;
+    std::fprintf(stderr, "graspdb: %s: %s\n", task.path.c_str(),
+                 std::string(status.message()).c_str());
+  }
+  std::fflush(stdout);
+  if (!global.json) board.PrintSummary();
+  if (failed == 0) return absl::OkStatus();
+  if (scans->tasks.size() == 1) return first_error;
+  return {first_error.code(), absl::StrCat(failed, " of ", scans->tasks.size(),
+                                           " scans were refused; see the messages above")};
+}
+
+}  // namespace
+
+void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command =
+      AddCommand(app, "recognize", "Say what scans show, where, and how to grasp it");
+  auto options = std::make_shared<Options>();
+  command->add_option("INPUT", options->inputs, "Point files (.pcd, .ply) or capture sets")
+      ->required();
+  AddSplitFlag(*command, &options->split);
+  command->add_option("--cell", options->cell, "Cell whose calibration and settings apply");
+  command->add_flag("--segmented", options->segmented,
+                    "The scan has only one object's points, no table");
+  command->add_option("--pictures", options->pictures,
+                      "Folder for one PNG a scan: found, shifted, refined");
+  command->add_flag("--omit-timings", options->stable,
+                    "Leave out what a clock measured: the same scan gives the same bytes");
+  command->footer(kFooter);
+  command->callback(
+      [=, &global] { *action = [=, &global] { return RunRecognize(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,125 @@
+#include "client/cli/recognize/replay_command.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/blackbox/bundle_file.h"
+#include "client/cell/blackbox/replay.h"
+#include "files/json_object.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr char kFooter[] =
+    R"(A folder means the bundles in it. The answers must be the same bit for bit, but for what a
+clock measured and for the number of the revision. Exit status: 0 all the same, 1 some
+differ or could not be read, 3 no server there.
+
+A folder of bundles is a regression test: against the next build of the server, or after
+a change of the catalogue, which may well change answers.
+
+With --json every bundle is one line: {"bundle", "same", "revisionThen", "revisionNow",
+"differences"} or {"bundle", "error"}.
+
+Examples:
+  graspdb replay /var/lib/graspdb/bundles
+  graspdb replay bundles/0000000012-20260703T091500Z.bundle --json)";
+
+struct Tally {
+  std::size_t same = 0;
+  std::size_t different = 0;
+  std::size_t unreadable = 0;
+};
+
+absl::Status PrintUnreadable(bool as_json, const std::string& path, const absl::Status& why) {
+  if (!as_json) {
+    std::printf("unreadable  %s: %s\n", path.c_str(), std::string(why.message()).c_str());
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct line;
+  JsonObject object(&line);
+  object.Text("bundle", path);
+  object.Text("error", std::string(why.message()));
+  return PrintJson(line);
+}
+
+absl::Status PrintResult(bool as_json, const std::string& path, const ReplayResult& result) {
+  if (as_json) {
+    google::protobuf::Struct line;
+    JsonObject object(&line);
+    object.Text("bundle", path);
+    object.Bool("same", result.is_same);
+    object.Number("revisionThen", static_cast<double>(result.revision_then));
+    object.Number("revisionNow", static_cast<double>(result.revision_now));
+    google::protobuf::ListValue& list = *object.At("differences").mutable_list_value();
+    for (const std::string& difference : result.differences) {
+      list.add_values()->set_string_value(difference);
+    }
+    return PrintJson(line);
+  }
+  const bool other_revision = result.revision_now != 0 && result.revision_then != 0 &&
+                              result.revision_then != result.revision_now;
+  std::printf("%s  %s%s\n", result.is_same ? "same      " : "different ", path.c_str(),
+              other_revision ? absl::StrCat("  (revision ", result.revision_then, ", now ",
+                                            result.revision_now, ")")
+                                   .c_str()
+                             : "");
+  for (const std::string& difference : result.differences) {
+    std::printf("            %s\n", difference.c_str());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReplayOne(Client& client, bool as_json, const std::filesystem::path& path,
+                       Tally* tally) {
+  const absl::StatusOr<v1::Bundle> bundle = ReadBundle(path);
+  if (!bundle.ok()) {
+    ++tally->unreadable;
+    return PrintUnreadable(as_json, path.string(), bundle.status());
+  }
+  const auto now = client.Recognize(ReplayRequest(*bundle));
+  const bool was_unavailable =
+      bundle->has_error() &&
+      bundle->error().code() == static_cast<int>(absl::StatusCode::kUnavailable);
+  // Nobody there says nothing of the bundle, unless that is what it is about.
+  if (absl::IsUnavailable(now.status()) && !was_unavailable) return now.status();
+  const ReplayResult result = CompareReplay(*bundle, now);
+  ++(result.is_same ? tally->same : tally->different);
+  return PrintResult(as_json, path.string(), result);
+}
+
+absl::Status Replay(const GlobalOptions& global, const std::vector<std::string>& inputs) {
+  const absl::StatusOr<std::vector<std::filesystem::path>> paths = ListBundles(inputs);
+  if (!paths.ok()) return paths.status();
+  Client client = Connect(global);
+  Tally tally;
+  for (const std::filesystem::path& path : *paths) {
+    if (Interrupted()) return absl::CancelledError("interrupted");
+    if (absl::Status status = ReplayOne(client, global.json, path, &tally); !status.ok()) {
+      return status;
+    }
+  }
+  std::fflush(stdout);
+  const std::string summary =
+      absl::StrCat(tally.same, " same, ", tally.different, " different, ", tally.unreadable,
+                   " unreadable of ", paths->size(), " bundles");
+  if (tally.same < paths->size()) return absl::FailedPreconditionError(summary);
+  if (!global.json) std::printf("%s\n", summary.c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command =
+      AddCommand(app, "replay", "Ask again what a cell kept, and compare with what it was told");
+  auto inputs = std::make_shared<std::vector<std::string>>();
+  command->add_option("BUNDLE", *inputs, "Bundles, or folders of them")->required();
+  command->footer(kFooter);
+  command->callback([=, &global] { *action = [=, &global] { return Replay(global, *inputs); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,77 @@
+#include "client/cli/recognize/scan_source.h"
+
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/splits.h"
+#include "files/capture_set.h"
+#include "files/cloud_message.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+absl::Status AddSet(const std::string& folder, const std::string& split, ScanTasks* out) {
+  absl::StatusOr<v1::CaptureSet> loaded = LoadCaptureSet(folder);
+  if (!loaded.ok()) return loaded.status();
+  out->sets.push_back(std::make_unique<v1::CaptureSet>(*std::move(loaded)));
+  const v1::CaptureSet& set = *out->sets.back();
+  absl::StatusOr<ObjectModels> models = LoadModels(folder, set);
+  if (!models.ok()) return models.status();
+  const std::vector<const v1::Capture*> captures = CapturesOfSplit(set, split);
+  if (captures.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(folder, " has no captures in split ", split, "; choose another --split"));
+  }
+  for (const v1::Capture* capture : captures) {
+    ScanTask task;
+    task.path = capture->path();
+    task.file = std::filesystem::path(folder) / capture->path();
+    task.capture = *capture;
+    task.in_set = true;
+    task.set = &set;
+    const auto model = models->find(capture->object_id());
+    if (model != models->end()) task.model = model->second;
+    out->tasks.push_back(std::move(task));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
+                                    const std::string& split) {
+  ScanTasks out;
+  for (const std::string& argument : arguments) {
+    std::error_code ignored;  // what is no folder is read as a file, which tells what is wrong
+    if (std::filesystem::is_directory(argument, ignored)) {
+      absl::Status status = AddSet(argument, split, &out);
+      if (!status.ok()) return status;
+    } else {
+      ScanTask task;
+      task.path = argument;
+      task.file = argument;
+      out.tasks.push_back(std::move(task));
+    }
+  }
+  return out;
+}
+
+absl::StatusOr<v1::RecognizeRequest> ReadScan(const ScanTask& task) {
+  absl::StatusOr<PointFile> file = ReadPointFile(task.file);
+  if (!file.ok()) return file.status();
+  v1::RecognizeRequest request;
+  *request.mutable_cloud() = CloudMessage(*file);
+  request.set_segmented(task.capture.segmented());
+  if (task.capture.has_sensor_pose()) {
+    *request.mutable_sensor_pose() = task.capture.sensor_pose();
+  } else if (file->sensor_pose) {
+    *request.mutable_sensor_pose() = ToMessage(*file->sensor_pose);
+  }
+  if (task.set != nullptr && task.set->has_region_of_interest()) {
+    *request.mutable_region_of_interest() = task.set->region_of_interest();
+  }
+  return request;
+}
+
+}  // namespace graspdb::client

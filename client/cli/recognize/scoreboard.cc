@@ -1,0 +1,136 @@
+#include "client/cli/recognize/scoreboard.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kPoseRight = 0.05;  // of the diameter
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+int SymmetryOf(const ScanTask& task) {
+  for (const v1::CapturedObject& object : task.set->objects()) {
+    if (object.object_id() != task.capture.object_id()) continue;
+    for (const v1::CapturedStablePose& pose : object.stable_poses()) {
+      if (pose.stable_pose_id() != task.capture.stable_pose_id()) continue;
+      return pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+    }
+  }
+  return 1;
+}
+
+// "bracket-left" of "objects/bracket-left/stablePoses/flat".
+std::string ShortName(const std::string& name) {
+  const std::string id = name.substr(name.find('/') + 1);
+  return id.substr(0, id.find('/'));
+}
+
+std::string PoseColumns(const std::optional<Verdict>& verdict) {
+  if (!verdict || !verdict->translation_error_m)
+    return absl::StrFormat("%8s %7s %8s", "-", "-", "-");
+  const std::string add_s =
+      verdict->add_s_m ? absl::StrFormat("%8.2f", *verdict->add_s_m * 1000) : "       -";
+  return absl::StrFormat("%8.2f %7.2f %s", *verdict->translation_error_m * 1000,
+                         *verdict->rotation_error_deg, add_s);
+}
+
+// T_world_mesh, as options take poses.
+void PrintMeshPose(const v1::Pose& pose) {
+  const v1::Vector3& p = pose.position();
+  const v1::Quaternion& q = pose.orientation();
+  std::printf("  mesh frame at %.4f,%.4f,%.4f m, orientation %.4f,%.4f,%.4f,%.4f\n", p.x(), p.y(),
+              p.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+}  // namespace
+
+const v1::Detection* MainDetection(const ScanTask& task, const v1::RecognizeResponse& response) {
+  if (response.detections().empty()) return nullptr;
+  if (!task.capture.has_object_pose()) return &response.detections(0);
+  const v1::Vector3& truth = task.capture.object_pose().position();
+  const v1::Detection* best = nullptr;
+  double nearest = 0;
+  for (const v1::Detection& d : response.detections()) {
+    const double dx = d.centroid().x() - truth.x();
+    const double dy = d.centroid().y() - truth.y();
+    if (best != nullptr && dx * dx + dy * dy >= nearest) continue;
+    best = &d;
+    nearest = dx * dx + dy * dy;
+  }
+  return best;
+}
+
+std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& response) {
+  if (!task.in_set) return std::nullopt;
+  Verdict out;
+  const v1::Detection* detection = MainDetection(task, response);
+  const std::string found = detection == nullptr ? "" : detection->object();
+  if (task.capture.object_id().empty()) {
+    out.object_right = found.empty();
+    return out;
+  }
+  out.object_right = found == "objects/" + task.capture.object_id();
+  if (!out.object_right || !task.capture.has_object_pose()) return out;
+  const recognition::Pose truth = FromMessage(task.capture.object_pose());
+  const recognition::Pose pose = FromMessage(detection->refined_pose());
+  out.translation_error_m = (truth.translation() - pose.translation()).norm();
+  out.rotation_error_deg = RotationError(truth, pose, SymmetryOf(task)) * kDegrees;
+  if (task.model) {
+    out.add_s_m = AddS(*task.model, truth, pose);
+    out.pose_right = *out.add_s_m < kPoseRight * task.model->diameter_m;
+  }
+  return out;
+}
+
+void Scoreboard::PrintHeader(bool with_truth) {
+  with_truth_ = with_truth;
+  std::printf("%-28s %-14s %-18s %5s %8s %7s %8s %7s %7s %7s %7s\n", "scan", "status", "object",
+              "score", "shift", "turn", "ADD-S", "segment", "match", "refine", "total");
+  std::printf("%-28s %-14s %-18s %5s %8s %7s %8s %7s %7s %7s %7s\n", "", "", "", "0-1", "mm", "deg",
+              "mm", "ms", "ms", "ms", "ms");
+}
+
+void Scoreboard::Add(const ScanTask& task, const v1::RecognizeResponse& response) {
+  const std::optional<Verdict> verdict = Judge(task, response);
+  const v1::Detection* d = MainDetection(task, response);
+  const v1::RecognitionStatus status = d == nullptr ? response.status() : d->status();
+  std::string object = d == nullptr || d->object().empty() ? "-" : ShortName(d->object());
+  if (verdict && !verdict->object_right) object += " (wrong)";
+  const v1::Timings& t = response.timings();
+  std::printf("%-28s %-14s %-18s %5.2f %s %7.1f %7.1f %7.1f %7.1f\n",
+              std::filesystem::path(task.path).stem().c_str(),
+              v1::RecognitionStatus_Name(status).c_str(), object.c_str(),
+              d == nullptr ? 0 : d->score(), PoseColumns(verdict).c_str(),
+              t.segment_ms() + t.describe_ms(), t.match_ms(), t.register_ms(), t.total_ms());
+  if (d != nullptr && d->has_mesh_pose()) PrintMeshPose(d->mesh_pose());
+  ++answers_;
+  total_ms_ += t.total_ms();
+  if (!verdict) return;
+  ++judged_;
+  objects_right_ += verdict->object_right ? 1 : 0;
+  poses_measured_ += verdict->add_s_m ? 1 : 0;
+  poses_right_ += verdict->pose_right ? 1 : 0;
+}
+
+void Scoreboard::PrintSummary() const {
+  if (answers_ == 0) return;
+  std::printf("\n%d scans, %.1f ms each on the server", answers_, total_ms_ / answers_);
+  if (judged_ > 0) {
+    std::printf("; object right %.1f %% (%d of %d)", 100.0 * objects_right_ / judged_,
+                objects_right_, judged_);
+  }
+  if (poses_measured_ > 0) {
+    std::printf(
+        "; of those the refined pose within 5 %% of the diameter (ADD-S) %.1f %% (%d of %d)",
+        100.0 * poses_right_ / poses_measured_, poses_right_, poses_measured_);
+  }
+  std::printf("\n");
+}
+
+}  // namespace graspdb::client

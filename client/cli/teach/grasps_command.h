@@ -1,0 +1,10 @@
+// `graspdb grasps`: what robots told of the taught grasps.
+#pragma once
+
+#include "client/cli/base/command.h"
+
+namespace graspdb::client {
+
+void AddGraspsCommand(CLI::App& app, const GlobalOptions& global, Action* action);
+
+}  // namespace graspdb::client

@@ -1,0 +1,145 @@
+#include "client/cli/teach/grasps_import.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/teaching/mesh/mesh_grasps.h"
+#include "client/teaching/upload/view_upload.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+struct Options {
+  std::string object;
+  std::string file;
+  std::string frame = "object";
+  std::string stable_pose;
+  bool dry_run = false;
+
+  bool IsMesh() const { return frame == "mesh"; }
+};
+
+constexpr char kFooter[] =
+    R"(The file is {"grasps": [...]}, each as `graspdb teach --dry-run --json` and capture sets have it.
+--frame object: tcpPose is T_object_tcp of the one stable pose that --stable-pose names.
+--frame mesh: tcpPose is T_mesh_tcp, in metres; it goes to every stable pose that was taught from the
+mesh and in which it can be taken: not from below, 2 mm above the table. Grasps of the same id are
+replaced, others stay.
+
+Examples:
+  graspdb grasps import bracket grasps.json --frame mesh --dry-run
+  graspdb grasps import bracket grasps.json --stable-pose resting-1)";
+
+// A row of the table; `why` is empty where the grasp is taken.
+void PrintRow(const v1::StablePose& pose, const std::string& grasp, const std::string& why) {
+  const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
+  std::printf("%-20s %-20s %s\n", id.c_str(), grasp.c_str(),
+              why.empty() ? "taken" : ("left out: " + why).c_str());
+}
+
+// The grasps of the file that the stable pose takes.
+std::vector<v1::Grasp> TakenBy(const v1::StablePose& pose, const std::vector<v1::Grasp>& grasps,
+                               bool is_mesh, bool print) {
+  if (!is_mesh) {
+    for (const v1::Grasp& grasp : grasps) {
+      if (print) PrintRow(pose, grasp.grasp_id(), "");
+    }
+    return grasps;
+  }
+  std::vector<v1::Grasp> out;
+  for (const v1::Grasp& given : grasps) {
+    const v1::Grasp grasp = FromMesh(given, FromMessage(pose.mesh_pose()));
+    std::string why = WhyOutOfReach(grasp);
+    if (why.empty()) {
+      out.push_back(grasp);
+    } else if (std::ranges::find(pose.grasps(), grasp.grasp_id(), &v1::Grasp::grasp_id) !=
+               pose.grasps().end()) {
+      why += "; the one it has stays";
+    }
+    if (print) PrintRow(pose, grasp.grasp_id(), why);
+  }
+  return out;
+}
+
+absl::Status Write(Client& client, const v1::StablePose& pose) {
+  v1::UpdateStablePoseRequest request;
+  request.mutable_stable_pose()->set_name(pose.name());
+  request.mutable_stable_pose()->set_etag(pose.etag());
+  *request.mutable_stable_pose()->mutable_grasps() = pose.grasps();
+  request.mutable_update_mask()->add_paths("grasps");
+  return client.UpdateStablePose(request).status();
+}
+
+absl::StatusOr<std::vector<v1::StablePose>> PosesOf(Client& client, const Options& options) {
+  if (options.stable_pose.empty()) {
+    return client.ListStablePoses(ResourceName("objects", options.object));
+  }
+  auto one = client.GetStablePose(StablePoseName(options.object, options.stable_pose));
+  if (!one.ok()) return one.status();
+  return std::vector<v1::StablePose>{*std::move(one)};
+}
+
+absl::Status Give(Client& client, const GlobalOptions& global, const Options& options,
+                  const std::vector<v1::Grasp>& grasps, v1::StablePose pose) {
+  const std::vector<v1::Grasp> taken = TakenBy(pose, grasps, options.IsMesh(), !global.json);
+  if (taken.empty()) return absl::OkStatus();
+  const auto merged = Merged({pose.grasps().begin(), pose.grasps().end()}, taken);
+  pose.mutable_grasps()->Assign(merged.begin(), merged.end());
+  if (!options.dry_run) {
+    if (absl::Status written = Write(client, pose); !written.ok()) return written;
+  }
+  return global.json ? PrintJson(pose) : absl::OkStatus();
+}
+
+absl::Status Import(const GlobalOptions& global, const Options& options) {
+  const auto grasps = LoadGrasps(options.file);
+  if (!grasps.ok()) return grasps.status();
+  if (!options.IsMesh() && options.stable_pose.empty()) {
+    return absl::InvalidArgumentError(
+        "grasps in the object's frame are of one stable pose; name it with --stable-pose, or give "
+        "--frame mesh");
+  }
+  absl::Status fit = options.IsMesh() ? CheckForMesh(*grasps) : absl::OkStatus();
+  if (!fit.ok()) return fit;
+  Client client = Connect(global);
+  const auto poses = PosesOf(client, options);
+  if (!poses.ok()) return poses.status();
+  std::size_t asked = 0;
+  for (const v1::StablePose& pose : *poses) {
+    if (options.IsMesh() && !pose.has_mesh_pose()) {
+      std::fprintf(stderr, "graspdb: %s has no mesh frame; teach it again with --mesh\n",
+                   pose.name().c_str());
+      continue;
+    }
+    ++asked;
+    absl::Status given = Give(client, global, options, *grasps, pose);
+    if (!given.ok()) return {given.code(), absl::StrCat(pose.name(), ": ", given.message())};
+  }
+  if (asked > 0) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      "no stable pose of ", options.object, " has a mesh frame; teach it again: graspdb teach ",
+      options.object, " --mesh FILE --unit UNIT"));
+}
+
+}  // namespace
+
+void AddGraspsImportCommand(CLI::App& grasps, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = AddCommand(grasps, "import", "Teach the grasps of a file");
+  command->add_option("OBJECT", options->object, "Id, e.g. mug")->required();
+  command->add_option("FILE", options->file, "JSON file of grasps")->required();
+  command->add_option("--frame", options->frame, "In which frame they are given: object or mesh")
+      ->check(CLI::IsMember({"object", "mesh"}))
+      ->capture_default_str();
+  command->add_option("--stable-pose", options->stable_pose, "Id of the only stable pose");
+  command->add_flag("--dry-run", options->dry_run, "Print what would be taken; change nothing");
+  command->footer(kFooter);
+  command->callback([=, &global] { *action = [=, &global] { return Import(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,69 @@
+#include "client/cli/teach/stable_pose_pictures.h"
+
+#include <cmath>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "pictures/shaded_picture.h"
+#include "rendering/depth_camera.h"
+#include "rendering/ray_caster.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr recognition::CameraIntrinsics kCamera = {
+    .width = 480, .height = 360, .fx = 600, .fy = 600, .cx = 239.5, .cy = 179.5};
+constexpr double kLookDownDeg = 35;
+constexpr double kAzimuthDeg = -60;
+constexpr double kDiametersAway = 2.2;
+constexpr std::uint8_t kTable = 60;
+constexpr std::uint8_t kNothing = 20;
+
+std::uint8_t Brightness(std::int32_t surface, float incidence_rad) {
+  if (surface == kTableSurface) return kTable;
+  if (surface < 0) return kNothing;
+  return static_cast<std::uint8_t>(90 +
+                                   std::lround(160 * std::cos(static_cast<double>(incidence_rad))));
+}
+
+}  // namespace
+
+absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    return absl::FailedPreconditionError(absl::StrCat("cannot make ", folder.string(), ": ",
+                                                      error.message(), "; choose another folder"));
+  }
+  const absl::StatusOr<RayCaster> rays = RayCaster::Create();
+  if (!rays.ok()) return rays.status();
+  for (std::size_t i = 0; i < part.workpieces.size(); ++i) {
+    const Workpiece& workpiece = part.workpieces[i];
+    Scene scene;
+    scene.objects.push_back(
+        {.mesh = &workpiece.mesh, .world_object = recognition::Pose::Identity()});
+    const recognition::Box box = BoundsOf(workpiece.mesh);
+    const Eigen::Vector3d middle(0, 0, box.max.z() / 2);
+    const auto frame = rays->Cast(
+        scene, kCamera,
+        LookAt(middle, kDiametersAway * DiameterOf(workpiece.mesh), kLookDownDeg, kAzimuthDeg));
+    if (!frame.ok()) return frame.status();
+    ShadedPicture picture{
+        .caption = absl::StrFormat("%s %s: %.1f %%", workpiece.object_id, workpiece.stable_pose_id,
+                                   100 * part.found.poses[i].probability),
+        .width = frame->width,
+        .height = frame->height,
+        .brightness = {}};
+    picture.brightness.reserve(frame->surface.size());
+    for (std::size_t k = 0; k < frame->surface.size(); ++k) {
+      picture.brightness.push_back(Brightness(frame->surface[k], frame->incidence_rad[k]));
+    }
+    const std::string name =
+        absl::StrCat(workpiece.object_id, "-", workpiece.stable_pose_id, ".png");
+    if (absl::Status put = WriteShadedPicture(folder / name, picture); !put.ok()) return put;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

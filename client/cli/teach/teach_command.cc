@@ -1,0 +1,273 @@
+#include "client/cli/teach/teach_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/progress_line.h"
+#include "client/cli/base/taught_report.h"
+#include "client/cli/objects/look_alike_notes.h"
+#include "client/cli/teach/guided_teach.h"
+#include "client/cli/teach/stable_pose_pictures.h"
+#include "client/cli/teach/stable_pose_table.h"
+#include "client/teaching/mesh/cad_part.h"
+#include "client/teaching/upload/cad_views.h"
+#include "rendering/length_unit.h"
+#include "rendering/mesh_part.h"
+
+namespace graspdb::client {
+namespace {
+
+// Beside what the guided way takes, some of which is said of a mesh, too: what only a mesh needs.
+struct Options : GuidedTeachOptions {
+  std::string mesh;
+  std::string unit;
+  std::string camera = "v2";
+  double look_down_deg = 40;
+  double distance_m = 0.8;
+  double min_probability = CadOptions{}.poses.min_probability;
+  double stands_deg = CadOptions{}.poses.stands_rad * 180 / std::numbers::pi;
+  double gripper_max_m = ParallelGripper{}.max_opening_m;
+  std::vector<int> poses;
+  std::string pictures;
+  bool add = false;
+  bool dry_run = false;
+};
+
+constexpr char kFooter[] =
+    R"(With a camera: leads you through the stable poses and the steps of a turntable, says how well each
+view was seen and what may be confused with it. The cell says where the camera is, its region where
+the turntable is. Ctrl-D ends it, nothing is lost: the same command again goes on with what is missing.
+
+From a mesh: finds the ways in which the object rests on the table, how likely each is, their
+symmetries and top grasps, and teaches views of each as the camera would take them. What is there
+keeps its grasps. A command that was interrupted is run again: nothing is taught twice.
+
+Examples:
+  graspdb teach bracket --sensor freenect --cell press-3         # guided
+  graspdb teach bracket --sensor freenect --cell press-3 --yes --settle 5   # motorised turntable
+  graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # the stable poses alone
+  graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
+  graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
+
+absl::StatusOr<CadPart> PartOf(const Options& options) {
+  const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
+  if (!mesh.ok()) return mesh.status();
+  CadOptions cad;
+  cad.poses = {.min_probability = options.min_probability,
+               .stands_rad = options.stands_deg * std::numbers::pi / 180};
+  cad.gripper.max_opening_m = options.gripper_max_m;
+  const std::string& name = options.display_name.empty() ? options.object : options.display_name;
+  absl::StatusOr<CadPart> part = ProposeCadPart(options.object, name, *mesh, cad);
+  if (!part.ok() || options.poses.empty()) return part;
+  return Select(*part, options.poses);
+}
+
+absl::StatusOr<CadViews> ViewsOf(const Options& options, Client& client) {
+  CadViews views;
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(options.camera);
+  if (!camera.ok()) return camera.status();
+  views.camera = *camera;
+  views.step_deg = options.step_deg;
+  views.beside_others = options.add;
+  views.world_sensor =
+      LookAt(Eigen::Vector3d::Zero(), options.distance_m, options.look_down_deg, -90);
+  if (options.cell.empty()) return views;
+  const auto cell = client.GetCell(ResourceName("cells", options.cell));
+  if (!cell.ok()) return cell.status();
+  const auto stand = StandOf(*cell);
+  if (!stand.ok()) return stand.status();
+  views.world_sensor = *stand;
+  return views;
+}
+
+// As a capture set would declare it: for programs.
+absl::Status PrintDeclaration(const CadPart& part) {
+  v1::CapturedObject object;
+  for (const Workpiece& workpiece : part.workpieces) {
+    v1::CapturedObject one = DeclarationOf(workpiece);
+    one.clear_mesh_path();
+    object.MergeFrom(one);
+  }
+  return PrintJson(object);
+}
+
+absl::Status Report(const GlobalOptions& global, Client& client, const Options& options,
+                    const UploadCounts& counts) {
+  const absl::StatusOr<v1::CatalogStatus> status =
+      ReportTaught(global, client, {.created = counts.created, .existing = counts.existing});
+  if (!status.ok() || global.json || counts.created == 0) return status.status();
+  return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
+}
+
+absl::Status TeachByMesh(const GlobalOptions& global, const Options& options) {
+  const absl::StatusOr<CadPart> part = PartOf(options);
+  if (!part.ok()) return part.status();
+  if (!options.pictures.empty()) {
+    absl::Status drawn = WriteStablePosePictures(*part, options.pictures);
+    if (!drawn.ok()) return drawn;
+  }
+  if (options.dry_run && global.json) return PrintDeclaration(*part);
+  if (!global.json) std::printf("%s", StablePoseTable(*part).c_str());
+  if (options.dry_run) return absl::OkStatus();
+  Client client = Connect(global);
+  const absl::StatusOr<CadViews> views = ViewsOf(options, client);
+  if (!views.ok()) return views.status();
+  absl::StatusOr<UploadCounts> counts;
+  {
+    ProgressLine progress("views");
+    const auto total = static_cast<int>(CountOf(part->workpieces, *views));
+    counts = TeachCadViews(
+        client, part->workpieces, *views,
+        {.report = [&](std::size_t done) { progress.Report(static_cast<int>(done), total); },
+         .cancelled = Interrupted});
+  }
+  if (!counts.ok()) return counts.status();
+  return Report(global, client, options, *counts);
+}
+
+// Either of them says how it is taught.
+struct Ways {
+  CLI::Option* mesh = nullptr;
+  CLI::Option* sensor = nullptr;
+};
+
+Ways AddWays(CLI::App& command, Options& o) {
+  Ways ways;
+  CLI::Option_group* way = command.add_option_group("way", "From what it is taught");
+  ways.mesh = way->add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
+                  ->check(CLI::ExistingFile);
+  ways.sensor = way->add_option("--sensor", o.sensor,
+                                "The depth camera that sees it, e.g. freenect; see "
+                                "`graspdb sensors list`");
+  way->require_option(1);
+  return ways;
+}
+
+void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
+  mesh->needs(
+      command
+          .add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
+          ->needs(mesh)
+          ->check(CLI::IsMember(LengthUnitNames())));
+  command
+      .add_option("--min-probability", o.min_probability,
+                  "Stable poses in which a dropped object ends less often are left out ...")
+      ->needs(mesh)
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--stands", o.stands_deg,
+          "... unless the table must be tilted by at least this many degrees before they tip "
+          "over, e.g. an upright bottle")
+      ->needs(mesh)
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  command.add_option("--poses", o.poses, "Only these stable poses, as --dry-run counts them")
+      ->needs(mesh)
+      ->delimiter(',')
+      ->type_name("N,...");
+  command.add_option("--gripper-max", o.gripper_max_m, "How far the gripper opens, m")
+      ->needs(mesh)
+      ->check(CLI::Range(0.005, 0.5))
+      ->capture_default_str();
+  command.add_option("--pictures", o.pictures, "Folder for a picture of each stable pose")
+      ->needs(mesh)
+      ->type_name("FOLDER");
+  command
+      .add_flag("--dry-run", o.dry_run,
+                "Print the stable poses and teach nothing; needs no server. With --json as a "
+                "capture set declares them")
+      ->needs(mesh);
+  command
+      .add_flag("--add", o.add,
+                "Teach also where a stable pose has views of another mesh or camera")
+      ->needs(mesh);
+}
+
+void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Options& o) {
+  command
+      .add_option("--camera", o.camera,
+                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
+                  "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
+      ->needs(mesh)
+      ->check(CLI::IsMember(SimulatedCameras()))
+      ->capture_default_str();
+  command
+      .add_option("--look-down", o.look_down_deg, "Angle of the camera below the horizon, degrees")
+      ->needs(mesh)
+      ->excludes(cell)
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  command.add_option("--distance", o.distance_m, "Distance of the camera from the object, m")
+      ->needs(mesh)
+      ->excludes(cell)
+      ->check(CLI::Range(0.1, 5.0))
+      ->capture_default_str();
+}
+
+void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
+  command
+      .add_option(
+          "--axis", o.axis,
+          "Where the turntable's axis is in the world frame, m; without it in the middle of "
+          "the cell's region")
+      ->needs(sensor)
+      ->delimiter(',')
+      ->expected(2)
+      ->type_name("X,Y");
+  command
+      .add_option("--plate-height", o.plate_height_m,
+                  "How high the turntable's plate is above the table, m")
+      ->needs(sensor)
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command
+      .add_flag("--yes", o.unattended.yes,
+                "Answer every question as Enter does: one stable pose, nobody at the terminal")
+      ->needs(sensor);
+  command
+      .add_option_function<double>(
+          "--settle", [&o](double seconds) { o.unattended.settle = absl::Seconds(seconds); },
+          "Wait so many seconds before each view instead of for Enter, as a motor turns the table")
+      ->needs(sensor)
+      ->check(CLI::Range(0.0, 3600.0))
+      ->type_name("SECONDS");
+  command.add_flag("--clockwise", o.clockwise, "The turntable turns clockwise as seen from above")
+      ->needs(sensor);
+}
+
+}  // namespace
+
+void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command =
+      AddCommand(app, "teach", "Teach an object before a camera or from its CAD model");
+  auto options = std::make_shared<Options>();
+  command->add_option("OBJECT", options->object, "Id of the object, e.g. bracket")->required();
+  const Ways ways = AddWays(*command, *options);
+  CLI::Option* cell = command->add_option(
+      "--cell", options->cell,
+      "The cell whose camera looks at it; without --sensor its angle and distance are taken");
+  ways.sensor->needs(cell);
+  command->add_option("--display-name", options->display_name, "What people call it");
+  command->add_option("--step", options->step_deg, "Turn between views, degrees")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  AddMeshOptions(*command, ways.mesh, *options);
+  AddViewOptions(*command, ways.mesh, cell, *options);
+  AddGuidedOptions(*command, ways.sensor, *options);
+  command->footer(kFooter);
+  command->callback([=, &global] {
+    *action = [=, &global] {
+      return options->mesh.empty() ? RunGuidedTeach(global, *options)
+                                   : TeachByMesh(global, *options);
+    };
+  });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,50 @@
+#include "client/cli/teach/unattended_prompt.h"
+
+#include <algorithm>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client/cli/base/command.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr int kMaxTries = 3;
+constexpr absl::Duration kWatch = absl::Milliseconds(50);  // Ctrl-C is seen so soon
+
+// False once Ctrl-C was pressed.
+bool Wait(absl::Duration time) {
+  const absl::Time end = absl::Now() + time;
+  while (!Interrupted() && absl::Now() < end) {
+    absl::SleepFor(std::min(kWatch, end - absl::Now()));
+  }
+  return !Interrupted();
+}
+
+}  // namespace
+
+std::optional<std::string> UnattendedPrompt::Ask(const std::string& question) {
+  const bool is_view = absl::StartsWith(question, kAskView);
+  if (is_view && (how_.yes || how_.settle)) return TakeView(question);
+  if (!how_.yes) return prompt_.Ask(question);
+  if (Interrupted()) return std::nullopt;
+  std::string answer;
+  if (absl::StartsWith(question, kAskStablePose)) {
+    if (has_stable_pose_) answer = "done";  // another one would be begun for ever
+    has_stable_pose_ = true;
+  }
+  prompt_.Say(absl::StrCat(question, answer));
+  return answer;
+}
+
+std::optional<std::string> UnattendedPrompt::TakeView(const std::string& question) {
+  tries_ = question == last_view_ ? tries_ + 1 : 1;
+  last_view_ = question;
+  if (tries_ > kMaxTries) return how_.yes ? std::nullopt : prompt_.Ask(question);
+  prompt_.Say(question);
+  if (!Wait(how_.settle.value_or(absl::ZeroDuration()))) return std::nullopt;
+  return "";
+}
+
+}  // namespace graspdb::client

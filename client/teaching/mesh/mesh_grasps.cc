@@ -1,0 +1,107 @@
+#include "client/teaching/mesh/mesh_grasps.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/teaching/mesh/top_grasps.h"
+#include "files/capture_check.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The sine of one degree: level, as poses are written down.
+constexpr double kLevel = 0.0175;
+
+absl::Status Bad(const fs::path& path, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat(path.string(), what));
+}
+
+absl::StatusOr<std::string> ReadText(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return absl::NotFoundError(absl::StrCat(path.string(), " does not exist; name a JSON file"));
+  }
+  const std::uintmax_t size = fs::file_size(path, error);  // fails for a folder
+  if (!error && size > kMaxGraspsFileBytes) {
+    return Bad(path, " is larger than 1 MiB; a stable pose has at most 64 grasps, leave some out");
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::string text(error ? 0 : static_cast<std::size_t>(size), '\0');
+  if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
+    return Bad(path, " is not a readable file; name a JSON file");
+  }
+  return text;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
+  const absl::StatusOr<std::string> text = ReadText(path);
+  if (!text.ok()) return text.status();
+  v1::CapturedStablePose read;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &read);
+  if (!parsed.ok()) {
+    const std::string complaint(parsed.message());
+    return Bad(path, absl::StrCat(
+                         " is no {\"grasps\": [...]}: ", complaint.substr(0, complaint.find('\n')),
+                         "; write them as `graspdb teach --dry-run --json` does"));
+  }
+  if (read.grasps().empty()) return Bad(path, " has no grasps; give {\"grasps\": [...]}");
+  v1::CapturedStablePose grasps;
+  *grasps.mutable_grasps() = read.grasps();
+  absl::Status checked = CheckStablePose(grasps, "");
+  if (!checked.ok()) return Bad(path, absl::StrCat(": ", checked.message().substr(1)));
+  return std::vector<v1::Grasp>(read.grasps().begin(), read.grasps().end());
+}
+
+absl::Status CheckForMesh(const std::vector<v1::Grasp>& grasps) {
+  const auto turning = std::ranges::find_if(grasps, &v1::Grasp::has_free_turn);
+  if (turning == grasps.end()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("grasp ", turning->grasp_id(),
+                   " has a freeTurn, which is about the z axis of a stable pose; leave it out or "
+                   "import it with --frame object"));
+}
+
+v1::Grasp FromMesh(v1::Grasp grasp, const recognition::Pose& object_mesh) {
+  *grasp.mutable_tcp_pose() = ToMessage(object_mesh * FromMessage(grasp.tcp_pose()));
+  return grasp;
+}
+
+std::string WhyOutOfReach(const v1::Grasp& grasp) {
+  const recognition::Pose tcp = FromMessage(grasp.tcp_pose());
+  const double rise = tcp.linear()(2, 2);  // of the approach
+  const double height = tcp.translation().z();
+  if (rise > kLevel) return "comes from below";
+  if (height < kOffTableM) {
+    return absl::StrFormat("is at %.1f mm, less than %.0f mm above the table", height * 1000,
+                           kOffTableM * 1000);
+  }
+  if (height - rise * grasp.approach_distance_m() < kOffTableM) {
+    return "begins its approach below the table";
+  }
+  return "";
+}
+
+std::vector<v1::Grasp> Merged(std::vector<v1::Grasp> grasps, const std::vector<v1::Grasp>& added) {
+  for (const v1::Grasp& grasp : added) {
+    const auto known = std::ranges::find(grasps, grasp.grasp_id(), &v1::Grasp::grasp_id);
+    if (known == grasps.end()) {
+      grasps.push_back(grasp);
+    } else {
+      *known = grasp;
+    }
+  }
+  return grasps;
+}
+
+}  // namespace graspdb::client

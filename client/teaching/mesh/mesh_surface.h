@@ -1,0 +1,19 @@
+// A mesh as recognition sees surfaces, to ask how alike it looks turned over.
+#pragma once
+
+#include <memory>
+
+#include "recognition/models/surface_model.h"
+#include "rendering/mesh.h"
+
+namespace graspdb::client {
+
+// Points all over the surface of a mesh with their outward normals, mesh frame, m: about as dense
+// as recognition's models, 60,000 at the most. Deterministic.
+recognition::OrientedCloud SurfaceOf(const TriangleMesh& mesh);
+
+// `surface` put down by `object_mesh` (T_object_mesh); its frame is the object's.
+recognition::SurfaceModel Posed(const recognition::OrientedCloud& surface,
+                                const recognition::Pose& object_mesh);
+
+}  // namespace graspdb::client

@@ -1,0 +1,170 @@
+#include "client/teaching/mesh/top_grasps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "rendering/workpiece.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kSamples = 6000;
+constexpr int kDirections = 24;      // over half a turn
+constexpr double kMinPlayM = 0.003;  // on each side of the object when the gripper comes down
+constexpr double kPlayM = 0.010;     // on each side, where it can open so far
+constexpr double kTouchDepthM = 0.0015;
+constexpr float kMinCosine = 0.9397F;  // of 20 degrees
+// As a share of how far the object reaches from its centre of mass: beyond, it would turn in the
+// grasp.
+constexpr double kMaxLever = 0.5;
+constexpr double kMinTouchM2 = 8e-6;
+constexpr double kOtherGraspRad = 45 * std::numbers::pi / 180;
+
+struct Candidate {
+  double closing_rad = 0;
+  Vector3d tcp = Vector3d::Zero();
+  double width_m = 0;
+  double value = 0;
+};
+
+// The object turned so that the fingers close along x.
+class Turned {
+ public:
+  Turned(const recognition::OrientedCloud& surface, double area_of_sample, const Vector3d& mass,
+         double closing_rad, const ParallelGripper& gripper)
+      : area_of_sample_(area_of_sample), closing_rad_(closing_rad), gripper_(gripper) {
+    const Eigen::AngleAxisd turn(-closing_rad, Vector3d::UnitZ());
+    const Eigen::Matrix3f forth = turn.toRotationMatrix().cast<float>();
+    mass_ = turn * mass;
+    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+      points_.push_back(forth * surface.points[i]);
+      cosines_.push_back((forth * surface.normals[i]).x());
+      top_ = std::max(top_, static_cast<double>(points_.back().z()));
+      const Eigen::Vector2d arm = points_.back().cast<double>().head<2>() - mass_.head<2>();
+      reach_ = std::max(reach_, arm.norm());
+    }
+  }
+
+  std::optional<Candidate> Best() const {
+    std::optional<Candidate> best;
+    const double deep = std::max(kOffTableM, mass_.z() - gripper_.pad_height_m / 2);
+    const double highest = top_ - gripper_.finger_length_m;
+    const double step = gripper_.finger_width_m / 4;
+    const int steps = static_cast<int>(std::ceil(reach_ / step));
+    for (const double tips : {kOffTableM, deep, top_ - gripper_.pad_height_m}) {
+      if (tips < std::max(kOffTableM, highest)) continue;
+      for (int k = -steps; k <= steps; ++k) {
+        const auto found = At(mass_.y() + k * step, tips);
+        if (found && (!best || found->value > best->value)) best = found;
+      }
+    }
+    return best;
+  }
+
+ private:
+  struct Span {
+    float low = 0;
+    float high = 0;
+    bool is_empty = true;
+  };
+
+  bool IsSwept(const Vector3f& p, double y, double tips) const {
+    return std::abs(static_cast<double>(p.y()) - y) <= gripper_.finger_width_m / 2 &&
+           static_cast<double>(p.z()) >= tips;
+  }
+
+  Span SpanOf(double y, double tips) const {
+    Span out;
+    for (const Vector3f& p : points_) {
+      if (!IsSwept(p, y, tips)) continue;
+      out.low = out.is_empty ? p.x() : std::min(out.low, p.x());
+      out.high = out.is_empty ? p.x() : std::max(out.high, p.x());
+      out.is_empty = false;
+    }
+    return out;
+  }
+
+  // With the middle of the fingers at y and their tips at that height.
+  std::optional<Candidate> At(double y, double tips) const {
+    const Span span = SpanOf(y, tips);
+    const auto width = static_cast<double>(span.high - span.low);
+    if (span.is_empty || width + 2 * kMinPlayM > gripper_.max_opening_m) return std::nullopt;
+    int low = 0;
+    int high = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Vector3f& p = points_[i];
+      if (!IsSwept(p, y, tips) || static_cast<double>(p.z()) > tips + gripper_.pad_height_m) {
+        continue;
+      }
+      low += p.x() < span.low + static_cast<float>(kTouchDepthM) && cosines_[i] < -kMinCosine;
+      high += p.x() > span.high - static_cast<float>(kTouchDepthM) && cosines_[i] > kMinCosine;
+    }
+    const double touching = area_of_sample_ * std::min(low, high);
+    if (touching < kMinTouchM2) return std::nullopt;
+    const double x = static_cast<double>(span.low + span.high) / 2;
+    const double lever = std::hypot(y - mass_.y(), x - mass_.x());
+    if (lever > kMaxLever * reach_) return std::nullopt;
+    const double pad = gripper_.finger_width_m * gripper_.pad_height_m;
+    const double value = std::min(1.0, touching / pad) - 2 * lever / gripper_.max_opening_m -
+                         0.5 * width / gripper_.max_opening_m;
+    const Eigen::AngleAxisd back(closing_rad_, Vector3d::UnitZ());
+    return Candidate{closing_rad_, back * Vector3d(x, y, tips + gripper_.pad_height_m / 2), width,
+                     value};
+  }
+
+  double area_of_sample_;
+  double closing_rad_;
+  const ParallelGripper& gripper_;
+  Vector3d mass_;
+  std::vector<Vector3f> points_;
+  std::vector<float> cosines_;  // of the normals to x
+  double top_ = 0;
+  double reach_ = 0;  // across the table, from the centre of mass
+};
+
+v1::Grasp GraspOf(const Candidate& found, const char* id, int priority,
+                  const ParallelGripper& gripper) {
+  const double opening = std::min(found.width_m + 2 * kPlayM, gripper.max_opening_m);
+  v1::Grasp grasp = TopGrasp(id, found.tcp, found.closing_rad, opening);
+  grasp.set_priority(priority);
+  grasp.set_retreat_distance_m(grasp.approach_distance_m());
+  return grasp;
+}
+
+// Between two ways to close, which look the same after half a turn.
+double AngleBetween(double a, double b) {
+  const double apart = std::abs(std::remainder(a - b, std::numbers::pi));
+  return std::min(apart, std::numbers::pi - apart);
+}
+
+}  // namespace
+
+std::vector<v1::Grasp> ProposeTopGrasps(const GraspedObject& object,
+                                        const ParallelGripper& gripper) {
+  const recognition::OrientedCloud surface =
+      SampleOrientedSurface(*object.mesh, kSamples, /*seed=*/1);
+  const double area_of_sample = AreaOf(*object.mesh) / kSamples;
+  std::vector<Candidate> found;
+  for (int k = 0; k < (object.any_turn ? 1 : kDirections); ++k) {
+    const Turned turned(surface, area_of_sample, object.mass_center,
+                        std::numbers::pi * k / kDirections, gripper);
+    if (const auto best = turned.Best()) found.push_back(*best);
+  }
+  std::ranges::stable_sort(found, std::greater(), &Candidate::value);
+  std::vector<v1::Grasp> out;
+  if (found.empty()) return out;
+  out.push_back(GraspOf(found.front(), "top", 1, gripper));
+  if (object.any_turn) return out;
+  const auto other = std::ranges::find_if(found, [&](const Candidate& c) {
+    return AngleBetween(c.closing_rad, found.front().closing_rad) >= kOtherGraspRad - 1e-9;
+  });
+  if (other != found.end()) out.push_back(GraspOf(*other, "top-2", 0, gripper));
+  return out;
+}
+
+}  // namespace graspdb::client

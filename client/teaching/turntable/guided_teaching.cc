@@ -1,0 +1,270 @@
+#include "client/teaching/turntable/guided_teaching.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/teaching/turntable/look_alikes_text.h"
+#include "client/teaching/turntable/turn_moving.h"
+#include "client/teaching/turntable/turntable_axis.h"
+#include "client/teaching/upload/view_upload.h"
+
+namespace graspdb::client {
+namespace {
+
+// So many stable poses are compared with each other without being asked to.
+constexpr int kComparedStablePoses = 100;
+// An axis that is farther off shows in the models.
+constexpr double kAxisOffM = 0.002;
+// So much more of the views lies on each other then.
+constexpr double kTurnedTheOtherWay = 0.15;
+constexpr int kHighestOrder = 360;
+// The region ends so far below the plate: the table is not to be seen.
+constexpr double kBelowPlateM = 0.01;
+
+// The cell's region in the world of the plate, cut off below it.
+std::optional<v1::AxisAlignedBox> RegionOf(const GuidedOptions& options) {
+  if (!options.cell.has_region_of_interest()) return std::nullopt;
+  v1::AxisAlignedBox region = options.cell.region_of_interest();
+  if (options.plate_height_m == 0) return region;
+  region.mutable_max()->set_z(region.max().z() - options.plate_height_m);
+  region.mutable_min()->set_z(std::max(region.min().z() - options.plate_height_m, -kBelowPlateM));
+  return region;
+}
+
+absl::StatusOr<Eigen::Vector2d> AxisOf(const GuidedOptions& options) {
+  if (options.axis) return *options.axis;
+  if (!options.cell.has_region_of_interest()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nobody knows where the turntable's axis is; give --axis X,Y, or a region around the "
+        "turntable with `graspdb cells set ",
+        options.cell.name().substr(options.cell.name().find('/') + 1), " --region`"));
+  }
+  const v1::AxisAlignedBox& region = options.cell.region_of_interest();
+  return Eigen::Vector2d((region.min().x() + region.max().x()) / 2,
+                         (region.min().y() + region.max().y()) / 2);
+}
+
+// -1 when it is none.
+int SymmetryOrder(const std::string& answer) {
+  if (answer.empty()) return 1;
+  if (answer == "any") return 0;
+  int order = -1;
+  if (!absl::SimpleAtoi(answer, &order)) return -1;
+  return order >= 0 && order <= kHighestOrder ? order : -1;
+}
+
+}  // namespace
+
+GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingPrompt& prompt,
+                               GuidedOptions options)
+    : client_(client),
+      prompt_(prompt),
+      options_(std::move(options)),
+      taker_(sensor, client,
+             {.cell = options_.cell,
+              .region = RegionOf(options_),
+              .plate_height_m = options_.plate_height_m,
+              .frames = options_.frames,
+              .patience = options_.patience}) {}
+
+absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
+  if (absl::Status begun = Begin(); !begun.ok()) return begun;
+  while (!counts_.stopped) {
+    const absl::StatusOr<std::string> id = AskStablePose();
+    if (!id.ok()) return id.status();
+    if (id->empty()) break;
+    const absl::StatusOr<bool> made = MakeStablePose(*id);
+    if (absl::IsInvalidArgument(made.status())) {
+      prompt_.Say(std::string(made.status().message()));
+      continue;
+    }
+    if (!made.ok()) return made.status();
+    if (!*made) {
+      Stop();
+      break;
+    }
+    absl::Status taught = TeachStablePose(*id);
+    if (absl::IsFailedPrecondition(taught)) {
+      prompt_.Say(std::string(taught.message()));
+      continue;
+    }
+    if (!taught.ok()) return taught;
+  }
+  return counts_;
+}
+
+absl::Status GuidedTeaching::Begin() {
+  if (auto step = TurntableCoverage::Create(options_.step_deg); !step.ok()) return step.status();
+  const absl::StatusOr<Eigen::Vector2d> axis = AxisOf(options_);
+  if (!axis.ok()) return axis.status();
+  origin_ = Eigen::Vector3d(axis->x(), axis->y(), 0);
+  if (absl::Status camera = taker_.Check(); !camera.ok()) return camera;
+  v1::CapturedObject object;
+  object.set_object_id(options_.object_id);
+  object.set_display_name(options_.display_name);
+  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  prompt_.Say(absl::StrCat("put the object on the middle of the turntable, whose axis is at x ",
+                           axis->x(), ", y ", axis->y(), " m, and turn it ",
+                           options_.clockwise ? "clockwise" : "counter-clockwise",
+                           " as seen from above"));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<TurntableCoverage> GuidedTeaching::CoverageOf(const std::string& stable_pose_id) {
+  const auto views = client_.ListViews(StablePoseName(options_.object_id, stable_pose_id));
+  if (!views.ok()) return views.status();
+  absl::StatusOr<TurntableCoverage> coverage = TurntableCoverage::Create(options_.step_deg);
+  if (!coverage.ok()) return coverage;
+  absl::Status added = coverage->Add(*views, origin_, options_.clockwise);
+  if (!added.ok()) return added;
+  return coverage;
+}
+
+absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
+  const auto poses = client_.ListStablePoses("objects/" + options_.object_id);
+  if (!poses.ok()) return poses.status();
+  std::set<std::string> ids;
+  std::string unfinished;
+  for (const v1::StablePose& pose : *poses) {
+    const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
+    ids.insert(id);
+    const auto left = LeftByMove(client_, pose.name(), origin_);
+    if (!left.ok()) return left.status();
+    if (!left->empty() && !visited_.contains(id)) {
+      prompt_.Say(absl::StrCat(id, " has views about two axes"));
+      if (unfinished.empty()) unfinished = id;
+    }
+    const absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
+    if (absl::IsFailedPrecondition(coverage.status())) continue;  // taught in another way
+    if (!coverage.ok()) return coverage.status();
+    if (!visited_.contains(id)) prompt_.Say(absl::StrCat(id, " ", coverage->Ring()));
+    if (unfinished.empty() && !visited_.contains(id) && !coverage->Missing().empty()) {
+      unfinished = id;
+    }
+  }
+  if (!unfinished.empty()) return unfinished;
+  int number = 1;
+  while (ids.contains(absl::StrCat("pose-", number))) ++number;
+  return absl::StrCat("pose-", number);
+}
+
+absl::StatusOr<std::string> GuidedTeaching::AskStablePose() {
+  absl::StatusOr<std::string> proposed = ProposeStablePose();
+  if (!proposed.ok()) return proposed;
+  const std::optional<std::string> answer =
+      prompt_.Ask(absl::StrCat(kAskStablePose, " (Enter: ", *proposed, ", done: that was all) "));
+  if (!answer) Stop();
+  if (!answer) return "";
+  const std::string word(absl::StripAsciiWhitespace(*answer));
+  if (word == "q") Stop();
+  if (word == "q" || word == "done") return "";
+  return word.empty() ? *proposed : word;
+}
+
+absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
+  const auto there = client_.GetStablePose(StablePoseName(options_.object_id, id));
+  if (there.ok()) return true;
+  if (!absl::IsNotFound(there.status())) return there.status();
+  int order = -1;
+  while (order < 0) {
+    const std::optional<std::string> answer = prompt_.Ask(
+        "after which turns about the vertical does it look the same? (Enter: none, 2: half a turn, "
+        "4: a quarter, …, any: any turn) ");
+    if (!answer) return false;
+    const std::string word(absl::StripAsciiWhitespace(*answer));
+    if (word == "q") return false;
+    order = SymmetryOrder(word);
+    if (order < 0) prompt_.Say("answer Enter, \"any\" or a number of 2 to 360");
+  }
+  if (order != 1) {
+    prompt_.Say(
+        "put its axis of symmetry on the axis of the turntable, within a millimetre or two");
+  }
+  v1::CapturedObject object;
+  object.set_object_id(options_.object_id);
+  v1::CapturedStablePose* pose = object.add_stable_poses();
+  pose->set_stable_pose_id(id);
+  pose->set_symmetry_order(order);
+  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  return true;
+}
+
+absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
+  visited_.insert(id);
+  absl::Status whole =
+      OfferToEndMove(client_, prompt_, StablePoseName(options_.object_id, id), origin_);
+  if (!whole.ok()) return whole;
+  absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
+  if (!coverage.ok()) return coverage.status();
+  TurnDialogue turn(taker_, client_, prompt_, *coverage,
+                    {.stable_pose = StablePoseName(options_.object_id, id),
+                     .origin = origin_,
+                     .clockwise = options_.clockwise});
+  if (!turn.Run()) Stop();
+  counts_.taught += turn.taught();
+  const std::string missing = coverage->MissingText();
+  prompt_.Say(absl::StrCat(id, " ", coverage->Ring(),
+                           missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
+  if (turn.taught() == 0) return absl::OkStatus();
+  if (absl::Status axis = CheckAxis(id); !axis.ok()) return axis;
+  return WarnOfLookAlikes();
+}
+
+absl::Status GuidedTeaching::CheckAxis(const std::string& id) {
+  auto views = TaughtTurn(client_, StablePoseName(options_.object_id, id));
+  if (!views.ok()) return views.status();
+  const Eigen::Vector2d given = origin_.head<2>();
+  const absl::StatusOr<SeenAxis> seen = FindAxis(*views, given);
+  for (TurnedCloud& view : *views) view.azimuth_rad = -view.azimuth_rad;
+  const absl::StatusOr<SeenAxis> mirrored = FindAxis(*views, given);
+  if (mirrored.ok() && mirrored->share > kTurnedTheOtherWay + (seen.ok() ? seen->share : 0)) {
+    prompt_.Say(absl::StrCat("note: it was turned the other way, as it seems; delete ", id,
+                             " and teach it again ", options_.clockwise ? "without" : "with",
+                             " --clockwise"));
+    return absl::OkStatus();
+  }
+  if (!seen.ok()) return absl::OkStatus();  // too little was seen to say anything
+  return (seen->axis - given).norm() < kAxisOffM ? absl::OkStatus() : OfferAxis(id, seen->axis);
+}
+
+absl::Status GuidedTeaching::OfferAxis(const std::string& id, const Eigen::Vector2d& axis) {
+  const std::string text = absl::StrFormat("%.4f,%.4f", axis.x(), axis.y());
+  prompt_.Say(absl::StrFormat(
+      "note: the views fit together about the axis %s, %.1f mm from where it is said to be", text,
+      1000 * (axis - origin_.head<2>()).norm()));
+  const std::optional<std::string> answer =
+      prompt_.Ask("put them about that axis, and those to come? (Enter: yes, n: no) ");
+  if (!answer) Stop();
+  if (!answer || !absl::StripAsciiWhitespace(*answer).empty()) {
+    prompt_.Say(absl::StrCat(id, " stays as it is; its views do not fit together"));
+    return absl::OkStatus();
+  }
+  absl::Status moved =
+      MoveTurn(client_, StablePoseName(options_.object_id, id), axis, RegionOf(options_));
+  if (!moved.ok()) return moved;
+  origin_.head<2>() = axis;
+  prompt_.Say(absl::StrCat("done; when you teach on this turntable again, give --axis ", text));
+  return absl::OkStatus();
+}
+
+absl::Status GuidedTeaching::WarnOfLookAlikes() {
+  const absl::StatusOr<v1::CatalogStatus> status = client_.GetCatalogStatus();
+  if (!status.ok()) return status.status();
+  if (status->stable_pose_count() > kComparedStablePoses) {
+    prompt_.Say("see what it may be confused with: graspdb objects check");
+    return absl::OkStatus();
+  }
+  const auto found = client_.FindLookAlikes("objects/" + options_.object_id);
+  if (!found.ok()) return found.status();
+  for (const std::string& text : LookAlikesText(*found, /*nearly_too=*/true)) {
+    prompt_.Say(absl::StrCat("note: ", text));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,111 @@
+#include "client/teaching/turntable/view_taking.h"
+
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client/cell/agent/cell_frames.h"
+#include "client/cell/calibration/still_scan.h"
+#include "client/teaching/upload/view_upload.h"
+#include "files/cloud_message.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3d;
+using recognition::Pose;
+
+absl::StatusOr<Pose> CameraOf(const v1::Cell& cell, const SensorFrame& frame) {
+  const absl::StatusOr<CellFrames> frames = FramesOf(cell);
+  if (!frames.ok()) return frames.status();
+  if (frames->flange_sensor) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the camera of ", cell.name(),
+        " is on the robot; drive it to where you teach from, make a cell for that place with "
+        "`graspdb cells level`, and give that as --cell"));
+  }
+  return WorldSensor(*frames, std::nullopt, frame.world_sensor);
+}
+
+Vector3d CenterOf(const recognition::Points& points, const Pose& world_sensor) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Eigen::Vector3f& p : points) sum += p.cast<double>();
+  return world_sensor * (sum / static_cast<double>(points.size()));
+}
+
+}  // namespace
+
+// Frames of one moment, and where the camera was.
+struct ViewTaker::Shot {
+  std::vector<SensorFrame> frames;
+  Pose world_sensor = Pose::Identity();
+};
+
+absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
+  const absl::Time deadline = absl::Now() + how_.patience;
+  AwaitFrames(sensor_, deadline);
+  absl::StatusOr<std::vector<SensorFrame>> taken = TakeFrames(sensor_, frames, deadline);
+  if (!taken.ok()) return taken.status();
+  Shot shot;
+  shot.frames = *std::move(taken);
+  const absl::StatusOr<Pose> camera = CameraOf(how_.cell, shot.frames.front());
+  if (!camera.ok()) return camera.status();
+  shot.world_sensor = *camera;
+  shot.world_sensor.translation().z() -= how_.plate_height_m;
+  return shot;
+}
+
+absl::Status ViewTaker::Check() { return Shoot(1).status(); }
+
+absl::StatusOr<TakenView> ViewTaker::LookAtTaught(const std::string& name, const Shot& shot) {
+  const absl::StatusOr<v1::View> view = client_.GetView(name);
+  if (!view.ok()) return view.status();
+  const absl::StatusOr<recognition::Points> object = PointsFromMessage(view->cloud());
+  if (!object.ok()) return object.status();
+  const absl::StatusOr<CaptureQuality> quality = CaptureQualityOf(shot.frames, *object);
+  if (!quality.ok()) return quality.status();
+  return TakenView{.view = {.name = name, .point_count = view->point_count()},
+                   .quality = *quality,
+                   .center = CenterOf(*object, shot.world_sensor)};
+}
+
+absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
+                                          const Pose& world_object) {
+  const absl::StatusOr<Shot> shot = Shoot(how_.frames);
+  if (!shot.ok()) return shot.status();
+  const absl::StatusOr<StillScan> scan = Averaged(shot->frames);
+  if (!scan.ok()) return scan.status();
+  v1::UploadViewsRequest upload;
+  upload.set_parent(stable_pose);
+  *upload.mutable_view()->mutable_cloud() = CloudMessage(scan->points, scan->width);
+  *upload.mutable_view()->mutable_object_pose() = ToMessage(world_object);
+  *upload.mutable_view()->mutable_sensor_pose() = ToMessage(shot->world_sensor);
+  if (how_.region) *upload.mutable_region_of_interest() = *how_.region;
+  upload.set_view_id(ContentId(upload.view().cloud()));
+  const std::string name = absl::StrCat(stable_pose, "/views/", upload.view_id());
+  const auto make = [&](std::size_t, v1::UploadViewsRequest* request) {
+    *request = upload;
+    return absl::OkStatus();
+  };
+  const auto counts = TeachViews(client_, {.count = 1, .make = make}, {});
+  if (!counts.ok()) return counts.status();
+  if (counts->created == 0) {
+    return absl::AlreadyExistsError(
+        "this very frame is taught already; turn the object, and check that the camera is not "
+        "frozen");
+  }
+  absl::StatusOr<TakenView> taken = LookAtTaught(name, *shot);
+  if (taken.ok()) return taken;
+  // Whoever is told of an error takes the view again, and it would be there twice.
+  const absl::Status gone = client_.DeleteView(name);
+  if (gone.ok() || absl::IsNotFound(gone)) return taken;
+  return absl::Status(
+      taken.status().code(),
+      absl::StrCat(std::string(taken.status().message()), "; ", name,
+                   " is taught all the same and cannot be deleted: ", std::string(gone.message())));
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,218 @@
+#include "client/teaching/upload/cad_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/teaching/upload/turn_steps.h"
+#include "files/cloud_message.h"
+#include "files/pose_message.h"
+#include "rendering/counter_random.h"
+#include "rendering/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+using Eigen::Vector3d;
+using recognition::Pose;
+
+constexpr std::uint64_t kSeed = 1;
+// A camera whose axis falls by less than this a metre does not look at the table.
+constexpr double kMinFall = 0.05;
+constexpr int kMinPixels = 30;
+// Around what turns: noise, and flying pixels.
+constexpr double kMarginM = 0.05;
+
+bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
+  return p.x() >= box.min().x() && p.x() <= box.max().x() && p.y() >= box.min().y() &&
+         p.y() <= box.max().y();
+}
+
+// Where it turns about z, as a whole.
+v1::AxisAlignedBox RegionOf(const TriangleMesh& mesh) {
+  double radius = 0;
+  double height = 0;
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    radius = std::max(radius, static_cast<double>(v.head<2>().norm()));
+    height = std::max(height, static_cast<double>(v.z()));
+  }
+  v1::AxisAlignedBox region = SimulatedRegion();
+  const double half_width = std::max(region.max().x(), radius + kMarginM);
+  region.mutable_min()->set_x(-half_width);
+  region.mutable_min()->set_y(-half_width);
+  region.mutable_max()->set_x(half_width);
+  region.mutable_max()->set_y(half_width);
+  region.mutable_max()->set_z(std::max(region.max().z(), height + kMarginM));
+  return region;
+}
+
+// Renders views by their number: one stable pose after the other.
+class Turntable {
+ public:
+  static absl::StatusOr<Turntable> Create(const std::vector<Workpiece>& parts,
+                                          const CadViews& views) {
+    auto camera = DepthCamera::Create(views.camera);
+    if (!camera.ok()) return camera.status();
+    return Turntable(parts, views, *std::move(camera));
+  }
+
+  std::size_t steps() const { return static_cast<std::size_t>(StepsOf(views_.step_deg)); }
+  std::size_t count() const { return parts_.size() * steps(); }
+
+  absl::Status Make(std::size_t number, v1::UploadViewsRequest* request) const {
+    const Workpiece& part = parts_[number / steps()];
+    const double azimuth_deg = static_cast<double>(number % steps()) * views_.step_deg;
+    Pose world_object = Pose::Identity();
+    world_object.rotate(Eigen::AngleAxisd(azimuth_deg * std::numbers::pi / 180, Vector3d::UnitZ()));
+    Scene scene;
+    scene.objects.push_back({.mesh = &part.mesh, .world_object = world_object});
+    const auto azimuth = static_cast<std::uint64_t>(std::llround(azimuth_deg * 1000));
+    const auto frame =
+        camera_.Render(scene, views_.world_sensor, RandomBits(kSeed, Hash(part), azimuth));
+    if (!frame.ok()) return frame.status();
+    if (std::ranges::count(frame->surface, 0) < kMinPixels) return OutOfSight(part);
+    request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
+    v1::View* view = request->mutable_view();
+    *view->mutable_cloud() = CloudMessage(ToPoints(*frame, views_.camera.intrinsics), frame->width);
+    *view->mutable_object_pose() = ToMessage(world_object);
+    *view->mutable_sensor_pose() = ToMessage(views_.world_sensor);
+    *request->mutable_region_of_interest() = RegionOf(part.mesh);
+    return absl::OkStatus();
+  }
+
+ private:
+  Turntable(const std::vector<Workpiece>& parts, const CadViews& views, DepthCamera camera)
+      : parts_(parts), views_(views), camera_(std::move(camera)) {}
+
+  // Stable poses have noise of their own (FNV-1a of their names).
+  static std::uint64_t Hash(const Workpiece& part) {
+    std::uint64_t hash = 14695981039346656037ULL;
+    for (const char c : part.object_id + "/" + part.stable_pose_id) {
+      hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    }
+    return hash;
+  }
+
+  absl::Status OutOfSight(const Workpiece& part) const {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nothing of ", part.object_id, " is to be seen in ", part.stable_pose_id,
+        "; the camera measures from ", views_.camera.min_depth_m, " to ", views_.camera.max_depth_m,
+        " m, choose another --distance or check the cell's pose"));
+  }
+
+  const std::vector<Workpiece>& parts_;
+  const CadViews& views_;
+  DepthCamera camera_;
+};
+
+// The same mesh gives the same frame; what is allowed is what other compilers round.
+bool IsSameFrame(const Pose& a, const Pose& b) {
+  constexpr double kSameM = 1e-3;
+  constexpr double kSameRad = std::numbers::pi / 180;
+  const Pose between = a.inverse() * b;
+  return between.translation().norm() < kSameM &&
+         Eigen::AngleAxisd(between.linear()).angle() < kSameRad;
+}
+
+// Where the mesh's frame is in a stable pose that is of this mesh: said by what was taught before
+// it was kept, too.
+absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::string& name) {
+  if (!part.object_mesh) return absl::OkStatus();
+  const absl::StatusOr<v1::StablePose> known = client.GetStablePose(name);
+  if (absl::IsNotFound(known.status())) return absl::OkStatus();  // it will be made with it
+  if (!known.ok()) return known.status();
+  if (known->has_mesh_pose()) {
+    if (IsSameFrame(FromMessage(known->mesh_pose()), *part.object_mesh)) return absl::OkStatus();
+    return absl::FailedPreconditionError(
+        absl::StrCat(name,
+                     " has the frame of another mesh; delete the object, teach another name, or "
+                     "keep that frame with --add"));
+  }
+  v1::UpdateStablePoseRequest request;
+  request.mutable_stable_pose()->set_name(name);
+  request.mutable_stable_pose()->set_etag(known->etag());
+  *request.mutable_stable_pose()->mutable_mesh_pose() = ToMessage(*part.object_mesh);
+  request.mutable_update_mask()->add_paths("mesh_pose");
+  return client.UpdateStablePose(request).status();
+}
+
+// What is there of a stable pose must be of this mesh, camera and place: its first view is.
+absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t part) {
+  v1::UploadViewsRequest first;
+  absl::Status made = turntable.Make(part * turntable.steps(), &first);
+  if (!made.ok()) return made;
+  const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(first.parent());
+  if (absl::IsNotFound(views.status())) return absl::OkStatus();
+  if (!views.ok()) return views.status();
+  const std::string name = absl::StrCat(first.parent(), "/views/", ContentId(first.view().cloud()));
+  if (views->empty() || std::ranges::find(*views, name, &v1::View::name) != views->end()) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(absl::StrCat(
+      first.parent(), " has ", views->size(),
+      " views that are not of this mesh, camera and place; delete the object, teach another "
+      "name, or teach these views beside them with --add"));
+}
+
+}  // namespace
+
+absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
+  if (!cell.has_sensor_pose()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(cell.name(),
+                     " has no sensor pose; calibrate it, or give --look-down and "
+                     "--distance in place of --cell"));
+  }
+  if (absl::Status pose = CheckPose(cell.sensor_pose(), "sensor_pose"); !pose.ok()) return pose;
+  Pose sensor = FromMessage(cell.sensor_pose());
+  const Vector3d axis = sensor.linear().col(2);
+  const double height = sensor.translation().z();
+  const bool looks_down = axis.z() < -kMinFall && height > 0;
+  Vector3d target = Vector3d::Zero();
+  if (looks_down) target = sensor.translation() - axis * (height / axis.z());
+  const v1::AxisAlignedBox& region = cell.region_of_interest();
+  if (cell.has_region_of_interest() && (!looks_down || !IsWithin(region, target))) {
+    target = Vector3d((region.min().x() + region.max().x()) / 2,
+                      (region.min().y() + region.max().y()) / 2, 0);
+  } else if (!looks_down) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the camera of ", cell.name(), " does not look down at the table; check its sensor pose"));
+  }
+  sensor.translation() -= target;
+  return sensor;
+}
+
+std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views) {
+  return parts.size() * static_cast<std::size_t>(StepsOf(views.step_deg));
+}
+
+absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
+                                           const CadViews& views, const UploadWatch& watch) {
+  if (absl::Status step = CheckStep(views.step_deg); !step.ok()) return step;
+  const absl::StatusOr<Turntable> turntable = Turntable::Create(parts, views);
+  if (!turntable.ok()) return turntable.status();
+  for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
+    absl::Status own = CheckOwn(client, *turntable, part);
+    if (!own.ok()) return own;
+  }
+  for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
+    const std::string name = StablePoseName(parts[part].object_id, parts[part].stable_pose_id);
+    absl::Status kept = KeepMeshPose(client, parts[part], name);
+    if (!kept.ok()) return kept;
+  }
+  std::vector<v1::CapturedObject> declared;
+  declared.reserve(parts.size());
+  for (const Workpiece& part : parts) declared.push_back(DeclarationOf(part));
+  if (absl::Status made = CreateParents(client, declared); !made.ok()) return made;
+  return TeachViews(
+      client,
+      {.count = turntable->count(),
+       .make = [&](std::size_t i,
+                   v1::UploadViewsRequest* request) { return turntable->Make(i, request); }},
+      watch);
+}
+
+}  // namespace graspdb::client

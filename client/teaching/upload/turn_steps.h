@@ -1,0 +1,14 @@
+// The steps in which an object is turned about itself.
+#pragma once
+
+#include "absl/status/status.h"
+
+namespace graspdb::client {
+
+// INVALID_ARGUMENT for a step that is not between 1 and 120 degrees.
+absl::Status CheckStep(double step_deg);
+
+// How many of 0, step, 2 step, … are below 360 degrees; 0 for a step that CheckStep refuses.
+int StepsOf(double step_deg);
+
+}  // namespace graspdb::client

@@ -1,0 +1,136 @@
+#include "client/teaching/upload/view_upload.h"
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "files/cloud_message.h"
+
+namespace graspdb::client {
+namespace {
+
+// Views in one upload call: after each call the server has said that they are safe.
+constexpr int kViewsPerCall = 8;
+
+absl::Status IgnoreExisting(const absl::Status& status) {
+  return absl::IsAlreadyExists(status) ? absl::OkStatus() : status;
+}
+
+absl::Status CreateStablePose(Client& client, const std::string& object_id,
+                              const v1::CapturedStablePose& pose) {
+  v1::CreateStablePoseRequest request;
+  request.set_parent("objects/" + object_id);
+  request.set_stable_pose_id(pose.stable_pose_id());
+  v1::StablePose* message = request.mutable_stable_pose();
+  if (pose.has_symmetry_order()) message->set_symmetry_order(pose.symmetry_order());
+  if (pose.has_min_score()) message->set_min_score(pose.min_score());
+  if (pose.has_mesh_pose()) *message->mutable_mesh_pose() = pose.mesh_pose();
+  *message->mutable_grasps() = pose.grasps();
+  return IgnoreExisting(client.CreateStablePose(request).status());
+}
+
+// One upload: what is left to send and what came of it.
+class Upload {
+ public:
+  Upload(Client& client, const ViewsToTeach& views) : client_(client), views_(views) {}
+
+  bool IsDone() const { return next_ == views_.count; }
+  std::size_t next() const { return next_; }
+  const UploadCounts& counts() const { return counts_; }
+
+  absl::Status SendSome() {
+    int sent = 0;
+    absl::StatusOr<v1::UploadViewsResponse> response =
+        client_.UploadViews([&](v1::UploadViewsRequest* request) -> absl::StatusOr<bool> {
+          while (!IsDone() && sent < kViewsPerCall) {
+            absl::StatusOr<bool> wanted = Prepare(next_++, request);
+            if (!wanted.ok()) return wanted.status();
+            if (!*wanted) continue;
+            ++sent;
+            return true;
+          }
+          return false;
+        });
+    if (!response.ok()) return response.status();
+    counts_.created += response->created_count();
+    counts_.existing += response->existing_count();
+    return absl::OkStatus();
+  }
+
+ private:
+  // Fills the request; false when the server has the view already.
+  absl::StatusOr<bool> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
+    request->Clear();
+    if (absl::Status made = views_.make(i, request); !made.ok()) return made;
+    if (request->view_id().empty()) request->set_view_id(ContentId(request->view().cloud()));
+    absl::StatusOr<bool> known = IsKnown(request->parent(), request->view_id());
+    if (!known.ok()) return known.status();
+    if (!*known) return true;
+    if (!views_.replace) {
+      ++counts_.existing;
+      return false;
+    }
+    absl::Status gone =
+        client_.DeleteView(absl::StrCat(request->parent(), "/views/", request->view_id()));
+    if (!gone.ok()) return gone;
+    return true;
+  }
+
+  absl::StatusOr<bool> IsKnown(const std::string& stable_pose, const std::string& view_id) {
+    auto found = known_.find(stable_pose);
+    if (found == known_.end()) {
+      absl::StatusOr<std::vector<v1::View>> views = client_.ListViews(stable_pose);
+      if (!views.ok()) return views.status();
+      std::set<std::string> names;
+      for (const v1::View& view : *views) names.insert(view.name());
+      found = known_.emplace(stable_pose, std::move(names)).first;
+    }
+    return found->second.contains(absl::StrCat(stable_pose, "/views/", view_id));
+  }
+
+  Client& client_;
+  const ViewsToTeach& views_;
+  std::map<std::string, std::set<std::string>> known_;
+  std::size_t next_ = 0;
+  UploadCounts counts_;
+};
+
+}  // namespace
+
+std::string StablePoseName(const std::string& object_id, const std::string& stable_pose_id) {
+  return absl::StrCat("objects/", object_id, "/stablePoses/", stable_pose_id);
+}
+
+absl::Status CreateParents(Client& client, const std::vector<v1::CapturedObject>& objects) {
+  for (const v1::CapturedObject& object : objects) {
+    v1::CreateObjectRequest request;
+    request.set_object_id(object.object_id());
+    request.mutable_object()->set_display_name(object.display_name());
+    absl::Status made = IgnoreExisting(client.CreateObject(request).status());
+    if (!made.ok()) return made;
+    for (const v1::CapturedStablePose& pose : object.stable_poses()) {
+      made = CreateStablePose(client, object.object_id(), pose);
+      if (!made.ok()) return made;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<UploadCounts> TeachViews(Client& client, const ViewsToTeach& views,
+                                        const UploadWatch& watch) {
+  Upload upload(client, views);
+  while (!upload.IsDone()) {
+    if (watch.cancelled && watch.cancelled()) {
+      return absl::CancelledError(
+          absl::StrCat("interrupted after ", upload.next(), " of ", views.count,
+                       " views, which are safe; run the same command again to go on"));
+    }
+    if (absl::Status sent = upload.SendSome(); !sent.ok()) return sent;
+    if (watch.report) watch.report(upload.next());
+  }
+  return upload.counts();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,158 @@
+#include "files/capture_check.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+// The stable poses of every object.
+using Declared = std::map<std::string, std::set<std::string>>;
+
+absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
+
+absl::Status CheckNewId(const std::string& id, bool is_new, const std::string& field) {
+  if (id.empty()) return Bad(field + " is missing; give it an id");
+  if (!is_new) return Bad(absl::StrCat(field, " \"", id, "\" is there twice; give it another id"));
+  return absl::OkStatus();
+}
+
+absl::Status CheckPath(const std::string& text, const std::string& field) {
+  const std::filesystem::path path = std::filesystem::path(text).lexically_normal();
+  if (text.empty()) return Bad(field + " is missing; name a file in the folder");
+  if (path.is_absolute() || (path.begin() != path.end() && *path.begin() == "..")) {
+    return Bad(absl::StrCat(field, " \"", text, "\" leads out of the folder of the capture set; ",
+                            "give a path within it"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& field) {
+  if (absl::Status id = CheckNewId(grasp.grasp_id(), is_new, field + ".graspId"); !id.ok()) {
+    return id;
+  }
+  if (absl::Status pose = CheckPose(grasp.tcp_pose(), field + ".tcpPose"); !pose.ok()) return pose;
+  for (const double length :
+       {grasp.approach_distance_m(), grasp.gripper_opening_m(), grasp.retreat_distance_m()}) {
+    if (!std::isfinite(length) || length < 0) {
+      return Bad(field + " has a length that is negative or not finite; give metres");
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field) {
+  if (pose.symmetry_order() < 0) {
+    return Bad(absl::StrCat(field, ".symmetryOrder is ", pose.symmetry_order(),
+                            "; give 1 for none, n for n-fold, 0 for any turn"));
+  }
+  if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
+    return Bad(absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
+  }
+  if (pose.has_mesh_pose()) {
+    absl::Status mesh = CheckPose(pose.mesh_pose(), field + ".meshPose");
+    if (!mesh.ok()) return mesh;
+  }
+  std::set<std::string> grasps;
+  for (int i = 0; i < pose.grasps_size(); ++i) {
+    const bool is_new = grasps.insert(pose.grasps(i).grasp_id()).second;
+    absl::Status grasp =
+        CheckGrasp(pose.grasps(i), is_new, absl::StrCat(field, ".grasps[", i, "]"));
+    if (!grasp.ok()) return grasp;
+  }
+  return absl::OkStatus();
+}
+
+namespace {
+
+absl::Status CheckObject(const v1::CapturedObject& object, const std::string& field,
+                         Declared& declared) {
+  const auto [entry, is_new] = declared.try_emplace(object.object_id());
+  if (absl::Status id = CheckNewId(object.object_id(), is_new, field + ".objectId"); !id.ok()) {
+    return id;
+  }
+  if (!object.mesh_path().empty()) {
+    absl::Status path = CheckPath(object.mesh_path(), field + ".meshPath");
+    if (!path.ok()) return path;
+  }
+  for (int i = 0; i < object.stable_poses_size(); ++i) {
+    const v1::CapturedStablePose& pose = object.stable_poses(i);
+    const std::string name = absl::StrCat(field, ".stablePoses[", i, "]");
+    const bool is_new_pose = entry->second.insert(pose.stable_pose_id()).second;
+    absl::Status status = CheckNewId(pose.stable_pose_id(), is_new_pose, name + ".stablePoseId");
+    if (status.ok()) status = CheckStablePose(pose, name);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRegion(const v1::AxisAlignedBox& box) {
+  const bool good = std::isfinite(box.min().x()) && std::isfinite(box.min().y()) &&
+                    std::isfinite(box.min().z()) && std::isfinite(box.max().x()) &&
+                    std::isfinite(box.max().y()) && std::isfinite(box.max().z()) &&
+                    box.min().x() <= box.max().x() && box.min().y() <= box.max().y() &&
+                    box.min().z() <= box.max().z();
+  if (good) return absl::OkStatus();
+  return Bad("regionOfInterest has a corner min above max; give metres in the world frame");
+}
+
+absl::Status CheckNames(const v1::Capture& capture, const std::string& field,
+                        const Declared& declared) {
+  const bool named = !capture.object_id().empty() && !capture.stable_pose_id().empty();
+  if (capture.split() == v1::Capture::TEACH && !named) {
+    return Bad(field + " is to be taught; give it an objectId and a stablePoseId");
+  }
+  if (capture.object_id().empty()) return absl::OkStatus();
+  const auto object = declared.find(capture.object_id());
+  if (object == declared.end()) {
+    return Bad(absl::StrCat(field, ".objectId \"", capture.object_id(),
+                            "\" is not in objects; declare it there"));
+  }
+  if (!capture.stable_pose_id().empty() && !object->second.contains(capture.stable_pose_id())) {
+    return Bad(absl::StrCat(field, ".stablePoseId \"", capture.stable_pose_id(),
+                            "\" is not among the stable poses of ", capture.object_id(),
+                            "; declare it there"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCapture(const v1::Capture& capture, const std::string& field,
+                          const Declared& declared) {
+  if (absl::Status path = CheckPath(capture.path(), field + ".path"); !path.ok()) return path;
+  if (absl::Status names = CheckNames(capture, field, declared); !names.ok()) return names;
+  if (capture.has_object_pose()) {
+    absl::Status pose = CheckPose(capture.object_pose(), field + ".objectPose");
+    if (!pose.ok()) return pose;
+  }
+  if (!capture.has_sensor_pose()) return absl::OkStatus();
+  return CheckPose(capture.sensor_pose(), field + ".sensorPose");
+}
+
+}  // namespace
+
+absl::Status CheckCaptureSet(const v1::CaptureSet& set) {
+  Declared declared;
+  for (int i = 0; i < set.objects_size(); ++i) {
+    absl::Status object = CheckObject(set.objects(i), absl::StrCat("objects[", i, "]"), declared);
+    if (!object.ok()) return object;
+  }
+  if (set.has_region_of_interest()) {
+    if (absl::Status region = CheckRegion(set.region_of_interest()); !region.ok()) return region;
+  }
+  for (int i = 0; i < set.captures_size(); ++i) {
+    absl::Status capture =
+        CheckCapture(set.captures(i), absl::StrCat("captures[", i, "]"), declared);
+    if (!capture.ok()) return capture;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,55 @@
+#include "files/cloud_message.h"
+
+#include <openssl/sha.h>
+
+#include <cstring>
+
+#include "absl/strings/escaping.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr int kStride = 12;
+static_assert(sizeof(Eigen::Vector3f) == kStride);
+// Bytes of the digest in an id: enough for billions of captures.
+constexpr std::size_t kIdBytes = 10;
+
+}  // namespace
+
+v1::PointCloud CloudMessage(const recognition::Points& points, int width) {
+  v1::PointCloud out;
+  out.set_point_stride(kStride);
+  out.set_width(width);
+  int offset = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    v1::PackedElementField* field = out.add_fields();
+    field->set_name(name);
+    field->set_offset(offset);
+    field->set_type(v1::PackedElementField::NUMERIC_TYPE_FLOAT32);
+    offset += 4;
+  }
+  out.mutable_data()->assign(reinterpret_cast<const char*>(points.data()), points.size() * kStride);
+  return out;
+}
+
+v1::PointCloud CloudMessage(const PointFile& file) {
+  return CloudMessage(file.points, file.image_width());
+}
+
+absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& cloud) {
+  if (cloud.point_stride() != kStride || cloud.fields_size() != 3 ||
+      cloud.data().size() % kStride != 0) {
+    return absl::InvalidArgumentError("the cloud is not packed as x, y, z floats");
+  }
+  recognition::Points out(cloud.data().size() / kStride);
+  std::memcpy(static_cast<void*>(out.data()), cloud.data().data(), cloud.data().size());
+  return out;
+}
+
+std::string ContentId(const v1::PointCloud& cloud) {
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(cloud.data().data()), cloud.data().size(), digest);
+  return absl::BytesToHexString(std::string(reinterpret_cast<const char*>(digest), kIdBytes));
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,15 @@
+// PCL's PCD writer; the one place where PCL's types are known.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "files/point_file.h"
+
+namespace graspdb::client {
+
+// The bytes of a binary_compressed PCD file; `file` must be consistent, as
+// WritePcd checks. INTERNAL when PCL refuses it. Silences PCL's console for the process.
+absl::StatusOr<std::string> EncodePcd(const PointFile& file);
+
+}  // namespace graspdb::client

@@ -1,0 +1,123 @@
+#include "lab/commands/bench_frames.h"
+
+#include "absl/strings/str_format.h"
+#include "client/cli/base/command.h"
+#include "client/cli/base/splits.h"
+#include "client/cli/recognize/scan_source.h"
+#include "rendering/sample_parts.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr double kMegabyte = 1e6;
+
+absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames& frames) {
+  absl::StatusOr<ScanTasks> scans = ListScans(frames.inputs, frames.split);
+  if (!scans.ok()) return scans.status();
+  const auto limit = static_cast<std::size_t>(frames.limit);
+  if (limit > 0 && scans->tasks.size() > limit) scans->tasks.resize(limit);
+  std::vector<v1::RecognizeRequest> out;
+  for (const ScanTask& task : scans->tasks) {
+    if (Interrupted()) return absl::CancelledError("interrupted before the first request");
+    absl::StatusOr<v1::RecognizeRequest> request = ReadScan(task);
+    if (!request.ok()) return request.status();
+    out.push_back(*std::move(request));
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<v1::RecognizeRequest>> Simulate(const BenchFrames& frames) {
+  SimulatedFrames simulated = frames.simulated;
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(frames.camera);
+  if (!camera.ok()) return camera.status();
+  simulated.camera = *camera;
+  if (frames.limit > 0) simulated.count = frames.limit;
+  return SimulateRequests(simulated);
+}
+
+void AddSimulationOptions(CLI::App& command, BenchFrames* f) {
+  CLI::Option* simulate = command.add_flag(
+      "--simulate", f->simulate,
+      "Send depth images that a simulated Kinect takes of sample parts, in place of scans");
+  command
+      .add_option("--parts", f->simulated.parts,
+                  "With --simulate: sample parts to show, by a comma list of ids; all without it")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(SamplePartIds()))
+      ->type_name("ID,...")
+      ->needs(simulate);
+  command.add_option("--camera", f->camera, "With --simulate: Kinect v1 (640x480) or v2 (512x424)")
+      ->check(CLI::IsMember({"v1", "v2"}))
+      ->capture_default_str()
+      ->needs(simulate);
+  command
+      .add_option("--objects-per-scene", f->simulated.objects_per_scene,
+                  "With --simulate: parts in a scene")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str()
+      ->needs(simulate);
+  command
+      .add_option("--seed", f->simulated.seed,
+                  "With --simulate: another seed gives other scenes and noise")
+      ->capture_default_str()
+      ->needs(simulate);
+}
+
+}  // namespace
+
+void AddFrameOptions(CLI::App& command, BenchFrames* f) {
+  command.add_option("SCAN", f->inputs, "Point files (.pcd, .ply) or capture sets");
+  AddSplitFlag(command, &f->split);
+  AddSimulationOptions(command, f);
+  command
+      .add_option("--frames", f->limit,
+                  "Frames that take turns: the first of the scans (all without it), or simulated "
+                  "scenes (16 without it); they are kept in memory")
+      ->check(CLI::Range(1, 100'000))
+      ->type_name("N");
+  command.add_option("--cell", f->cell, "Cell whose calibration and settings apply");
+  command.add_flag("--segmented", f->segmented,
+                   "The scans have only one object's points, no table");
+  command
+      .add_option_function<int>(
+          "--verified-views", [f](int n) { f->pipeline.set_verified_view_count(n); },
+          "Nearest views that are verified; the server's choice without it")
+      ->check(CLI::Range(1, 10'000))
+      ->type_name("K");
+  command
+      .add_option_function<double>(
+          "--min-score", [f](double score) { f->pipeline.set_min_score(score); },
+          "Answers that are less sure are UNKNOWN_OBJECT; the server's choice without it")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("SCORE");
+}
+
+absl::StatusOr<std::vector<v1::RecognizeRequest>> MakeRequests(const BenchFrames& frames) {
+  absl::StatusOr<std::vector<v1::RecognizeRequest>> out =
+      frames.simulate ? Simulate(frames) : ReadRequests(frames);
+  if (!out.ok()) return out;
+  for (v1::RecognizeRequest& request : *out) {
+    if (!frames.cell.empty()) request.set_cell(ResourceName("cells", frames.cell));
+    if (frames.segmented) request.set_segmented(true);
+    *request.mutable_pipeline() = frames.pipeline;
+  }
+  return out;
+}
+
+std::string DescribeRequests(const std::vector<v1::RecognizeRequest>& requests) {
+  double bytes = 0;
+  for (const v1::RecognizeRequest& request : requests) {
+    bytes += static_cast<double>(request.ByteSizeLong());
+  }
+  const double megabytes = bytes / kMegabyte / static_cast<double>(requests.size());
+  const v1::RecognizeRequest& first = requests.front();
+  if (!first.has_depth_image()) {
+    return absl::StrFormat("%d clouds, %.2f MB each", requests.size(), megabytes);
+  }
+  const v1::CameraIntrinsics& camera = first.depth_image().intrinsics();
+  return absl::StrFormat("%d depth images of %d x %d, %.2f MB each", requests.size(),
+                         camera.width(), camera.height(), megabytes);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,37 @@
+// What `bench` sends.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graspdb/v1/recognition_service.pb.h"
+#include "lab/load/simulated_frames.h"
+
+namespace graspdb::client {
+
+// What the command line says of the frames.
+struct BenchFrames {
+  std::vector<std::string> inputs;
+  std::string split = "ALL";
+  bool simulate = false;
+  std::string camera = "v2";
+  SimulatedFrames simulated;
+  int limit = 0;  // of the scans, the first so many; 0: all
+  std::string cell;
+  bool segmented = false;
+  v1::PipelineParameters pipeline;
+};
+
+// Adds SCAN… and the flags of frames.
+void AddFrameOptions(CLI::App& command, BenchFrames* frames);
+
+// The requests, all of them in memory. Errors as ListScans, ReadScan and SimulateRequests;
+// CANCELLED on Ctrl-C.
+absl::StatusOr<std::vector<v1::RecognizeRequest>> MakeRequests(const BenchFrames& frames);
+
+// "16 depth images of 512 x 424, 0.43 MB each".
+std::string DescribeRequests(const std::vector<v1::RecognizeRequest>& requests);
+
+}  // namespace graspdb::client

@@ -1,0 +1,38 @@
+// What `graspdb eval` does once its arguments are read.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "lab/experiment/bigbird_trials.h"
+#include "lab/experiment/part_set.h"
+#include "recognition/descriptors/descriptor_parameters.h"
+
+namespace graspdb::client {
+
+struct EvalArguments {
+  // Mesh files, or one folder: a capture set or in BigBIRD's layout.
+  std::vector<std::string> inputs;
+  bool leave_one_out = false;  // of a capture set
+  BigBirdOptions bigbird;      // but the objects, which are those of `choices`
+  Choices choices;
+  std::vector<std::string> cases;
+  double unit_m = 1;
+  MeshSelection selection{.orientations = 3};
+  int trials = 24;
+  std::uint64_t seed = 1;
+  recognition::MatchingParameters matching;
+  bool own_thresholds = false;
+  bool descriptors = false;
+  bool list = false;
+  std::string out;      // folder; empty: no report
+  std::string command;  // as it could be typed again
+};
+
+// Runs the cases, prints their figures, writes the report where one is wanted. INVALID_ARGUMENT for
+// inputs that do not go together; errors as those of the cases.
+absl::Status RunEval(const EvalArguments& arguments);
+
+}  // namespace graspdb::client

@@ -1,0 +1,186 @@
+#include "lab/commands/robot_command.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cell/agent/cell_frames.h"
+#include "client/cli/base/camera.h"
+#include "files/json_object.h"
+#include "lab/simulated_robot/pick_run.h"
+#include "program/latency_histogram.h"
+#include "program/listen_address.h"
+#include "rendering/sample_parts.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::chrono::seconds kPatience{60};
+constexpr int kMaxJob = 65535;  // the interface has 16 bits for it
+
+struct Options {
+  std::string cell;
+  std::string agent = "127.0.0.1:7100";
+  std::vector<std::string> parts;
+  PickRunOptions run;
+  double least_percent = 0;
+};
+
+constexpr char kFooter[] =
+    R"(For every pick it lays sample parts before the simulated camera of the cell's agent, asks for a
+grasp over the Generic Robot Interface, and says whether a gripper would have held: the tool
+within 3 mm and 2 degrees of a taught grasp, modulo the part's symmetry. Times are from the trigger
+to the pose, without the camera's own. With --json every pick is one line, and the summary the last.
+
+Example:
+  graspdb-cell --cell demo --sensor simulated:scene=/tmp/table &
+  graspdb robot --cell demo --scene /tmp/table --picks 20)";
+
+std::string PickText(const Pick& pick) {
+  if (pick.code != GriCode::kNoError) {
+    return absl::StrFormat("%-16s not picked: %s", pick.shown, std::string(GriCodeName(pick.code)));
+  }
+  return absl::StrFormat("%-16s %s: %s, %s, off by %.2f mm, %.2f deg; %.1f ms", pick.shown,
+                         pick.held ? "held" : "LOST", pick.error.object, pick.error.grasp_id,
+                         1000 * pick.error.shift_m, pick.error.turn_rad * 180 / std::numbers::pi,
+                         std::chrono::duration<double, std::milli>(pick.cycle).count());
+}
+
+double Milliseconds(std::chrono::duration<double, std::milli> time) { return time.count(); }
+
+absl::Status PrintPick(bool as_json, const Pick& pick) {
+  if (!as_json) {
+    std::printf("%s\n", PickText(pick).c_str());
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct document;
+  JsonObject object(&document);
+  object.Text("shown", pick.shown);
+  object.Text("code", GriCodeName(pick.code));
+  object.Bool("held", pick.held);
+  if (pick.code == GriCode::kNoError) {
+    object.Text("object", pick.error.object);
+    object.Text("grasp", pick.error.grasp_id);
+    object.Number("shift_mm", 1000 * pick.error.shift_m);
+    object.Number("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi);
+    object.Number("cycle_ms", Milliseconds(pick.cycle));
+  }
+  return PrintJson(document);
+}
+
+// Where a cell's robot stands is known to its server.
+absl::Status TakeBase(const GlobalOptions& global, Options* options) {
+  if (options->cell.empty()) return absl::OkStatus();
+  absl::StatusOr<v1::Cell> cell = Connect(global).GetCell(ResourceName("cells", options->cell));
+  if (!cell.ok()) return cell.status();
+  const absl::StatusOr<CellFrames> frames = FramesOf(*cell);
+  if (!frames.ok()) return frames.status();
+  options->run.world_base = frames->world_base;
+  return absl::OkStatus();
+}
+
+absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, double percent,
+                          const LatencyHistogram& times) {
+  const double p50_ms = Milliseconds(times.Percentile(50));
+  const double p99_ms = Milliseconds(times.Percentile(99));
+  if (!as_json) {
+    const std::string cycle = times.count() == 0
+                                  ? "no pose was given"
+                                  : absl::StrFormat(
+                                        "from trigger to pose, without the camera: p50 %.1f "
+                                        "ms, p99 %.1f ms",
+                                        p50_ms, p99_ms);
+    std::printf("%s\n", absl::StrFormat("%d of %d picks would have held (%.1f %%); %s", held, picks,
+                                        percent, cycle)
+                            .c_str());
+    return absl::OkStatus();
+  }
+  google::protobuf::Struct document;
+  JsonObject object(&document);
+  object.Count("picks", picks);
+  object.Count("held", held);
+  object.Number("with_pose", static_cast<double>(times.count()));
+  if (times.count() > 0) {
+    object.Number("cycle_p50_ms", p50_ms);
+    object.Number("cycle_p99_ms", p99_ms);
+  }
+  return PrintJson(document);
+}
+
+absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double least_percent) {
+  LatencyHistogram times;
+  std::size_t held = 0;
+  for (const Pick& pick : picks) {
+    if (pick.held) ++held;
+    if (pick.code != GriCode::kNoError) continue;
+    times.Record(std::chrono::duration_cast<LatencyHistogram::Duration>(pick.cycle));
+  }
+  const double percent = 100.0 * static_cast<double>(held) / static_cast<double>(picks.size());
+  absl::Status printed = PrintSummary(as_json, held, picks.size(), percent, times);
+  if (!printed.ok() || percent >= least_percent) return printed;
+  return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", least_percent));
+}
+
+absl::Status Run(const GlobalOptions& global, Options options) {
+  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  if (!parts.ok()) return parts.status();
+  if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
+  const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
+  if (!agent.ok()) return agent.status();
+  absl::StatusOr<GriClient> robot = GriClient::Connect(agent->host, agent->port, kPatience);
+  if (!robot.ok()) return NotOfServer(robot.status());
+  absl::Status printed;
+  const auto picks = RunPicks(*robot, *parts, options.run, [&](const Pick& pick) {
+    printed.Update(PrintPick(global.json, pick));
+    std::fflush(stdout);
+  });
+  if (!picks.ok()) return NotOfServer(picks.status());
+  if (!printed.ok()) return printed;
+  return Summarise(global.json, *picks, options.least_percent);
+}
+
+void AddFlags(CLI::App* command, Options* options) {
+  command->add_option("--agent", options->agent, "HOST:PORT of the agent's GRI")
+      ->capture_default_str();
+  command->add_option("--cell", options->cell, "Id of the cell, for where its robot stands");
+  command
+      ->add_option("--scene", options->run.scene,
+                   "Folder that the agent's camera looks at (--sensor simulated:scene=FOLDER)")
+      ->required();
+  command->add_option("--picks", options->run.picks, "How many")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--objects-per-scene", options->run.objects_per_scene, "Objects on the table")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command->add_option("--parts", options->parts, "Sample parts, by a comma list of ids")
+      ->delimiter(',')
+      ->type_name("ID,...");
+  command->add_option("--seed", options->run.seed, "Another seed lays objects out otherwise")
+      ->capture_default_str();
+  const CLI::Range jobs(0, kMaxJob);
+  command->add_option("--job", options->run.job, "Job that gives grasps")
+      ->check(jobs)
+      ->capture_default_str();
+  command->add_option("--picked-job", options->run.picked_job, "Job that hears of picks that held")
+      ->check(jobs);
+  command->add_option("--missed-job", options->run.missed_job, "Job that hears of the others")
+      ->check(jobs);
+  command->add_option("--least", options->least_percent, "Fail when fewer percent would have held")
+      ->check(CLI::Range(0, 100));
+}
+
+}  // namespace
+
+void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      AddCommand(app, "robot", "A simulated robot picks what a simulated camera sees");
+  AddFlags(command, options.get());
+  command->footer(kFooter);
+  command->callback([=, &global] { *action = [=, &global] { return Run(global, *options); }; });
+}
+
+}  // namespace graspdb::client

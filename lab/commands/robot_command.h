@@ -1,0 +1,10 @@
+// `graspdb robot`: a simulated robot picks what a simulated camera sees.
+#pragma once
+
+#include "client/cli/base/command.h"
+
+namespace graspdb::client {
+
+void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action);
+
+}  // namespace graspdb::client

@@ -1,0 +1,223 @@
+#include "lab/commands/simulate_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/progress_line.h"
+#include "rendering/length_unit.h"
+#include "rendering/mesh_part.h"
+#include "rendering/sample_parts.h"
+#include "rendering/simulation.h"
+
+namespace graspdb::client {
+namespace {
+
+// What the command line says.
+struct Arguments {
+  std::vector<std::string> meshes;
+  std::string unit = "m";
+  std::vector<std::string> parts;
+  bool list_parts = false;
+  std::string out;
+  bool overwrite = false;
+  bool turntable = false;
+  double step_deg = 15;
+  int random = 0;
+  double area_m = 0.10;
+  int objects_per_scene = 1;
+  std::vector<double> look_down_deg = {40};
+  std::vector<double> distances_m = {0.8};
+  std::string camera = "v2";
+  double noise = 1;
+  bool no_table = false;
+  bool segmented = false;
+  std::uint64_t seed = 1;
+  std::string split;
+};
+
+constexpr char kDescription[] =
+    "Take captures of workpieces with a simulated Kinect and write them as a capture set.\n"
+    "Without a mesh the built-in sample parts are taken. A mesh is used as it lies: its lowest "
+    "point comes to rest on the table, the middle of its bounding box at the origin.";
+
+constexpr char kFooter[] =
+    "Examples:\n"
+    "  graspdb simulate --out teach                           # turntable, all sample parts\n"
+    "  graspdb simulate --out ask --random 96                 # the same parts, anywhere\n"
+    "  graspdb simulate --out both --turntable --random 96    # both in one set\n"
+    "  graspdb simulate bolt.stl --unit mm --out bolt --look-down 35,50\n"
+    "Then: graspdb import teach, and graspdb recognize ask.";
+
+void ListParts() {
+  for (const Workpiece& part : SampleParts()) {
+    std::cout << part.object_id << "\t" << part.display_name << "\n";
+  }
+}
+
+absl::StatusOr<std::vector<Workpiece>> PartsOf(const Arguments& arguments) {
+  std::vector<Workpiece> parts;
+  for (const std::string& path : arguments.meshes) {
+    absl::StatusOr<Workpiece> part = WorkpieceFromMesh(path, MetresOf(arguments.unit).value_or(1));
+    if (!part.ok()) return part.status();
+    parts.push_back(*std::move(part));
+  }
+  if (!arguments.meshes.empty() && arguments.parts.empty()) return parts;
+  absl::StatusOr<std::vector<Workpiece>> samples = SampleParts(arguments.parts);
+  if (!samples.ok()) return samples.status();
+  std::ranges::move(*samples, std::back_inserter(parts));
+  return parts;
+}
+
+v1::Capture::Split SplitOf(const Arguments& arguments, v1::Capture::Split otherwise) {
+  if (arguments.split.empty()) return otherwise;
+  return arguments.split == "TEACH" ? v1::Capture::TEACH : v1::Capture::QUERY;
+}
+
+absl::StatusOr<std::vector<PlannedCapture>> PlanOf(const Arguments& arguments,
+                                                   const std::vector<Workpiece>& parts) {
+  CameraStand stand;
+  stand.look_down_deg = arguments.look_down_deg;
+  stand.distances_m = arguments.distances_m;
+  std::vector<PlannedCapture> plan;
+  if (arguments.turntable || arguments.random == 0) {
+    absl::StatusOr<std::vector<PlannedCapture>> turns =
+        PlanTurntable(parts, {.stand = stand,
+                              .azimuth_step_deg = arguments.step_deg,
+                              .split = SplitOf(arguments, v1::Capture::TEACH),
+                              .seed = arguments.seed});
+    if (!turns.ok()) return turns.status();
+    plan = *std::move(turns);
+  }
+  if (arguments.random > 0) {
+    absl::StatusOr<std::vector<PlannedCapture>> scenes =
+        PlanRandomScenes(parts, {.stand = stand,
+                                 .count = arguments.random,
+                                 .area_half_width_m = arguments.area_m,
+                                 .objects_per_scene = arguments.objects_per_scene,
+                                 .split = SplitOf(arguments, v1::Capture::QUERY),
+                                 .seed = arguments.seed});
+    if (!scenes.ok()) return scenes.status();
+    std::move(scenes->begin(), scenes->end(), std::back_inserter(plan));
+  }
+  return plan;
+}
+
+absl::Status Run(const Arguments& arguments) {
+  if (arguments.list_parts) {
+    ListParts();
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::vector<Workpiece>> parts = PartsOf(arguments);
+  if (!parts.ok()) return parts.status();
+  absl::StatusOr<std::vector<PlannedCapture>> plan = PlanOf(arguments, *parts);
+  if (!plan.ok()) return plan.status();
+  SimulationOptions options;
+  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(arguments.camera);
+  if (!camera.ok()) return camera.status();
+  options.camera = *camera;
+  options.camera.noise.scale = arguments.noise;
+  options.with_table = !arguments.no_table;
+  options.segmented = arguments.segmented;
+  options.overwrite = arguments.overwrite;
+  {
+    ProgressLine progress;
+    const auto report = [&progress](int done, int total) { progress.Report(done, total); };
+    const SimulationWatch watch = {.report = report, .cancelled = {}};
+    absl::Status written = WriteSimulation(arguments.out, *parts, *plan, options, watch);
+    if (!written.ok()) return written;
+  }
+  std::cout << "wrote " << plan->size() << " captures of " << parts->size() << " objects to "
+            << arguments.out << "\n";
+  return absl::OkStatus();
+}
+
+void AddObjectOptions(CLI::App& command, Arguments& a) {
+  command.add_option("mesh", a.meshes, "Meshes to capture (PLY, OBJ, STL)")->type_name("MESH");
+  command.add_option("--unit", a.unit, "Unit of the meshes: mm, cm, m or inch")
+      ->check(CLI::IsMember(LengthUnitNames()))
+      ->capture_default_str();
+  command.add_option("--parts", a.parts, "Sample parts to capture, by a comma list of ids")
+      ->delimiter(',')
+      ->allow_extra_args(false)  // or it swallows the meshes
+      ->check(CLI::IsMember(SamplePartIds()))
+      ->type_name("ID,...");
+  command.add_flag("--list-parts", a.list_parts, "List the sample parts and stop");
+  command.add_option("--out", a.out, "Folder to write the capture set to")->type_name("SET");
+  command.add_flag("--overwrite", a.overwrite, "Replace a capture set that is there");
+}
+
+void AddPlanOptions(CLI::App& command, Arguments& a) {
+  command.add_flag("--turntable", a.turntable,
+                   "Turn every object about its z axis, split TEACH (default without --random)");
+  command.add_option("--step", a.step_deg, "Turn between captures, degrees")
+      ->check(CLI::Range(0.1, 360.0))
+      ->capture_default_str();
+  command.add_option("--random", a.random, "Number of random scenes to take, split QUERY")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N");
+  command
+      .add_option("--area", a.area_m, "Random objects lie up to this from the origin in x, y; m")
+      ->check(CLI::Range(0.0, kRegionHalfWidthM))
+      ->capture_default_str();
+  command.add_option("--objects-per-scene", a.objects_per_scene, "Objects in a random scene")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command.add_option("--split", a.split, "Write all captures as TEACH or QUERY")
+      ->check(CLI::IsMember({"TEACH", "QUERY"}));
+  command.add_option("--seed", a.seed, "Another seed gives other scenes and noise")
+      ->capture_default_str();
+}
+
+void AddCameraOptions(CLI::App& command, Arguments& a) {
+  command
+      .add_option("--camera", a.camera,
+                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
+                  "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
+      ->check(CLI::IsMember(SimulatedCameras()))
+      ->capture_default_str();
+  command
+      .add_option("--look-down", a.look_down_deg,
+                  "Angles of the camera below the horizon, degrees; random scenes use the first")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(0.0, 90.0))
+      ->type_name("DEG,...")
+      ->capture_default_str();
+  command
+      .add_option("--distance", a.distances_m,
+                  "Distances of the camera from the origin, m; random scenes use the first")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(0.1, 5.0))
+      ->type_name("M,...")
+      ->capture_default_str();
+  command.add_option("--noise", a.noise, "Factor on the camera's noise; 0 is an ideal camera")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command.add_flag("--no-table", a.no_table, "Leave the table out");
+  command.add_flag("--segmented", a.segmented, "Write the object's points alone");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, std::function<absl::Status()>* action) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("simulate", kDescription);
+  command->footer(kFooter);
+  AddObjectOptions(*command, *arguments);
+  AddPlanOptions(*command, *arguments);
+  AddCameraOptions(*command, *arguments);
+  command->callback([arguments, action] {
+    if (arguments->out.empty() && !arguments->list_parts) throw CLI::RequiredError("--out");
+    *action = [arguments] { return Run(*arguments); };
+  });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,142 @@
+#include "lab/experiment/capture_trials.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "files/capture_set.h"
+#include "files/point_file.h"
+#include "files/pose_message.h"
+#include "rendering/mesh_file.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+// What a capture without an object shows.
+constexpr char kNoObject[] = "unnamed";
+
+struct Source {
+  std::filesystem::path folder;
+  std::optional<recognition::Box> region;
+  std::vector<std::pair<v1::Capture, std::size_t>> captures;  // with the positions of their parts
+};
+
+bool Shows(const v1::Capture& capture, const Workpiece& part) {
+  return capture.object_id() == part.object_id && capture.stable_pose_id() == part.stable_pose_id;
+}
+
+absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& folder,
+                     const v1::CaptureSet& captures, PartSet* set) {
+  Workpiece part{.object_id = capture.object_id(),
+                 .display_name = "",
+                 .stable_pose_id = capture.stable_pose_id(),
+                 .grasps = {},
+                 .mesh = {}};
+  for (const v1::CapturedObject& object : captures.objects()) {
+    if (object.object_id() != part.object_id) continue;
+    for (const v1::CapturedStablePose& pose : object.stable_poses()) {
+      if (pose.stable_pose_id() != part.stable_pose_id || !pose.has_symmetry_order()) continue;
+      part.symmetry_order = pose.symmetry_order();
+    }
+    if (object.mesh_path().empty()) continue;
+    auto mesh = LoadMesh(folder / object.mesh_path());
+    if (!mesh.ok()) return mesh.status();
+    part.mesh = *std::move(mesh);
+  }
+  set->Add(std::move(part), Pose::Identity());
+  return absl::OkStatus();
+}
+
+// The position of the part that the capture shows; it is added where it is new.
+absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::path& folder,
+                                   const v1::CaptureSet& captures, PartSet* set) {
+  if (capture.object_id().empty()) capture.set_object_id(kNoObject);
+  const auto known =
+      std::ranges::find_if(set->parts, [&](const Workpiece& part) { return Shows(capture, part); });
+  if (known != set->parts.end()) return static_cast<std::size_t>(known - set->parts.begin());
+  if (absl::Status added = AddPart(capture, folder, captures, set); !added.ok()) return added;
+  return set->parts.size() - 1;
+}
+
+absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
+  const auto& [capture, part] = source.captures[i];
+  auto file = ReadPointFile(source.folder / capture.path());
+  if (!file.ok()) return file.status();
+  Trial out{.scan = {.points = std::move(file->points),
+                     .world_sensor = file->sensor_pose,
+                     .region = source.region,
+                     .segmented = capture.segmented()},
+            .truth = {{.part = part}},
+            .seen = {},
+            .posed = capture.has_object_pose(),
+            .file = capture.path()};
+  if (capture.has_sensor_pose()) out.scan.world_sensor = FromMessage(capture.sensor_pose());
+  if (out.posed) out.truth.front().world_object = FromMessage(capture.object_pose());
+  out.seen.push_back(out.truth.front().world_object.translation());
+  return out;
+}
+
+absl::StatusOr<Source> SourceOf(const std::vector<const v1::Capture*>& captures,
+                                const std::filesystem::path& folder, const v1::CaptureSet& of,
+                                PartSet* set) {
+  Source out{.folder = folder, .region = std::nullopt, .captures = {}};
+  if (of.has_region_of_interest()) {
+    const v1::AxisAlignedBox& box = of.region_of_interest();
+    out.region = {{box.min().x(), box.min().y(), box.min().z()},
+                  {box.max().x(), box.max().y(), box.max().z()}};
+  }
+  for (const v1::Capture* capture : captures) {
+    auto part = PartOf(*capture, folder, of, set);
+    if (!part.ok()) return part.status();
+    out.captures.emplace_back(*capture, *part);
+  }
+  return out;
+}
+
+TrialSource TrialsOf(Source source) {
+  auto shared = std::make_shared<const Source>(std::move(source));
+  return {shared->captures.size(), [shared](std::size_t i) { return Read(*shared, i); }};
+}
+
+}  // namespace
+
+absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& folder,
+                                                bool leave_one_out) {
+  const auto loaded = LoadCaptureSet(folder);
+  if (!loaded.ok()) return loaded.status();
+  std::vector<const v1::Capture*> taught;
+  std::vector<const v1::Capture*> asked;
+  for (const v1::Capture& capture : loaded->captures()) {
+    if (capture.split() == v1::Capture::QUERY) {
+      asked.push_back(&capture);
+    } else if (!capture.object_id().empty()) {
+      taught.push_back(&capture);
+    }
+  }
+  if (taught.empty() || (asked.empty() && !leave_one_out)) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        folder.string(), " has no captures ", taught.empty() ? "to teach" : "to ask about",
+        taught.empty() ? "; give some an object and the split TEACH"
+                       : "; give some the split QUERY, or take --leave-one-out"));
+  }
+  CaptureTrials out;
+  auto teaching = SourceOf(taught, folder, *loaded, &out.set);
+  if (!teaching.ok()) return teaching.status();
+  out.set.taught_count = out.set.parts.size();
+  out.trials.teaching = TrialsOf(*std::move(teaching));
+  out.trials.leave_one_out = leave_one_out;
+  if (leave_one_out) {
+    out.trials.asking = out.trials.teaching;
+    return out;
+  }
+  auto asking = SourceOf(asked, folder, *loaded, &out.set);
+  if (!asking.ok()) return asking.status();
+  out.trials.asking = TrialsOf(*std::move(asking));
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,187 @@
+#include "lab/experiment/cases.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "lab/experiment/close_scene.h"
+#include "rendering/counter_random.h"
+
+namespace graspdb::client {
+namespace {
+
+enum Stream : std::uint64_t { kObstacleSide = 100 };
+
+// Footprints are points, of which neighbours are some millimetres apart: objects with this gap
+// between them touch, or nearly.
+constexpr double kTouchingGapM = 0.002;
+
+// The step of BigBIRD's turntable.
+constexpr double kAskStepDeg = 3;
+
+CameraStand StandOf(const Stand& stand) {
+  return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
+}
+
+// All objects, taught without the errors of a real camera and seen with them.
+void AddRealCameras(std::vector<ExperimentCase>* cases) {
+  struct Camera {
+    const char* name;
+    DepthCameraModel model;
+    double distance_m;
+  };
+  for (const Camera& camera : {Camera{"kinect-v1", RealKinectV1(), 1.0},
+                               {"kinect-v2", RealKinectV2(), 0.8},
+                               {"realsense-d4xx", RealSenseD4xx(), 0.8},
+                               {"carmine", Carmine(), 0.8}}) {
+    ExperimentCase seen{.name = std::string("real-") + camera.name,
+                        .teach_step_deg = 20,
+                        .asked = {.camera = camera.model, .distance_m = camera.distance_m},
+                        .parts = PartChoice::kEverything,
+                        .only_named = true};
+    cases->push_back(seen);
+    for (const int percent : {20, 40}) {
+      cases->push_back(seen);
+      cases->back().name += absl::StrCat("-hidden-", percent);
+      cases->back().hidden_share = percent / 100.0;
+    }
+    ExperimentCase cut_out = cases->back();
+    cut_out.name = seen.name + "-segmented-40";
+    cut_out.cut_out = true;
+    cases->push_back(cut_out);
+    seen.parts = cut_out.parts = PartChoice::kStrangers;
+    seen.name += "-unknown";
+    cases->push_back(seen);
+    cut_out.name = seen.name + "-segmented-40";
+    cases->push_back(cut_out);
+    seen.name += "-hidden-40";
+    seen.hidden_share = 0.4;
+    cases->push_back(seen);
+  }
+}
+
+// Every part at the centre, turned to azimuths between those that were taught.
+absl::StatusOr<std::vector<PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
+                                                        const PartSet& set) {
+  auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.asked),
+                                        .azimuth_step_deg = kAskStepDeg,
+                                        .seed = experiment.seed + 1});
+  if (!plan.ok()) return plan.status();
+  const auto steps = static_cast<std::size_t>(std::lround(360 / kAskStepDeg));
+  const auto taught_every =
+      static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kAskStepDeg));
+  std::vector<PlannedCapture> between;
+  for (std::size_t i = 0; i < plan->size(); ++i) {
+    if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));
+  }
+  return between;
+}
+
+}  // namespace
+
+std::vector<ExperimentCase> ExperimentCases() {
+  std::vector<ExperimentCase> cases;
+  const auto add = [&](const std::string& name) -> ExperimentCase& {
+    cases.push_back({.name = name});
+    return cases.back();
+  };
+  add("paper").between_taught_azimuths = true;
+  ExperimentCase& bigbird = add("paper-five-cameras");
+  bigbird.between_taught_azimuths = true;
+  bigbird.taught.look_down_deg = {15, 30, 45, 60, 75};
+  bigbird.asked = bigbird.taught;
+  add("anywhere");
+  add("noise").asked.camera.noise.scale = 2;
+  add("camera-higher").asked.look_down_deg = {45};
+  add("camera-lower").asked.look_down_deg = {35};
+  ExperimentCase& above = add("camera-above");
+  above.taught.look_down_deg = {85};
+  above.asked = above.taught;
+  ExperimentCase& v1 = add("kinect-v1");
+  v1.taught = {.camera = KinectV1(), .distance_m = 1.3};
+  v1.asked = v1.taught;
+  v1.teach_step_deg = 30;
+  add("hidden-20").hidden_share = 0.2;
+  add("hidden-40").hidden_share = 0.4;
+  ExperimentCase& everything = add("everything");
+  everything.parts = PartChoice::kEverything;
+  everything.teach_step_deg = 20;
+  ExperimentCase& cad = add("cad");
+  cad.parts = PartChoice::kDropPoses;
+  cad.teach_step_deg = 20;
+  for (const auto& [name, gap_m] :
+       {std::pair("three-objects", 0.03), {"three-objects-2cm", 0.02}}) {
+    ExperimentCase& three = add(name);
+    three.objects_per_scene = 3;
+    three.area_half_width_m = 0.10;
+    three.gap_m = gap_m;
+  }
+  ExperimentCase& touching = add("touching");
+  touching.objects_per_scene = 2;
+  touching.area_half_width_m = 0.10;
+  touching.gap_m = kTouchingGapM;
+  add("symmetric").parts = PartChoice::kRound;
+  add("unknown").parts = PartChoice::kStrangers;
+  ExperimentCase& hidden_stranger = add("unknown-hidden-20");
+  hidden_stranger.parts = PartChoice::kStrangers;
+  hidden_stranger.hidden_share = 0.2;
+  add("twins").parts = PartChoice::kTwins;
+  ExperimentCase& cut_out = add("segmented-40");
+  cut_out.hidden_share = 0.4;
+  cut_out.cut_out = true;
+  AddRealCameras(&cases);
+  return cases;
+}
+
+bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b) {
+  const auto attitudes_of = [](PartChoice parts) {
+    return parts == PartChoice::kStrangers ? PartChoice::kMain : parts;
+  };
+  return a.taught == b.taught && a.teach_step_deg == b.teach_step_deg && a.seed == b.seed &&
+         attitudes_of(a.parts) == attitudes_of(b.parts);
+}
+
+absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
+                                                         const PartSet& set) {
+  const std::vector<Workpiece> taught(
+      set.parts.begin(), set.parts.begin() + static_cast<std::ptrdiff_t>(set.taught_count));
+  return PlanTurntable(taught, {.stand = StandOf(experiment.taught),
+                                .azimuth_step_deg = experiment.teach_step_deg,
+                                .seed = experiment.seed});
+}
+
+absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
+                                                          const PartSet& set) {
+  if (experiment.between_taught_azimuths) return PlanBetween(experiment, set);
+  const int count = experiment.trials_per_part * static_cast<int>(set.parts.size());
+  const std::uint64_t seed = experiment.seed + 1;
+  if (experiment.objects_per_scene > 1) {
+    return PlanCloseScenes(set.parts, {.stand = StandOf(experiment.asked),
+                                       .count = (count + experiment.objects_per_scene - 1) /
+                                                experiment.objects_per_scene,
+                                       .objects_per_scene = experiment.objects_per_scene,
+                                       .gap_m = experiment.gap_m,
+                                       .area_half_width_m = experiment.area_half_width_m,
+                                       .seed = seed});
+  }
+  auto plan = PlanRandomScenes(
+      set.parts, {.stand = StandOf(experiment.asked),
+                  .count = set.asked.empty() ? count : static_cast<int>(set.asked.size()),
+                  .area_half_width_m = experiment.area_half_width_m,
+                  .seed = seed});
+  if (!plan.ok()) return plan;
+  for (std::size_t i = 0; i < set.asked.size(); ++i) {
+    (*plan)[i].placements.front().part = set.asked[i];
+  }
+  return plan;
+}
+
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question) {
+  return {.hidden_share = experiment.hidden_share,
+          .direction_rad =
+              2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, question),
+          .cut_out = experiment.cut_out};
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,56 @@
+// The cases of the experiment: what is taught, how it is asked.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/part_set.h"
+#include "lab/experiment/trial.h"
+
+namespace graspdb::client {
+
+// How a camera stands.
+struct Stand {
+  DepthCameraModel camera = KinectV2();
+  std::vector<double> look_down_deg = {40};  // more than one: as many cameras, one after the other
+  double distance_m = 0.8;
+  bool operator==(const Stand&) const = default;
+};
+
+struct ExperimentCase {
+  std::string name;
+  Stand taught = {};
+  double teach_step_deg = 15;
+  Stand asked = {};
+  // Azimuths between the taught ones, the object at the centre; otherwise anywhere in the area.
+  bool between_taught_azimuths = false;
+  double area_half_width_m = 0.15;
+  double hidden_share = 0;
+  bool cut_out = false;       // see Obstacle
+  int objects_per_scene = 1;  // more than one: close together, and asked about each
+  double gap_m = 0.03;        // between those
+  PartChoice parts = PartChoice::kMain;
+  int trials_per_part = 24;
+  std::uint64_t seed = 1;
+  bool only_named = false;  // run only when it is named, as one of many similar cases
+  // What was taught and asked, in words, where it is not what the members above say.
+  std::string settings = {};
+};
+
+// The cases by name, in the order of the report.
+std::vector<ExperimentCase> ExperimentCases();
+
+// Whether two cases teach parts of the same names by the same captures.
+bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b);
+
+// The captures to teach and those to ask. Errors as PlanTurntable and PlanCloseScenes.
+absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
+                                                         const PartSet& set);
+absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
+                                                          const PartSet& set);
+
+// The obstacle of a question; none unless the case hides something.
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question);
+
+}  // namespace graspdb::client

@@ -1,0 +1,179 @@
+#include "lab/experiment/descriptor_comparison.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "lab/experiment/shown_segment.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Descriptor;
+using recognition::DescriptorKind;
+
+constexpr double kFalseRad = 15.5 * std::numbers::pi / 180;
+struct Kind {
+  const char* shown;
+  DescriptorKind kind;
+};
+constexpr std::array<Kind, 4> kKinds = {{{"VFH-263", DescriptorKind::kVfh263},
+                                         {"VFH-308", DescriptorKind::kVfh308},
+                                         {"MVFH-300", DescriptorKind::kMvfh300},
+                                         {"GSH-288", DescriptorKind::kGsh288}}};
+
+// Terms that are summed over the bins; the order of sums is that of distances.
+double Hellinger(float a, float b) {
+  const double d = std::sqrt(static_cast<double>(a)) - std::sqrt(static_cast<double>(b));
+  return d * d;
+}
+double L1(float a, float b) { return std::abs(static_cast<double>(a) - static_cast<double>(b)); }
+double L2(float a, float b) {
+  const double d = static_cast<double>(a) - static_cast<double>(b);
+  return d * d;
+}
+double ChiSquare(float a, float b) {
+  const double sum = static_cast<double>(a) + static_cast<double>(b);
+  return sum > 0 ? L2(a, b) / sum : 0;
+}
+
+struct Distance {
+  const char* name;
+  double (*term)(float, float);
+};
+constexpr std::array<Distance, 4> kDistances = {
+    {{"chi-square", ChiSquare}, {"Hellinger", Hellinger}, {"L1", L1}, {"L2", L2}}};
+
+// What the camera saw of a part.
+struct Sample {
+  std::size_t part = 0;
+  double azimuth_rad = 0;
+  bool posed = true;                    // the azimuth is known
+  std::vector<Descriptor> descriptors;  // by kKinds
+};
+
+absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
+  const auto shown = SegmentShown(trial, run.parameters);
+  if (!shown.ok()) return shown.status();
+  const Placement& truth = trial.truth.front();
+  Sample out{.part = truth.part, .posed = trial.posed, .descriptors = {}};
+  const Eigen::Vector3d x = truth.world_object.linear().col(0);
+  out.azimuth_rad = std::atan2(x.y(), x.x());
+  for (const Kind& kind : kKinds) {
+    auto descriptor = recognition::Describe(shown->segment.cloud, shown->world_sensor, kind.kind);
+    if (!descriptor.ok()) return descriptor.status();
+    out.descriptors.push_back(*std::move(descriptor));
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<Sample>> Samples(const TrialSource& trials, const std::string& step,
+                                            const ExperimentRun& run) {
+  std::vector<Sample> out(trials.count);
+  absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) -> absl::Status {
+    const auto trial = trials.make(i);
+    if (!trial.ok()) return trial.status();
+    auto sample = SampleOf(*trial, run);
+    if (!sample.ok()) return sample.status();
+    out[i] = *std::move(sample);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return out;
+}
+
+double DistanceOf(const Sample& a, const Sample& b, std::size_t kind, const Distance& distance) {
+  double sum = 0;
+  const Descriptor& of_b = b.descriptors[kind];
+  const Descriptor& of_a = a.descriptors[kind];
+  for (std::size_t i = 0; i < of_a.size(); ++i) sum += distance.term(of_a[i], of_b[i]);
+  return sum;
+}
+
+// More than 15 degrees apart, whatever symmetric turn is between them.
+bool IsFalse(const Sample& asked, const Sample& view, const PartSet& set) {
+  const Workpiece& part = set.parts[asked.part];
+  const MeasuredShape* shape = set.shapes[asked.part].get();
+  if (shape == nullptr ? part.symmetry_order == 0 : shape->any_turn) return false;
+  const std::vector<double> turns =
+      shape == nullptr ? TurnsOf(part.symmetry_order) : shape->turns_rad;
+  return std::ranges::all_of(turns, [&](double turn) {
+    const double apart =
+        std::remainder(asked.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);
+    return std::abs(apart) > kFalseRad;
+  });
+}
+
+// The views that are nearest to a question.
+struct NearestSamples {
+  const Sample* own = nullptr;
+  double own_distance = 1e9;
+  double other_distance = 1e9;
+};
+
+NearestSamples NearestTo(const Sample& question, const std::vector<Sample>& views,
+                         const Sample* left_out, std::size_t kind, const Distance& distance) {
+  NearestSamples out;
+  for (const Sample& view : views) {
+    if (&view == left_out) continue;
+    const double d = DistanceOf(question, view, kind, distance);
+    if (view.part != question.part) {
+      out.other_distance = std::min(out.other_distance, d);
+    } else if (d < out.own_distance) {
+      out.own_distance = d;
+      out.own = &view;
+    }
+  }
+  return out;
+}
+
+DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& questions,
+                          bool leave_one_out, std::size_t kind, const Distance& distance,
+                          const PartSet& set) {
+  DescriptorFigures out{.descriptor = kKinds[kind].shown, .distance = distance.name};
+  std::map<std::string, double> asked;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const Sample& question = questions[i];
+    if (question.part >= set.taught_count) continue;
+    const NearestSamples nearest =
+        NearestTo(question, views, leave_one_out ? &views[i] : nullptr, kind, distance);
+    ++out.asked;
+    out.object_wrong += nearest.other_distance < nearest.own_distance;
+    if (!question.posed || (nearest.own != nullptr && !nearest.own->posed)) continue;
+    const std::string& object = set.parts[question.part].object_id;
+    asked[object] += 1;
+    out.false_recognition[object] += nearest.own == nullptr || IsFalse(question, *nearest.own, set);
+  }
+  for (auto& [object, share] : out.false_recognition) share /= asked[object];
+  out.object_wrong /= std::max(1.0, static_cast<double>(out.asked));
+  return out;
+}
+
+}  // namespace
+
+double MeanFalseRecognition(const DescriptorFigures& figures) {
+  double sum = 0;
+  for (const auto& [object, share] : figures.false_recognition) sum += share;
+  return sum / std::max(1.0, static_cast<double>(figures.false_recognition.size()));
+}
+
+absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet& set,
+                                                                  const ExperimentTrials& trials,
+                                                                  const ExperimentRun& run) {
+  const auto views = Samples(trials.teaching, "descriptors: teaching", run);
+  if (!views.ok()) return views.status();
+  const auto questions =
+      trials.leave_one_out ? views : Samples(trials.asking, "descriptors: asking", run);
+  if (!questions.ok()) return questions.status();
+  std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
+  absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
+    out[i] = Figures(*views, *questions, trials.leave_one_out, i / kDistances.size(),
+                     kDistances[i % kDistances.size()], set);
+    return absl::OkStatus();
+  });
+  if (!compared.ok()) return compared;
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,85 @@
+#include "lab/experiment/drop_poses.h"
+
+#include <map>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/teaching/mesh/cad_part.h"
+#include "rendering/counter_random.h"
+#include "rendering/mesh_part.h"
+
+namespace graspdb::client {
+namespace {
+
+enum Stream : std::uint64_t { kFalls = 200 };
+
+struct Mesh {
+  Workpiece as_it_lies;
+  std::vector<RestingFacet> facets;
+};
+
+// Adds what is taught of it to `out`.
+absl::StatusOr<Mesh> Teach(Workpiece as_it_lies, PartSet* out) {
+  auto taught = ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
+  if (!taught.ok()) return taught.status();
+  const auto hull = HullOf(as_it_lies.mesh.vertices);
+  if (!hull.ok()) return hull.status();
+  auto facets = RestingFacets(*hull, taught->found.mass.center, 0);
+  if (!facets.ok()) return facets.status();
+  for (std::size_t i = 0; i < taught->workpieces.size(); ++i) {
+    out->Add(std::move(taught->workpieces[i]), taught->found.poses[i].object_mesh);
+  }
+  return Mesh{std::move(as_it_lies), *std::move(facets)};
+}
+
+// The facet at which the probabilities add up to `share`.
+const RestingFacet& Drawn(const std::vector<RestingFacet>& facets, double share) {
+  for (const RestingFacet& facet : facets) {
+    share -= facet.probability;
+    if (share < 0) return facet;
+  }
+  return facets.back();
+}
+
+void AddFalls(const Mesh& mesh, std::uint64_t number, const DropPoseSelection& selection,
+              PartSet* out) {
+  std::map<int, std::size_t> of_facet;  // position of the part
+  for (int i = 0; i < selection.falls; ++i) {
+    const double share =
+        RandomUniform(selection.seed, RandomBits(0, kFalls, number), static_cast<std::uint64_t>(i));
+    const RestingFacet& facet = Drawn(mesh.facets, share);
+    const auto [found, is_new] = of_facet.emplace(facet.facet, out->parts.size());
+    out->asked.push_back(found->second);
+    if (!is_new) continue;
+    Workpiece part = mesh.as_it_lies;
+    part.stable_pose_id = absl::StrCat("fallen-", of_facet.size());
+    part.grasps.clear();
+    const recognition::Pose pose = PutDown(part.mesh, facet.down);
+    part.mesh = Transformed(part.mesh, pose);
+    out->Add(std::move(part), pose);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& paths,
+                                  double unit_scale_m, const DropPoseSelection& selection) {
+  PartSet out;
+  std::vector<Mesh> meshes;
+  for (const std::filesystem::path& path : paths) {
+    auto as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
+    if (!as_it_lies.ok()) return as_it_lies.status();
+    const double length = DiameterOf(as_it_lies->mesh);
+    if (length < selection.min_length_m || length > selection.max_length_m) continue;
+    auto mesh = Teach(*std::move(as_it_lies), &out);
+    if (!mesh.ok()) return mesh.status();
+    meshes.push_back(*std::move(mesh));
+  }
+  if (meshes.empty()) return absl::FailedPreconditionError("no mesh is left; name some");
+  out.taught_count = out.parts.size();
+  for (std::size_t i = 0; i < meshes.size(); ++i) AddFalls(meshes[i], i, selection, &out);
+  return out;
+}
+
+}  // namespace graspdb::client

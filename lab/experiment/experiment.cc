@@ -1,0 +1,144 @@
+#include "lab/experiment/experiment.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <numbers>
+
+#include "lab/experiment/kept_scans.h"
+#include "lab/experiment/own_thresholds.h"
+
+namespace graspdb::client {
+namespace {
+
+// Answers are measured with what was taught where there is no mesh.
+void MeasureTaught(Gallery* gallery, PartSet* set) {
+  for (std::size_t i = 0; i < set->parts.size(); ++i) {
+    if (set->shapes[i]) continue;
+    const auto model = gallery->ModelOf(set->parts[i]);
+    set->shapes[i] = std::make_shared<const MeasuredShape>(
+        Measure(model ? *model : recognition::SurfaceModel({}, 0), set->parts[i].symmetry_order));
+  }
+}
+
+// What is asked: what was taught, with the thresholds that the run wants. A step without a name is
+// not reported.
+absl::StatusOr<recognition::CatalogueSnapshot> Known(recognition::CatalogueSnapshot taught,
+                                                     const std::string& step,
+                                                     const ExperimentRun& run, Gallery* gallery) {
+  if (!run.own_thresholds) return taught;
+  const auto report = [&](std::size_t done, std::size_t count) {
+    if (run.report && !step.empty()) run.report(step, done + 1, count);
+    return absl::OkStatus();
+  };
+  return WithOwnThresholds(std::move(taught), run.parameters, report, gallery);
+}
+
+// What the recognition thinks of the true poses of what it did not find rightly.
+void JudgeTruth(const recognition::Scan& scan, const PartSet& set, const ExperimentRun& run,
+                Gallery* gallery, std::vector<Answer>* answers) {
+  recognition::StageLog log;
+  const auto segmentation = recognition::SegmentScan(
+      scan, run.parameters.segmentation, run.parameters.descriptor, [] { return false; }, &log);
+  if (!segmentation.ok()) return;
+  for (Answer& answer : *answers) {
+    const auto model = gallery->ModelOf(set.parts[answer.part]);
+    if (!answer.known || !answer.posed || answer.strictly_right || !model) continue;
+    answer.true_pose = ScoreTruth(scan, *segmentation, *model, answer.truth, run.parameters);
+  }
+}
+
+absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::size_t question,
+                                        const recognition::CatalogueSnapshot& taught,
+                                        const PartSet& set, const ExperimentRun& run,
+                                        Gallery* gallery) {
+  auto trial = trials.asking.make(question);
+  if (!trial.ok()) return trial.status();
+  const auto known = trials.leave_one_out ? Known(gallery->Snapshot(question), "", run, gallery)
+                                          : absl::StatusOr<recognition::CatalogueSnapshot>(taught);
+  if (!known.ok()) return known.status();
+  const auto start = std::chrono::steady_clock::now();
+  auto recognition =
+      recognition::Recognize(trial->scan, *known, *gallery, run.parameters, [] { return false; });
+  if (!recognition.ok()) return recognition.status();
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  std::vector<Answer> out;
+  for (std::size_t which = 0; which < trial->truth.size(); ++which) {
+    out.push_back(JudgeAnswer(*recognition, *trial, which, set));
+    out.back().scene = question;
+    out.back().milliseconds = took.count();
+  }
+  if (run.judge_truth && !std::ranges::all_of(out, &Answer::strictly_right)) {
+    JudgeTruth(trial->scan, set, run, gallery, &out);
+  }
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
+                                   const ExperimentTrials& trials, const ExperimentRun& run,
+                                   LastGallery* last) {
+  CaseResult out{.experiment = experiment, .set = set};
+  LastGallery own;
+  const auto taught = (last != nullptr ? last : &own)->Teach(experiment, set, trials.teaching, run);
+  if (!taught.ok()) return taught.status();
+  Gallery& gallery = **taught;
+  MeasureTaught(&gallery, &out.set);
+  // Where each question leaves a view out, what is known follows with the question.
+  const auto snapshot =
+      trials.leave_one_out
+          ? absl::StatusOr<recognition::CatalogueSnapshot>(gallery.Snapshot())
+          : Known(gallery.Snapshot(), experiment.name + ": thresholds", run, &gallery);
+  if (!snapshot.ok()) return snapshot.status();
+  std::vector<std::vector<Answer>> answers(trials.asking.count);
+  const auto ask = [&](std::size_t i) -> absl::Status {
+    auto of_scene = Ask(trials, i, *snapshot, out.set, run, &gallery);
+    if (!of_scene.ok()) return of_scene.status();
+    answers[i] = *std::move(of_scene);
+    return absl::OkStatus();
+  };
+  absl::Status asked = ForEach(answers.size(), experiment.name + ": asking", run, ask);
+  if (!asked.ok()) return asked;
+  for (std::vector<Answer>& of_scene : answers) {
+    std::ranges::move(of_scene, std::back_inserter(out.answers));
+  }
+  if (absl::Status s = KeepScans(run.kept_scans, trials.asking, &out); !s.ok()) return s;
+  return out;
+}
+
+CaseSummary Summarize(const CaseResult& result) {
+  CaseSummary out;
+  int poses = 0;
+  for (const Answer& a : result.answers) {
+    out.mean_ms += a.milliseconds;
+    if (!a.known) {
+      ++out.unknown;
+      out.unknown_rejected += a.object_right;
+      continue;
+    }
+    ++out.known;
+    out.object_right += a.object_right;
+    out.posed += a.posed;
+    out.pose_right += a.pose_right;
+    out.strictly_right += a.strictly_right;
+    out.ambiguous += a.outcome == recognition::RecognitionOutcome::kAmbiguous;
+    out.listed += a.listed;
+    if (!a.pose_right) continue;
+    ++poses;
+    out.mean_rotation_deg += a.error.rotation_rad * 180 / std::numbers::pi;
+    out.mean_translation_mm += a.error.translation_m * 1000;
+  }
+  const auto at_least_one = [](auto n) { return std::max(1.0, static_cast<double>(n)); };
+  for (double* share : {&out.object_right, &out.ambiguous, &out.listed}) {
+    *share /= at_least_one(out.known);
+  }
+  for (double* share : {&out.pose_right, &out.strictly_right}) *share /= at_least_one(out.posed);
+  out.unknown_rejected /= at_least_one(out.unknown);
+  out.mean_rotation_deg /= at_least_one(poses);
+  out.mean_translation_mm /= at_least_one(poses);
+  out.mean_ms /= at_least_one(result.answers.size());
+  return out;
+}
+
+}  // namespace graspdb::client

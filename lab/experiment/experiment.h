@@ -1,0 +1,49 @@
+// Runs a case: teaches, asks, judges.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/answer.h"
+#include "lab/experiment/cases.h"
+#include "lab/experiment/experiment_run.h"
+#include "lab/experiment/last_gallery.h"
+#include "lab/experiment/part_set.h"
+#include "lab/experiment/trial_source.h"
+
+namespace graspdb::client {
+
+struct CaseResult {
+  ExperimentCase experiment;
+  PartSet set;
+  std::vector<Answer> answers = {};  // in the order of the questions
+  // What the camera saw of the objects in some answers, by the answer's position; world frame, m.
+  std::map<std::size_t, recognition::Points> scans = {};
+};
+
+// Errors as those of the trials, Gallery::Teach and Recognize. Where `last` is given and holds what
+// this case teaches, nothing is taught again.
+absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
+                                   const ExperimentTrials& trials, const ExperimentRun& run,
+                                   LastGallery* last = nullptr);
+
+// Shares and means over a case's answers.
+struct CaseSummary {
+  std::size_t known = 0;  // questions about objects that were taught; the shares are of these
+  std::size_t posed = 0;  // those whose answer's pose can be judged; shares of poses are of these
+  double object_right = 0;
+  double pose_right = 0;
+  double strictly_right = 0;
+  double ambiguous = 0;          // of those that were said to be
+  double listed = 0;             // of those where one of the further readings was the right one
+  double mean_rotation_deg = 0;  // of right poses, modulo symmetry
+  double mean_translation_mm = 0;
+  double mean_ms = 0;
+  std::size_t unknown = 0;      // questions about others
+  double unknown_rejected = 0;  // share of those
+};
+CaseSummary Summarize(const CaseResult& result);
+
+}  // namespace graspdb::client

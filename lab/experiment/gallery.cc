@@ -1,0 +1,101 @@
+#include "lab/experiment/gallery.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "lab/experiment/shown_segment.h"
+
+namespace graspdb::client {
+
+using recognition::IndexedView;
+using recognition::OrientedCloud;
+using recognition::TaughtStablePose;
+using recognition::TaughtView;
+
+std::string ObjectName(const Workpiece& part) { return absl::StrCat("objects/", part.object_id); }
+
+std::string StablePoseName(const Workpiece& part) {
+  return absl::StrCat(ObjectName(part), "/stablePoses/", part.stable_pose_id);
+}
+
+Gallery::Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters)
+    : parts_(std::move(parts)), parameters_(parameters) {}
+
+absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
+                            const ExperimentRun& run) {
+  const std::size_t known = views_.size();
+  std::vector<std::optional<Described>> described(trials.count);
+  absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) {
+    const auto trial = trials.make(i);
+    if (!trial.ok()) return trial.status();
+    auto made = Describe(*trial, known + i);
+    if (!made.ok()) return made.status();
+    described[i] = *std::move(made);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  for (std::optional<Described>& made : described) {
+    Add(made->view.view->name, std::make_shared<const OrientedCloud>(std::move(made->cloud)));
+    views_.push_back(std::move(made->view));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::size_t number) const {
+  const Placement& truth = trial.truth.front();
+  const Workpiece& part = parts_[truth.part];
+  auto shown = SegmentShown(trial, parameters_);
+  if (!shown.ok()) {
+    return absl::Status(shown.status().code(),
+                        absl::StrCat(StablePoseName(part), ": ", shown.status().message()));
+  }
+  auto view = std::make_shared<TaughtView>();
+  view->stable_pose = StablePoseName(part);
+  view->object = ObjectName(part);
+  view->name = absl::StrFormat("%s/views/%05d", view->stable_pose, number);
+  view->content = view->name;
+  view->world_object = truth.world_object;
+  if (!trial.posed) {
+    view->world_object = recognition::DefaultObjectPose(shown->world_frame, shown->segment);
+  }
+  view->shares_frame = trial.posed;
+  view->world_sensor = shown->world_sensor;
+  auto descriptor =
+      recognition::Describe(shown->segment.cloud, view->world_sensor, parameters_.descriptor.kind);
+  if (!descriptor.ok()) return descriptor.status();
+  return Described{{std::move(view), *std::move(descriptor)}, std::move(shown->segment.cloud)};
+}
+
+recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left_out) const {
+  std::vector<IndexedView> views = views_;
+  if (left_out) views.erase(views.begin() + static_cast<std::ptrdiff_t>(*left_out));
+  auto poses =
+      std::make_shared<std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>();
+  for (const Workpiece& part : parts_) {
+    auto pose = std::make_shared<TaughtStablePose>();
+    pose->name = StablePoseName(part);
+    pose->symmetry_order = part.symmetry_order;
+    pose->grasps.push_back({.id = "origin"});
+    for (const IndexedView& v : views) {
+      if (v.view->stable_pose == pose->name) pose->views.push_back(v.view);
+    }
+    (*poses)[pose->name] = std::move(pose);
+  }
+  recognition::DescriptorIndex index(recognition::DescriptorSize(parameters_.descriptor.kind));
+  return {.revision = 1, .index = index.With(views), .stable_poses = std::move(poses)};
+}
+
+std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(const Workpiece& part) {
+  const auto snapshot = Snapshot();
+  const auto pose = snapshot.stable_poses->find(StablePoseName(part));
+  if (pose == snapshot.stable_poses->end() || pose->second->views.empty()) return nullptr;
+  const auto& views = pose->second->views;
+  const auto posed = std::ranges::find_if(views, [](const auto& v) { return v->shares_frame; });
+  auto model = LoadModel(posed == views.end() ? *views.front() : **posed, *pose->second);
+  return model.ok() ? *model : nullptr;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,21 @@
+// What the camera saw where an answer went wrong.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "lab/experiment/experiment.h"
+
+namespace graspdb::client {
+
+// Positions in `result.answers`, the worst first: what was named wrongly, then by the farthest
+// point. Objects that are not known and were rejected are left out, since there is nothing to show.
+std::vector<std::size_t> WorstFirst(const CaseResult& result);
+
+// Fills `result->scans` for the `count` worst answers: the points above the table around the
+// object, at most 1500; all points of a scan that shows nothing else. Errors as those of
+// `questions`.
+absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result);
+
+}  // namespace graspdb::client

@@ -1,0 +1,27 @@
+// What was taught last, for cases that ask the same catalogue.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/cases.h"
+#include "lab/experiment/gallery.h"
+
+namespace graspdb::client {
+
+// One gallery. For rendered trials of one run, where a name means one mesh.
+class LastGallery {
+ public:
+  // What `teaching` teaches; kept until another is asked for. Errors as Gallery::Teach.
+  absl::StatusOr<Gallery*> Teach(const ExperimentCase& experiment, const PartSet& set,
+                                 const TrialSource& teaching, const ExperimentRun& run);
+
+ private:
+  std::unique_ptr<Gallery> gallery_;
+  ExperimentCase experiment_;
+  std::vector<std::string> taught_;  // stable poses
+};
+
+}  // namespace graspdb::client

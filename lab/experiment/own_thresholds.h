@@ -1,0 +1,16 @@
+// Thresholds that a catalogue's views propose, in force.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/gallery.h"
+#include "recognition/threshold_proposals.h"
+
+namespace graspdb::client {
+
+// `taught` with the threshold of each stable pose as recognition::ProposeThresholds finds it.
+// Errors as there.
+absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
+    recognition::CatalogueSnapshot taught, const recognition::RecognitionParameters& parameters,
+    const recognition::ThresholdProgress& report, Gallery* gallery);
+
+}  // namespace graspdb::client

@@ -1,0 +1,115 @@
+#include "lab/experiment/part_set.h"
+
+#include <algorithm>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "client/teaching/mesh/stable_poses.h"
+#include "rendering/mesh_file.h"
+#include "rendering/mesh_part.h"
+#include "rendering/sample_parts.h"
+
+namespace graspdb::client {
+namespace {
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+absl::Status CheckNames(const PartSet& all, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(all.parts, name, &Workpiece::object_id) == all.parts.end()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("none of the meshes is called ", name, "; name a file without its ending"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void PartSet::Add(const PartSet& other, std::size_t position) {
+  parts.push_back(other.parts[position]);
+  shapes.push_back(other.shapes[position]);
+  object_mesh.push_back(other.object_mesh[position]);
+}
+
+void PartSet::Add(Workpiece part, const recognition::Pose& mesh_pose) {
+  shapes.push_back(
+      part.mesh.triangles.empty() ? nullptr : std::make_shared<const MeasuredShape>(Measure(part)));
+  parts.push_back(std::move(part));
+  object_mesh.push_back(mesh_pose);
+}
+
+bool PartSet::Knows(std::size_t position) const {
+  const auto taught = parts.begin() + static_cast<std::ptrdiff_t>(taught_count);
+  return std::find_if(parts.begin(), taught, [&](const Workpiece& part) {
+           return part.object_id == parts[position].object_id;
+         }) != taught;
+}
+
+absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
+                                     double unit_scale_m, const MeshSelection& selection) {
+  PartSet out;
+  for (const std::filesystem::path& path : paths) {
+    const absl::StatusOr<Workpiece> as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
+    if (!as_it_lies.ok()) return as_it_lies.status();
+    const auto found =
+        FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
+    if (!found.ok()) return found.status();
+    const auto count =
+        std::min(found->poses.size(), static_cast<std::size_t>(selection.orientations));
+    for (std::size_t i = 0; i < count; ++i) {
+      Workpiece part = *as_it_lies;
+      part.stable_pose_id = absl::StrCat("resting-", i + 1);
+      part.mesh = Transformed(as_it_lies->mesh, found->poses[i].object_mesh);
+      part.grasps.clear();
+      out.Add(std::move(part), found->poses[i].object_mesh);
+    }
+  }
+  out.taught_count = out.parts.size();
+  return out;
+}
+
+PartSet TwinParts() {
+  PartSet out;
+  for (Workpiece& part : SampleParts()) {
+    out.Add(std::move(part), recognition::Pose::Identity());
+  }
+  out.taught_count = out.parts.size();
+  return out;
+}
+
+absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices) {
+  if (absl::Status known = CheckNames(all, choices.main); !known.ok()) return known;
+  if (choice == PartChoice::kTwins) return TwinParts();
+  PartSet out;
+  PartSet others;
+  for (std::size_t i = 0; i < all.parts.size(); ++i) {
+    const bool is_first = i == 0 || all.parts[i].object_id != all.parts[i - 1].object_id;
+    const bool is_round = all.shapes[i]->is_round;
+    const bool is_main =
+        choices.main.empty() ? !is_round : Contains(choices.main, all.parts[i].object_id);
+    const double length = all.shapes[i]->diameter_m;
+    if (choice == PartChoice::kEverything) {
+      if (length >= choices.min_length_m && length <= choices.max_length_m) out.Add(all, i);
+      continue;
+    }
+    if ((choice == PartChoice::kRound && is_round) ||
+        (choice != PartChoice::kRound && is_first && is_main)) {
+      out.Add(all, i);
+    } else if (choice == PartChoice::kStrangers && is_first) {
+      others.Add(all, i);
+    }
+  }
+  if (out.parts.empty()) {
+    return absl::FailedPreconditionError(choice == PartChoice::kRound
+                                             ? "none of the meshes is round; leave this case out"
+                                             : "no mesh is left; name some");
+  }
+  out.taught_count = out.parts.size();
+  for (std::size_t i = 0; i < others.parts.size(); ++i) out.Add(others, i);
+  return out;
+}
+
+}  // namespace graspdb::client

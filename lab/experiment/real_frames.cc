@@ -1,0 +1,235 @@
+#include "lab/experiment/real_frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/teaching/mesh/cad_part.h"
+#include "files/point_file.h"
+#include "lab/experiment/trial_source.h"
+#include "rendering/mesh_part.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Detection;
+using recognition::Pose;
+
+// As graspdb teach --mesh turns a part.
+constexpr double kTeachStepDeg = 20;
+
+absl::Status AddMesh(const FrameObject& object, PartSet* set) {
+  const auto mesh = LoadPartMesh(object.mesh, object.unit_m);
+  if (!mesh.ok()) return mesh.status();
+  auto part = ProposeCadPart(ObjectIdOf(object.object), "", *mesh, {});
+  if (!part.ok()) return part.status();
+  for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
+    set->Add(std::move(part->workpieces[i]), part->found.poses[i].object_mesh);
+  }
+  return absl::OkStatus();
+}
+
+std::size_t PartOf(const PartSet& set, const std::string& stable_pose) {
+  return static_cast<std::size_t>(std::ranges::find(set.parts, stable_pose, StablePoseName) -
+                                  set.parts.begin());
+}
+
+// The stable pose of `object` in which the mesh stands most upright.
+std::size_t PoseAtRest(const PartSet& set, const std::string& object, const Pose& world_mesh) {
+  std::size_t best = set.parts.size();
+  double upright = -2;
+  for (std::size_t i = 0; i < set.parts.size(); ++i) {
+    const double cosine = (world_mesh * set.object_mesh[i].inverse()).linear()(2, 2);
+    if (set.parts[i].object_id != ObjectIdOf(object) || cosine <= upright) continue;
+    upright = cosine;
+    best = i;
+  }
+  return best;
+}
+
+// ADD-S of the part number `answered` from where its mesh is, as a share of the diameter.
+double ShareOff(const PartSet& set, std::size_t answered, const Pose& world_object,
+                const Pose& world_mesh) {
+  const MeasuredShape& shape = *set.shapes[answered];
+  const Pose truth = world_mesh * set.object_mesh[answered].inverse();
+  return ErrorOf(shape, truth, world_object).add_s_m / shape.diameter_m;
+}
+
+FrameDetection Judge(const PartSet& set, const Detection& detection, const RealFrame& frame,
+                     const Pose& world_sensor) {
+  const std::size_t answered = PartOf(set, detection.view->stable_pose);
+  FrameDetection out{.object = set.parts[answered].object_id, .score = detection.score};
+  for (std::size_t i = 0; i < frame.objects.size(); ++i) {
+    const FrameObject& object = frame.objects[i];
+    if (ObjectIdOf(object.object) != out.object) continue;
+    if (!object.sensor_mesh) {
+      out.pose_unknown = true;
+      continue;
+    }
+    const double share =
+        ShareOff(set, answered, detection.refined_pose, world_sensor * *object.sensor_mesh);
+    if (out.add_s_share == 0 || share < out.add_s_share) out.add_s_share = share;
+    if (share < kFoundShare) out.instance = i;
+  }
+  out.pose_unknown = out.pose_unknown && !out.instance;
+  return out;
+}
+
+std::vector<FrameDetection> JudgeAll(const PartSet& set, const recognition::Recognition& answer,
+                                     const RealFrame& frame) {
+  std::vector<FrameDetection> out;
+  for (const Detection& detection : answer.detections) {
+    if (detection.view == nullptr) continue;
+    FrameDetection judged = Judge(set, detection, frame, answer.world_sensor);
+    judged.voxels = detection.point_count;
+    judged.evidence = detection.evidence;
+    judged.features = detection.features;
+    judged.again = judged.instance && std::ranges::any_of(out, [&](const FrameDetection& other) {
+                     return other.instance == judged.instance;
+                   });
+    out.push_back(std::move(judged));
+  }
+  return out;
+}
+
+// Those of the detections, which `judged` has in the same order without what was not accepted.
+std::vector<PosedModel> PosesOf(const recognition::Recognition& answer,
+                                const std::vector<FrameDetection>& judged) {
+  const Pose sensor_world = answer.world_sensor.inverse();
+  std::vector<PosedModel> out;
+  for (const Detection& detection : answer.detections) {
+    if (detection.view == nullptr) continue;
+    const bool is_wrong = judged[out.size()].IsWrong();
+    out.push_back({detection.model, sensor_world * detection.refined_pose,
+                   is_wrong ? PosedModel::Verdict::kWrong : PosedModel::Verdict::kRight});
+  }
+  std::erase_if(out, [](const PosedModel& posed) { return posed.model == nullptr; });
+  return out;
+}
+
+LostBy WhereLost(const FrameInstance& instance) {
+  // Less than that of a segment is something else's.
+  constexpr double kMostly = 0.5;
+  if (instance.best_is_right) return LostBy::kConfidence;
+  if (instance.truth.own_share() < kMostly) return LostBy::kSegmentation;
+  return instance.best_explains < instance.truth.whole.evidence.score ? LostBy::kSearch
+                                                                      : LostBy::kRanking;
+}
+
+// What the recognition has at the place of `instance`.
+void AddBest(const recognition::Recognition& recognition, const FramesCatalogue& catalogue,
+             const Pose& world_mesh, FrameInstance* instance) {
+  if (recognition.detections.empty() || instance->truth.own_points == 0) return;
+  const Detection& best = *std::ranges::min_element(
+      recognition.detections, {},
+      [&](const Detection& d) { return (d.centroid - instance->truth.centroid).squaredNorm(); });
+  const std::string object = ObjectIdOf(instance->object.object);
+  instance->best_score = best.score;
+  instance->best_explains = best.evidence.score;
+  const PartSet& set = catalogue.set();
+  for (std::size_t i = 0; i < set.parts.size() && best.model; ++i) {
+    if (catalogue.ModelOf(i) != best.model) continue;
+    instance->best_object = set.parts[i].object_id;
+    instance->best_is_right = instance->best_object == object &&
+                              ShareOff(set, i, best.refined_pose, world_mesh) < kFoundShare;
+  }
+  for (std::size_t i = 0; i < best.candidates.size() && instance->rank == 0; ++i) {
+    if (best.candidates[i].view->object == "objects/" + object) {
+      instance->rank = static_cast<int>(i) + 1;
+    }
+  }
+}
+
+}  // namespace
+
+const char* TextOf(LostBy lost_by) {
+  switch (lost_by) {
+    case LostBy::kSegmentation:
+      return "no segment of its own";
+    case LostBy::kSearch:
+      return "not searched there";
+    case LostBy::kRanking:
+      return "something explains more";
+    case LostBy::kConfidence:
+      return "not believed";
+  }
+  return "";
+}
+
+absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
+    const std::vector<RealFrame>& frames, const ExperimentRun& run) {
+  std::map<std::string, FrameObject> meshes;
+  for (const RealFrame& frame : frames) {
+    for (const FrameObject& object : frame.objects) {
+      if (object.object.empty()) continue;
+      meshes.try_emplace(ObjectIdOf(object.object), object);
+    }
+  }
+  auto out = std::make_unique<FramesCatalogue>();
+  for (const auto& [name, object] : meshes) {
+    if (absl::Status added = AddMesh(object, &out->set_); !added.ok()) return added;
+  }
+  out->set_.taught_count = out->set_.parts.size();
+  const auto trials = RenderedTrials({.name = "real", .teach_step_deg = kTeachStepDeg}, out->set_);
+  if (!trials.ok()) return trials.status();
+  out->gallery_ = std::make_unique<Gallery>(out->set_.parts, run.parameters);
+  absl::Status taught = out->gallery_->Teach(trials->teaching, "teaching", run);
+  if (!taught.ok()) return taught;
+  out->snapshot_ = out->gallery_->Snapshot();
+  // A server makes models before robots ask.
+  for (const Workpiece& part : out->set_.parts) {
+    out->models_.push_back(out->gallery_->ModelOf(part));
+  }
+  return out;
+}
+
+absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
+                                     FramesCatalogue* catalogue) {
+  auto file = ReadPointFile(frame.path);
+  if (!file.ok()) return file.status();
+  const recognition::Scan scan{
+      .points = std::move(file->points), .world_sensor = file->sensor_pose, .region = {}};
+  const auto never = [] { return false; };
+  FrameResult out{.frame = &frame};
+  const auto start = std::chrono::steady_clock::now();
+  const auto recognition = recognition::Recognize(scan, catalogue->snapshot(), catalogue->gallery(),
+                                                  run.parameters, never);
+  out.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  recognition::StageLog log;
+  const auto segmentation = recognition::SegmentScan(scan, run.parameters.segmentation,
+                                                     run.parameters.descriptor, never, &log);
+  const bool answered = recognition.ok() && segmentation.ok();
+  if (answered) {
+    out.segments = segmentation->segments.size();
+    out.stages = recognition->stages;
+    out.detections = JudgeAll(catalogue->set(), *recognition, frame);
+    out.posed = PosesOf(*recognition, out.detections);
+  } else {
+    out.error = std::string(recognition.status().message());
+  }
+  for (std::size_t i = 0; i < frame.objects.size(); ++i) {
+    const FrameObject& object = frame.objects[i];
+    if (!object.sensor_mesh) continue;
+    FrameInstance& instance = out.instances.emplace_back(FrameInstance{.object = object});
+    instance.found =
+        std::ranges::any_of(out.detections, [&](const auto& d) { return d.instance == i; });
+    if (!answered) continue;
+    const Pose world_mesh = recognition->world_sensor * *object.sensor_mesh;
+    const std::size_t part = PoseAtRest(catalogue->set(), object.object, world_mesh);
+    instance.truth =
+        ScoreTruth(scan, *segmentation, *catalogue->ModelOf(part),
+                   world_mesh * catalogue->set().object_mesh[part].inverse(), run.parameters);
+    AddBest(*recognition, *catalogue, world_mesh, &instance);
+    instance.lost_by = WhereLost(instance);
+    if (instance.found) continue;
+    out.posed.push_back({catalogue->ModelOf(part),
+                         *object.sensor_mesh * catalogue->set().object_mesh[part].inverse(),
+                         PosedModel::Verdict::kLost});
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,108 @@
+// Frames of real cameras, asked about what was taught from meshes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/experiment_run.h"
+#include "lab/experiment/frames_file.h"
+#include "lab/experiment/gallery.h"
+#include "lab/experiment/part_set.h"
+#include "lab/experiment/true_pose.h"
+
+namespace graspdb::client {
+
+// A pose is right when its ADD-S is under this share of the diameter (Hinterstoisser et al. 2012).
+inline constexpr double kFoundShare = 0.10;
+
+// What is taught: the stable poses of each mesh that the frames name, as `graspdb teach --mesh`
+// does.
+class FramesCatalogue {
+ public:
+  // Errors as LoadPartMesh, ProposeCadPart and Gallery::Teach.
+  static absl::StatusOr<std::unique_ptr<FramesCatalogue>> Teach(
+      const std::vector<RealFrame>& frames, const ExperimentRun& run);
+
+  const PartSet& set() const { return set_; }
+  Gallery& gallery() { return *gallery_; }
+  const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
+  // Of the stable pose at `position` of set(), that the gallery fuses.
+  const std::shared_ptr<const recognition::SurfaceModel>& ModelOf(std::size_t position) const {
+    return models_[position];
+  }
+
+ private:
+  PartSet set_;
+  std::unique_ptr<Gallery> gallery_;
+  std::vector<std::shared_ptr<const recognition::SurfaceModel>> models_;
+  recognition::CatalogueSnapshot snapshot_{
+      .revision = 0, .index = recognition::DescriptorIndex(1), .stable_poses = {}};
+};
+
+// An accepted detection, held against what stands in the frame.
+struct FrameDetection {
+  std::string object;
+  double score = 0;
+  std::optional<std::size_t> instance = {};  // that it poses rightly
+  double add_s_share = 0;     // from that, or from the nearest of its name; of the diameter
+  bool pose_unknown = false;  // the object is in the frame in a pose that is not known
+  bool again = false;         // another detection poses that instance already
+  std::size_t voxels = 0;
+  recognition::Evidence evidence = {};
+  recognition::ConfidenceFeatures features = {};
+  // Not an object of the frame, or not where it is.
+  bool IsWrong() const { return !instance && !pose_unknown; }
+};
+
+// The recognition's step that lost an instance, in their order.
+enum class LostBy {
+  kSegmentation,  // most of its segment is something else, or it has none
+  kSearch,        // at the true pose it would explain more than the best hypothesis
+  kRanking,       // something else explains the segment better
+  kConfidence,    // the best hypothesis is right, and was rejected
+};
+
+const char* TextOf(LostBy lost_by);
+
+// The result for an object of the frame with a known pose.
+struct FrameInstance {
+  FrameObject object;
+  bool found = false;
+  TruePose truth = {};
+  // The best explanation of the detection nearest to it, accepted or not.
+  std::string best_object = {};  // empty: there is none
+  bool best_is_right = false;    // it is found by that
+  double best_explains = 0;      // Evidence::score
+  double best_score = 0;
+  int rank = 0;  // of the first of its views among the candidates; 0: not among them
+  LostBy lost_by = LostBy::kConfidence;  // where it is not found
+};
+
+// A model as it is drawn into the frame.
+struct PosedModel {
+  enum class Verdict { kRight, kWrong, kLost };  // kLost: at the true pose of what was not found
+  std::shared_ptr<const recognition::SurfaceModel> model;           // not null
+  recognition::Pose sensor_object = recognition::Pose::Identity();  // T_sensor_object
+  Verdict verdict = Verdict::kRight;
+};
+
+struct FrameResult {
+  const RealFrame* frame = nullptr;
+  std::string error = {};  // why there was no answer; empty: there was one
+  double milliseconds = 0;
+  std::size_t segments = 0;
+  std::vector<recognition::StageReport> stages = {};
+  std::vector<FrameInstance> instances = {};
+  std::vector<FrameDetection> detections = {};
+  std::vector<PosedModel> posed = {};
+};
+
+// Recognises one frame and judges the answer. Errors as ReadPointFile; what the recognition refuses
+// is part of the result.
+absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
+                                     FramesCatalogue* catalogue);
+
+}  // namespace graspdb::client

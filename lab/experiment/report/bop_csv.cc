@@ -1,0 +1,65 @@
+#include "lab/experiment/report/bop_csv.h"
+
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "lab/experiment/report/case_figures.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr int kSceneId = 1;
+
+std::string RotationText(const Eigen::Matrix3d& rotation) {
+  std::string out;
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = 0; column < 3; ++column) {
+      absl::StrAppendFormat(&out, "%s%.9g", out.empty() ? "" : " ", rotation(row, column));
+    }
+  }
+  return out;
+}
+
+// As a CSV field; object ids hold neither quotes nor commas today, but a file of other programs
+// must not break when they do.
+std::string Field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
+}
+
+}  // namespace
+
+std::string BopFileName(const ExperimentCase& experiment) {
+  const std::string dataset = absl::StrReplaceAll(experiment.name, {{"-", ""}, {"_", ""}});
+  return absl::StrCat("graspdb_", dataset, "-test.csv");
+}
+
+std::string BopCsv(const CaseResult& result) {
+  std::string out = "scene_id,im_id,obj_id,score,R,t,time\n";
+  for (const Answer& a : result.answers) {
+    const std::optional<std::size_t> part = PartOfFound(a, result.set);
+    if (!part) continue;
+    const recognition::Pose camera_object = a.world_sensor.inverse() * a.found;
+    const Eigen::Vector3d t = camera_object.translation() * 1e3;
+    absl::StrAppendFormat(&out, "%d,%d,%d,%.9g,%s,%.9g %.9g %.9g,%.6f\n", kSceneId, a.scene,
+                          *part + 1, a.score, RotationText(camera_object.linear()), t.x(), t.y(),
+                          t.z(), a.milliseconds / 1e3);
+  }
+  return out;
+}
+
+std::string BopObjectsHeader() { return "case,obj_id,object,stable_pose\n"; }
+
+std::string BopObjects(const CaseResult& result) {
+  std::string out;
+  for (std::size_t i = 0; i < result.set.parts.size(); ++i) {
+    const Workpiece& part = result.set.parts[i];
+    absl::StrAppend(&out, Field(result.experiment.name), ",", i + 1, ",", Field(part.object_id),
+                    ",", Field(part.stable_pose_id), "\n");
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,16 @@
+// What a case did, in words.
+#pragma once
+
+#include <string>
+
+#include "lab/experiment/experiment.h"
+
+namespace graspdb::client {
+
+// "Kinect v1", "Kinect v2" or "other camera", by the intrinsics.
+std::string CameraName(const DepthCameraModel& camera);
+
+// Sentences about what was taught and how it was asked.
+std::string SettingsText(const CaseResult& result);
+
+}  // namespace graspdb::client

@@ -1,0 +1,33 @@
+#include "lab/experiment/shown_segment.h"
+
+#include <algorithm>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+
+namespace graspdb::client {
+
+using recognition::Segment;
+
+absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
+                                          const recognition::RecognitionParameters& parameters) {
+  recognition::StageLog log;
+  auto segmentation = recognition::SegmentScan(
+      trial.scan, parameters.segmentation, parameters.descriptor, [] { return false; }, &log);
+  if (!segmentation.ok()) return segmentation.status();
+  if (segmentation->segments.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "nothing is seen of it", trial.file.empty() ? "" : " in ", trial.file, "; leave it out"));
+  }
+  if (!trial.posed && segmentation->segments.size() > 1) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("it shows ", segmentation->segments.size(),
+                     " objects and no object pose says which one is meant; give one"));
+  }
+  Segment& nearest = *std::ranges::min_element(segmentation->segments, {}, [&](const Segment& s) {
+    return (s.centroid - trial.seen.front()).head<2>().norm();
+  });
+  return ShownSegment{std::move(nearest), segmentation->world_sensor, segmentation->world_frame};
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,54 @@
+// Questions with known answers, rendered as they are needed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/segmentation/segmentation.h"
+#include "rendering/capture_plan.h"
+#include "rendering/depth_camera.h"
+#include "rendering/workpiece.h"
+
+namespace graspdb::client {
+
+// A frame to be taught or to be asked about.
+struct Trial {
+  recognition::Scan scan;
+  std::vector<Placement> truth;  // what stands in it; the first is asked about
+  // Mean of what the camera sees of each, world frame, m; its place where that is not known.
+  std::vector<Eigen::Vector3d> seen;
+  bool posed = true;      // where it stands is known; otherwise the poses in `truth` say nothing
+  std::string file = {};  // that it was read from; empty: none
+};
+
+// An obstacle before the lens that hides a share of the first object's pixels, from one side of
+// the image: the side to which `direction_rad` points (0: right, pi/2: down).
+struct Obstacle {
+  double hidden_share = 0;  // 0: there is none
+  double direction_rad = 0;
+  // The scan is a segmented cloud: the visible points of the first object alone.
+  bool cut_out = false;
+};
+
+// Renders planned captures of `parts`, which outlives it. Thread-safe.
+class TrialRenderer {
+ public:
+  static absl::StatusOr<TrialRenderer> Create(const std::vector<Workpiece>& parts,
+                                              const DepthCameraModel& camera);
+
+  // The region of interest is that of a simulated capture set. Errors as DepthCamera::Render.
+  absl::StatusOr<Trial> Render(const PlannedCapture& capture, const Obstacle& obstacle = {}) const;
+
+ private:
+  TrialRenderer(const std::vector<Workpiece>& parts, DepthCamera camera)
+      : parts_(&parts), camera_(std::move(camera)) {}
+
+  absl::StatusOr<TriangleMesh> Plate(const Scene& scene, const PlannedCapture& capture,
+                                     const Obstacle& obstacle) const;
+
+  const std::vector<Workpiece>* parts_;
+  DepthCamera camera_;
+};
+
+}  // namespace graspdb::client

@@ -1,0 +1,46 @@
+#include "lab/experiment/trial_source.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace graspdb::client {
+namespace {
+
+// Obstacles are those of `questions`, where it is one's.
+absl::StatusOr<TrialSource> Rendered(std::vector<PlannedCapture> plan, const PartSet& set,
+                                     const DepthCameraModel& camera,
+                                     const ExperimentCase* questions) {
+  auto made = TrialRenderer::Create(set.parts, camera);
+  if (!made.ok()) return made.status();
+  struct Shared {
+    TrialRenderer renderer;
+    std::vector<PlannedCapture> plan;
+  };
+  auto shared = std::make_shared<const Shared>(Shared{*std::move(made), std::move(plan)});
+  const std::size_t count = shared->plan.size();
+  if (questions == nullptr) {
+    return TrialSource{
+        count, [shared](std::size_t i) { return shared->renderer.Render(shared->plan[i]); }};
+  }
+  return TrialSource{count, [shared, experiment = *questions](std::size_t i) {
+                       return shared->renderer.Render(shared->plan[i], ObstacleOf(experiment, i));
+                     }};
+}
+
+}  // namespace
+
+absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
+                                                const PartSet& set) {
+  auto teaching = PlanTeaching(experiment, set);
+  if (!teaching.ok()) return teaching.status();
+  auto asking = PlanQuestions(experiment, set);
+  if (!asking.ok()) return asking.status();
+  auto taught = Rendered(*std::move(teaching), set, experiment.taught.camera, nullptr);
+  if (!taught.ok()) return taught.status();
+  auto asked = Rendered(*std::move(asking), set, experiment.asked.camera, &experiment);
+  if (!asked.ok()) return asked.status();
+  return ExperimentTrials{*std::move(taught), *std::move(asked), false};
+}
+
+}  // namespace graspdb::client

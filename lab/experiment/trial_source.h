@@ -1,0 +1,34 @@
+// Where an experiment's trials come from.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "absl/status/statusor.h"
+#include "lab/experiment/cases.h"
+#include "lab/experiment/part_set.h"
+#include "lab/experiment/trial.h"
+
+namespace graspdb::client {
+
+// Trials that are made as they are needed, since together they do not fit into memory.
+struct TrialSource {
+  std::size_t count = 0;
+  // Of 0 … count - 1; thread-safe, and always the same.
+  std::function<absl::StatusOr<Trial>(std::size_t)> make;
+};
+
+// What an experiment teaches and asks.
+struct ExperimentTrials {
+  TrialSource teaching;
+  TrialSource asking;
+  // Trial i of `asking` is trial i of `teaching`, and is asked while that is not taught.
+  bool leave_one_out = false;
+};
+
+// Rendered trials of a case; `set` outlives them. Errors as PlanTeaching, PlanQuestions and
+// TrialRenderer::Create.
+absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
+                                                const PartSet& set);
+
+}  // namespace graspdb::client

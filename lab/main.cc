@@ -1,0 +1,30 @@
+// graspdb-lab: the commands of `graspdb` for experiments, simulations and load tests.
+#include "client/cli/base/command_line.h"
+#include "lab/commands/bench_command.h"
+#include "lab/commands/eval_command.h"
+#include "lab/commands/robot_command.h"
+#include "lab/commands/simulate_command.h"
+
+namespace graspdb::client {
+namespace {
+
+int Run(int argc, char** argv) {
+  // As users type it.
+  CLI::App app("graspdb-lab simulates, evaluates and measures.", "graspdb");
+  GlobalOptions global;
+  Action action;
+  AddGlobalFlags(app, &global);
+  AddBenchCommand(app, global, &action);
+  AddRobotCommand(app, global, &action);
+  AddSimulateCommand(app, &action);
+  AddEvalCommand(app, &action);
+  return RunCommandLine(app, action,
+                        {"import", "teach", "recognize", "replay", "describe", "export", "objects",
+                         "grasps", "cells", "status", "sensors"},
+                        argc, argv);
+}
+
+}  // namespace
+}  // namespace graspdb::client
+
+int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }

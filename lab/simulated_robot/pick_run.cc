@@ -1,0 +1,80 @@
+#include "lab/simulated_robot/pick_run.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/robots/gri_data.h"
+#include "rendering/scene_file.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+using Clock = std::chrono::steady_clock;
+
+GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) {
+  GriRequest out;
+  out.action = static_cast<std::uint8_t>(action);
+  out.job_id = static_cast<std::uint16_t>(job);
+  out.pose_format = static_cast<std::uint8_t>(options.pose_format);
+  return out;
+}
+
+absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) {
+  const std::optional<int>& job = held ? options.picked_job : options.missed_job;
+  if (!job) return absl::OkStatus();
+  const auto answer = agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, *job));
+  if (!answer.ok()) return answer.status();
+  if (answer->code == GriCode::kNoError || answer->code == GriCode::kNoReturnSpecified) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(absl::StrCat(
+      "job ", *job, ", which is to hear of picks that ", held ? "held" : "did not hold",
+      ", answers ", GriCodeName(answer->code), "; see the agent's jobs"));
+}
+
+absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& parts,
+                              const PickRunOptions& options, const PlannedCapture& scene) {
+  Pick out;
+  out.shown = parts[scene.placements.front().part].object_id;
+  const Clock::time_point asked = Clock::now();
+  const auto answer = agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, options.job));
+  const Clock::duration spent = Clock::now() - asked;
+  if (!answer.ok()) return answer.status();
+  out.code = answer->code;
+  out.cycle = spent - std::chrono::microseconds(answer->data[gri_data::kCameraTime]);
+  if (answer->code != GriCode::kNoError) return out;
+  const absl::StatusOr<Pose> base_tcp = FromGriPose(answer->pose, answer->pose_format);
+  if (!base_tcp.ok()) return absl::InternalError(base_tcp.status().message());
+  out.error = JudgePick(parts, scene, options.world_base * *base_tcp);
+  out.held = WouldHold(out.error);
+  absl::Status told = Report(agent, options, out.held);
+  if (!told.ok()) return told;
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
+                                           const PickRunOptions& options,
+                                           const std::function<void(const Pick&)>& heard) {
+  RandomSceneOptions random;
+  random.count = options.picks;
+  random.objects_per_scene = options.objects_per_scene;
+  random.seed = options.seed;
+  const absl::StatusOr<std::vector<PlannedCapture>> scenes = PlanRandomScenes(parts, random);
+  if (!scenes.ok()) return scenes.status();
+  std::vector<Pick> out;
+  out.reserve(scenes->size());
+  for (const PlannedCapture& scene : *scenes) {
+    absl::Status laid = WriteScenes(options.scene, parts, {scene});
+    if (!laid.ok()) return laid;
+    absl::StatusOr<Pick> pick = PickFrom(agent, parts, options, scene);
+    if (!pick.ok()) return pick.status();
+    heard(*pick);
+    out.push_back(*std::move(pick));
+  }
+  return out;
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,31 @@
+// An object as a grey picture with a caption.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace graspdb::client {
+
+struct ColoredPixel {
+  std::size_t pixel = 0;  // counted row by row
+  std::uint32_t rgb = 0;  // 0xRRGGBB
+};
+
+struct ShadedPicture {
+  std::string caption;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> brightness;  // a pixel each, row by row: 0 black, 255 white
+  std::vector<ColoredPixel> marks = {};  // drawn over it, the last on top
+};
+
+// Writes a PNG, the caption above. INVALID_ARGUMENT when `brightness` has another size or a mark is
+// outside, FAILED_PRECONDITION when the file cannot be written.
+absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedPicture& picture);
+
+}  // namespace graspdb::client

@@ -1,0 +1,24 @@
+#include "program/listen_address.h"
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+
+namespace graspdb {
+
+absl::StatusOr<ListenAddress> ParseListenAddress(const std::string& flag, const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  int port = -1;
+  if (colon == std::string::npos || colon == 0 ||
+      !absl::SimpleAtoi(text.substr(colon + 1), &port) || port < 0 || port > 65535) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(flag, " ", text, " is no HOST:PORT; give one such as 127.0.0.1:50051"));
+  }
+  return ListenAddress{text.substr(0, colon), static_cast<std::uint16_t>(port)};
+}
+
+bool IsLoopback(const std::string& host) {
+  if (host == "localhost" || host == "[::1]" || host == "::1") return true;
+  return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+}  // namespace graspdb

@@ -1,0 +1,24 @@
+#include "program/log.h"
+
+#include <grpc/support/log.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "absl/synchronization/mutex.h"
+#include "program/log_field.h"
+
+namespace graspdb {
+
+void StartLog(const std::string& program, const std::string& level) {
+  // Debian's Abseil aborts on a lock-order inversion even when nothing deadlocks. Tests keep that;
+  // programs report it and continue.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kReport);
+  spdlog::set_default_logger(spdlog::stderr_logger_mt(program));
+  spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
+  spdlog::set_level(spdlog::level::from_str(level));
+  gpr_set_log_function([](gpr_log_func_args* args) {
+    spdlog::debug("event=grpc message={}", LogField(args->message));
+  });
+}
+
+}  // namespace graspdb

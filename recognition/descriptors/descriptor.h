@@ -1,0 +1,65 @@
+// Global descriptors of one object's points: the published baselines and our own.
+//
+// Sources: R. B. Rusu et al., "Fast 3D recognition and pose using the viewpoint
+// feature histogram", IROS 2010 (VFH); C.-S. Chen, P.-C. Chen, C.-M. Hsu,
+// "Three-dimensional object recognition and registration for robotic grasping
+// systems using a modified viewpoint feature histogram", Sensors 2016 (MVFH);
+// equation numbers are those of the latter.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/base/types.h"
+
+namespace graspdb::recognition {
+
+enum class DescriptorKind {
+  kVfh263,   // 3 x 45 shape bins (eqs. 4, 6, 7) and 128 viewpoint bins (eq. 5).
+  kMvfh300,  // 3 x 45 shape bins and 3 x 55 viewpoint bins (eqs. 11 to 13).
+  kVfh308,   // As the Point Cloud Library 1.13 computes it, for comparison.
+  kGsh288,   // Normals and positions against gravity and the line of sight, see gsh288.h.
+};
+
+// "vfh263", "mvfh300", "vfh308", "gsh288".
+std::string_view DescriptorName(DescriptorKind kind);
+std::optional<DescriptorKind> DescriptorFromName(std::string_view name);
+// All of them.
+std::vector<std::string> DescriptorNames();
+
+// Number of bins.
+int DescriptorSize(DescriptorKind kind);
+
+// The bins. VFH-263, MVFH-300 and GSH-288: every part has the same mass, the whole has
+// mass 1. VFH-308: as PCL scales it, 100 a part.
+using Descriptor = std::vector<float>;
+
+// Fewer points than this have no descriptor.
+inline constexpr std::size_t kMinDescriptorPoints = 10;
+
+// Describes `cloud` (metres, any frame, unit normals) as seen by a sensor at `sensor`
+// (T_cloud_sensor, metres). Does not depend on the order of the points nor on a
+// rigid motion of cloud and sensor together; GSH-288 only on one that leaves z up.
+//
+// INVALID_ARGUMENT for numbers that are not finite and for a point without a
+// normal; FAILED_PRECONDITION for fewer than 10 points and for points that all lie
+// in one place. Where the mean normal has no length, the direction from the
+// centroid to the viewpoint takes its place, since normals are turned towards
+// the sensor. A point on the centroid, or one whose Darboux frame is not
+// defined, is left out of the parts concerned.
+absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sensor,
+                                    DescriptorKind kind);
+
+// The same where only the sensor's position is known. That is all, but for GSH-288 of something
+// straight below the sensor.
+absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Eigen::Vector3d& viewpoint,
+                                    DescriptorKind kind);
+
+// Chi-square distance sum((a - b)^2 / (a + b)): 0 for equal ones, 2 for
+// descriptors of mass 1 that share no bin.
+double ChiSquareDistance(const Descriptor& a, const Descriptor& b);
+
+}  // namespace graspdb::recognition

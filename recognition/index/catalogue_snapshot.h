@@ -1,0 +1,23 @@
+// The catalogue as recognition needs it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+#include "recognition/index/descriptor_index.h"
+#include "recognition/models/taught.h"
+
+namespace graspdb::recognition {
+
+// Everything that was taught, as of one revision. Immutable.
+struct CatalogueSnapshot {
+  std::int64_t revision = 0;
+  DescriptorIndex index;
+  // By resource name.
+  std::shared_ptr<const std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>
+      stable_poses;
+};
+
+}  // namespace graspdb::recognition

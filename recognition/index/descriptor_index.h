@@ -1,0 +1,84 @@
+// Nearest neighbours among the descriptors of all views: exact, or nearly so with an
+// ApproximateIndex.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "recognition/index/approximate_index.h"
+#include "recognition/index/descriptor_chunk.h"
+#include "recognition/models/taught.h"
+
+namespace graspdb::recognition {
+
+// A view that was found.
+struct Match {
+  std::shared_ptr<const TaughtView> view;
+  double distance = 0;  // chi-square, see ChiSquareDistance
+};
+
+// An immutable index; copies share their content, and With/Without share what
+// does not change, so that a write costs one chunk and not the whole. Searches
+// are exact: bytes say which views may be among the nearest (see DescriptorChunk),
+// and these are measured. The result of a search does not depend on the order in which the
+// views came. Thread-safe.
+class DescriptorIndex {
+ public:
+  // `size` bins a descriptor.
+  explicit DescriptorIndex(int size);
+
+  // This index and more views, whose names must be new.
+  DescriptorIndex With(std::span<const IndexedView> views) const;
+
+  // This index and the views of `other`, whose names must be new here. Shares the content of both.
+  DescriptorIndex Joined(const DescriptorIndex& other) const;
+
+  // This index without the views of these resource names.
+  DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
+
+  // The `count` nearest views, nearest first; equal distances by name. With an approximate index up
+  // to ApproximateIndex::kMaxNeighbors are the nearest of its candidates and of the views
+  // that are not in it.
+  std::vector<Match> Nearest(const Descriptor& query, int count) const;
+
+  // This index with an approximate index of some of its views, or without one where it is null.
+  // Views of it that are not here count as deleted, views that are not in it are searched exactly.
+  // With and Without keep it. O(views).
+  DescriptorIndex WithApproximate(std::shared_ptr<const ApproximateIndex> approximate) const;
+
+  // Null: there is none.
+  const std::shared_ptr<const ApproximateIndex>& approximate() const { return approximate_; }
+  // Views that are not in the approximate index, and deleted views that are in it.
+  std::size_t newer_view_count() const;
+  std::size_t deleted_view_count() const;
+
+  std::size_t view_count() const { return view_count_; }
+
+  // All views, some hundreds at a time.
+  std::span<const std::shared_ptr<const DescriptorChunk>> chunks() const { return chunks_; }
+
+  // No views, which will be packed as those of this index: for parts of it that are made on other
+  // threads. Not needed for the answers to be right.
+  DescriptorIndex Empty() const;
+
+ private:
+  using Chunk = std::shared_ptr<const DescriptorChunk>;
+
+  void FitProjection();
+  void CodeAgain();
+  void MarkDeleted(const std::unordered_set<const TaughtView*>& removed);
+
+  std::size_t bins_;
+  std::size_t view_count_ = 0;
+  std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
+  std::size_t next_fit_;                              // at so many views
+  std::shared_ptr<const ApproximateIndex> approximate_;
+  std::shared_ptr<const std::vector<bool>> deleted_;  // a flag for each view in it
+  std::size_t covered_ = 0;                           // chunks, the first ones, that are in it
+  std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
+};
+
+}  // namespace graspdb::recognition

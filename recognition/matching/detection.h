@@ -1,0 +1,68 @@
+// What was recognised in one segment.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "recognition/base/types.h"
+#include "recognition/grasps/grasp_proposals.h"
+#include "recognition/matching/registration.h"
+#include "recognition/models/taught.h"
+#include "recognition/verification/confidence.h"
+
+namespace graspdb::recognition {
+
+// Why there is or is no answer; see the public contract.
+enum class RecognitionOutcome {
+  kOk,
+  kEmptyRegion,
+  kNoCluster,
+  kUnknownObject,
+  kAmbiguous,
+  kIcpRejected,
+  kNoGrasp,
+  kOutOfWorkspace,
+};
+
+// A stored view that resembles the scan.
+struct Candidate {
+  std::shared_ptr<const TaughtView> view;
+  double descriptor_distance = 0;
+  std::optional<double> verification_score;  // where the view was aligned
+};
+
+// Another explanation of the same segment.
+struct Alternative {
+  std::shared_ptr<const TaughtView> view;
+  Pose world_object = Pose::Identity();  // T_world_object
+  double score = 0;                      // 0 to 1
+};
+
+// One object on the table.
+struct Detection {
+  RecognitionOutcome outcome = RecognitionOutcome::kUnknownObject;
+  std::shared_ptr<const TaughtView> view;  // null when unknown
+  double score = 0;  // 0 to 1: confidence, or on the paper's way the share of matching points
+  Pose rough_pose = Pose::Identity();    // T_world_object after the shift
+  Pose refined_pose = Pose::Identity();  // T_world_object after the alignment
+  // T_world_object of the same stable pose that explain the scan as well: the turns of a declared
+  // symmetry (DeclaredTurns) or else those that were found, and others where the detection is
+  // ambiguous.
+  std::vector<Pose> equivalent_poses;
+  // Something else explains the scan as well: another place, orientation or object.
+  bool ambiguous = false;
+  std::vector<Alternative> alternatives;  // that are not of the same stable pose
+  bool touching = false;                  // the camera saw it and other objects as one
+  std::optional<Gate> rejected_by;        // of an object that is unknown
+  Registration registration;
+  std::shared_ptr<const SurfaceModel> model;  // that was aligned; null on the paper's way
+  Evidence evidence;  // of the best explanation; all zero where models were not aligned
+  ConfidenceFeatures features;
+  std::vector<GraspProposal> grasps;  // best first
+  std::vector<Candidate> candidates;  // nearest first
+  std::size_t point_count = 0;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame
+};
+
+}  // namespace graspdb::recognition

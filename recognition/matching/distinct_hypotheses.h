@@ -1,0 +1,18 @@
+// Hypotheses that are different from each other.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "recognition/matching/ranking.h"
+
+namespace graspdb::recognition {
+
+// Whether `b` is the model of `a` at `pose` (T_world_object): up to 4 mm and 4 degrees from there.
+bool IsThere(const PoseHypothesis& a, const Pose& pose, const PoseHypothesis& b);
+
+// The `count` with the best evidence, the best first, without those that are the same as a better
+// one.
+void KeepBest(std::size_t count, std::vector<PoseHypothesis>* hypotheses);
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,64 @@
+// Which taught stable pose, where: the views that are tried for one segment, and in which order.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/matching/segment_matcher.h"
+
+namespace graspdb::recognition {
+
+// What is searched for: one segment of a scan.
+struct MatchingInput {
+  const Scan& scan;
+  const Segmentation& segmentation;
+  const Segment& segment;
+};
+
+// The search for the hypotheses that explain a segment best. It can end after the nearest views and
+// go on later: nothing is done twice. Stable poses without a model are left out. Deterministic but
+// for the budget's clock. Not thread-safe; all references must outlive it.
+class ModelSearch {
+ public:
+  // `nearest` is not empty and holds the views with the descriptors most similar to `descriptor`,
+  // that of the segment.
+  ModelSearch(const MatchingInput& input, const ScanDepths& depths, Descriptor descriptor,
+              std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
+              ViewClouds& clouds, const MatchingParameters& parameters,
+              const IsCancelled& is_cancelled);
+
+  // The stable poses and azimuths of the nearest views; whether they explain the segment. Errors as
+  // LoadModel; CANCELLED.
+  absl::StatusOr<bool> TryNearest();
+
+  // Where they do not, or something hides a part of the segment so that its descriptor says little:
+  // further views, the most similar first, MatchingParameters::further_view_count at most (of what
+  // is not seen whole kCutOffViews times as many) and as many as the budget allows. Where none of
+  // these explains anything and an answer is wanted all the same (min_score 0), the nearest view
+  // alone.
+  absl::Status TryFurther(SearchBudget& budget);
+
+  // The nearest views alone, all of them screened, in place of both: of as many as the budget
+  // allows.
+  absl::Status TryScreened(SearchBudget& budget) {
+    matcher_.SeekBeginning();
+    return matcher_.ProposeBest(nearest_, hidden_, budget);
+  }
+
+  // Ranked (see RankClosely), different from each other. Ends the search. CANCELLED.
+  absl::StatusOr<std::vector<PoseHypothesis>> TakeRanked() { return matcher_.TakeRanked(); }
+
+ private:
+  bool IsCutOff() const { return hidden_ != DepthBuffer::Sides{}; }
+  Views FurtherViews(const DepthBuffer::Sides& unseen) const;
+
+  const Descriptor descriptor_;
+  const CatalogueSnapshot& catalogue_;
+  const MatchingParameters& parameters_;
+  SegmentMatcher matcher_;
+  const DepthBuffer::Sides hidden_;
+  Views nearest_;
+};
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,88 @@
+#include "recognition/matching/ranking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "recognition/simd/rigid_transform.h"
+
+namespace graspdb::recognition {
+namespace {
+
+// A surface is met by a measurement up to so many deviations away; the deviation that a good
+// alignment leaves is that of the sensor and of the voxels.
+constexpr double kDeviations = 4.5;
+constexpr double kFinestM = 0.0035;
+// What a model's grid does not know is farther away than this, m.
+constexpr double kFarM = 0.02;
+// Surfaces that are nowhere farther apart are one, m, or as a share of the size.
+constexpr double kSameSurfaceM = 0.006;
+constexpr double kSameSurfaceShare = 0.04;
+// Scores that differ less are equal.
+constexpr double kEqualScores = 0.006;
+
+double LargestGapTo(const SurfaceModel& from, const Pose& to_from, const SurfaceModel& to) {
+  const RigidTransform moved(to_from);
+  double largest = 0;
+  for (const Eigen::Vector3f& point : from.coarse.cloud.points) {
+    const Eigen::Vector3f p = moved.Point(point);
+    const int nearest = to.grid.Nearest(p);
+    if (nearest < 0) return kFarM;
+    const Eigen::Vector3f d = p - to.fine.cloud.points[static_cast<std::size_t>(nearest)];
+    largest = std::max(largest, static_cast<double>(d.norm()));
+  }
+  return largest;
+}
+
+// A turn from one pose to the other that the declared symmetry allows, `tolerance_m` at the rim.
+bool IsDeclaredTurn(const PoseHypothesis& a, const PoseHypothesis& b, double tolerance_m) {
+  if (a.view->stable_pose != b.view->stable_pose || a.symmetry_order == 1) return false;
+  const Pose between = a.refined.inverse() * b.refined;
+  const Eigen::Matrix3d& r = between.linear();
+  double turn = std::atan2(r(1, 0), r(0, 0));
+  if (a.symmetry_order > 1) {
+    const double step = 2 * std::numbers::pi / a.symmetry_order;
+    turn = step * std::round(turn / step);
+  }
+  const Eigen::AngleAxisd rest(Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitZ()) * r);
+  return between.translation().norm() +
+             std::abs(rest.angle()) * static_cast<double>(a.model->radius_m) <
+         tolerance_m;
+}
+
+RankClass RankClassOf(const PoseHypothesis& h, const PoseHypothesis& best) {
+  const double same =
+      std::max(kSameSurfaceM, kSameSurfaceShare * 2 * static_cast<double>(best.model->radius_m));
+  if (IsDeclaredTurn(best, h, same)) return RankClass::kSameSurface;
+  if (h.view->object == best.view->object &&
+      LargestGap(*best.model, best.refined, *h.model, h.refined) < same) {
+    return RankClass::kSameSurface;
+  }
+  return h.close_score > best.close_score - kEqualScores ? RankClass::kAsGood : RankClass::kWorse;
+}
+
+}  // namespace
+
+void RankClosely(const SoaCloud& segment, const DepthBuffer& depth_buffer,
+                 double support_distance_m, std::vector<PoseHypothesis>* hypotheses) {
+  if (hypotheses->empty()) return;
+  const double tolerance = std::clamp(kDeviations * hypotheses->front().evidence.rms_m,
+                                      std::min(kFinestM, support_distance_m), support_distance_m);
+  for (PoseHypothesis& h : *hypotheses) {
+    h.close_score =
+        Verify(*h.model, h.refined, segment, depth_buffer, {.tolerance_m = tolerance}).score;
+  }
+  std::ranges::stable_sort(*hypotheses, std::greater(), &PoseHypothesis::close_score);
+  PoseHypothesis& best = hypotheses->front();
+  for (PoseHypothesis& h : *hypotheses) h.rank_class = RankClassOf(h, best);
+  best.rank_class = RankClass::kBest;
+}
+
+double LargestGap(const SurfaceModel& a, const Pose& world_a, const SurfaceModel& b,
+                  const Pose& world_b) {
+  const Pose b_a = world_b.inverse() * world_a;
+  return std::max(LargestGapTo(a, b_a, b), LargestGapTo(b, b_a.inverse(), a));
+}
+
+}  // namespace graspdb::recognition

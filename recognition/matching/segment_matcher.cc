@@ -1,0 +1,251 @@
+#include "recognition/matching/segment_matcher.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "absl/status/status.h"
+#include "recognition/base/idle_cores.h"
+#include "recognition/matching/distinct_hypotheses.h"
+#include "recognition/matching/recentring.h"
+#include "recognition/verification/confidence.h"
+
+namespace graspdb::recognition {
+namespace {
+
+// Points of the segment that first looks are taken with.
+constexpr std::size_t kRoughPoints = 200;
+// Points that hypotheses are refined with; larger segments, of parts of half a metre and more, are
+// subsampled. Doubled, a finalist of such a part takes twice as long; the 40,000 points below which
+// nothing is subsampled are more than any part of 0.3 m has.
+constexpr std::size_t kFullPoints = 20'000;
+// Hypotheses that are refined in full.
+constexpr std::size_t kFinalists = 8;
+// And where only a beginning is sought: of 288 objects that touch as many are right as with all of
+// them, polished.
+constexpr std::size_t kBeginnings = 2;
+// A hypothesis with this score needs no other to be asked for.
+constexpr double kExplained = 0.94;
+// Nor one with less confidence.
+constexpr double kSure = 0.9;
+// So much of its surface is in sight of what stands free; the rest is the sensor's noise at edges.
+constexpr double kWhole = 0.97;
+// Where no first look is better than this, nothing is refined in full before further views were
+// looked at: of 2,130 searches with no better first look, simulated and real, such views ended 14.
+// With 0.7 it is 22 of 2,650.
+constexpr double kWorthFinishing = 0.6;
+// What is worse after all first looks is not refined in full: of 396 searches that ended with an
+// answer, on real frames and of objects that touch or have 40 % hidden, one had no better glance.
+constexpr double kExplainsLittle = 0.4;
+// The best hypothesis is refined again at most so often, while its score grows by more than this.
+constexpr int kPolishRounds = 5;
+// A score that changes by no more than this has not changed.
+constexpr double kPolished = 2e-4;
+// A first look that is worse than the best of what was refined by more than this does not become
+// the best.
+constexpr double kCatchesUp = 0.25;
+// What has a lower score after a first look is finished only where nothing has a higher one: in 96
+// scenes with 40 % hidden what won in the end had at least 0.76.
+constexpr double kHopeless = 0.5;
+// The same of one that was refined with thinned edges.
+constexpr double kCatchesUpClosely = 0.1;
+// A first look: place and turn on the table.
+constexpr RefinementOptions kRoughSteps = {.iterations = 6,
+                                           .first_reach_m = 0.02,
+                                           .last_reach_m = 0.008,
+                                           .coarse = true,
+                                           .height_deviation_m = 1e-4,
+                                           .tilt_deviation_rad = 1e-3};
+// What a hypothesis is refined with in full: edges thinned, until little is left to go.
+constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
+constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
+// So that about `wanted` points are left.
+std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
+  return std::max<std::size_t>(1, segment.cloud.points.size() / wanted);
+}
+
+}  // namespace
+
+SegmentMatcher::SegmentMatcher(const ScanDepths& scan, const Segmentation& segmentation,
+                               const Segment& segment, const CatalogueSnapshot& catalogue,
+                               ViewClouds& clouds, const MatchingParameters& parameters,
+                               const IsCancelled& is_cancelled)
+    : noise_m_(NoiseAt(segmentation, segment)),
+      segmentation_(segmentation),
+      segment_(segment),
+      catalogue_(catalogue),
+      clouds_(clouds),
+      parameters_(parameters),
+      is_cancelled_(is_cancelled),
+      depth_buffer_(scan, segmentation.world_sensor, segment),
+      seen_{segmentation.world_sensor, segment.centroid,
+            ExtentOf(segment.cloud.points, depth_buffer_.sensor_world()),
+            segmentation.world_frame != WorldFrame::kSensor, segmentation.table_reach_m},
+      columns_(segment.cloud, StrideFor(segment, kFullPoints)),
+      rough_columns_(segment.cloud, StrideFor(segment, kRoughPoints)),
+      reachable_(segment.cloud.points, rough_columns_.stride()) {}
+
+SegmentMatcher::LookUps::LookUps(const SegmentMatcher& matcher)
+    : grid(matcher.segment_.cloud.points, kSegmentCellM, kSegmentReachM, matcher.is_cancelled_),
+      target{matcher.segment_.cloud, matcher.columns_,       grid,
+             matcher.depth_buffer_,  matcher.seen_.on_table, matcher.segmentation_.table},
+      rough_target{matcher.segment_.cloud, matcher.rough_columns_, grid,
+                   matcher.depth_buffer_,  matcher.seen_.on_table, matcher.segmentation_.table} {}
+
+absl::Status SegmentMatcher::Propose(std::span<const Views::value_type> views,
+                                     const DepthBuffer::Sides& hidden) {
+  const auto starts = StartsOf(views, hidden);
+  if (!starts.ok()) return starts.status();
+  if (absl::Status status = TryAll(*starts); !status.ok()) return status;
+  return KeepBestAndFinish();
+}
+
+bool SegmentMatcher::IsExplained() const {
+  return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained &&
+         ConfidenceOfBest() >= kSure;
+}
+
+bool SegmentMatcher::IsExplainedWhole() const {
+  return IsExplained() && hypotheses_.front().evidence.in_sight >= kWhole;
+}
+
+bool SegmentMatcher::ExplainsNothing() const {
+  return hypotheses_.empty() || ConfidenceOfBest() < kExplainsNothing;
+}
+
+double SegmentMatcher::ConfidenceOfBest() const {
+  const PoseHypothesis& best = hypotheses_.front();
+  return Confidence(
+      ConfidenceFeaturesOf(best.evidence, *best.model, noise_m_, parameters_.support_distance_m));
+}
+
+absl::StatusOr<std::vector<PoseHypothesis>> SegmentMatcher::TakeRanked() {
+  if (absl::Status status = FinishBest(); !status.ok()) return status;
+  while (!hypotheses_.empty() && !hypotheses_.front().recentred && !ExplainsNothing()) {
+    RecentrePose(&hypotheses_.front());
+    RankClosely(columns_, depth_buffer_, parameters_.support_distance_m, &hypotheses_);
+  }
+  return std::move(hypotheses_);
+}
+
+absl::Status SegmentMatcher::TryAll(const std::vector<Start>& starts) {
+  const std::size_t before = hypotheses_.size();
+  hypotheses_.resize(before + starts.size());
+  ForEachIndex(starts.size(), [&](std::size_t i) { hypotheses_[before + i] = Tried(starts[i]); });
+  return CheckNotCancelled();
+}
+
+PoseHypothesis SegmentMatcher::Tried(const Start& start) const {
+  PoseHypothesis h;
+  h.model = start.model;
+  h.symmetry_order = start.symmetry_order;
+  h.view = start.view;
+  h.rough = start.rough;
+  h.refined = Refine(*start.model, look_ups_->rough_target, start.rough, kRoughSteps).world_object;
+  h.evidence = VerifyRoughly(*start.model, h.refined);
+  return h;
+}
+
+absl::Status SegmentMatcher::KeepBestAndFinish() {
+  KeepBest(kFinalists, &hypotheses_);
+  if (hypotheses_.empty() || hypotheses_.front().evidence.score < kWorthFinishing) {
+    return CheckNotCancelled();
+  }
+  return FinishBest();
+}
+
+absl::Status SegmentMatcher::FinishBest() {
+  if (std::ranges::all_of(hypotheses_, &PoseHypothesis::finished) ||
+      hypotheses_.front().evidence.score < kExplainsLittle) {
+    return CheckNotCancelled();
+  }
+  if (only_beginning_) KeepBest(kBeginnings, &hypotheses_);
+  if (absl::Status status = FinishAll(); !status.ok()) return status;
+  KeepBest(kFinalists, &hypotheses_);
+  if (!only_beginning_) Polish();
+  return CheckNotCancelled();
+}
+
+absl::Status SegmentMatcher::CheckNotCancelled() const {
+  return is_cancelled_() ? absl::CancelledError("cancelled while models were aligned")
+                         : absl::OkStatus();
+}
+
+Evidence SegmentMatcher::VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const {
+  return Verify(model, world_object, rough_columns_, depth_buffer_,
+                {.tolerance_m = parameters_.support_distance_m, .coarse = true});
+}
+
+Evidence SegmentMatcher::VerifyClosely(const SurfaceModel& model, const Pose& world_object) const {
+  return Verify(model, world_object, columns_, depth_buffer_,
+                {.tolerance_m = parameters_.support_distance_m});
+}
+
+// Refines the hypotheses in full, the most promising first: not those that are so much worse
+// than what is finished that they will not catch up, nor any that is on its way to a place where
+// one of the same model is already.
+absl::Status SegmentMatcher::FinishAll() {
+  std::vector<PoseHypothesis> finished;
+  double best = 0;
+  for (PoseHypothesis& h : hypotheses_) {
+    if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
+    if (!h.finished) {
+      if (h.evidence.score < kHopeless && !finished.empty()) continue;
+      if (h.evidence.score < best - kCatchesUp || !Approach(finished, &h)) continue;
+      if (h.evidence.score < best - kCatchesUpClosely) continue;
+      Finish(kLastSteps, &h);
+    }
+    best = std::max(best, h.evidence.score);
+    finished.push_back(std::move(h));
+  }
+  hypotheses_ = std::move(finished);
+  return absl::OkStatus();
+}
+
+// Refines with the model's edges thinned; false where that leads to what is finished.
+bool SegmentMatcher::Approach(const std::vector<PoseHypothesis>& finished,
+                              PoseHypothesis* h) const {
+  const IsKnown is_finished = [&](const Pose& pose) {
+    return std::ranges::any_of(
+        finished, [&](const PoseHypothesis& other) { return IsThere(*h, pose, other); });
+  };
+  const Refinement refinement =
+      Refine(*h->model, look_ups_->target, h->refined, kFirstSteps, is_finished);
+  if (refinement.stopped) return false;
+  h->refined = refinement.world_object;
+  h->evidence = VerifyRoughly(*h->model, h->refined);
+  return true;
+}
+
+void SegmentMatcher::Finish(const RefinementOptions& options, PoseHypothesis* h) const {
+  const Refinement refinement = Refine(*h->model, look_ups_->target, h->refined, options);
+  h->refined = refinement.world_object;
+  h->iterations = refinement.iterations;
+  h->evidence = VerifyClosely(*h->model, h->refined);
+  h->finished = true;
+}
+
+// Long objects slide along themselves, and end a little short of their place: the best hypothesis
+// is refined again from where it is, as long as that makes it better.
+void SegmentMatcher::Polish() {
+  for (int round = 0; round < kPolishRounds && !hypotheses_.empty(); ++round) {
+    if (is_cancelled_() || hypotheses_.front().polished) return;
+    PoseHypothesis again = hypotheses_.front();
+    Finish({}, &again);
+    const double gain = again.evidence.score - hypotheses_.front().evidence.score;
+    // What is as good has recentred farther.
+    if (gain >= -kPolished) hypotheses_.front() = std::move(again);
+    hypotheses_.front().polished = gain <= kPolished;
+  }
+}
+
+void SegmentMatcher::RecentrePose(PoseHypothesis* h) const {
+  const Judge judge = [&](const Pose& pose) { return VerifyClosely(*h->model, pose); };
+  const Recentred recentred =
+      Recentre(*h->model, {h->refined, h->evidence},
+               InformationMatrixOf(*h->model, look_ups_->target, h->refined, {}), judge);
+  h->refined = recentred.world_object;
+  h->evidence = recentred.evidence;
+  h->recentred = true;
+}
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,32 @@
+// Clouds of views in memory, and the models that are fused from them.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+#include "absl/status/statusor.h"
+#include "recognition/models/taught.h"
+
+namespace graspdb::recognition {
+
+// Keeps all that it is given and makes each model once. Adding is not thread-safe; asking is.
+class CloudsInMemory : public ViewClouds {
+ public:
+  // The cloud of the view of that resource name, which is given once.
+  void Add(const std::string& name, std::shared_ptr<const OrientedCloud> cloud);
+
+  // NOT_FOUND for a view whose cloud was not given.
+  absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override;
+  absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) override;
+
+ private:
+  std::unordered_map<std::string, std::shared_ptr<const OrientedCloud>> clouds_;
+  std::mutex mutex_;  // guards models_
+  // By the names of the views that they are fused from.
+  std::unordered_map<std::string, std::shared_ptr<const SurfaceModel>> models_;
+};
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,38 @@
+// How alike two objects look, and one and the same object turned about the vertical.
+#pragma once
+
+#include <optional>
+
+#include "recognition/models/surface_model.h"
+
+namespace graspdb::recognition {
+
+// Distances of the points of either surface from the other, m.
+struct Gap {
+  double mean_m = 0;
+  double largest_m = 0;  // of 95 % of them: single points are noise
+};
+
+// Surfaces with a smaller gap (`largest_m`) are one shape to a depth camera: 2 mm, or a share of
+// the object's size. Up to NearlyAlikeM they may be taken for each other where a part is hidden or
+// the camera noisy.
+double AlikeM(const SurfaceModel& model);
+double NearlyAlikeM(const SurfaceModel& model);
+
+// What turns about z bring an object onto itself, seen from all sides that it was taught from.
+struct FoundSymmetry {
+  int order = 1;        // 1 none, n for n-fold up to 12, 0 for any turn
+  bool nearly = false;  // only NearlyAlikeM
+  Gap gap;              // the largest of its turns; of order 1: of no meaning
+};
+FoundSymmetry FindSymmetry(const SurfaceModel& model);
+
+// `a` on `b`, both standing on the table, in the turn that fits best: T_b_a and the gap.
+struct ShapeSimilarity {
+  Pose b_a = Pose::Identity();
+  Gap gap;
+};
+// Nothing where they differ by more than NearlyAlikeM. Deterministic.
+std::optional<ShapeSimilarity> FindShapeSimilarity(const SurfaceModel& a, const SurfaceModel& b);
+
+}  // namespace graspdb::recognition

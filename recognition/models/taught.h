@@ -1,0 +1,92 @@
+// What was taught, as the recognition needs it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "recognition/base/types.h"
+#include "recognition/models/surface_model.h"
+
+namespace graspdb::recognition {
+
+// Turns of a tool about the object's z axis that keep a grasp valid, rad.
+struct FreeTurn {
+  double min_rad = 0;
+  double max_rad = 0;
+};
+
+// How often robots told what became of a grasp.
+struct PickCounts {
+  std::int64_t picked = 0;
+  std::int64_t missed = 0;
+  std::int64_t slipped = 0;
+  bool operator==(const PickCounts&) const = default;
+};
+
+struct TaughtGrasp {
+  std::string id;
+  Pose object_tcp = Pose::Identity();  // T_object_tcp
+  double approach_distance_m = 0;
+  double gripper_opening_m = 0;
+  int priority = 0;  // the higher, the earlier
+  double retreat_distance_m = 0;
+  std::optional<FreeTurn> free_turn = {};
+  PickCounts picks = {};
+};
+
+struct TaughtView {
+  std::string name;                      // resource name
+  std::string content;                   // digest: names may be used again, content not
+  std::string object;                    // resource name
+  std::string stable_pose;               // resource name
+  Pose world_object = Pose::Identity();  // T_world_object of the capture
+  Pose world_sensor = Pose::Identity();  // T_world_sensor of the capture
+  // The teacher said where the object was: the frame is that of the stable pose's other views.
+  bool shares_frame = false;
+};
+
+struct TaughtStablePose {
+  std::string name;        // resource name
+  int symmetry_order = 1;  // about the object's z axis; 0: any turn
+  std::vector<TaughtGrasp> grasps;
+  // Detections of it that score lower are unknown, 0 to 1; absent: MatchingParameters::min_score.
+  std::optional<double> min_score = {};
+  std::vector<std::shared_ptr<const TaughtView>> views = {};  // by name
+  std::optional<Pose> object_mesh = {};  // T_object_mesh; absent: not taught from a mesh
+};
+
+// Whether both are fused into the same model: views of one stable pose that share a frame.
+bool HaveSameModel(const TaughtView& a, const TaughtView& b);
+
+// Views that are fused into one model, at most. A turntable's steps of 5 degrees from five heights
+// are 360; what more add is below the camera's noise, and each takes a millisecond or two.
+inline constexpr std::size_t kMaxFusedViews = 400;
+
+// The views of `stable_pose` that have the same model as `view`, one of them; of more than
+// kMaxFusedViews so many, evenly chosen by name.
+std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
+                                            const TaughtStablePose& stable_pose);
+
+// Gives the prepared clouds of views. Implementations are thread-safe.
+class ViewClouds {
+ public:
+  virtual ~ViewClouds() = default;
+  // The view's voxels and normals in the world frame of its capture.
+  virtual absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) = 0;
+  // What the object in `view`, one of `stable_pose`, looks like in its frame: all views fused that
+  // share it. Null when nothing is known of it.
+  virtual absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
+      const TaughtView& view, const TaughtStablePose& stable_pose) = 0;
+};
+
+// The model that `view` is fused into, made from the clouds of its views. Null without points;
+// errors of `clouds`.
+absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& view,
+                                                              const TaughtStablePose& stable_pose,
+                                                              ViewClouds& clouds);
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,61 @@
+#include "recognition/points/voxels.h"
+
+#include <cmath>
+#include <vector>
+
+#include "recognition/base/bounds.h"
+#include "recognition/base/grow.h"
+#include "recognition/points/keyed_points.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using Coordinates = Eigen::Array<std::int64_t, 3, 1>;
+
+// Time to find the voxel of a point, or to add the point to it, ns.
+constexpr std::size_t kStepsPerPoint = 40;
+
+Coordinates VoxelOf(const Eigen::Vector3f& p, double inverse_size) {
+  return (p.cast<double>().array() * inverse_size).floor().cast<std::int64_t>();
+}
+
+}  // namespace
+
+VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
+                              const IsCancelled& is_cancelled) {
+  VoxelCloud out;
+  if (points.empty()) return out;
+  const double inverse_size = 1 / voxel_size_m;
+  // The order of coordinates is that of voxels.
+  const Eigen::AlignedBox3f bounds = BoundsOf(points);
+  const Coordinates first = VoxelOf(bounds.min(), inverse_size);
+  const Coordinates size = VoxelOf(bounds.max(), inverse_size) - first + 1;
+  CancellationPoll poll(is_cancelled);
+  std::vector<KeyedPoint> order;
+  if (!GrowTo(points.size(), &poll, &order)) return out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (poll.After(kStepsPerPoint)) return out;
+    const Coordinates c = VoxelOf(points[i], inverse_size) - first;
+    order[i] = {static_cast<std::uint64_t>((c.z() * size.y() + c.y()) * size.x() + c.x()),
+                static_cast<std::int32_t>(i)};
+  }
+  SortByKey(static_cast<std::uint64_t>(size.prod() - 1), &order, is_cancelled);
+
+  if (!GrowTo(points.size(), &poll, &out.voxel_of)) return {};
+  out.points.reserve(points.size());
+  for (std::size_t begin = 0; begin < order.size();) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    std::size_t end = begin;
+    for (; end < order.size() && order[end].key == order[begin].key; ++end) {
+      const auto point = static_cast<std::size_t>(order[end].point);
+      sum += points[point].cast<double>();
+      out.voxel_of[point] = static_cast<std::int32_t>(out.points.size());
+      if (poll.After(kStepsPerPoint)) return {};
+    }
+    out.points.push_back((sum / static_cast<double>(end - begin)).cast<float>());
+    begin = end;
+  }
+  return out;
+}
+
+}  // namespace graspdb::recognition

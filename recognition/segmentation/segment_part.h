@@ -1,0 +1,29 @@
+// Some of the points of a segment as a segment.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "recognition/base/cancellation.h"
+#include "recognition/points/scan.h"
+#include "recognition/segmentation/segmentation.h"
+
+namespace graspdb::recognition {
+
+// Whether a point (world frame, m) belongs to a part.
+using IsPartOf = std::function<bool(const Eigen::Vector3f& world)>;
+
+// Which part a point (world frame, m) belongs to, from 0; negative: to none.
+using PartNumber = std::function<int(const Eigen::Vector3f& world)>;
+
+// The voxels and the scan's points of `whole` for which `is_part` holds, in their order; the
+// centroid is theirs. O(n) calls for n points. Where cancelled, the result means nothing.
+Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
+               const IsPartOf& is_part, const IsCancelled& is_cancelled = {});
+
+// The same for `count` parts at once.
+std::vector<Segment> PartsOf(const Scan& scan, const Segmentation& segmentation,
+                             const Segment& whole, std::size_t count, const PartNumber& number,
+                             const IsCancelled& is_cancelled = {});
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,15 @@
+// A segment and what was recognised in it.
+#pragma once
+
+#include "recognition/matching/detection.h"
+#include "recognition/segmentation/segmentation.h"
+
+namespace graspdb::recognition {
+
+struct AnsweredSegment {
+  Segment segment;
+  Detection detection;
+  const Segment* seen = nullptr;  // as it was found in the scan; null for a part of one
+};
+
+}  // namespace graspdb::recognition

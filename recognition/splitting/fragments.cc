@@ -1,0 +1,68 @@
+#include "recognition/splitting/fragments.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace graspdb::recognition {
+namespace {
+
+// Of a segment's points, so many must lie on the model.
+constexpr double kShare = 0.8;
+
+void Take(const Detection& piece, Detection* whole) {
+  const auto of_piece = static_cast<double>(piece.point_count);
+  const auto of_whole = static_cast<double>(whole->point_count);
+  whole->centroid =
+      (of_piece * piece.centroid + of_whole * whole->centroid) / (of_piece + of_whole);
+  whole->point_count += piece.point_count;
+}
+
+// Of two detections of one object the surer one is the whole.
+bool MayBePieceOf(const Detection& piece, const Detection& whole) {
+  if (!whole.view || !whole.model) return false;
+  if (!piece.view) return true;
+  return piece.view->object == whole.view->object && piece.score <= whole.score;
+}
+
+}  // namespace
+
+bool LiesOn(const Segment& segment, const Detection& whole, double support_distance_m) {
+  const Eigen::Isometry3f object_world = whole.refined_pose.inverse().cast<float>();
+  std::size_t near = 0;
+  for (const Eigen::Vector3f& p : segment.cloud.points) {
+    near += whole.model->DistanceTo(object_world * p) < static_cast<float>(support_distance_m);
+  }
+  return static_cast<double>(near) >= kShare * static_cast<double>(segment.cloud.points.size());
+}
+
+void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers) {
+  std::vector<std::size_t> order(answers->size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) {
+    const Detection& d = (*answers)[i].detection;
+    return d.view ? d.score : -1.0;
+  });
+  std::vector<bool> is_piece(answers->size(), false);
+  for (const std::size_t i : order) {
+    const AnsweredSegment& piece = (*answers)[i];
+    for (std::size_t j = 0; j < answers->size() && !is_piece[i]; ++j) {
+      Detection& whole = (*answers)[j].detection;
+      if (i == j || is_piece[j] || !MayBePieceOf(piece.detection, whole) ||
+          !LiesOn(piece.segment, whole, support_distance_m)) {
+        continue;
+      }
+      Take(piece.detection, &whole);
+      is_piece[i] = true;
+    }
+  }
+  std::vector<AnsweredSegment> kept;
+  kept.reserve(answers->size());
+  for (std::size_t i = 0; i < answers->size(); ++i) {
+    if (!is_piece[i]) kept.push_back(std::move((*answers)[i]));
+  }
+  *answers = std::move(kept);
+}
+
+}  // namespace graspdb::recognition

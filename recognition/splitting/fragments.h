@@ -1,0 +1,21 @@
+// Pieces of one object that the camera saw apart.
+#pragma once
+
+#include <vector>
+
+#include "recognition/splitting/answered_segment.h"
+
+namespace graspdb::recognition {
+
+// Whether four fifths of a segment lie on the posed model of a detection that has one. O(n) for n
+// points.
+bool LiesOn(const Segment& segment, const Detection& whole, double support_distance_m);
+
+// An object that hides its own middle, or stands behind something thin, is seen as several
+// segments. One that lies on the posed model of a detection is a piece of that where it has no
+// answer, or the same object's with no higher score: it is removed, and its points and centroid are
+// counted there. Surfaces nearer than `support_distance_m` are the same. Deterministic. O(k² n) for
+// k segments with n points.
+void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers);
+
+}  // namespace graspdb::recognition

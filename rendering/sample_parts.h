@@ -1,0 +1,26 @@
+// Workpieces made by code, for simulations that need no files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "rendering/workpiece.h"
+
+namespace graspdb::client {
+
+// Thirteen workpieces of 4 to 16 cm at rest, always the same, in a fixed order.
+// Every mesh is a union of closed shells. A handle, a wedge, brackets and blocks
+// look different from every side; a flange (4-fold), a hexagonal nut (6-fold), a
+// z-bar (2-fold) and a shaft (any turn) are symmetric; bracket-left and
+// bracket-right are mirror images of each other.
+std::vector<Workpiece> SampleParts();
+
+// Their object ids, in that order.
+std::vector<std::string> SamplePartIds();
+
+// Those of these ids, in SampleParts' order; all where `ids` is empty. INVALID_ARGUMENT where there
+// is none of an id.
+absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string>& ids);
+
+}  // namespace graspdb::client

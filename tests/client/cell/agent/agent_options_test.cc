@@ -1,0 +1,75 @@
+#include "client/cell/agent/agent_options.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::StatusIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+ParsedAgentOptions Parse(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "graspdb-cell");
+  std::vector<char*> argv;
+  argv.reserve(arguments.size());
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  return ParseAgentOptions(static_cast<int>(argv.size()), argv.data());
+}
+
+TEST(AgentOptions, CellAndSensorAreAllThatIsNeeded) {
+  const ParsedAgentOptions parsed = Parse({"--cell", "press-3", "--sensor", "simulated"});
+  ASSERT_FALSE(parsed.done);
+  EXPECT_EQ(parsed.options.cell, "press-3");
+  EXPECT_EQ(parsed.options.gri, "127.0.0.1:7100");
+  EXPECT_THAT(parsed.options.jobs, ElementsAre("1 any"));
+  EXPECT_THAT(CheckAddresses(parsed.options), IsOk());
+  EXPECT_EQ(Parse({"--cell", "press-3"}).exit_status, 2);
+}
+
+TEST(AgentOptions, JobsAreGivenOneByOneOrInAFile) {
+  EXPECT_THAT(Parse({"--cell", "c", "--sensor", "s", "--job", "1 any", "--job", "2 object=nut"})
+                  .options.jobs,
+              ElementsAre("1 any", "2 object=nut"));
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "cell.toml").string();
+  std::ofstream(path) << "cell=\"press-3\"\nsensor=\"freenect\"\njob=[\"1 any\",\"2 label=small "
+                         "primary=object\"]\nallow-remote-robots=true\ngri=\"0.0.0.0:7100\"\n";
+  const ParsedAgentOptions parsed = Parse({"--config", path});
+  ASSERT_FALSE(parsed.done);
+  EXPECT_THAT(parsed.options.jobs, ElementsAre("1 any", "2 label=small primary=object"));
+  EXPECT_THAT(CheckAddresses(parsed.options), IsOk());
+}
+
+TEST(AgentOptions, RobotsOfOtherMachinesMustBeAllowed) {
+  AgentOptions options;
+  options.gri = "0.0.0.0:7100";
+  EXPECT_THAT(CheckAddresses(options),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--allow-remote-robots")));
+  options.allow_remote_robots = true;
+  EXPECT_THAT(CheckAddresses(options), IsOk());
+  options.line = "7101";
+  EXPECT_THAT(CheckAddresses(options),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("--line 7101")));
+  options.gri = options.line = "";
+  EXPECT_THAT(CheckAddresses(options), StatusIs(absl::StatusCode::kInvalidArgument));
+}
+
+TEST(AgentOptions, APoseFormatOfTheLineProtocolMayBeSetForTheCell) {
+  AgentOptions options;
+  EXPECT_FALSE(LineOptions(options)->pose_format);
+  options.line_format = "kuka";
+  EXPECT_EQ(LineOptions(options)->pose_format, 24);
+  options.line_format = "52";
+  EXPECT_THAT(LineOptions(options),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("--line-format")));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,184 @@
+#include "client/cell/agent/capture_and_recognize.h"
+
+#include <gmock/gmock.h>
+
+#include "client/cell/sensors/fresh_sensor.h"
+#include "files/pose_message.h"
+#include "tests/client/cell/agent/fake_camera.h"
+#include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::StatusIs;
+using recognition::Pose;
+using ::testing::HasSubstr;
+
+SensorFrame FrameNow() {
+  v1::DepthImage image;
+  image.mutable_intrinsics()->set_width(640);
+  return {.scan = image, .time = absl::Now(), .world_sensor = {}};
+}
+
+Pose At(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
+
+class CaptureAndRecognizeTest : public ::testing::Test {
+ protected:
+  CaptureAndRecognizeTest() {
+    server_.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_sensor_pose() = ToMessage(At(0.5));
+      return grpc::Status::OK;
+    };
+    server_.recognize = [this](const v1::RecognizeRequest& request, v1::RecognizeResponse* answer) {
+      ++asked_;
+      *answer->mutable_sensor_pose() = request.sensor_pose();
+      answer->set_catalog_revision(request.depth_image().intrinsics().width());
+      return asked_ <= refused_ ? refusal_ : grpc::Status::OK;
+    };
+  }
+
+  absl::StatusOr<Look> Run(absl::Duration limit = absl::Seconds(60)) {
+    CellCache keeper(client_, "cells/press-3", absl::Hours(1));
+    CaptureAndRecognize capture_and_recognize(sensor_, client_, keeper, "cells/press-3");
+    Look look;
+    absl::Status status = capture_and_recognize.Run(base_flange_, absl::Now() + limit, &look);
+    if (!status.ok()) return status;
+    return look;
+  }
+
+  ScriptedServer server_;
+  Client client_ = server_.Connect();
+  std::function<absl::StatusOr<SensorFrame>()> give_ = [] { return FrameNow(); };
+  int given_ = 0;
+  FreshSensor sensor_{std::make_unique<FakeCamera>([this] {
+                        ++given_;
+                        return give_();
+                      }),
+                      absl::Seconds(1)};
+  std::optional<Pose> base_flange_;
+  int asked_ = 0;
+  int refused_ = 0;
+  grpc::Status refusal_;
+};
+
+TEST_F(CaptureAndRecognizeTest, AFrameIsAskedAboutWithTheCellsCalibration) {
+  const auto look = Run();
+  ASSERT_THAT(look, IsOk());
+  EXPECT_EQ(look->request.cell(), "cells/press-3");
+  EXPECT_EQ(look->response.catalog_revision(), 640);
+  EXPECT_TRUE(FromMessage(look->response.sensor_pose()).isApprox(At(0.5)));
+}
+
+TEST_F(CaptureAndRecognizeTest, ACameraOnTheRobotIsWhereTheRobotSays) {
+  server_.get_cell = [](v1::Cell* cell) {
+    *cell->mutable_robot_base_pose() = ToMessage(At(-1));
+    *cell->mutable_flange_sensor_pose() = ToMessage(At(0.1));
+    return grpc::Status::OK;
+  };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("flange")));
+  base_flange_ = At(0.7);
+  const auto look = Run();
+  ASSERT_THAT(look, IsOk());
+  EXPECT_TRUE(FromMessage(look->request.sensor_pose()).isApprox(At(-0.2)));
+}
+
+TEST_F(CaptureAndRecognizeTest, ACellThatNobodyCalibratedOrMadeIsSaidSo) {
+  server_.get_cell = [](v1::Cell*) { return grpc::Status::OK; };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
+  server_.get_cell = [](v1::Cell*) { return grpc::Status(grpc::StatusCode::NOT_FOUND, "none"); };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition,
+                              HasSubstr("graspdb cells set press-3")));
+}
+
+TEST_F(CaptureAndRecognizeTest, AServerThatIsAwayForAMomentIsAskedAgain) {
+  refused_ = 2;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "restarting"};
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(asked_, 3);
+}
+
+TEST_F(CaptureAndRecognizeTest, AServerThatIsBusyIsAskedAgain) {
+  refused_ = 1;
+  refusal_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, "queue is full"};
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(asked_, 2);
+}
+
+TEST_F(CaptureAndRecognizeTest, WithoutAServerTheJobEndsWithinItsTime) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  EXPECT_THAT(Run(absl::Milliseconds(200)), StatusIs(absl::StatusCode::kUnavailable));
+}
+
+TEST_F(CaptureAndRecognizeTest, ALastCallWithoutTimeDoesNotHideThatNobodyWasThere) {
+  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  server_.recognize = [this, deadline](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+    if (++asked_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - absl::Now());
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+  };
+  EXPECT_THAT(Run(deadline - absl::Now()),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
+}
+
+TEST_F(CaptureAndRecognizeTest, WhatTheServerRefusesIsNotAskedAgain) {
+  refused_ = 1;
+  refusal_ = {grpc::StatusCode::INVALID_ARGUMENT, "no frame"};
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no frame")));
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(CaptureAndRecognizeTest, ACameraThatComesBackIsUsed) {
+  give_ = [this]() -> absl::StatusOr<SensorFrame> {
+    if (given_ < 3) return absl::UnavailableError("unplugged");
+    return FrameNow();
+  };
+  ASSERT_THAT(Run(), IsOk());
+  EXPECT_EQ(given_, 3);
+}
+
+TEST_F(CaptureAndRecognizeTest, ACameraThatStaysAwayIsNotTakenForTheServer) {
+  give_ = [] { return absl::UnavailableError("unplugged; look at the cable"); };
+  EXPECT_THAT(Run(absl::Milliseconds(100)),
+              StatusIs(absl::StatusCode::kAborted, HasSubstr("cable")));
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(CaptureAndRecognizeTest, TheServersFaultIsNotPutOnACameraThatHasNoTimeLeft) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  give_ = [this, deadline]() -> absl::StatusOr<SensorFrame> {
+    if (given_ == 1) return FrameNow();
+    absl::SleepFor(deadline - absl::Now());
+    return absl::DeadlineExceededError("no frame in time");
+  };
+  EXPECT_THAT(Run(deadline - absl::Now()),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(CaptureAndRecognizeTest, AnOldFrameIsNoAnswer) {
+  give_ = []() -> absl::StatusOr<SensorFrame> {
+    SensorFrame frame = FrameNow();
+    frame.time -= absl::Seconds(3);
+    return frame;
+  };
+  EXPECT_THAT(Run(absl::Milliseconds(100)), StatusIs(absl::StatusCode::kAborted, HasSubstr("old")));
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(CaptureAndRecognizeTest, StoppingEndsTheWait) {
+  refused_ = 1000000;
+  refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
+  CellCache keeper(client_, "cells/press-3", absl::Hours(1));
+  CaptureAndRecognize capture_and_recognize(sensor_, client_, keeper, "cells/press-3");
+  capture_and_recognize.Stop();
+  Look look;
+  EXPECT_THAT(capture_and_recognize.Run({}, absl::InfiniteFuture(), &look),
+              StatusIs(absl::StatusCode::kUnavailable));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,264 @@
+#include "client/cell/agent/cell_runner.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+
+#include "files/pose_message.h"
+#include "tests/client/cell/agent/fake_camera.h"
+#include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::StatusIs;
+using recognition::Pose;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+Pose At(double x, double z = 0) { return Pose(Eigen::Translation3d(x, 0, z)); }
+
+grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/, v1::RecognizeResponse* out) {
+  out->set_catalog_revision(7);
+  v1::Detection* mug = out->add_detections();
+  mug->set_status(v1::OK);
+  mug->set_object("objects/mug");
+  mug->set_stable_pose("objects/mug/stablePoses/upright");
+  mug->set_score(0.9);
+  *mug->mutable_refined_pose() = ToMessage(At(0.2));
+  mug->mutable_centroid()->set_x(0.2);
+  v1::GraspProposal* grasp = mug->add_grasps();
+  grasp->set_grasp_id("rim");
+  *grasp->mutable_tcp_pose() = ToMessage(At(0.2, 0.1));
+  return grpc::Status::OK;
+}
+
+class CellRunnerTest : public ::testing::Test {
+ protected:
+  absl::StatusOr<std::vector<JobPose>> Run(int job, const std::optional<Pose>& flange = At(0)) {
+    return runner_.Run({.job = job, .robot = "r", .base_flange = flange});
+  }
+
+  // Before anybody asks.
+  Client Script() {
+    server_.Change([this](ScriptedServer& server) {
+      server.recognize = MugOnTheTable;
+      server.get_cell = [](v1::Cell* cell) {
+        *cell->mutable_sensor_pose() = ToMessage(At(0));
+        *cell->mutable_robot_base_pose() = ToMessage(At(-1));
+        return grpc::Status::OK;
+      };
+      server.list_objects = [this](v1::ListObjectsResponse* response) {
+        ++listed_;
+        v1::Object* mug = response->add_objects();
+        mug->set_name("objects/mug");
+        mug->add_labels("cups");
+        return grpc::Status::OK;
+      };
+      server.stable_pose.set_name("objects/mug/stablePoses/upright");
+      server.stable_pose.set_etag("1");
+      server.stable_pose.add_grasps()->set_grasp_id("rim");
+    });
+    return server_.Connect();
+  }
+
+  std::atomic<int> listed_ = 0;
+  ScriptedServer server_;
+  Client client_ = Script();
+  FakeCamera camera_{[]() -> absl::StatusOr<SensorFrame> {
+    return SensorFrame{.scan = v1::DepthImage(), .time = absl::Now(), .world_sensor = {}};
+  }};
+  CellCache keeper_{client_, "cells/press-3", absl::Hours(1)};
+  CaptureAndRecognize capture_and_recognize_{camera_, client_, keeper_, "cells/press-3"};
+  Counters counters_;
+  std::vector<JobReport> heard_;
+  CellRunner runner_{*ParseJobs({"1 any", "2 label=cups", "3 label=plates", "4 any protocol=line",
+                                 "80 show=side", "90 outcome=picked"}),
+                     JobProtocol::kGri,
+                     {},
+                     {camera_, client_, keeper_, capture_and_recognize_, counters_,
+                      [this](const JobReport& report) { heard_.push_back(report); }}};
+};
+
+TEST_F(CellRunnerTest, ARobotIsGivenGraspsInItsBaseFrame) {
+  const auto poses = Run(1);
+  ASSERT_THAT(poses, IsOk());
+  ASSERT_THAT(*poses, SizeIs(1));
+  EXPECT_TRUE(poses->front().base_primary.isApprox(At(1.2, 0.1)));
+  EXPECT_TRUE(poses->front().base_related[0].isApprox(At(1.2)));
+  EXPECT_EQ(poses->front().grasp_id, "rim");
+}
+
+TEST_F(CellRunnerTest, UnknownJobsAndThoseOfOtherProtocolsAreRefused) {
+  EXPECT_THAT(runner_.Check(1), IsOk());
+  EXPECT_THAT(runner_.Check(5), StatusIs(absl::StatusCode::kNotFound));
+  EXPECT_THAT(runner_.Check(4), StatusIs(absl::StatusCode::kPermissionDenied));
+  EXPECT_THAT(Run(5), StatusIs(absl::StatusCode::kNotFound));
+  EXPECT_TRUE(runner_.ReturnsPoses(1));
+  EXPECT_FALSE(runner_.ReturnsPoses(90));
+}
+
+TEST_F(CellRunnerTest, LabelsAreAskedForOncePerRevision) {
+  EXPECT_THAT(*Run(2), SizeIs(1));
+  EXPECT_THAT(*Run(3), IsEmpty());
+  EXPECT_EQ(listed_, 1);
+}
+
+TEST_F(CellRunnerTest, TheWorkspaceOfTheCellIsKept) {
+  server_.Change([](ScriptedServer& server) {
+    server.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_sensor_pose() = ToMessage(At(0));
+      cell->mutable_workspace()->mutable_max()->set_x(0.1);
+      cell->mutable_workspace()->mutable_max()->set_y(1);
+      cell->mutable_workspace()->mutable_max()->set_z(1);
+      return grpc::Status::OK;
+    };
+  });
+  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  EXPECT_THAT(*Run(1), IsEmpty());
+}
+
+TEST_F(CellRunnerTest, ReadyMeansCameraAndServer) {
+  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  EXPECT_TRUE(runner_.IsReady());
+  camera_.ready = false;
+  EXPECT_FALSE(runner_.IsReady());
+  camera_.ready = true;
+  server_.Change([](ScriptedServer& server) {
+    server.get_cell = [](v1::Cell*) { return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone"); };
+  });
+  EXPECT_THAT(keeper_.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_FALSE(runner_.IsReady());
+}
+
+TEST_F(CellRunnerTest, WhoKeepsJobsHearsOfThem) {
+  ASSERT_THAT(Run(1), IsOk());
+  ASSERT_THAT(heard_, SizeIs(1));
+  EXPECT_EQ(heard_[0].request.robot, "r");
+  EXPECT_THAT(heard_[0].status, IsOk());
+  EXPECT_EQ(heard_[0].look.response.catalog_revision(), 7);
+  EXPECT_THAT(heard_[0].poses, SizeIs(1));
+  EXPECT_THAT(counters_.Text(), HasSubstr("jobs=1 with_pose=1"));
+}
+
+TEST_F(CellRunnerTest, AShownGraspFollowsTheObjectThatTheRobotsJobSaw) {
+  ASSERT_THAT(Run(1), IsOk());
+  // The hand hides the object now: nothing is to be seen.
+  server_.Change([](ScriptedServer& server) {
+    server.recognize = [](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+      return grpc::Status::OK;
+    };
+  });
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  const auto shown = Run(80, At(1.25, 0.05) * down);
+  ASSERT_THAT(shown, IsOk());
+  EXPECT_THAT(*shown, IsEmpty());
+  ASSERT_EQ(server_.stable_pose.grasps_size(), 2);
+  const v1::Grasp& side = server_.stable_pose.grasps(1);
+  EXPECT_EQ(side.grasp_id(), "side");
+  EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(At(0.05, 0.05) * down, 1e-9));
+}
+
+TEST_F(CellRunnerTest, WithACameraOnTheRobotAGraspIsShownAfterALook) {
+  server_.Change([](ScriptedServer& server) {
+    server.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_flange_sensor_pose() = ToMessage(At(0));
+      return grpc::Status::OK;
+    };
+  });
+  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  EXPECT_THAT(Run(80, At(0.25, 0.05) * down),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("recognising job first")));
+  ASSERT_THAT(Run(1), IsOk());
+  EXPECT_THAT(Run(80, At(0.25, 0.05) * down), IsOk());
+}
+
+TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
+  EXPECT_THAT(Run(80, std::nullopt), StatusIs(absl::StatusCode::kInvalidArgument));
+}
+
+TEST_F(CellRunnerTest, AToolThatIsNearNothingIsAWrongRequestNotAWrongJob) {
+  EXPECT_THAT(Run(80, At(9)), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
+  EXPECT_THAT(Run(80, At(1.2, -0.1)),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("below the table")));
+}
+
+TEST_F(CellRunnerTest, WhatTheServerRefusesIsNoErrorOfJobOrCamera) {
+  ASSERT_THAT(Run(1), IsOk());
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  server_.Change([](ScriptedServer& server) {
+    server.stable_pose.set_name("objects/mug/stablePoses/another");
+    server.report_outcome = [](const v1::ReportGraspOutcomeRequest& /*request*/) {
+      return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such grasp");
+    };
+    server.list_objects = [](v1::ListObjectsResponse* /*response*/) {
+      return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
+    };
+  });
+  EXPECT_THAT(Run(80, At(1.25, 0.05) * down),
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such pose")));
+  EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("PERMISSION_DENIED")));
+  runner_.Given("r", Run(1)->front());
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed),
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such grasp")));
+}
+
+TEST_F(CellRunnerTest, APoseGivenWhileAnOutcomeFailsIsTheOneToldOfNext) {
+  const auto given = *Run(1);
+  JobPose newer = given.front();
+  newer.grasp_id = "handle";
+  std::string told;
+  server_.Change([&](ScriptedServer& server) {
+    server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
+      told = request.grasp_id();
+      if (told == "handle") return grpc::Status::OK;
+      runner_.Given("r", newer);
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+    };
+  });
+  runner_.Given("r", given.front());
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked), IsOk());
+  EXPECT_EQ(told, "handle");
+}
+
+TEST_F(CellRunnerTest, AnOutcomeIsOfWhatWasGivenLastAndOnce) {
+  v1::ReportGraspOutcomeRequest told;
+  server_.Change([&](ScriptedServer& server) {
+    server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
+      told = request;
+      return grpc::Status::OK;
+    };
+  });
+  EXPECT_THAT(Run(90), StatusIs(absl::StatusCode::kFailedPrecondition));
+  runner_.Given("r", Run(1)->front());
+  EXPECT_THAT(Run(90), IsOk());
+  EXPECT_EQ(told.name(), "objects/mug/stablePoses/upright");
+  EXPECT_EQ(told.grasp_id(), "rim");
+  EXPECT_EQ(told.outcome(), v1::GRASP_OUTCOME_PICKED);
+  EXPECT_THAT(counters_.Text(), HasSubstr("picked=1"));
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked),
+              StatusIs(absl::StatusCode::kFailedPrecondition));
+}
+
+TEST_F(CellRunnerTest, AnOutcomeThatTheServerDidNotKeepMayBeToldAgain) {
+  const auto answer_with = [this](grpc::StatusCode code) {
+    server_.Change([code](ScriptedServer& server) {
+      server.report_outcome = [code](const v1::ReportGraspOutcomeRequest& /*request*/) {
+        return grpc::Status(code, "said so");
+      };
+    });
+  };
+  runner_.Given("r", Run(1)->front());
+  answer_with(grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
+  answer_with(grpc::StatusCode::OK);
+  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), IsOk());
+}
+
+}  // namespace
+}  // namespace graspdb::client

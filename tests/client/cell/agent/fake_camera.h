@@ -1,0 +1,32 @@
+// A camera that gives what it is told to.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "client/cell/sensors/depth_sensor.h"
+
+namespace graspdb::client {
+
+class FakeCamera : public DepthSensor {
+ public:
+  using Give = std::function<absl::StatusOr<SensorFrame>()>;
+  explicit FakeCamera(Give give) : give_(std::move(give)) {}
+
+  absl::StatusOr<SensorFrame> Next(absl::Time /*deadline*/) override {
+    ++asked;
+    return give_();
+  }
+  bool IsReady() override { return ready; }
+  std::string Name() const override { return "fake camera"; }
+
+  std::atomic<int> asked = 0;
+  std::atomic<bool> ready = true;
+
+ private:
+  const Give give_;
+};
+
+}  // namespace graspdb::client

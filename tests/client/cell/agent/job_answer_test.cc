@@ -1,0 +1,153 @@
+#include "client/cell/agent/job_answer.h"
+
+#include <gmock/gmock.h>
+
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
+
+// A tool that points down.
+Pose ToolAt(double x, double y, double z) {
+  Pose out = At(x, y, z);
+  out.rotate(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  return out;
+}
+
+v1::Detection Object(const std::string& object, double x) {
+  v1::Detection out;
+  out.set_status(v1::OK);
+  out.set_object("objects/" + object);
+  out.set_stable_pose("objects/" + object + "/stablePoses/flat");
+  out.set_score(0.9);
+  *out.mutable_refined_pose() = ToMessage(At(x, 0, 0));
+  return out;
+}
+
+void AddGrasp(const std::string& id, const Pose& world_tcp, v1::Detection* object) {
+  v1::GraspProposal* grasp = object->add_grasps();
+  grasp->set_grasp_id(id);
+  grasp->set_approach_distance_m(0.1);
+  grasp->set_retreat_distance_m(0.2);
+  grasp->set_gripper_opening_m(0.05);
+  *grasp->mutable_tcp_pose() = ToMessage(world_tcp);
+}
+
+class PosesForTest : public ::testing::Test {
+ protected:
+  PosesForTest() {
+    // A mug with two grasps and a nut with one; the robot stands a metre behind the world's origin.
+    v1::Detection mug = Object("mug", 0.1);
+    AddGrasp("rim", ToolAt(0.1, 0, 0.1), &mug);
+    AddGrasp("side", ToolAt(0.15, 0, 0.05), &mug);
+    v1::Detection nut = Object("nut", 0.3);
+    AddGrasp("top", ToolAt(0.3, 0, 0.02), &nut);
+    *answer_.add_detections() = mug;
+    *answer_.add_detections() = nut;
+    frames_.world_base = At(-1, 0, 0);
+  }
+
+  std::vector<JobPose> Poses() const {
+    return PosesFor(job_, answer_, frames_, reach_,
+                    [](const std::string& object, const std::string& label) {
+                      return object == "objects/nut" && label == "steel";
+                    });
+  }
+
+  std::vector<std::string> Ids() const {
+    std::vector<std::string> out;
+    for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp_id);
+    return out;
+  }
+
+  JobConfig job_;
+  v1::RecognizeResponse answer_;
+  CellFrames frames_;
+  Reach reach_;
+};
+
+TEST_F(PosesForTest, GraspsComeInTheOrderOfTheAnswerWithTheirObjectRelated) {
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side", "objects/nut top"));
+  const JobPose first = Poses()[0];
+  EXPECT_TRUE(first.base_primary.isApprox(At(1, 0, 0) * ToolAt(0.1, 0, 0.1)));
+  ASSERT_THAT(first.base_related, SizeIs(1));
+  EXPECT_TRUE(first.base_related[0].isApprox(At(1.1, 0, 0)));
+  EXPECT_EQ(first.gripper_opening_m, 0.05);
+  EXPECT_EQ(first.approach_distance_m, 0.1);
+  EXPECT_EQ(first.retreat_distance_m, 0.2);
+  EXPECT_EQ(first.stable_pose, "objects/mug/stablePoses/flat");
+}
+
+TEST_F(PosesForTest, APrimaryObjectHasItsGraspsRelated) {
+  job_.primary = JobPrimary::kObject;
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut top"));
+  const JobPose mug = Poses()[0];
+  EXPECT_TRUE(mug.base_primary.isApprox(At(1.1, 0, 0)));
+  ASSERT_THAT(mug.base_related, SizeIs(2));
+  EXPECT_TRUE(mug.base_related[1].isApprox(At(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
+}
+
+TEST_F(PosesForTest, AJobForAnObjectOrALabelGivesNoOther) {
+  job_.object = "objects/mug";
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side"));
+  job_.object.clear();
+  job_.label = "steel";
+  EXPECT_THAT(Ids(), ElementsAre("objects/nut top"));
+  job_.label = "brass";
+  EXPECT_THAT(Ids(), IsEmpty());
+}
+
+TEST_F(PosesForTest, WhatIsNotSureEnoughIsLeftOut) {
+  answer_.mutable_detections(0)->set_score(0.7);
+  job_.min_score = 0.8;
+  EXPECT_THAT(Ids(), ElementsAre("objects/nut top"));
+}
+
+TEST_F(PosesForTest, WhatIsNotOkIsLeftOut) {
+  for (const auto status :
+       {v1::UNKNOWN_OBJECT, v1::AMBIGUOUS, v1::OUT_OF_WORKSPACE, v1::NO_GRASP}) {
+    answer_.mutable_detections(0)->set_status(status);
+    EXPECT_THAT(Ids(), ElementsAre("objects/nut top"));
+  }
+}
+
+TEST_F(PosesForTest, AnObjectWithoutGraspsIsStillSomewhere) {
+  answer_.mutable_detections(1)->set_status(v1::NO_GRASP);
+  answer_.mutable_detections(1)->clear_grasps();
+  job_.primary = JobPrimary::kObject;
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut "));
+}
+
+TEST_F(PosesForTest, ObjectsThatStandAloneComeFirst) {
+  answer_.mutable_detections(0)->set_touching(true);
+  EXPECT_THAT(Ids(), ElementsAre("objects/nut top", "objects/mug rim", "objects/mug side"));
+}
+
+TEST_F(PosesForTest, GraspsOutOfReachAreLeftOutAndSoAreObjectsWithoutAny) {
+  reach_.max_m = 1.2;  // from the base: of the mug the rim is 1.1 m away, the nut 1.3
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side"));
+  job_.primary = JobPrimary::kObject;
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim"));
+}
+
+TEST_F(PosesForTest, TheApproachMustBeInTheWorkspaceToo) {
+  reach_.workspace = recognition::Box{{-1, -1, 0}, {1, 1, 0.29}};  // the rim's retreat ends at 0.3
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug side", "objects/nut top"));
+  reach_.workspace = recognition::Box{{-1, -1, 0}, {1, 1, 0.14}};
+  EXPECT_THAT(Ids(), IsEmpty());
+}
+
+TEST_F(PosesForTest, NoMoreThanTheJobWants) {
+  job_.most_poses = 1;
+  EXPECT_THAT(Ids(), ElementsAre("objects/mug rim"));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,19 @@
+// A server of its own for one test, taught a sample part from all around.
+#pragma once
+
+#include <string>
+
+#include "rendering/depth_camera.h"
+#include "tests/client/catalogue_server.h"
+
+namespace graspdb::testing {
+
+class CalibrationServer : public CatalogueServer {
+ public:
+  // Teaches `part` as this camera sees it from four look-down angles.
+  void Teach(const std::string& part, const client::DepthCameraModel& camera);
+  // Makes `cells/{id}`; without a sensor pose where there is none.
+  void MakeCell(const std::string& id, const recognition::Pose* world_sensor);
+};
+
+}  // namespace graspdb::testing

@@ -1,0 +1,82 @@
+// How good the program of docs/calibration.md can be: with the robot's noise alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+#include <vector>
+
+#include "client/cell/calibration/hand_eye.h"
+#include "tests/client/cell/calibration/simulated_cell.h"
+#include "tests/rendering/small_kinect.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using graspdb::testing::SimulatedCell;
+using recognition::Pose;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kPoses = 12;
+constexpr std::uint64_t kRobots = 300;
+
+// The camera's own place, and what it sees where the target was, root mean square; m.
+struct Off {
+  double camera = 0;
+  double at_work = 0;
+};
+
+class HandEyeProgramTest : public ::testing::TestWithParam<CameraMount> {
+ protected:
+  // Calibrates with targets that are seen exactly where they are.
+  static Off Run(std::uint64_t seed) {
+    SimulatedCell cell(GetParam(), "stepped-block", graspdb::testing::SmallKinectV2(), seed);
+    const double tilt = GetParam() == CameraMount::kFixed ? 30 * kDegree : 35 * kDegree;
+    std::vector<HandEyeSample> samples;
+    for (int i = 0; i < kPoses; ++i) {
+      const Pose told = cell.DriveProgram(i, tilt, 90 * kDegree);
+      samples.push_back({told, cell.camera_target()});
+    }
+    const auto solved = SolveHandEye(samples, GetParam());
+    EXPECT_THAT(solved, IsOk()) << "seed " << seed;
+    if (!solved.ok()) return {};
+    const Pose truth = cell.mount_camera();
+    double squares = 0;
+    for (const HandEyeSample& sample : samples) {
+      const Eigen::Vector3d at = sample.camera_target.translation();
+      squares += (solved->mount_camera * at - truth * at).squaredNorm();
+    }
+    return {.camera = (solved->mount_camera.translation() - truth.translation()).norm(),
+            .at_work = std::sqrt(squares / kPoses)};
+  }
+};
+
+void ExpectWithin(const char* what, std::vector<double> metres, double limit_m) {
+  std::ranges::sort(metres);
+  std::printf("%s: median %.2f mm, worst of %zu %.2f mm\n", what, 1e3 * metres[metres.size() / 2],
+              metres.size(), 1e3 * metres.back());
+  EXPECT_LT(metres.back(), limit_m) << what;
+}
+
+TEST_P(HandEyeProgramTest, TheRobotsNoiseAloneCostsLessThanAMillimetreAndAHalf) {
+  std::vector<double> camera;
+  std::vector<double> at_work;
+  for (std::uint64_t seed = 1; seed <= kRobots; ++seed) {
+    const Off off = Run(seed);
+    camera.push_back(off.camera);
+    at_work.push_back(off.at_work);
+  }
+  ExpectWithin("the camera's own place", camera, 0.0015);
+  ExpectWithin("at work", at_work, 0.0015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Mounts, HandEyeProgramTest,
+                         ::testing::Values(CameraMount::kFixed, CameraMount::kOnFlange),
+                         [](const auto& mount) {
+                           return mount.param == CameraMount::kFixed ? "Fixed" : "OnFlange";
+                         });
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,280 @@
+#include "client/cell/robots/gri_jobs.h"
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "absl/synchronization/notification.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+using ::testing::ElementsAre;
+using ::testing::Pair;
+using ::testing::Test;
+
+constexpr int kJob = 7;
+
+Pose At(double x_m) {
+  Pose out = Pose::Identity();
+  out.translation().x() = x_m;
+  return out;
+}
+
+// Finds what it is told to.
+class FakeRunner : public JobRunner {
+ public:
+  bool IsReady() override { return ready; }
+  absl::Status Check(int job) override {
+    return job == kJob ? absl::OkStatus() : absl::NotFoundError("no such job");
+  }
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
+    if (go_on != nullptr) go_on->WaitForNotification();
+    base_flange = request.base_flange;
+    return found;
+  }
+  void Given(const std::string& robot, const JobPose& pose) override {
+    given.emplace_back(robot, pose.base_primary.translation().x());
+  }
+  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+    return absl::OkStatus();
+  }
+
+  bool ReturnsPoses(int /*job*/) override { return returns_poses; }
+
+  bool ready = true;
+  bool returns_poses = true;
+  absl::Notification* go_on = nullptr;
+  std::optional<Pose> base_flange;
+  std::vector<std::pair<std::string, double>> given;
+  absl::StatusOr<std::vector<JobPose>> found = std::vector<JobPose>();
+};
+
+class GriJobsTest : public Test {
+ protected:
+  GriResponse Ask(GriAction action, const std::string& robot = "r", int job = kJob) {
+    GriRequest request;
+    request.pose_format = kQuaternionXyzw;
+    request.action = static_cast<std::uint8_t>(action);
+    request.job_id = static_cast<std::uint16_t>(job);
+    request.pose = *ToGriPose(At(0.25), kQuaternionXyzw);
+    return jobs_.Answer(robot, request);
+  }
+
+  // Two grasps, the first with two related poses.
+  void FindTwo() {
+    runner_.found = std::vector<JobPose>{{At(0.1), {At(0.11), At(0.12)}}, {At(0.2), {}}};
+  }
+
+  void AwaitStatus(GriJobStatus status) {
+    while (Ask(GriAction::kGetJobStatus).data[1] != static_cast<int>(status)) {
+      std::this_thread::yield();
+    }
+  }
+
+  static double MillimetresOf(const GriResponse& response) {
+    return response.pose.position[0] / 1e6;
+  }
+
+  FakeRunner runner_;
+  GriJobs jobs_{runner_};
+};
+
+TEST_F(GriJobsTest, StatusSaysWhetherTheCellIsReady) {
+  EXPECT_EQ(Ask(GriAction::kStatus).data[1], 1);
+  runner_.ready = false;
+  const GriResponse answer = Ask(GriAction::kStatus, "r", /*job=*/0);
+  EXPECT_EQ(answer.code, GriCode::kNoError);
+  EXPECT_EQ(answer.data[1], 0);
+}
+
+TEST_F(GriJobsTest, ATriggerIsAnsweredWithTheFirstPoseAndWhatIsLeft) {
+  FindTwo();
+  const GriResponse answer = Ask(GriAction::kTriggerJobSync);
+  EXPECT_EQ(answer.code, GriCode::kNoError);
+  EXPECT_EQ(answer.action, 2);
+  EXPECT_EQ(answer.job_id, kJob);
+  EXPECT_EQ(answer.pose_format, kQuaternionXyzw);
+  EXPECT_DOUBLE_EQ(MillimetresOf(answer), 100);
+  EXPECT_EQ(answer.data[1], 1);
+  EXPECT_EQ(answer.data[2], 2);
+  ASSERT_TRUE(runner_.base_flange);
+  EXPECT_TRUE(runner_.base_flange->isApprox(At(0.25)));
+}
+
+TEST_F(GriJobsTest, APoseComesWithWhatTheGripperNeedsAndWhatTheCameraTook) {
+  JobPose grasp = {At(0.1), {At(0.11)}};
+  grasp.gripper_opening_m = 0.0625;
+  grasp.approach_distance_m = 0.05;
+  grasp.retreat_distance_m = 0.1;
+  grasp.score = 0.75;
+  grasp.camera_s = 0.033;
+  runner_.found = std::vector<JobPose>{grasp};
+  for (const GriAction action : {GriAction::kTriggerJobSync, GriAction::kGetRelatedPose}) {
+    const GriResponse answer = Ask(action);
+    EXPECT_EQ(answer.data[3], 62'500'000);
+    EXPECT_EQ(answer.data[4], 50'000'000);
+    EXPECT_EQ(answer.data[5], 100'000'000);
+    EXPECT_EQ(answer.data[6], 750'000);
+    EXPECT_EQ(answer.data[7], 33'000);
+  }
+}
+
+TEST_F(GriJobsTest, NumbersThatDoNotFitAreTheLargestThatDo) {
+  JobPose grasp = {At(0.1), {}};
+  grasp.approach_distance_m = 5;
+  runner_.found = std::vector<JobPose>{grasp};
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
+}
+
+TEST_F(GriJobsTest, AJobThatGivesNoPosesSaysThatItIsDoneOnce) {
+  runner_.returns_poses = false;
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound) << "it never ran";
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoReturnSpecified);
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+}
+
+TEST_F(GriJobsTest, APoseThatCannotBeSaidIsPassedOverWithWhatIsRelated) {
+  runner_.found = std::vector<JobPose>{{At(3), {At(0.1)}}, {At(0.2), {At(0.3)}}};
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kApiResponseError);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 200);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetRelatedPose)), 300);
+}
+
+TEST_F(GriJobsTest, TheRunnerIsToldWhatARobotWasGiven) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync, "left");
+  Ask(GriAction::kGetRelatedPose, "left");
+  Ask(GriAction::kGetNextPose, "left");
+  Ask(GriAction::kGetNextPose, "left");
+  EXPECT_THAT(runner_.given, ElementsAre(Pair("left", 0.1), Pair("left", 0.2)));
+}
+
+TEST_F(GriJobsTest, RelatedPosesBelongToThePrimaryBefore) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync);
+  const GriResponse first = Ask(GriAction::kGetRelatedPose);
+  EXPECT_DOUBLE_EQ(MillimetresOf(first), 110);
+  EXPECT_EQ(first.data[1], 1);
+  EXPECT_EQ(first.data[2], 1);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetRelatedPose)), 120);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 200);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+}
+
+TEST_F(GriJobsTest, ANextPrimaryForgetsTheRelatedOnesBefore) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync);
+  const GriResponse second = Ask(GriAction::kGetNextPose);
+  EXPECT_EQ(second.data[1], 0);
+  EXPECT_EQ(second.data[2], 0);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+}
+
+TEST_F(GriJobsTest, AfterTheLastPoseTheJobIsReset) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync);
+  Ask(GriAction::kGetNextPose);
+  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kDone));
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kInactive));
+}
+
+TEST_F(GriJobsTest, WhereNothingIsFoundTheTriggerSaysSo) {
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoPosesFound);
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+}
+
+TEST_F(GriJobsTest, AnAsynchronousJobRunsWhileTheRobotAsksOn) {
+  FindTwo();
+  absl::Notification go_on;
+  runner_.go_on = &go_on;
+  EXPECT_EQ(Ask(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
+  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kRunning));
+  for (const GriAction action : {GriAction::kTriggerJobSync, GriAction::kTriggerJobAsync,
+                                 GriAction::kGetNextPose, GriAction::kGetRelatedPose}) {
+    EXPECT_EQ(Ask(action).code, GriCode::kJobStillRunning);
+  }
+  go_on.Notify();
+  AwaitStatus(GriJobStatus::kDone);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 100);
+}
+
+TEST_F(GriJobsTest, AFailedJobSaysWhyUntilItIsTriggeredAgain) {
+  runner_.found = absl::UnavailableError("the server is gone");
+  EXPECT_EQ(Ask(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
+  AwaitStatus(GriJobStatus::kFailed);
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kApiNotReachable);
+  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kApiNotReachable);
+  FindTwo();
+  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoError);
+}
+
+TEST_F(GriJobsTest, ANewTriggerForgetsWhatWasFound) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync);
+  runner_.found = std::vector<JobPose>{{At(0.3), {}}};
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kTriggerJobSync)), 300);
+  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+}
+
+TEST_F(GriJobsTest, RobotsDoNotTakeEachOthersPoses) {
+  FindTwo();
+  Ask(GriAction::kTriggerJobSync, "left");
+  Ask(GriAction::kTriggerJobSync, "right");
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose, "left")), 200);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose, "right")), 200);
+}
+
+TEST_F(GriJobsTest, AJobThatIsNotThereIsSaidForEveryAction) {
+  for (const GriAction action :
+       {GriAction::kTriggerJobSync, GriAction::kTriggerJobAsync, GriAction::kGetJobStatus,
+        GriAction::kGetNextPose, GriAction::kGetRelatedPose}) {
+    EXPECT_EQ(Ask(action, "r", 8).code, GriCode::kJobDoesNotExist);
+  }
+}
+
+TEST_F(GriJobsTest, APoseBeyondTheMessageIsAnErrorAndTheNextOneIsNot) {
+  runner_.found = std::vector<JobPose>{{At(2.2), {}}, {At(0.1), {}}};
+  const GriResponse answer = Ask(GriAction::kTriggerJobSync);
+  EXPECT_EQ(answer.code, GriCode::kApiResponseError);
+  EXPECT_EQ(answer.pose.position[0], 0);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 100);
+}
+
+TEST_F(GriJobsTest, AnUnreadablePoseOfTheRobotIsNone) {
+  GriRequest request;
+  request.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
+  request.job_id = kJob;
+  jobs_.Answer("r", request);  // a quaternion of zeros
+  EXPECT_FALSE(runner_.base_flange);
+}
+
+TEST(GriCodeTest, IsCalledAsItsDocumentationCallsIt) {
+  EXPECT_EQ(GriCodeName(GriCode::kNoError), "NO_ERROR");
+  EXPECT_EQ(GriCodeName(GriCode::kHecInsufficientDetection), "HEC_INSUFFICIENT_DETECTION");
+  EXPECT_EQ(GriCodeName(GriCode::kJobStillRunning), "JOB_STILL_RUNNING");
+  EXPECT_EQ(GriCodeName(static_cast<GriCode>(99)), "UNKNOWN_ERROR");
+}
+
+TEST(GriCodeTest, EveryErrorOfAJobHasItsCode) {
+  EXPECT_EQ(GriCodeOf(absl::OkStatus()), GriCode::kNoError);
+  EXPECT_EQ(GriCodeOf(absl::NotFoundError("")), GriCode::kJobDoesNotExist);
+  EXPECT_EQ(GriCodeOf(absl::FailedPreconditionError("")), GriCode::kMisconfiguredJob);
+  EXPECT_EQ(GriCodeOf(absl::PermissionDeniedError("")), GriCode::kWrongProtocolForJob);
+  EXPECT_EQ(GriCodeOf(absl::InvalidArgumentError("")), GriCode::kInvalidRequest);
+  EXPECT_EQ(GriCodeOf(absl::AbortedError("")), GriCode::kPipelineNotAvailable);
+  EXPECT_EQ(GriCodeOf(absl::UnavailableError("")), GriCode::kApiNotReachable);
+  EXPECT_EQ(GriCodeOf(absl::DeadlineExceededError("")), GriCode::kProcessingTimeout);
+  EXPECT_EQ(GriCodeOf(absl::InternalError("")), GriCode::kInternalError);
+  EXPECT_EQ(GriCodeOf(absl::UnknownError("")), GriCode::kUnknownError);
+  EXPECT_EQ(GriCodeOf(absl::ResourceExhaustedError("")), GriCode::kApiResponseError);
+  EXPECT_EQ(GriCodeOf(absl::DataLossError("")), GriCode::kApiResponseError);
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,260 @@
+// Robots that speak the line protocol, by themselves and on real connections.
+#include "client/cell/robots/line_protocol.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "absl/strings/str_cat.h"
+#include "client/cell/robots/line_reply.h"
+#include "tests/client/cell/robots/scripted_runner.h"
+#include "tests/client/cell/robots/socket_robot.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::IsOk;
+using recognition::Pose;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+using ::testing::StartsWith;
+
+// A tool that looks down, turned by 30 degrees about the vertical.
+Pose Down(double x_m) {
+  Pose out = Pose::Identity();
+  out.linear() = (Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
+                     .toRotationMatrix();
+  out.translation() << x_m, -0.2, 0.0125;
+  return out;
+}
+
+JobPose Grasp(double x_m, const std::string& id) {
+  JobPose out;
+  out.base_primary = Down(x_m);
+  out.object = "objects/bracket";
+  out.stable_pose = "objects/bracket/stablePoses/flat";
+  out.grasp_id = id;
+  out.score = 0.93;
+  out.gripper_opening_m = 0.04;
+  out.approach_distance_m = 0.1;
+  out.retreat_distance_m = 0.05;
+  return out;
+}
+
+class LineProtocolTest : public ::testing::Test {
+ protected:
+  LineProtocolTest() {
+    JobPose first = Grasp(0.5, "side");
+    first.base_related = {Down(0.6)};
+    runner_.Set(7, std::vector<JobPose>{first, Grasp(0.55, "top")});
+    runner_.Set(8, std::vector<JobPose>());
+    runner_.Set(9, absl::UnavailableError("the server is gone"));
+  }
+
+  std::string Ask(const std::string& line, const std::string& robot = "r") {
+    return protocol_.Answer(robot, line + "\n").bytes;
+  }
+
+  ScriptedRunner runner_;
+  LineProtocol protocol_{runner_};
+};
+
+TEST_F(LineProtocolTest, ACycleFromTheFormatToTheOutcome) {
+  EXPECT_EQ(Ask("STATUS"), "OK 1\n");
+  EXPECT_EQ(Ask("FORMAT STAUBLI"), "OK 4\n");
+  EXPECT_EQ(Ask("RUN 7"), "OK 1 1 500.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
+  EXPECT_EQ(Ask("GRASP 7"),
+            "OK 100.000 50.000 40.000 0.9300 objects/bracket objects/bracket/stablePoses/flat "
+            "side\n");
+  EXPECT_EQ(Ask("RELATED 7"), "OK 1 0 600.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
+  EXPECT_THAT(Ask("RELATED 7"), StartsWith("ERR 2 NO_RELATED_POSES: "));
+  EXPECT_EQ(Ask("STATE 7"), "OK 3 DONE\n");
+  EXPECT_EQ(Ask("MISSED"), "OK\n");
+  EXPECT_THAT(Ask("NEXT 7"), StartsWith("OK 0 0 550.000 "));
+  EXPECT_EQ(Ask("picked"), "OK\n");
+  EXPECT_THAT(Ask("NEXT 7"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_EQ(Ask("STATE 7"), "OK 1 INACTIVE\n");
+  EXPECT_THAT(runner_.told(), ElementsAre(Pair("r/side", PickOutcome::kMissed),
+                                          Pair("r/top", PickOutcome::kPicked)));
+}
+
+TEST_F(LineProtocolTest, EachVendorReadsItsOwnConvention) {
+  EXPECT_THAT(Ask("FORMAT KUKA RUN 7"), EndsWith(" 12.500 30.0000 0.0000 180.0000 0.0000\n"));
+  EXPECT_THAT(Ask("FORMAT FANUC RUN 7"), EndsWith(" 12.500 180.0000 0.0000 30.0000 0.0000\n"));
+  // Half a turn has two signs, a quarter has one.
+  JobPose quarter = Grasp(0.5, "side");
+  quarter.base_primary.linear() =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  runner_.Set(7, std::vector<JobPose>{quarter});
+  EXPECT_THAT(Ask("FORMAT ABB RUN 7"), EndsWith(" 12.500 0.707107 0.000000 0.707107 0.000000\n"));
+  EXPECT_THAT(Ask("FORMAT UR RUN 7"), EndsWith(" 12.500 0.000000 1.570796 0.000000 0.000000\n"));
+  EXPECT_THAT(Ask("RUN 7"), HasSubstr("FORMAT STAUBLI")) << "they were for one line each";
+}
+
+TEST_F(LineProtocolTest, WithoutAFormatNothingIsGivenAndNothingIsLost) {
+  EXPECT_THAT(Ask("RUN 7"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  EXPECT_EQ(Ask("STATE 7"), "OK 1 INACTIVE\n");
+  LineProtocol configured(runner_, {.pose_format = 24});
+  EXPECT_THAT(configured.Answer("r", "RUN 7\n").bytes, StartsWith("OK 1 1 500.000 "));
+}
+
+TEST_F(LineProtocolTest, TheRobotsPoseReachesTheJob) {
+  EXPECT_THAT(Ask("FORMAT STAUBLI RUN 7 500 -200 12.5 180 0 -30"), StartsWith("OK"));
+  ASSERT_TRUE(runner_.base_flange());
+  EXPECT_TRUE(runner_.base_flange()->isApprox(Down(0.5), 1e-9));
+}
+
+TEST_F(LineProtocolTest, AJobMayBeStartedAndAskedForLater) {
+  EXPECT_EQ(Ask("START 7"), "OK\n");
+  while (Ask("STATE 7") == "OK 2 RUNNING\n") std::this_thread::yield();
+  EXPECT_EQ(Ask("STATE 7"), "OK 3 DONE\n");
+  EXPECT_THAT(Ask("GRASP 7"), StartsWith("ERR 1 ")) << "none was given yet";
+  EXPECT_THAT(Ask("FORMAT 4 NEXT 7"), StartsWith("OK 1 1 500.000 "));
+}
+
+TEST_F(LineProtocolTest, ErrorsHaveTheNumbersOfTheGenericRobotInterface) {
+  runner_.Refuse(10, absl::FailedPreconditionError("job 10 names no object"));
+  runner_.Refuse(11, absl::PermissionDeniedError("job 11 is for GRI"));
+  Ask("FORMAT 4");
+  EXPECT_THAT(Ask("RUN 6"), StartsWith("ERR -12 JOB_DOES_NOT_EXIST: "));
+  EXPECT_THAT(Ask("RUN 8"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_EQ(Ask("RUN 9"), "ERR -3 API_NOT_REACHABLE: the server is gone\n");
+  EXPECT_EQ(Ask("STATE 9"), "OK 4 FAILED\n");
+  EXPECT_EQ(Ask("STATE 10"), "ERR -13 MISCONFIGURED_JOB: job 10 names no object\n");
+  EXPECT_THAT(Ask("START 11"), StartsWith("ERR -11 WRONG_PROTOCOL_FOR_JOB: "));
+  EXPECT_THAT(Ask("JUMP"), StartsWith("ERR -8 INVALID_ACTION: "));
+  EXPECT_THAT(Ask("RUN seven"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  EXPECT_THAT(Ask(""), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  runner_.SetReady(false);
+  EXPECT_EQ(Ask("STATUS"), "OK 0\n");
+}
+
+TEST_F(LineProtocolTest, AnOutcomeOfNothingIsRefused) {
+  EXPECT_THAT(Ask("PICKED"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: no pose was given"));
+  Ask("FORMAT 4 RUN 7");
+  EXPECT_EQ(Ask("SLIPPED"), "OK\n");
+  EXPECT_THAT(Ask("SLIPPED"), StartsWith("ERR -6 "));
+  EXPECT_THAT(Ask("PICKED", "another"), StartsWith("ERR -6 "));
+}
+
+TEST_F(LineProtocolTest, APoseOutOfRangeIsAnErrorIsNotGivenAndTheNextOneIs) {
+  for (const double x : {100.001, -1e6, std::numeric_limits<double>::quiet_NaN(),
+                         std::numeric_limits<double>::infinity()}) {
+    runner_.Set(7, std::vector<JobPose>{Grasp(x, "far"), Grasp(0.5, "near")});
+    EXPECT_THAT(Ask("FORMAT 4 RUN 7"), StartsWith("ERR -4 API_RESPONSE_ERROR: ")) << x;
+    EXPECT_THAT(Ask("PICKED"), StartsWith("ERR -6 "));
+    EXPECT_THAT(Ask("GRASP 7"), StartsWith("ERR 1 "));
+    EXPECT_THAT(Ask("FORMAT 4 RELATED 7"), StartsWith("ERR 2 "));
+    EXPECT_THAT(Ask("FORMAT 4 NEXT 7"), StartsWith("OK 0 0 500.000 "));
+    EXPECT_EQ(Ask("PICKED"), "OK\n");
+  }
+}
+
+TEST_F(LineProtocolTest, RepliesAreOneLineThatControllersCanHold) {
+  runner_.Set(7, absl::InternalError(std::string(1000, 'x') + "\nsecond\r line"));
+  const std::string reply = Ask("FORMAT 4 RUN 7");
+  EXPECT_EQ(reply.size(), kLongestReply);
+  EXPECT_EQ(reply.find('\n'), reply.size() - 1);
+  EXPECT_LE(Ask("HELP").size(), kLongestReply);
+  runner_.Set(7, absl::InternalError("two\nlines\x80"));
+  EXPECT_EQ(Ask("FORMAT 4 RUN 7"), "ERR -2 INTERNAL_ERROR: two lines \n");
+}
+
+TEST_F(LineProtocolTest, LineEndsOfEitherKindAreUnderstood) {
+  EXPECT_EQ(protocol_.Answer("r", "STATUS\r\n").bytes, "OK 1\n");
+  EXPECT_EQ(protocol_.MessageBytes("STATUS\r\nSTATUS"), 8U);
+  EXPECT_EQ(protocol_.MessageBytes("STATUS"), 0U);
+}
+
+TEST_F(LineProtocolTest, WhatWasPrintedIsReadBackAsThePoseThatItWas) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (int format = 1; format <= 51; ++format) {
+    JobPose found;
+    const Eigen::Vector4d q(normal(random), normal(random), normal(random), normal(random));
+    found.base_primary.linear() = Eigen::Quaterniond(q).normalized().toRotationMatrix();
+    found.base_primary.translation() << normal(random), normal(random), normal(random);
+    runner_.Set(7, std::vector<JobPose>{found});
+    const std::string name = "FORMAT " + std::to_string(format);
+    std::istringstream reply(Ask(name + " RUN 7"));
+    std::string ok;
+    int primaries = -1;
+    int related = -1;
+    std::string numbers;
+    reply >> ok >> primaries >> related;
+    std::getline(reply, numbers);
+    ASSERT_EQ(ok, "OK");
+    ASSERT_THAT(Ask(absl::StrCat(name, " RUN 7", numbers)), StartsWith("OK"));
+    const Pose back = *runner_.base_flange();
+    EXPECT_LT((back.translation() - found.base_primary.translation()).norm(), 1e-6);
+    EXPECT_LT((back.linear() - found.base_primary.linear()).norm(), 5e-6) << format;
+  }
+}
+
+class LineServerTest : public LineProtocolTest {
+ protected:
+  void SetUp() override {
+    auto started = RobotServer::Start(protocol_, {});
+    ASSERT_THAT(started, IsOk());
+    server_ = *std::move(started);
+  }
+
+  static std::string Line(SocketRobot& robot) {
+    std::string out;
+    while (!out.ends_with('\n')) {
+      const std::string next = robot.Receive(1);
+      if (next.empty()) break;
+      out += next;
+    }
+    return out;
+  }
+
+  std::unique_ptr<RobotServer> server_;
+};
+
+TEST_F(LineServerTest, LinesAreAnsweredInOrderHoweverTheyCome) {
+  SocketRobot robot(server_->port());
+  for (const char byte : std::string("STA")) robot.Send({byte});
+  robot.Send("TUS\r\nFORMAT UR\nNEXT 8\n\nQUIT\n");
+  EXPECT_EQ(Line(robot), "OK 1\n");
+  EXPECT_EQ(Line(robot), "OK 3\n");
+  EXPECT_THAT(Line(robot), StartsWith("ERR 1 "));
+  EXPECT_THAT(Line(robot), StartsWith("ERR -6 "));
+  EXPECT_EQ(Line(robot), "OK\n");
+  EXPECT_TRUE(robot.IsHungUpOn());
+}
+
+TEST_F(LineServerTest, ALineThatIsTooLongIsHungUpOn) {
+  SocketRobot robot(server_->port());
+  robot.Send(std::string(kLongestRequest - 1, 'x') + "\n");
+  EXPECT_THAT(Line(robot), StartsWith("ERR -8 "));
+  robot.Send(std::string(kLongestRequest, 'x') + "\n");
+  EXPECT_THAT(Line(robot), StartsWith("ERR -7 INVALID_REQUEST_LENGTH: "));
+  EXPECT_TRUE(robot.IsHungUpOn());
+}
+
+TEST_F(LineServerTest, GarbageDoesNoHarm) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 50; ++i) {
+    SocketRobot robot(server_->port());
+    std::string garbage(1 + random() % 5'000, '\0');
+    for (char& byte : garbage) byte = static_cast<char>(random());
+    robot.Send(garbage + "\n");
+    EXPECT_THAT(Line(robot), AllOf(StartsWith("ERR -"), EndsWith("\n")));
+  }
+  SocketRobot robot(server_->port());
+  robot.Send("STATUS\n");
+  EXPECT_EQ(Line(robot), "OK 1\n");
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,65 @@
+// Jobs whose runner throws: they end, and say why.
+#include "client/cell/robots/robot_jobs.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+
+#include "absl/time/clock.h"
+#include "tests/client/cell/robots/scripted_runner.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kJob = 4;
+
+// Throws as often as it is told to, and then does what its script says.
+class ThrowingRunner : public ScriptedRunner {
+ public:
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
+    if (throws_-- > 0) throw std::runtime_error("no such lens");
+    return ScriptedRunner::Run(request);
+  }
+  std::atomic<int> throws_ = 1;
+};
+
+class RobotJobsTest : public ::testing::Test {
+ protected:
+  void SetUp() override { runner_.Set(kJob, std::vector<JobPose>(1)); }
+
+  GriJobStatus StatusAtTheEnd() {
+    const absl::Time end =
+        absl::Now() + absl::Minutes(1);  // far longer than a job that does nothing
+    while (jobs_.StatusOf("robot", kJob) == GriJobStatus::kRunning && absl::Now() < end) {
+      std::this_thread::yield();
+    }
+    return jobs_.StatusOf("robot", kJob);
+  }
+
+  const JobRequest request_ = {.job = kJob, .robot = "robot"};
+  ThrowingRunner runner_;
+  RobotJobs jobs_{runner_};
+};
+
+TEST_F(RobotJobsTest, AJobThatThrowsHasFailedAndSaysWhy) {
+  const JobAnswer answer = jobs_.Run(request_);
+  EXPECT_NE(answer.code, GriCode::kNoError);
+  EXPECT_THAT(answer.why, HasSubstr("no such lens"));
+  EXPECT_EQ(jobs_.StatusOf("robot", kJob), GriJobStatus::kFailed);
+  EXPECT_EQ(jobs_.Run(request_).code, GriCode::kNoError);
+}
+
+TEST_F(RobotJobsTest, AJobInTheBackgroundThatThrowsHasFailedAndSaysWhy) {
+  ASSERT_EQ(jobs_.Start(request_).code, GriCode::kNoError);
+  EXPECT_EQ(StatusAtTheEnd(), GriJobStatus::kFailed);
+  EXPECT_THAT(jobs_.Next("robot", kJob).why, HasSubstr("no such lens"));
+  ASSERT_EQ(jobs_.Start(request_).code, GriCode::kNoError);
+  EXPECT_EQ(StatusAtTheEnd(), GriJobStatus::kDone);
+}
+
+}  // namespace
+}  // namespace graspdb::client

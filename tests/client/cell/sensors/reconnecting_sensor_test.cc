@@ -1,0 +1,183 @@
+// A camera that is pulled out and plugged in again.
+#include "client/cell/sensors/reconnecting_sensor.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "tests/client/cell/sensors/scripted_camera.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+constexpr absl::Duration kPatience = absl::Seconds(30);
+constexpr absl::Duration kMoment = absl::Milliseconds(2);
+
+absl::Time Soon() { return absl::Now() + kPatience; }
+
+// A reconnecting sensor on a cable; and somebody who exposes frames all the time, where wanted.
+class Rig {
+ public:
+  explicit Rig(bool plugged, absl::Duration watch = kMoment)
+      : cable_(CableThatIs(plugged)),
+        sensor_("camera no. 0", [cable = cable_] { return ScriptedCamera::Open(cable); },
+                {.first_pause = kMoment, .longest_pause = 4 * kMoment, .watch = watch}) {}
+  ~Rig() { StopFrames(); }
+
+  void StartFrames() {
+    exposing_ = true;
+    thread_ = std::thread([this] {
+      for (int i = 0; exposing_; ++i) {
+        cable_->Expose(NumberedFrame(i));
+        absl::SleepFor(absl::Milliseconds(1));
+      }
+    });
+  }
+  void StopFrames() {
+    exposing_ = false;
+    if (thread_.joinable()) thread_.join();
+  }
+  // Whether `happens` within the patience.
+  template <typename Condition>
+  static bool Eventually(const Condition& happens) {
+    const absl::Time end = Soon();
+    while (!happens() && absl::Now() < end) absl::SleepFor(absl::Milliseconds(1));
+    return happens();
+  }
+
+  Cable& cable() { return *cable_; }
+  ReconnectingSensor& sensor() { return sensor_; }
+
+ private:
+  static std::shared_ptr<Cable> CableThatIs(bool plugged) {
+    auto cable = std::make_shared<Cable>();
+    cable->plugged = plugged;
+    return cable;
+  }
+
+  const std::shared_ptr<Cable> cable_;
+  ReconnectingSensor sensor_;
+  std::atomic<bool> exposing_ = false;
+  std::thread thread_;
+};
+
+TEST(ReconnectingSensor, GivesFramesOfACameraThatIsThere) {
+  Rig rig(true);
+  rig.StartFrames();
+  ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
+  EXPECT_THAT(rig.sensor().Next(Soon()), IsOk());
+  EXPECT_EQ(rig.sensor().Name(), "scripted camera");
+}
+
+TEST(ReconnectingSensor, WithoutACameraTheReasonComesAtOnce) {
+  Rig rig(false);
+  // Later than any test may take: it is not waited for.
+  EXPECT_THAT(rig.sensor().Next(absl::InfiniteFuture()),
+              StatusIs(absl::StatusCode::kUnavailable, "nothing is plugged in"));
+  EXPECT_FALSE(rig.sensor().IsReady());
+  EXPECT_EQ(rig.sensor().Name(), "camera no. 0");
+}
+
+TEST(ReconnectingSensor, FindsACameraThatIsPluggedInLater) {
+  Rig rig(false);
+  EXPECT_THAT(rig.sensor().Next(Soon()), StatusIs(absl::StatusCode::kUnavailable));
+  rig.cable().Plug(true);
+  rig.StartFrames();
+  EXPECT_TRUE(Rig::Eventually([&] { return rig.sensor().Next(Soon()).ok(); }));
+}
+
+TEST(ReconnectingSensor, UnpluggedInTheMiddleOfNextAndPluggedInAgain) {
+  Rig rig(true, /*watch=*/absl::Hours(1));
+  ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
+  std::thread hand([&] {
+    absl::SleepFor(kMoment);
+    rig.cable().Plug(false);
+  });
+  EXPECT_THAT(rig.sensor().Next(Soon()), StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
+  hand.join();
+  EXPECT_THAT(rig.sensor().Next(Soon()), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_FALSE(rig.sensor().IsReady());
+  rig.cable().Plug(true);
+  rig.StartFrames();
+  EXPECT_TRUE(Rig::Eventually([&] { return rig.sensor().Next(Soon()).ok(); }));
+  EXPECT_GE(rig.cable().Opened(), 2);
+}
+
+TEST(ReconnectingSensor, ALossIsNoticedWhileNobodyAsks) {
+  Rig rig(true);
+  ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
+  const int before = rig.cable().Opened();
+  rig.cable().Plug(false);
+  rig.cable().Plug(true);
+  EXPECT_TRUE(Rig::Eventually([&] { return rig.cable().Opened() > before; }));
+}
+
+TEST(ReconnectingSensor, ADeadlineIsNoLoss) {
+  Rig rig(true);
+  ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
+  EXPECT_THAT(rig.sensor().Next(absl::Now() + kMoment),
+              StatusIs(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_TRUE(rig.sensor().IsReady());
+  rig.StartFrames();
+  EXPECT_THAT(rig.sensor().Next(Soon()), IsOk());
+  EXPECT_EQ(rig.cable().Opened(), 1);
+}
+
+TEST(ReconnectingSensor, NeverHasTwoSensorsAtOnceWhileManyAskAndTheCableShakes) {
+  Rig rig(true);
+  rig.StartFrames();
+  std::atomic<int> frames = 0;
+  std::atomic<bool> asking = true;
+  std::vector<std::thread> callers;
+  callers.reserve(4);
+  for (int i = 0; i < 4; ++i) {
+    callers.emplace_back([&] {
+      while (asking) frames += rig.sensor().Next(Soon()).ok() ? 1 : 0;
+    });
+  }
+  for (int shake = 0; shake < 20; ++shake) {
+    rig.cable().Plug(false);
+    absl::SleepFor(kMoment);
+    rig.cable().Plug(true);
+    absl::SleepFor(kMoment);
+  }
+  const int so_far = frames;
+  EXPECT_TRUE(Rig::Eventually([&] { return frames > so_far; }));
+  asking = false;
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(rig.cable().most_open, 1);
+}
+
+TEST(ReconnectingSensor, WaitsForAnAttemptThatIsUnderWay) {
+  absl::Mutex mutex;
+  bool may_open = false;
+  const auto cable = std::make_shared<Cable>();
+  cable->Plug(true);
+  ReconnectingSensor sensor("slow",
+                            [&] {
+                              const absl::MutexLock lock(&mutex);
+                              while (!may_open)
+                                mutex.AwaitWithTimeout(absl::Condition(&may_open), kPatience);
+                              return ScriptedCamera::Open(cable);
+                            },
+                            {.first_pause = kMoment, .longest_pause = kMoment, .watch = kMoment});
+  EXPECT_THAT(sensor.Next(absl::Now() + kMoment),
+              StatusIs(absl::StatusCode::kUnavailable, ::testing::HasSubstr("being opened")));
+  std::thread opener([&] {
+    const absl::MutexLock lock(&mutex);
+    may_open = true;
+  });
+  // The camera is there, and gives no frame: that is seen only by who waited for it.
+  EXPECT_TRUE(Rig::Eventually(
+      [&] { return absl::IsDeadlineExceeded(sensor.Next(absl::Now() + 20 * kMoment).status()); }));
+  opener.join();
+}
+
+}  // namespace
+}  // namespace graspdb::client

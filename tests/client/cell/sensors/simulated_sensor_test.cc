@@ -1,0 +1,130 @@
+// The simulated camera as a sensor.
+#include "client/cell/sensors/simulated_sensor.h"
+
+#include <gmock/gmock.h>
+
+#include "absl/time/clock.h"
+#include "files/depth_message.h"
+#include "rendering/sample_parts.h"
+#include "rendering/simulation.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+DepthCameraModel SmallCamera() {
+  DepthCameraModel camera = KinectV2();
+  camera.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
+  return camera;
+}
+
+std::unique_ptr<SimulatedSensor> SensorOf(SceneSource scenes) {
+  auto sensor = SimulatedSensor::Create(SmallCamera(), SampleParts(), std::move(scenes));
+  EXPECT_THAT(sensor, IsOk());
+  return sensor.ok() ? *std::move(sensor) : nullptr;
+}
+
+std::string NextData(SimulatedSensor& sensor) {
+  const auto frame = sensor.Next(absl::InfiniteFuture());
+  EXPECT_THAT(frame, IsOk());
+  return frame.ok() ? std::get<v1::DepthImage>(frame->scan).data() : "";
+}
+
+PlannedCapture SceneOfOne() {
+  return {.path = "",
+          .placements = {{.part = 2}},
+          .world_sensor = LookAt(Eigen::Vector3d::Zero(), 0.8, 40, -90)};
+}
+
+// The same scene at every call, with other noise.
+SceneSource StillScene(PlannedCapture scene) {
+  return [scene = std::move(scene)]() mutable {
+    ++scene.seed;
+    return absl::StatusOr<PlannedCapture>(scene);
+  };
+}
+
+// What the camera takes of a scene, as a sensor gives it.
+std::string DataOf(const PlannedCapture& scene) {
+  const auto camera = DepthCamera::Create(SmallCamera());
+  EXPECT_THAT(camera, IsOk());
+  const std::vector<Workpiece> parts = SampleParts();
+  const auto frame =
+      camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
+  EXPECT_THAT(frame, IsOk());
+  return DepthMessage(ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001).data();
+}
+
+TEST(SimulatedSensor, ShowsRandomScenesAndTellsWhereItStands) {
+  RandomSceneOptions options;
+  options.seed = 5;
+  options.count = 3;
+  const auto plan = PlanRandomScenes(SampleParts(), options);
+  ASSERT_THAT(plan, IsOk());
+  const auto sensor = SensorOf(RandomScenes(SampleParts(), options));
+  for (const PlannedCapture& expected : *plan) {
+    const auto frame = sensor->Next(absl::InfiniteFuture());
+    ASSERT_THAT(frame, IsOk());
+    EXPECT_EQ(std::get<v1::DepthImage>(frame->scan).data(), DataOf(expected));
+    ASSERT_TRUE(frame->world_sensor.has_value());
+    EXPECT_TRUE(frame->world_sensor->isApprox(expected.world_sensor, 1e-12));
+  }
+}
+
+TEST(SimulatedSensor, RandomScenesGoOnAndOn) {
+  const SceneSource scenes = RandomScenes(SampleParts(), {});
+  RandomSceneOptions many;
+  many.count = 100;
+  const auto plan = PlanRandomScenes(SampleParts(), many);
+  ASSERT_THAT(plan, IsOk());
+  for (const PlannedCapture& expected : *plan) {
+    const auto scene = scenes();
+    ASSERT_THAT(scene, IsOk());
+    EXPECT_EQ(scene->path, expected.path);
+    EXPECT_EQ(scene->seed, expected.seed);
+  }
+}
+
+TEST(SimulatedSensor, AStillSceneHasOtherNoiseInEveryFrame) {
+  const auto one = SensorOf(StillScene(SceneOfOne()));
+  const auto other = SensorOf(StillScene(SceneOfOne()));
+  const std::string first = NextData(*one);
+  EXPECT_EQ(NextData(*other), first);
+  EXPECT_NE(NextData(*one), first);
+}
+
+TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
+  const auto sensor = SensorOf(StillScene(SceneOfOne()));
+  const auto frame = sensor->Next(absl::InfiniteFuture());
+  ASSERT_THAT(frame, IsOk());
+  const auto& image = std::get<v1::DepthImage>(frame->scan);
+  const auto counts = CountsFromMessage(image);
+  ASSERT_THAT(counts, IsOk());
+  // In the middle stands the part, or the table 0.8 m away.
+  EXPECT_NEAR(DepthUnit(image) * (*counts)[24 * 64 + 32], 0.75, 0.08);
+}
+
+TEST(SimulatedSensor, TheSourceMayPlayAnUnpluggedCamera) {
+  const auto sensor =
+      SensorOf([] { return absl::StatusOr<PlannedCapture>(absl::UnavailableError("pulled out")); });
+  EXPECT_THAT(sensor->Next(absl::InfiniteFuture()),
+              StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
+}
+
+TEST(SimulatedSensor, AWorkpieceThatIsNotThereIsRefused) {
+  PlannedCapture scene = SceneOfOne();
+  scene.placements[0].part = 99;
+  const auto sensor = SensorOf(StillScene(scene));
+  EXPECT_THAT(sensor->Next(absl::InfiniteFuture()), StatusIs(absl::StatusCode::kInvalidArgument));
+}
+
+TEST(SimulatedSensor, ADeadlineInThePastIsKept) {
+  const auto sensor = SensorOf(StillScene(SceneOfOne()));
+  EXPECT_THAT(sensor->Next(absl::InfinitePast()), StatusIs(absl::StatusCode::kDeadlineExceeded));
+}
+
+}  // namespace
+}  // namespace graspdb::client

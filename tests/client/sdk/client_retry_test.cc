@@ -1,0 +1,87 @@
+// What a caller sees of a connection that breaks.
+#include <gmock/gmock.h>
+#include <grpcpp/server_builder.h>
+
+#include <atomic>
+
+#include "absl/strings/str_cat.h"
+#include "client/sdk/client.h"
+#include "graspdb/v1/catalog_service.grpc.pb.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+// Breaks off the first calls.
+class Shaky : public v1::CatalogService::Service {
+ public:
+  explicit Shaky(int broken) : broken_(broken) {}
+  grpc::Status GetCatalogStatus(grpc::ServerContext*, const v1::GetCatalogStatusRequest*,
+                                v1::CatalogStatus* out) override {
+    out->set_view_count(7);
+    return Next();
+  }
+  grpc::Status CreateObject(grpc::ServerContext*, const v1::CreateObjectRequest*,
+                            v1::Object*) override {
+    return Next();
+  }
+  int calls() const { return calls_; }
+
+ private:
+  grpc::Status Next() {
+    if (++calls_ > broken_) return grpc::Status::OK;
+    return {grpc::StatusCode::UNAVAILABLE, "gone"};
+  }
+
+  const int broken_;
+  std::atomic<int> calls_ = 0;
+};
+
+class ClientRetryTest : public ::testing::Test {
+ protected:
+  Client Connect(Shaky& service, bool retry = true) {
+    int port = 0;
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(&service);
+    server_ = builder.BuildAndStart();
+    return Client(ConnectionOptions{.server = absl::StrCat("127.0.0.1:", port), .retry = retry});
+  }
+
+  std::unique_ptr<grpc::Server> server_;
+};
+
+TEST_F(ClientRetryTest, ACallThatChangesNothingIsMadeAgain) {
+  Shaky service(2);
+  const auto status = Connect(service).GetCatalogStatus();
+  ASSERT_THAT(status, IsOk());
+  EXPECT_EQ(status->view_count(), 7);
+  EXPECT_EQ(service.calls(), 3);
+}
+
+TEST_F(ClientRetryTest, ACallThatChangesSomethingIsNot) {
+  Shaky service(1);
+  EXPECT_THAT(Connect(service).CreateObject({}), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_EQ(service.calls(), 1);
+}
+
+TEST_F(ClientRetryTest, NorIsAnyCallOfAClientThatWantsToSeeErrors) {
+  Shaky service(1);
+  EXPECT_THAT(Connect(service, /*retry=*/false).GetCatalogStatus(),
+              StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_EQ(service.calls(), 1);
+}
+
+TEST_F(ClientRetryTest, InTheEndTheReasonIsGiven) {
+  Shaky service(1000);
+  const auto status = Connect(service).GetCatalogStatus();
+  ASSERT_THAT(status, StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(std::string(status.status().message()), ::testing::HasSubstr("(gone)"));
+  EXPECT_EQ(service.calls(), 4);
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,92 @@
+#include "client/teaching/mesh/top_grasps.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "files/pose_message.h"
+#include "rendering/solid.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+std::vector<v1::Grasp> GraspsOf(const TriangleMesh& mesh, double max_opening_m = 0.085) {
+  const recognition::Box box = BoundsOf(mesh);
+  const auto center = CenterOfMass(mesh);
+  return ProposeTopGrasps({&mesh, center.value_or((box.min + box.max) / 2), false},
+                          {.max_opening_m = max_opening_m});
+}
+
+TEST(TopGrasps, CloseAcrossTheNarrowerSideOverTheCentreOfMass) {
+  const auto grasps = GraspsOf(BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.02F}));
+  ASSERT_FALSE(grasps.empty());
+  EXPECT_EQ(grasps[0].grasp_id(), "top");
+  const Pose tcp = FromMessage(grasps[0].tcp_pose());
+  EXPECT_NEAR(std::abs(tcp.linear().col(0).y()), 1, 1e-6);
+  EXPECT_NEAR(tcp.linear().col(2).z(), -1, 1e-6) << "the tool looks down";
+  EXPECT_LT(tcp.translation().head<2>().norm(), 0.003);
+  EXPECT_NEAR(grasps[0].gripper_opening_m(), 0.05, 1e-3);
+  ASSERT_EQ(grasps.size(), 1U) << "80 mm and room for the fingers do not fit into 85 mm";
+  EXPECT_EQ(GraspsOf(BoxSolid({-0.035F, -0.015F, 0}, {0.035F, 0.015F, 0.02F})).size(), 2U);
+}
+
+TEST(TopGrasps, WhatIsWiderThanTheGripperHasNone) {
+  const TriangleMesh box = BoxSolid({-0.05F, -0.05F, 0}, {0.05F, 0.05F, 0.05F});
+  EXPECT_TRUE(GraspsOf(box).empty());
+  EXPECT_FALSE(GraspsOf(box, 0.11).empty());
+}
+
+TEST(TopGrasps, AWedgeHasNoneAcrossItsSlopes) {
+  // 45 degrees on both sides: the fingers would slip up.
+  const TriangleMesh roof = ExtrudeAlongY({{-0.02F, 0}, {0.02F, 0}, {0, 0.02F}}, -0.03F, 0.03F);
+  const auto grasps = GraspsOf(roof);
+  ASSERT_FALSE(grasps.empty()) << "its ends can be held";
+  for (const v1::Grasp& grasp : grasps) {
+    EXPECT_GT(std::abs(FromMessage(grasp.tcp_pose()).linear().col(0).y()), 0.9);
+  }
+}
+
+TEST(TopGrasps, TheFingersComeDownBesideTheObjectAndOffTheTable) {
+  // An angle on its back: the upright leg is narrow, the lying one wide.
+  const TriangleMesh angle = ExtrudeAlongX(
+      {{-0.1F, 0}, {0.02F, 0}, {0.02F, 0.06F}, {0, 0.06F}, {0, 0.02F}, {-0.1F, 0.02F}}, -0.02F,
+      0.02F);
+  const auto grasps = GraspsOf(angle, 0.06);
+  ASSERT_FALSE(grasps.empty());
+  const ParallelGripper gripper;
+  const recognition::Points surface = SampleSurface(angle, 20'000, 7);
+  for (const v1::Grasp& grasp : grasps) {
+    const Pose tcp = FromMessage(grasp.tcp_pose());
+    const double tips = tcp.translation().z() - gripper.pad_height_m / 2;
+    EXPECT_GT(tips, 0.0019);
+    for (const Eigen::Vector3f& p : surface) {
+      const Eigen::Vector3d q = tcp.inverse() * p.cast<double>();
+      if (static_cast<double>(p.z()) < tips + 5e-4) continue;
+      if (std::abs(q.y()) > gripper.finger_width_m / 2 - 5e-4) continue;
+      EXPECT_LT(std::abs(q.x()), grasp.gripper_opening_m() / 2) << "a finger comes down upon it";
+    }
+  }
+}
+
+TEST(TopGrasps, AStandingCanHasOneAcrossItsMiddle) {
+  const TriangleMesh can = CylinderSolid({0, 0}, 0.03F, 0, 0.05F);
+  const auto grasps = ProposeTopGrasps({&can, {0, 0, 0.025}, true}, {});
+  ASSERT_EQ(grasps.size(), 1U);
+  EXPECT_LT(FromMessage(grasps[0].tcp_pose()).translation().head<2>().norm(), 0.002);
+}
+
+TEST(TopGrasps, ThePalmStaysOffATallObject) {
+  const TriangleMesh tower = BoxSolid({-0.02F, -0.02F, 0}, {0.02F, 0.02F, 0.2F});
+  const ParallelGripper gripper;
+  for (const v1::Grasp& grasp : GraspsOf(tower)) {
+    const double tips = grasp.tcp_pose().position().z() - gripper.pad_height_m / 2;
+    EXPECT_GE(tips + gripper.finger_length_m, 0.2 - 1e-6);
+  }
+  EXPECT_FALSE(GraspsOf(tower).empty());
+}
+
+}  // namespace
+}  // namespace graspdb::client

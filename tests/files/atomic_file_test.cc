@@ -1,0 +1,38 @@
+#include "files/atomic_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/files/temporary_folder.h"
+
+namespace graspdb::client {
+namespace {
+
+TEST(AtomicFile, MakesFoldersAndReplacesWithoutLeavingAnythingBehind) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a" / "b" / "file";
+  ASSERT_TRUE(WriteFileAtomically(path, "old and longer", Durability::kPowerFailure).ok());
+  ASSERT_TRUE(WriteFileAtomically(path, "new", Durability::kProcessCrash).ok());
+  EXPECT_EQ(BytesOf(path), "new");
+  const std::filesystem::directory_iterator files(path.parent_path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+TEST(AtomicFile, FailureNamesThePathAndLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("file", "old");
+  const absl::Status below_a_file =
+      WriteFileAtomically(file / "child", "x", Durability::kProcessCrash);
+  EXPECT_THAT(std::string(below_a_file.message()), testing::HasSubstr((file / "child").string()));
+  EXPECT_EQ(below_a_file.code(), absl::StatusCode::kFailedPrecondition) << "no server is missing";
+  EXPECT_EQ(BytesOf(file), "old");
+
+  std::filesystem::create_directories(folder.path() / "taken" / "inside");
+  EXPECT_FALSE(WriteFileAtomically(folder.path() / "taken", "x", Durability::kProcessCrash).ok());
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "taken" / "inside"));
+  const std::filesystem::directory_iterator files(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "a temporary file was left";
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,134 @@
+#include "lab/experiment/capture_trials.h"
+
+#include <gmock/gmock.h>
+
+#include "files/capture_set.h"
+#include "lab/experiment/descriptor_comparison.h"
+#include "lab/experiment/experiment.h"
+#include "rendering/sample_parts.h"
+#include "rendering/simulation.h"
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+using ::testing::HasSubstr;
+
+constexpr auto kFailedPrecondition = absl::StatusCode::kFailedPrecondition;
+
+// Two parts on a turntable, and a scene of each and of a third one.
+class CaptureTrialsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<Workpiece> parts = SampleParts();
+    parts.resize(3);
+    const std::vector<Workpiece> taught(parts.begin(), parts.begin() + 2);
+    auto plan = *PlanTurntable(taught, {.stand = {}, .azimuth_step_deg = 30});
+    const auto scenes = *PlanRandomScenes(parts, {.stand = {}, .count = 3});
+    plan.insert(plan.end(), scenes.begin(), scenes.end());
+    ASSERT_THAT(WriteSimulation(folder_.path(), parts, plan, {}), IsOk());
+  }
+
+  // Changes captures.json.
+  void Edit(const std::function<void(v1::CaptureSet*)>& change) {
+    auto set = LoadCaptureSet(folder_.path());
+    ASSERT_THAT(set, IsOk());
+    change(&*set);
+    ASSERT_THAT(SaveCaptureSet(folder_.path(), *set), IsOk());
+  }
+
+  absl::StatusOr<CaseResult> Run(bool leave_one_out) {
+    auto loaded = LoadCaptureTrials(folder_.path(), leave_one_out);
+    if (!loaded.ok()) return loaded.status();
+    return RunCase({.name = "captures"}, loaded->set, loaded->trials, {});
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(CaptureTrialsTest, QueriesAreJudgedAndWhatIsNotTaughtMustBeRefused) {
+  const auto result = Run(/*leave_one_out=*/false);
+  ASSERT_THAT(result, IsOk());
+  const CaseSummary summary = Summarize(*result);
+  EXPECT_EQ(summary.known, 2U);
+  EXPECT_EQ(summary.posed, 2U);
+  EXPECT_EQ(summary.strictly_right, 1);
+  EXPECT_EQ(summary.unknown, 1U);
+  EXPECT_EQ(summary.unknown_rejected, 1);
+}
+
+TEST_F(CaptureTrialsTest, WithoutMeshesPosesAreMeasuredOnWhatWasTaught) {
+  Edit([](v1::CaptureSet* set) {
+    for (v1::CapturedObject& object : *set->mutable_objects()) object.clear_mesh_path();
+  });
+  const auto result = Run(/*leave_one_out=*/false);
+  ASSERT_THAT(result, IsOk());
+  EXPECT_EQ(Summarize(*result).strictly_right, 1);
+  EXPECT_GT(result->set.shapes[0]->diameter_m, 0.05);
+}
+
+TEST_F(CaptureTrialsTest, WhereNoPosesAreAskedForObjectsAloneAreJudged) {
+  Edit([](v1::CaptureSet* set) {
+    for (v1::Capture& capture : *set->mutable_captures()) {
+      if (capture.split() == v1::Capture::QUERY) capture.clear_object_pose();
+    }
+  });
+  const auto result = Run(/*leave_one_out=*/false);
+  ASSERT_THAT(result, IsOk());
+  const CaseSummary summary = Summarize(*result);
+  EXPECT_EQ(summary.object_right, 1);
+  EXPECT_EQ(summary.posed, 0U);
+}
+
+// The only capture of its stable pose cannot be named while it is left out.
+TEST_F(CaptureTrialsTest, ALeftOutCaptureIsNotTaughtWhileItIsAskedAbout) {
+  Edit([](v1::CaptureSet* set) {
+    bool seen = false;
+    const std::string alone = set->captures(0).object_id();
+    auto* captures = set->mutable_captures();
+    captures->erase(std::remove_if(captures->begin(), captures->end(),
+                                   [&](const v1::Capture& capture) {
+                                     return capture.object_id() == alone &&
+                                            std::exchange(seen, true);
+                                   }),
+                    captures->end());
+  });
+  const auto result = Run(/*leave_one_out=*/true);
+  ASSERT_THAT(result, IsOk());
+  ASSERT_EQ(result->answers.size(), 13U);
+  EXPECT_FALSE(result->answers[0].object_right);
+  for (std::size_t i = 1; i < result->answers.size(); ++i) {
+    EXPECT_TRUE(result->answers[i].object_right) << i;
+  }
+}
+
+TEST_F(CaptureTrialsTest, DescriptorsAreComparedOnWhatWasTaught) {
+  const auto loaded = LoadCaptureTrials(folder_.path(), /*leave_one_out=*/true);
+  ASSERT_THAT(loaded, IsOk());
+  const auto figures = CompareDescriptors(loaded->set, loaded->trials, {});
+  ASSERT_THAT(figures, IsOk());
+  for (const DescriptorFigures& f : *figures) {
+    EXPECT_EQ(f.asked, 24U);
+    EXPECT_EQ(MeanFalseRecognition(f), 1) << "every other view is 30 degrees off";
+  }
+}
+
+TEST_F(CaptureTrialsTest, ASetWithNothingToAskSaysWhatToDo) {
+  Edit([](v1::CaptureSet* set) {
+    for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::TEACH);
+  });
+  EXPECT_THAT(Run(false), StatusIs(kFailedPrecondition, HasSubstr("--leave-one-out")));
+}
+
+TEST_F(CaptureTrialsTest, ASetWithNothingToTeachSaysWhatToDo) {
+  Edit([](v1::CaptureSet* set) {
+    for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::QUERY);
+  });
+  EXPECT_THAT(Run(false), StatusIs(kFailedPrecondition, HasSubstr("the split TEACH")));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,74 @@
+#include "lab/experiment/judge.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "rendering/sample_parts.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+
+const Workpiece& Part(const std::string& id) {
+  static const std::vector<Workpiece> parts = SampleParts();
+  for (const Workpiece& part : parts) {
+    if (part.object_id == id) return part;
+  }
+  ADD_FAILURE() << "no part " << id;
+  return parts.front();
+}
+
+Pose At(double x, double turn_deg) {
+  Pose pose = Pose::Identity();
+  pose.translation().x() = x;
+  pose.rotate(Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()));
+  return pose;
+}
+
+TEST(Measure, FindsTheTurnsThatChangeNothing) {
+  EXPECT_EQ(Measure(Part("flange")).turns_rad.size(), 4U);
+  EXPECT_EQ(Measure(Part("z-bar")).turns_rad.size(), 2U);
+  EXPECT_EQ(Measure(Part("handle")).turns_rad.size(), 1U);
+  EXPECT_TRUE(Measure(Part("stepped-shaft")).any_turn);
+}
+
+TEST(ErrorOf, TheTruthHasNone) {
+  const MeasuredShape shape = Measure(Part("handle"));
+  const PoseError error = ErrorOf(shape, At(0.1, 30), At(0.1, 30));
+  EXPECT_LT(error.add_s_m, 0.0005);  // the distance between the points that are searched
+  EXPECT_LT(error.hausdorff_m, 0.002);
+  EXPECT_LT(error.rotation_rad, 1e-6);
+  EXPECT_LT(error.translation_m, 1e-9);
+  EXPECT_TRUE(IsRight(shape, error));
+  EXPECT_TRUE(IsStrictlyRight(shape, error));
+}
+
+TEST(ErrorOf, AShiftIsAShift) {
+  const MeasuredShape shape = Measure(Part("handle"));
+  const PoseError error = ErrorOf(shape, At(0, 0), At(0.02, 0));
+  EXPECT_NEAR(error.translation_m, 0.02, 1e-9);
+  EXPECT_NEAR(error.hausdorff_m, 0.02, 0.001);
+  EXPECT_FALSE(IsStrictlyRight(shape, error));
+}
+
+TEST(ErrorOf, ASymmetricTurnIsNone) {
+  const MeasuredShape flange = Measure(Part("flange"));
+  const PoseError quarter = ErrorOf(flange, At(0, 10), At(0, 100));
+  EXPECT_LT(quarter.rotation_rad, 1e-6);
+  EXPECT_LT(quarter.hausdorff_m, 0.003);
+  const PoseError off = ErrorOf(flange, At(0, 10), At(0, 105));
+  EXPECT_NEAR(off.rotation_rad * 180 / std::numbers::pi, 5, 1e-6);
+}
+
+// What ADD-S forgives: the mean over the surface is small, one end is far off.
+TEST(IsStrictlyRight, AsksForEveryPoint) {
+  const MeasuredShape shape = Measure(Part("stepped-block"));
+  const PoseError turned = ErrorOf(shape, At(0, 0), At(0, 180));
+  EXPECT_GT(turned.hausdorff_m, 0.008);
+  EXPECT_FALSE(IsStrictlyRight(shape, turned));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,33 @@
+// A hammer of 34 cm slides along itself while it is refined, the more so where a part is hidden.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "lab/experiment/experiment.h"
+#include "tests/recognition/shared_data.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+
+TEST(LongObject, FortyPercentHiddenItEndsInItsPlace) {
+  const auto meshes = graspdb::testing::SharedData("ycb_meshes");
+  if (!meshes) GTEST_SKIP() << graspdb::testing::SharedDataMissing("ycb_meshes");
+  const auto set = RestingParts({*meshes / "hammer.ply"}, 1, {});
+  ASSERT_THAT(set, IsOk());
+  std::vector<ExperimentCase> cases = ExperimentCases();
+  ExperimentCase& hidden = *std::ranges::find(cases, "hidden-40", &ExperimentCase::name);
+  hidden.seed = 2;
+  const auto trials = RenderedTrials(hidden, *set);
+  ASSERT_THAT(trials, IsOk());
+  ExperimentRun run;
+  run.parameters.matching.min_score = 0;
+  const auto result = RunCase(hidden, *set, *trials, run);
+  ASSERT_THAT(result, IsOk());
+  EXPECT_GT(Summarize(*result).strictly_right, 0.9) << "0.875 before poses were polished";
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,123 @@
+// Frames that lie in a folder beside their frames.json: rendered here, so that all is known.
+#include "lab/experiment/real_frames.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "files/point_file.h"
+#include "lab/experiment/report/frames_json.h"
+#include "lab/experiment/trial.h"
+#include "rendering/mesh_file.h"
+#include "rendering/sample_parts.h"
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+using recognition::Pose;
+using ::testing::HasSubstr;
+
+std::string Rows(const Pose& pose) {
+  std::vector<std::string> rows;
+  for (Eigen::Index row = 0; row < 4; ++row) {
+    const Eigen::RowVector4d r = pose.matrix().row(row);
+    rows.push_back(absl::StrFormat("[%.9f,%.9f,%.9f,%.9f]", r[0], r[1], r[2], r[3]));
+  }
+  return "[" + absl::StrJoin(rows, ",") + "]";
+}
+
+class RealFramesTest : public ::testing::Test {
+ protected:
+  // A bracket on the table, and what the file says of it: where it is, moved by `moved`.
+  void WriteFrame(const std::string& object, const Pose& moved) const {
+    const auto parts = SampleParts({"l-bracket"});
+    ASSERT_THAT(parts, IsOk());
+    ASSERT_THAT(WriteMeshPly(folder_.path() / "l.ply", parts->front().mesh), IsOk());
+    const auto renderer = TrialRenderer::Create(*parts, KinectV2());
+    ASSERT_THAT(renderer, IsOk());
+    const Pose world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+    const auto trial = renderer->Render({.path = "",
+                                         .split = v1::Capture::QUERY,
+                                         .placements = {{.part = 0}},
+                                         .world_sensor = world_sensor,
+                                         .seed = 1});
+    ASSERT_THAT(trial, IsOk());
+    PointFile file;
+    file.points = trial->scan.points;
+    file.width = 512;
+    file.height = 424;
+    ASSERT_THAT(WritePcd(folder_.path() / "frame.pcd", file), IsOk());
+    Say(absl::StrFormat(R"([{"frame": "frame.pcd", "objects": [{"object": "%s",
+      "mesh": "l.ply", "meshUnit": "m", "T_sensor_mesh": %s}]}])",
+                        object, Rows(world_sensor.inverse() * moved)));
+  }
+
+  void Say(const std::string& json) const { std::ofstream(folder_.path() / "frames.json") << json; }
+
+  absl::StatusOr<FrameResult> Ask() {
+    auto frames = LoadFrames(folder_.path());
+    if (!frames.ok()) return frames.status();
+    frames_ = *std::move(frames);
+    auto catalogue = FramesCatalogue::Teach(frames_, {});
+    if (!catalogue.ok()) return catalogue.status();
+    return AskFrame(frames_.front(), {}, catalogue->get());
+  }
+
+  const TemporaryFolder folder_;
+  std::vector<RealFrame> frames_;
+};
+
+TEST_F(RealFramesTest, AnObjectWhereTheFileSaysIsFound) {
+  WriteFrame("l-bracket", Pose::Identity());
+  const auto result = Ask();
+  ASSERT_THAT(result, IsOk());
+  EXPECT_TRUE(result->error.empty()) << result->error;
+  ASSERT_EQ(result->instances.size(), 1U);
+  EXPECT_TRUE(result->instances[0].found);
+  EXPECT_TRUE(result->instances[0].best_is_right);
+  EXPECT_GT(result->instances[0].truth.whole.confidence, 0.5);
+  EXPECT_GT(result->instances[0].truth.own_share(), 0.9);
+  EXPECT_EQ(result->instances[0].rank, 1);
+  ASSERT_EQ(result->detections.size(), 1U);
+  EXPECT_FALSE(result->detections[0].IsWrong());
+  const auto json = FramesJson("graspdb eval", {*result});
+  ASSERT_THAT(json, IsOk());
+  for (const char* text :
+       {"\"right\": true", "\"found\": true", "\"confirmed\": ", "\"features\": {"}) {
+    EXPECT_THAT(*json, HasSubstr(text));
+  }
+}
+
+TEST_F(RealFramesTest, AnObjectElsewhereIsNotFoundAndTheAnswerIsWrong) {
+  WriteFrame("l-bracket", Pose(Eigen::Translation3d(0.15, 0, 0)));
+  const auto result = Ask();
+  ASSERT_THAT(result, IsOk());
+  ASSERT_EQ(result->instances.size(), 1U);
+  EXPECT_FALSE(result->instances[0].found);
+  EXPECT_EQ(result->instances[0].lost_by, LostBy::kSegmentation);
+  ASSERT_EQ(result->detections.size(), 1U);
+  EXPECT_TRUE(result->detections[0].IsWrong());
+}
+
+TEST_F(RealFramesTest, AFileThatSaysSomethingElseIsRefusedWithTheFrame) {
+  EXPECT_THAT(Ask(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("frames.json")));
+  for (
+      const char* json :
+      {"{", "{}", "[{}]", R"([{"frame": "f.pcd", "objects": [{"object": "a"}]}])",
+       R"([{"frame": "f.pcd", "objects": [{"object": "a", "mesh": "a.ply", "meshUnit": "inch"}]}])",
+       R"([{"frame": "f.pcd", "objects": [{"object": "a", "mesh": "a.ply", "meshUnit": "m",
+             "T_sensor_mesh": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}]}])"}) {
+    Say(json);
+    EXPECT_THAT(Ask(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("frames.json")))
+        << json;
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::client

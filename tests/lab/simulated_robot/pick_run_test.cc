@@ -1,0 +1,168 @@
+// A simulated robot before an agent that answers what a test tells it to.
+#include "lab/simulated_robot/pick_run.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+
+#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/robot_server.h"
+#include "files/pose_message.h"
+#include "rendering/sample_parts.h"
+#include "rendering/scene_file.h"
+#include "tests/client/cell/robots/scripted_runner.h"
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using recognition::Pose;
+using ::testing::HasSubstr;
+using testing::IsOk;
+using ::testing::SizeIs;
+using testing::StatusIs;
+
+enum Job { kGrasps = 1, kNothing = 2, kPicked = 7, kMissed = 8 };
+
+// Looks at the scene that the robot has laid out, and gives the first grasp of what is there, moved
+// by `off_m` along the tool's x axis. Jobs 7 and 8 hear of picks.
+class SeeingRunner : public ScriptedRunner {
+ public:
+  SeeingRunner(std::filesystem::path scene, std::vector<Workpiece> parts)
+      : scene_(std::move(scene)), parts_(std::move(parts)) {
+    for (const int job : {kGrasps, kNothing, kPicked, kMissed}) {
+      Set(job, std::vector<JobPose>());
+    }
+  }
+
+  bool ReturnsPoses(int job) override { return job != kPicked && job != kMissed; }
+
+  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
+    if (request.job == kPicked || request.job == kMissed) {
+      if (absl::Status told = Tell(
+              request.robot, request.job == kPicked ? PickOutcome::kPicked : PickOutcome::kMissed);
+          !told.ok()) {
+        return told;
+      }
+    }
+    if (request.job != kGrasps) return ScriptedRunner::Run(request);
+    const absl::StatusOr<PlannedCapture> scene = ReadScene(scene_, parts_);
+    if (!scene.ok()) return scene.status();
+    const Placement& placement = scene->placements.front();
+    const v1::Grasp& grasp = parts_[placement.part].grasps.front();
+    JobPose out;
+    out.grasp_id = "a";
+    out.base_primary =
+        placement.world_object * FromMessage(grasp.tcp_pose()) * Eigen::Translation3d(off_m, 0, 0);
+    return std::vector<JobPose>{out};
+  }
+
+  double off_m = 0;
+
+ private:
+  const std::filesystem::path scene_;
+  const std::vector<Workpiece> parts_;
+};
+
+class PickRunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto server = RobotServer::Start(protocol_, {});
+    ASSERT_THAT(server, IsOk());
+    server_ = *std::move(server);
+    options_.scene = folder_.path() / "table";
+    options_.picks = 3;
+  }
+
+  absl::StatusOr<std::vector<Pick>> Run() {
+    auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
+    if (!robot.ok()) return robot.status();
+    return RunPicks(*robot, parts_, options_, [this](const Pick&) { ++heard_; });
+  }
+
+  const TemporaryFolder folder_;
+  const std::vector<Workpiece> parts_ = {SampleParts()[0], SampleParts()[1]};
+  SeeingRunner runner_{folder_.path() / "table", parts_};
+  GriJobs jobs_{runner_};
+  GriProtocol protocol_{jobs_};
+  std::unique_ptr<RobotServer> server_;
+  PickRunOptions options_;
+  int heard_ = 0;
+};
+
+TEST_F(PickRunTest, PicksThatHoldAreHeardOf) {
+  options_.picked_job = kPicked;
+  options_.missed_job = kMissed;
+  const auto picks = Run();
+  ASSERT_THAT(picks, IsOk());
+  ASSERT_THAT(*picks, SizeIs(3));
+  EXPECT_EQ(heard_, 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Pick& pick = (*picks)[i];
+    EXPECT_EQ(pick.code, GriCode::kNoError);
+    EXPECT_TRUE(pick.held);
+    EXPECT_EQ(pick.shown, parts_[i % 2].object_id) << "each of the parts in turn";
+    EXPECT_EQ(pick.error.object, pick.shown);
+    EXPECT_LT(pick.error.shift_m, 1e-6);
+  }
+  ASSERT_THAT(runner_.told(), SizeIs(3));
+  for (const auto& [grasp, outcome] : runner_.told()) EXPECT_EQ(outcome, PickOutcome::kPicked);
+}
+
+TEST_F(PickRunTest, SoAreThoseThatDoNot) {
+  runner_.off_m = 0.005;
+  options_.picked_job = kPicked;
+  options_.missed_job = kMissed;
+  const auto picks = Run();
+  ASSERT_THAT(picks, IsOk());
+  for (const Pick& pick : *picks) EXPECT_FALSE(pick.held);
+  ASSERT_THAT(runner_.told(), SizeIs(3));
+  for (const auto& [grasp, outcome] : runner_.told()) EXPECT_EQ(outcome, PickOutcome::kMissed);
+}
+
+TEST_F(PickRunTest, ThePoseIsInTheRobotsBaseFrame) {
+  options_.world_base = Pose(Eigen::Translation3d(0, 0, 0.1));
+  const auto picks = Run();
+  ASSERT_THAT(picks, IsOk());
+  for (const Pick& pick : *picks) {
+    EXPECT_FALSE(pick.held);
+    EXPECT_NEAR(pick.error.shift_m, 0.1, 1e-6);
+  }
+}
+
+TEST_F(PickRunTest, NobodyHearsOfRequestsWithoutAPose) {
+  options_.job = kNothing;
+  options_.picked_job = kPicked;
+  options_.missed_job = kMissed;
+  const auto picks = Run();
+  ASSERT_THAT(picks, IsOk());
+  ASSERT_THAT(*picks, SizeIs(3));
+  for (const Pick& pick : *picks) {
+    EXPECT_EQ(pick.code, GriCode::kNoPosesFound);
+    EXPECT_FALSE(pick.held);
+    EXPECT_GT(pick.cycle.count(), 0);
+  }
+  EXPECT_THAT(runner_.told(), SizeIs(0));
+}
+
+TEST_F(PickRunTest, AJobThatCannotHearOfPicksIsAnError) {
+  options_.picked_job = 99;
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition,
+                              ::testing::AllOf(HasSubstr("99"), HasSubstr("JOB_DOES_NOT_EXIST"))));
+  options_.picked_job = kPicked;
+  runner_.Refuse(kPicked, absl::FailedPreconditionError("not so"));
+  EXPECT_THAT(Run(),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("MISCONFIGURED_JOB")));
+}
+
+TEST_F(PickRunTest, AnAgentThatGoesAwayIsUnavailable) {
+  auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
+  ASSERT_THAT(robot, IsOk());
+  server_.reset();
+  EXPECT_THAT(RunPicks(*robot, parts_, options_, [](const Pick&) {}),
+              StatusIs(absl::StatusCode::kUnavailable));
+}
+
+}  // namespace
+}  // namespace graspdb::client

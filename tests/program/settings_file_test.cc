@@ -1,0 +1,78 @@
+#include "program/settings_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/files/temporary_folder.h"
+
+namespace graspdb {
+namespace {
+
+// A variable of the environment for the time of a test.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() { unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+class SettingsFileTest : public ::testing::Test {
+ protected:
+  // What --server and `import --split` come to.
+  std::string Parse(const std::string& arguments) {
+    CLI::App app;
+    std::string server = "default";
+    std::string split = "default";
+    app.add_option("--server", server);
+    CLI::App* import = app.add_subcommand("import");
+    import->add_option("--split", split);
+    AddSettingsFile(app);
+    app.parse(arguments);
+    return server + " " + split;
+  }
+
+  const client::TemporaryFolder folder_;
+  const std::string file_ =
+      folder_.Write("settings.conf", "server=file\n[import]\nsplit=file\n").string();
+};
+
+TEST_F(SettingsFileTest, GivesWhatNobodyElseGives) {
+  EXPECT_EQ(Parse("import"), "default default");
+  EXPECT_EQ(Parse("--config " + file_ + " import"), "file file");
+}
+
+TEST_F(SettingsFileTest, GivesWayToVariablesAndTheseToFlags) {
+  const Variable server("GRASPDB_SERVER", "variable");
+  EXPECT_EQ(Parse("--config " + file_ + " import"), "variable file");
+  EXPECT_EQ(Parse("--config " + file_ + " --server flag import"), "flag file");
+  const Variable split("GRASPDB_SPLIT", "variable");
+  EXPECT_EQ(Parse("--config " + file_ + " import"), "variable variable");
+}
+
+TEST_F(SettingsFileTest, MayBeNamedByAVariable) {
+  const Variable config("GRASPDB_CONFIG", file_);
+  EXPECT_EQ(Parse("import"), "file file");
+  const std::string other = folder_.Write("other.conf", "server=other\n").string();
+  EXPECT_EQ(Parse("--config " + other + " import"), "other default");
+}
+
+TEST_F(SettingsFileTest, MustBeThereWhenItIsNamed) {
+  EXPECT_THROW(Parse("--config /nonexistent/file import"), CLI::ParseError);
+  const Variable config("GRASPDB_CONFIG", "/nonexistent/file");
+  EXPECT_THROW(Parse("import"), CLI::ParseError);
+}
+
+TEST_F(SettingsFileTest, AKeyThatIsNoFlagIsAnError) {
+  const std::string typo = folder_.Write("typo.conf", "sever=file\n").string();
+  EXPECT_THROW(Parse("--config " + typo + " import"), CLI::ParseError);
+}
+
+}  // namespace
+}  // namespace graspdb

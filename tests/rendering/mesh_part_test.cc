@@ -1,0 +1,42 @@
+#include "rendering/mesh_part.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "files/pose_message.h"
+#include "rendering/mesh_file.h"
+#include "rendering/solid.h"
+#include "tests/files/temporary_folder.h"
+
+namespace graspdb::client {
+namespace {
+
+TEST(MeshPart, IsRestedAsItLiesAndGraspedAcrossItsNarrowSide) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "My Part #2.ply";
+  ASSERT_TRUE(WriteMeshPly(path, BoxSolid({100, 10, -40}, {180, 40, -20})).ok());
+  const auto part = WorkpieceFromMesh(path, 0.001);
+  ASSERT_TRUE(part.ok()) << part.status();
+  EXPECT_EQ(part->object_id, "my-part--2");
+  EXPECT_EQ(part->display_name, "My Part #2");
+  EXPECT_TRUE(BoundsOf(part->mesh).min.isApprox(Eigen::Vector3d(-0.04, -0.015, 0), 1e-5));
+  EXPECT_TRUE(BoundsOf(part->mesh).max.isApprox(Eigen::Vector3d(0.04, 0.015, 0.02), 1e-5));
+  ASSERT_EQ(part->grasps.size(), 1U);
+  const recognition::Pose tcp = FromMessage(part->grasps[0].tcp_pose());
+  EXPECT_NEAR(std::abs(tcp.linear().col(0).y()), 1, 1e-9);
+  EXPECT_NEAR(part->grasps[0].gripper_opening_m(), 0.05, 1e-6);
+}
+
+TEST(MeshPart, AWrongUnitIsToldFromTheSize) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "part.ply";
+  ASSERT_TRUE(WriteMeshPly(path, BoxSolid({0, 0, 0}, {80, 30, 20})).ok());
+  for (const double unit : {1.0, 0.000001}) {
+    const auto part = WorkpieceFromMesh(path, unit);
+    EXPECT_EQ(part.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(part.status().message()), testing::HasSubstr("name its unit"));
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::client

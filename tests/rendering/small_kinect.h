@@ -1,0 +1,34 @@
+// A small camera and the sample parts, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "rendering/depth_camera.h"
+#include "rendering/sample_parts.h"
+#include "rendering/workpiece.h"
+
+namespace graspdb::testing {
+
+// The middle of a Kinect v2's image, as sharp as the whole, which is enough to look at a target.
+inline client::DepthCameraModel SmallKinectV2() {
+  client::DepthCameraModel model = client::KinectV2();
+  model.intrinsics = {
+      .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
+  return model;
+}
+
+// The sample part of the given id; a failure and an empty one where there is none.
+inline const client::Workpiece& PartNamed(const std::string& id) {
+  static const std::vector<client::Workpiece> parts = client::SampleParts();
+  for (const client::Workpiece& part : parts) {
+    if (part.object_id == id) return part;
+  }
+  ADD_FAILURE() << "no sample part " << id;
+  static const client::Workpiece none;
+  return none;
+}
+
+}  // namespace graspdb::testing
