@@ -1,4 +1,4 @@
-// How long objects took, counted so that any percentile can be told afterwards.
+// Durations, counted so that any percentile can be told afterwards.
 //
 // After G. Tene's HdrHistogram (http://hdrhistogram.org): buckets that are narrow for short times
 // and wide for long ones, so that every time is known to three significant digits. There is no

@@ -44,6 +44,7 @@ std::string_view CommandOf(const CLI::App& app, int argc, char** argv) {
 
 std::vector<std::string> LabCommands() {
   std::vector<std::string> out;
+  out.reserve(kCommands.size());
   for (const LabCommand& command : kCommands) out.emplace_back(command.name);
   return out;
 }

@@ -13,7 +13,7 @@
 
 namespace graspdb::client {
 
-// When objects happened to one request.
+// Time stamps of one request.
 struct RequestTimes {
   using Time = std::chrono::steady_clock::time_point;
   Time due;       // when it should have been sent

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/files/temporary_folder.h"
 
@@ -26,14 +29,14 @@ class Variable {
 class SettingsFileTest : public ::testing::Test {
  protected:
   // What --server and `import --split` come to.
-  std::string Parse(const std::string& arguments) {
+  std::string Parse(const std::string& arguments, std::vector<std::string> other_commands = {}) {
     CLI::App app;
     std::string server = "default";
     std::string split = "default";
     app.add_option("--server", server);
     CLI::App* import = app.add_subcommand("import");
     import->add_option("--split", split);
-    AddSettingsFile(app);
+    AddSettingsFile(app, std::move(other_commands));
     app.parse(arguments);
     return server + " " + split;
   }
@@ -67,6 +70,13 @@ TEST_F(SettingsFileTest, MustBeThereWhenItIsNamed) {
   EXPECT_THROW(Parse("--config /nonexistent/file import"), CLI::ParseError);
   const Variable config("GRASPDB_CONFIG", "/nonexistent/file");
   EXPECT_THROW(Parse("import"), CLI::ParseError);
+}
+
+TEST_F(SettingsFileTest, SectionsOfAnotherProgramsCommandsAreLeftToIt) {
+  const std::string shared =
+      folder_.Write("shared.conf", "server=file\n[eval]\ntrials=3\n").string();
+  EXPECT_EQ(Parse("--config " + shared + " import", {"eval"}), "file default");
+  EXPECT_THROW(Parse("--config " + shared + " import"), CLI::ParseError);
 }
 
 TEST_F(SettingsFileTest, AKeyThatIsNoFlagIsAnError) {

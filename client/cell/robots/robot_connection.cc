@@ -27,7 +27,7 @@ RobotConnection::RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool
       robot_(AddressOf(socket_)),
       deadline_(socket_.get_executor()) {
   // Answers are small and waited for; a robot whose cable was pulled is found out when the
-  // system's keep-alive time is over. Where the system refuses, objects only take longer.
+  // system's keep-alive time is over. Where the system refuses, it only takes longer.
   asio::error_code refused;
   socket_.set_option(asio::ip::tcp::no_delay(true), refused);
   socket_.set_option(asio::socket_base::keep_alive(true), refused);

@@ -26,7 +26,7 @@ struct SensorSpec {
 // there are is not looked at. Thread-safe.
 absl::StatusOr<SensorSpec> ParseSensorSpec(const std::string& text);
 
-// Takes the options of a spec one by one; remembers the first object that is wrong. Not
+// Takes the options of a spec one by one; remembers the first error. Not
 // thread-safe.
 class SensorOptions {
  public:
@@ -45,7 +45,7 @@ class SensorOptions {
   // Separated by "+".
   std::vector<std::string> List(const std::string& key);
 
-  // INVALID_ARGUMENT for the first object that was wrong, or an option that nobody took.
+  // INVALID_ARGUMENT for the first one that is wrong, or an option that nobody took.
   absl::Status Finish(const std::string& kind);
 
  private:

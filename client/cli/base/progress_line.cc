@@ -18,8 +18,8 @@ int PartOf(int done, int total, int parts) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(std::string objects)
-    : things_(std::move(objects)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressLine::ProgressLine(std::string unit)
+    : unit_(std::move(unit)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressLine::~ProgressLine() {
   if (is_terminal_ && last_ >= 0) std::cerr << "\n";
@@ -34,7 +34,7 @@ void ProgressLine::Report(int done, int total) {
     std::cerr << "\r[" << std::string(full, '#') << std::string(kBarWidth - full, ' ') << "] "
               << done << "/" << total << std::flush;
   } else {
-    std::cerr << done << " of " << total << " " << things_ << "\n";
+    std::cerr << done << " of " << total << " " << unit_ << "\n";
   }
 }
 

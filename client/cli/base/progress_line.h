@@ -8,8 +8,8 @@ namespace graspdb::client {
 // On a terminal a bar that is redrawn; elsewhere a line at every quarter.
 class ProgressLine {
  public:
-  // `objects`: what is counted.
-  explicit ProgressLine(std::string objects = "captures");
+  // `unit`: what is counted.
+  explicit ProgressLine(std::string unit = "captures");
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
@@ -17,7 +17,7 @@ class ProgressLine {
   void Report(int done, int total);
 
  private:
-  std::string things_;
+  std::string unit_;
   bool is_terminal_;
   int last_ = -1;  // what was drawn: per cent on a terminal, else quarters
 };
