@@ -18,7 +18,7 @@ const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
   return found == catalogue.stable_poses->end() ? nullptr : found->second.get();
 }
 
-// A stable pose's own threshold is one of confidence, which the paper's way does not give.
+// A stable pose's own threshold is one of confidence, which the single-view baseline has not.
 double MinScore(const TaughtStablePose* taught, const MatchingParameters& parameters) {
   const bool own = parameters.use_own_min_scores && parameters.verified_view_count > 1;
   return own && taught != nullptr ? taught->min_score.value_or(parameters.min_score)
@@ -48,7 +48,7 @@ void CarryGrasps(const TaughtStablePose* taught, const std::optional<Box>& works
       detection->grasps.empty() ? RecognitionOutcome::kOutOfWorkspace : RecognitionOutcome::kOk;
 }
 
-// The paper's way: the nearest view is the answer.
+// Single-view baseline: the nearest view is the answer.
 absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, ViewClouds& clouds,
                              const MatchingParameters& parameters, Detection* detection) {
   auto alignment = AlignView(*nearest.view, input.segment, clouds, parameters);

@@ -109,7 +109,7 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
       ->capture_default_str();
   command
       ->add_option("--verified-views", arguments->matching.verified_view_count,
-                   "Nearest views that are verified; 1: the paper's way")
+                   "Nearest views that are verified; 1: the single-view baseline")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command

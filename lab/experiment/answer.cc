@@ -27,7 +27,7 @@ std::vector<Reading> ReadingsOf(const Detection& detection) {
   return out;
 }
 
-// The nearest to the camera where nobody knows where the object is.
+// The nearest to the camera where the true pose is unknown.
 const Detection* DetectionOf(const recognition::Recognition& recognition, const Trial& trial,
                              std::size_t which) {
   if (recognition.detections.empty()) return nullptr;

@@ -43,7 +43,7 @@ struct Alternative {
 struct Detection {
   RecognitionOutcome outcome = RecognitionOutcome::kUnknownObject;
   std::shared_ptr<const TaughtView> view;  // null when unknown
-  double score = 0;  // 0 to 1: confidence, or on the paper's way the share of matching points
+  double score = 0;  // 0 to 1: confidence, or share of inliers in the single-view baseline
   Pose rough_pose = Pose::Identity();    // T_world_object after the shift
   Pose refined_pose = Pose::Identity();  // T_world_object after the alignment
   // T_world_object of the same stable pose that explain the scan as well: the turns of a declared
@@ -56,7 +56,7 @@ struct Detection {
   bool touching = false;                  // the camera saw it and other objects as one
   std::optional<Gate> rejected_by;        // of an object that is unknown
   Registration registration;
-  std::shared_ptr<const SurfaceModel> model;  // that was aligned; null on the paper's way
+  std::shared_ptr<const SurfaceModel> model;  // that was aligned; null in the single-view baseline
   Evidence evidence;  // of the best explanation; all zero where models were not aligned
   ConfidenceFeatures features;
   std::vector<GraspProposal> grasps;  // best first

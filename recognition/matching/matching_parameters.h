@@ -16,7 +16,7 @@ struct MatchingParameters {
   // Nearest views whose stable poses are aligned first; the hypothesis that explains the scan
   // best wins. 1 trusts the descriptor alone and aligns that view's cloud, as the paper does.
   int verified_view_count = 20;
-  // Where these do not explain a segment, so many views are looked at in all: among 2,040 views no
+  // Views evaluated in all for a segment that these do not explain: among 2,040 views no
   // more was found with all of them (ADR 15). Doubled, unknown objects take up to twice as long.
   int further_view_count = 300;
   // Of those the views that are looked at for all segments of a frame together; what is left is

@@ -1,4 +1,5 @@
-// The paper's way: the view with the nearest descriptor, moved to the scan's centroid and aligned.
+// The paper's pipeline: the view with the nearest descriptor, moved to the scan's centroid and
+// aligned.
 #pragma once
 
 #include "absl/status/statusor.h"

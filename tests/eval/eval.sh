@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # eval.sh BIN OUT: how often the answer is right. Simulated: eight parts taught from 24
-# views, 200 new scenes, the paper's way (1 view) and verified. Scanned: the meshes of
+# views, 200 new scenes, the single-view baseline (1 view) and verified. Scanned: the meshes of
 # ../shared/data in every case of the experiment, with a report in OUT/report, of which the tables
 # and some plots go into docs/experiment.md. Real: the frames and clouds there. Without that folder
 # the last two are skipped. The tables go to stdout. TRIALS: scenes for each object and case; with
@@ -24,7 +24,7 @@ simulated() {
   start_server "$out/simulated" "$out/simulated.db"
   "$bin/graspdb" import "$out/teach" 2>/dev/null
   for views in 1 20; do
-    # The paper's way is its descriptor, too: the server describes all views again.
+    # The baseline has the paper's descriptor: the server describes all views again.
     local descriptor=gsh288
     [ "$views" != 1 ] || descriptor=mvfh300
     start_server "$out/simulated" "$out/simulated.db" --descriptor "$descriptor"

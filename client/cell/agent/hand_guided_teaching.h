@@ -24,8 +24,8 @@ struct SeenScene {
 };
 
 // Stores where the tool is as a grasp of the object that it is at. A hand at its grasp hides the
-// object; what the robot's job before saw is therefore remembered, and holds if nobody has moved
-// the object since. Thread-safe.
+// object; what the robot's job before saw is therefore remembered, and is valid as long as the
+// object has not moved since. Thread-safe.
 class HandGuidedTeaching {
  public:
   // `client` must outlive this. What was seen longer ago than `memory` is forgotten.

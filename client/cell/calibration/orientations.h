@@ -1,4 +1,4 @@
-// How an object may be turned to a camera, and what is seen of it then.
+// Orientations of an object relative to a camera, and its visible points.
 #pragma once
 
 #include <Eigen/Core>

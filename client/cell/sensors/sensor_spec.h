@@ -45,7 +45,7 @@ class SensorOptions {
   // Separated by "+".
   std::vector<std::string> List(const std::string& key);
 
-  // INVALID_ARGUMENT for the first one that is wrong, or an option that nobody took.
+  // INVALID_ARGUMENT for the first invalid or unknown option.
   absl::Status Finish(const std::string& kind);
 
  private:

@@ -14,7 +14,7 @@ constexpr double kFewPoints = 0.4;
 // Edges flicker, which is a third of the pixels of small objects; a turning object moves in most.
 constexpr double kMoving = 0.5;
 constexpr double kHoles = 0.8;
-// The middle of what is seen of an object on the axis is before the axis, but not by more.
+// The centroid of the visible points of an object on the axis is at most so far before the axis.
 constexpr double kFarFromAxisM = 0.1;
 
 }  // namespace
