@@ -26,6 +26,8 @@ function(graspdb_proto_library target)
     list(APPEND generated ${products})
   endforeach()
   add_library(${target} STATIC ${generated})
+  # protoc gives each file statics of the same names.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   target_include_directories(${target} SYSTEM PUBLIC ${out})
   target_link_libraries(${target} PUBLIC protobuf::libprotobuf)
   if(ARG_GRPC)

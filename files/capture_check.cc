@@ -15,20 +15,22 @@ namespace {
 // The stable poses of every object.
 using Declared = std::map<std::string, std::set<std::string>>;
 
-absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 absl::Status CheckNewId(const std::string& id, bool is_new, const std::string& field) {
-  if (id.empty()) return Bad(field + " is missing; give it an id");
-  if (!is_new) return Bad(absl::StrCat(field, " \"", id, "\" is there twice; give it another id"));
+  if (id.empty()) return absl::InvalidArgumentError(field + " is missing; give it an id");
+  if (!is_new)
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, " \"", id, "\" is there twice; give it another id"));
   return absl::OkStatus();
 }
 
 absl::Status CheckPath(const std::string& text, const std::string& field) {
   const std::filesystem::path path = std::filesystem::path(text).lexically_normal();
-  if (text.empty()) return Bad(field + " is missing; name a file in the folder");
+  if (text.empty())
+    return absl::InvalidArgumentError(field + " is missing; name a file in the folder");
   if (path.is_absolute() || (path.begin() != path.end() && *path.begin() == "..")) {
-    return Bad(absl::StrCat(field, " \"", text, "\" leads out of the folder of the capture set; ",
-                            "give a path within it"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, " \"", text, "\" leads out of the folder of the capture set; ",
+                     "give a path within it"));
   }
   return absl::OkStatus();
 }
@@ -41,7 +43,8 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
   for (const double length :
        {grasp.approach_distance_m(), grasp.gripper_opening_m(), grasp.retreat_distance_m()}) {
     if (!std::isfinite(length) || length < 0) {
-      return Bad(field + " has a length that is negative or not finite; give metres");
+      return absl::InvalidArgumentError(
+          field + " has a length that is negative or not finite; give metres");
     }
   }
   return absl::OkStatus();
@@ -51,11 +54,13 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
 
 absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field) {
   if (pose.symmetry_order() < 0) {
-    return Bad(absl::StrCat(field, ".symmetryOrder is ", pose.symmetry_order(),
-                            "; give 1 for none, n for n-fold, 0 for any turn"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, ".symmetryOrder is ", pose.symmetry_order(),
+                     "; give 1 for none, n for n-fold, 0 for any turn"));
   }
   if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
-    return Bad(absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
   }
   if (pose.has_mesh_pose()) {
     absl::Status mesh = CheckPose(pose.mesh_pose(), field + ".meshPose");
@@ -101,25 +106,27 @@ absl::Status CheckRegion(const v1::AxisAlignedBox& box) {
                     box.min().x() <= box.max().x() && box.min().y() <= box.max().y() &&
                     box.min().z() <= box.max().z();
   if (good) return absl::OkStatus();
-  return Bad("regionOfInterest has a corner min above max; give metres in the world frame");
+  return absl::InvalidArgumentError(
+      "regionOfInterest has a corner min above max; give metres in the world frame");
 }
 
 absl::Status CheckNames(const v1::Capture& capture, const std::string& field,
                         const Declared& declared) {
   const bool named = !capture.object_id().empty() && !capture.stable_pose_id().empty();
   if (capture.split() == v1::Capture::TEACH && !named) {
-    return Bad(field + " is to be taught; give it an objectId and a stablePoseId");
+    return absl::InvalidArgumentError(field +
+                                      " is to be taught; give it an objectId and a stablePoseId");
   }
   if (capture.object_id().empty()) return absl::OkStatus();
   const auto object = declared.find(capture.object_id());
   if (object == declared.end()) {
-    return Bad(absl::StrCat(field, ".objectId \"", capture.object_id(),
-                            "\" is not in objects; declare it there"));
+    return absl::InvalidArgumentError(absl::StrCat(field, ".objectId \"", capture.object_id(),
+                                                   "\" is not in objects; declare it there"));
   }
   if (!capture.stable_pose_id().empty() && !object->second.contains(capture.stable_pose_id())) {
-    return Bad(absl::StrCat(field, ".stablePoseId \"", capture.stable_pose_id(),
-                            "\" is not among the stable poses of ", capture.object_id(),
-                            "; declare it there"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        field, ".stablePoseId \"", capture.stable_pose_id(), "\" is not among the stable poses of ",
+        capture.object_id(), "; declare it there"));
   }
   return absl::OkStatus();
 }

@@ -26,7 +26,7 @@ constexpr int kMaxHeaderLines = 1000;
 constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024;
 constexpr int kMaxFieldCount = 1024;
 constexpr std::int64_t kMaxBodyBytes = std::int64_t{4} << 30;
-constexpr double kQuaternionTolerance = 1e-3;
+constexpr double kViewpointTolerance = 1e-3;
 
 // One line of the header; empty at the end of the file or when no line feed
 // comes within kMaxLineBytes, as in a file that is not text.
@@ -39,20 +39,17 @@ std::optional<std::string> NextLine(std::istream& in) {
   return std::nullopt;
 }
 
-absl::Status Bad(std::string_view what) {
-  return absl::InvalidArgumentError(absl::string_view(what.data(), what.size()));
-}
-
 absl::Status ExpectCount(const Words& values, const PcdHeader& header, const char* key) {
   if (!header.fields.empty() && values.size() == header.fields.size()) return absl::OkStatus();
-  return Bad(absl::StrCat("its ", key, " line has ", values.size(), " entries for ",
-                          header.fields.size(), " fields"));
+  return absl::InvalidArgumentError(absl::StrCat("its ", key, " line has ", values.size(),
+                                                 " entries for ", header.fields.size(), " fields"));
 }
 
 absl::Status ParseFields(const Words& values, PcdHeader& header) {
   header.fields.clear();
   for (const std::string& name : values) header.fields.push_back({.name = name});
-  return values.empty() ? Bad("its FIELDS line names no field") : absl::OkStatus();
+  return values.empty() ? absl::InvalidArgumentError("its FIELDS line names no field")
+                        : absl::OkStatus();
 }
 
 absl::Status ParseSizes(const Words& values, PcdHeader& header) {
@@ -60,7 +57,8 @@ absl::Status ParseSizes(const Words& values, PcdHeader& header) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     int size = 0;
     if (!absl::SimpleAtoi(values[i], &size) || !std::set{1, 2, 4, 8}.contains(size)) {
-      return Bad(absl::StrCat("its SIZE line has \"", values[i], "\" where 1, 2, 4 or 8 belongs"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("its SIZE line has \"", values[i], "\" where 1, 2, 4 or 8 belongs"));
     }
     header.fields[i].size = size;
   }
@@ -71,7 +69,8 @@ absl::Status ParseTypes(const Words& values, PcdHeader& header) {
   if (absl::Status count = ExpectCount(values, header, "TYPE"); !count.ok()) return count;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] != "F" && values[i] != "I" && values[i] != "U") {
-      return Bad(absl::StrCat("its TYPE line has \"", values[i], "\" where F, I or U belongs"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("its TYPE line has \"", values[i], "\" where F, I or U belongs"));
     }
     header.fields[i].type = values[i].front();
   }
@@ -83,8 +82,8 @@ absl::Status ParseCounts(const Words& values, PcdHeader& header) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     int count = 0;
     if (!absl::SimpleAtoi(values[i], &count) || count < 1 || count > kMaxFieldCount) {
-      return Bad(absl::StrCat("its COUNT line has \"", values[i], "\" where 1 to ", kMaxFieldCount,
-                              " belongs"));
+      return absl::InvalidArgumentError(absl::StrCat("its COUNT line has \"", values[i],
+                                                     "\" where 1 to ", kMaxFieldCount, " belongs"));
     }
     header.fields[i].count = count;
   }
@@ -94,11 +93,12 @@ absl::Status ParseCounts(const Words& values, PcdHeader& header) {
 absl::Status ParsePointNumber(const Words& values, const char* key, int& number) {
   std::int64_t value = 0;
   if (values.size() != 1 || !absl::SimpleAtoi(values[0], &value) || value < 0) {
-    return Bad(absl::StrCat("its ", key, " line does not give one whole number"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("its ", key, " line does not give one whole number"));
   }
   if (value > kMaxPoints) {
-    return Bad(absl::StrCat("its ", key, " line promises ", value, " points; at most ", kMaxPoints,
-                            " are read"));
+    return absl::InvalidArgumentError(absl::StrCat("its ", key, " line promises ", value,
+                                                   " points; at most ", kMaxPoints, " are read"));
   }
   number = static_cast<int>(value);
   return absl::OkStatus();
@@ -111,11 +111,14 @@ absl::Status ParseViewpoint(const Words& values, PcdHeader& header) {
     good = absl::SimpleAtod(values[i], &v[i]) &&
            std::abs(v[i]) <= static_cast<double>(std::numeric_limits<float>::max());
   }
-  if (!good) return Bad("its VIEWPOINT line does not give seven numbers, tx ty tz qw qx qy qz");
+  if (!good)
+    return absl::InvalidArgumentError(
+        "its VIEWPOINT line does not give seven numbers, tx ty tz qw qx qy qz");
   const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
-  if (std::abs(q.norm() - 1) > kQuaternionTolerance) {
-    return Bad(absl::StrCat("the quaternion of its VIEWPOINT line has the norm ", q.norm(),
-                            " instead of 1 (unknown is written 0 0 0 1 0 0 0)"));
+  if (std::abs(q.norm() - 1) > kViewpointTolerance) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the quaternion of its VIEWPOINT line has the norm ", q.norm(),
+                     " instead of 1 (unknown is written 0 0 0 1 0 0 0)"));
   }
   recognition::Pose pose = recognition::Pose::Identity();
   pose.linear() = q.normalized().toRotationMatrix();
@@ -131,7 +134,8 @@ absl::Status ParseEncoding(const Words& values, PcdHeader& header) {
       {"binary_compressed", PcdHeader::Encoding::kBinaryCompressed}};
   const auto found = values.size() == 1 ? encodings.find(values[0]) : encodings.end();
   if (found == encodings.end()) {
-    return Bad("its DATA line says neither ascii nor binary nor binary_compressed");
+    return absl::InvalidArgumentError(
+        "its DATA line says neither ascii nor binary nor binary_compressed");
   }
   header.encoding = found->second;
   return absl::OkStatus();
@@ -161,16 +165,19 @@ absl::Status ParseLine(const Words& words, int number, Lines& lines) {
       {"DATA", [&] { return ParseEncoding(values, header); }}};
   const auto parser = parsers.find(key);
   if (parser == parsers.end()) {
-    return Bad(absl::StrCat("it is not a PCD file, as line ", number, " begins with \"",
-                            absl::CHexEscape(key.substr(0, 20)), "\""));
+    return absl::InvalidArgumentError(absl::StrCat("it is not a PCD file, as line ", number,
+                                                   " begins with \"",
+                                                   absl::CHexEscape(key.substr(0, 20)), "\""));
   }
-  if (!lines.seen.insert(key).second) return Bad(absl::StrCat("it has two ", key, " lines"));
+  if (!lines.seen.insert(key).second)
+    return absl::InvalidArgumentError(absl::StrCat("it has two ", key, " lines"));
   return parser->second();
 }
 
 absl::Status CheckComplete(const Lines& lines) {
   for (const char* key : {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT", "POINTS"}) {
-    if (!lines.seen.contains(key)) return Bad(absl::StrCat("its header has no ", key, " line"));
+    if (!lines.seen.contains(key))
+      return absl::InvalidArgumentError(absl::StrCat("its header has no ", key, " line"));
   }
   const PcdHeader& header = lines.header;
   for (const char* axis : {"x", "y", "z"}) {
@@ -179,18 +186,22 @@ absl::Status CheckComplete(const Lines& lines) {
       if (field.name != axis) continue;
       ++found;
       if (field.type != 'F' || field.size < 4 || field.count != 1) {
-        return Bad(absl::StrCat("its field ", axis, " is not one float or double"));
+        return absl::InvalidArgumentError(
+            absl::StrCat("its field ", axis, " is not one float or double"));
       }
     }
-    if (found != 1) return Bad(absl::StrCat("it has ", found, " fields named ", axis, ", not one"));
+    if (found != 1)
+      return absl::InvalidArgumentError(
+          absl::StrCat("it has ", found, " fields named ", axis, ", not one"));
   }
   if (header.point_count() != lines.points) {
-    return Bad(absl::StrCat("its header promises ", lines.points, " points, but ", header.width,
-                            " x ", header.height, " of them"));
+    return absl::InvalidArgumentError(absl::StrCat("its header promises ", lines.points,
+                                                   " points, but ", header.width, " x ",
+                                                   header.height, " of them"));
   }
-  if (lines.points == 0) return Bad("its header promises no points");
+  if (lines.points == 0) return absl::InvalidArgumentError("its header promises no points");
   if (header.point_count() * header.point_bytes() >= kMaxBodyBytes) {
-    return Bad("its header promises more than 4 GiB of points");
+    return absl::InvalidArgumentError("its header promises more than 4 GiB of points");
   }
   return absl::OkStatus();
 }
@@ -208,7 +219,7 @@ absl::StatusOr<PcdHeader> Parse(std::istream& in) {
     lines.header.body_offset = static_cast<std::size_t>(in.tellg());
     return lines.header;
   }
-  return Bad("it is not a whole PCD file, as no DATA line ends its header");
+  return absl::InvalidArgumentError("it is not a whole PCD file, as no DATA line ends its header");
 }
 
 }  // namespace
@@ -233,8 +244,9 @@ absl::StatusOr<PcdHeader> ReadPcdHeader(const std::filesystem::path& path) {
   }
   absl::StatusOr<PcdHeader> header = Parse(in);
   if (header.ok()) return header;
-  return Bad(absl::StrCat(path.string(), " cannot be read: ", header.status().message(),
-                          "; write the cloud again as a PCD file"));
+  return absl::InvalidArgumentError(absl::StrCat(path.string(),
+                                                 " cannot be read: ", header.status().message(),
+                                                 "; write the cloud again as a PCD file"));
 }
 
 }  // namespace graspdb::client

@@ -78,9 +78,9 @@ std::vector<Eigen::Vector3f> Extract(const std::string& body, const Columns& col
   return values;
 }
 
-using Words = std::vector<absl::string_view>;
+using Views = std::vector<absl::string_view>;
 
-Eigen::Vector3f Extract(const Words& words, const Columns& columns) {
+Eigen::Vector3f Extract(const Views& words, const Columns& columns) {
   Eigen::Vector3f value;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Column& column = columns[static_cast<std::size_t>(axis)];
@@ -95,7 +95,7 @@ void DecodeAscii(std::ifstream& in, const Columns& points, const std::optional<C
                  PointFile& file) {
   std::string line;
   while (std::getline(in, line)) {
-    const Words words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
+    const Views words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
     if (words.empty()) continue;
     file.points.push_back(Extract(words, points));
     if (normals) file.normals.push_back(Extract(words, *normals));

@@ -29,8 +29,6 @@ constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
 constexpr double kMaxListLength = 4294967295;  // of a uint
 static_assert(std::endian::native == std::endian::little);
 
-absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 // Takes the numbers of a body one after the other, whatever their encoding.
 class Body {
  public:
@@ -138,17 +136,17 @@ std::optional<std::array<std::size_t, 3>> FindColumns(const PlyHeader::Element& 
 }
 
 absl::Status CheckVertex(const PlyHeader::Element& vertex) {
-  if (vertex.count == 0) return Bad("it has no points");
+  if (vertex.count == 0) return absl::InvalidArgumentError("it has no points");
   if (vertex.count > kMaxPoints) {
-    return Bad(absl::StrCat("its header promises ", vertex.count, " points; at most ", kMaxPoints,
-                            " are read"));
+    return absl::InvalidArgumentError(absl::StrCat("its header promises ", vertex.count,
+                                                   " points; at most ", kMaxPoints, " are read"));
   }
   const auto is_list = [](const PlyHeader::Property& p) { return p.is_list; };
   if (std::any_of(vertex.properties.begin(), vertex.properties.end(), is_list)) {
-    return Bad("its vertices have a list property");
+    return absl::InvalidArgumentError("its vertices have a list property");
   }
   if (!FindColumns(vertex, {"x", "y", "z"})) {
-    return Bad("its vertices have no x, y and z of type float or double");
+    return absl::InvalidArgumentError("its vertices have no x, y and z of type float or double");
   }
   return absl::OkStatus();
 }
@@ -167,7 +165,8 @@ absl::StatusOr<PointFile> ReadVertices(const PlyHeader::Element& vertex, Body& b
   for (std::int64_t i = 0; i < vertex.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
       const std::optional<double> value = body.Next(vertex.properties[k].type);
-      if (!value) return Bad(absl::StrCat("at point ", i + 1, ", ", body.Trouble()));
+      if (!value)
+        return absl::InvalidArgumentError(absl::StrCat("at point ", i + 1, ", ", body.Trouble()));
       // Beyond single precision is no measurement.
       const bool fits = std::abs(*value) <= std::numeric_limits<float>::max();
       row[k] = fits ? static_cast<float>(*value) : std::numeric_limits<float>::quiet_NaN();
@@ -182,7 +181,7 @@ absl::StatusOr<PointFile> Decode(std::string_view bytes) {
   absl::StatusOr<PlyHeader> header = ParsePlyHeader(bytes);
   if (!header.ok()) return header.status();
   Body body(bytes.substr(header->body_offset), header->encoding);
-  absl::StatusOr<PointFile> file = Bad("it has no element named vertex");
+  absl::StatusOr<PointFile> file = absl::InvalidArgumentError("it has no element named vertex");
   for (const PlyHeader::Element& element : header->elements) {
     if (element.name == "vertex") {
       if (absl::Status vertex = CheckVertex(element); !vertex.ok()) return vertex;
@@ -193,7 +192,7 @@ absl::StatusOr<PointFile> Decode(std::string_view bytes) {
     if (element.properties.empty()) continue;
     for (std::int64_t i = 0; i < element.count; ++i) {
       if (!Skip(element, body)) {
-        return Bad(
+        return absl::InvalidArgumentError(
             absl::StrCat("in its element ", absl::CHexEscape(element.name), ", ", body.Trouble()));
       }
     }
@@ -211,7 +210,7 @@ absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path) {
     return absl::PermissionDeniedError(
         absl::StrCat(path.string(), " cannot be opened; make it readable"));
   }
-  absl::StatusOr<PointFile> file = Bad("it is larger than 4 GiB");
+  absl::StatusOr<PointFile> file = absl::InvalidArgumentError("it is larger than 4 GiB");
   if (size < kMaxFileBytes) {
     std::string bytes(static_cast<std::size_t>(size), '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -219,8 +218,9 @@ absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path) {
     file = Decode(bytes);
   }
   if (file.ok()) return file;
-  return Bad(absl::StrCat(path.string(), " cannot be read: ", file.status().message(),
-                          "; write it again as a PLY file"));
+  return absl::InvalidArgumentError(absl::StrCat(path.string(),
+                                                 " cannot be read: ", file.status().message(),
+                                                 "; write it again as a PLY file"));
 }
 
 }  // namespace graspdb::client

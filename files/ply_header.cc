@@ -17,8 +17,6 @@ using Words = std::vector<std::string>;
 
 constexpr std::size_t kMaxHeaderBytes = std::size_t{64} * 1024;
 
-absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::optional<Type> TypeNamed(const std::string& name) {
   static const std::map<std::string, Type> types = {
       {"char", Type::kInt8},      {"int8", Type::kInt8},       {"uchar", Type::kUint8},
@@ -41,7 +39,7 @@ absl::Status ParseFormat(const Words& words, PlyHeader& header) {
       {"binary_big_endian", PlyHeader::Encoding::kBigEndian}};
   const auto found = words.size() == 3 ? encodings.find(words[1]) : encodings.end();
   if (found == encodings.end() || words[2] != "1.0") {
-    return Bad("its format line names no encoding of PLY 1.0");
+    return absl::InvalidArgumentError("its format line names no encoding of PLY 1.0");
   }
   header.encoding = found->second;
   return absl::OkStatus();
@@ -50,7 +48,7 @@ absl::Status ParseFormat(const Words& words, PlyHeader& header) {
 absl::Status ParseElement(const Words& words, PlyHeader& header) {
   PlyHeader::Element element;
   if (words.size() != 3 || !absl::SimpleAtoi(words[2], &element.count) || element.count < 0) {
-    return Bad("an element line does not give a name and a whole number");
+    return absl::InvalidArgumentError("an element line does not give a name and a whole number");
   }
   element.name = words[1];
   header.elements.push_back(element);
@@ -58,15 +56,18 @@ absl::Status ParseElement(const Words& words, PlyHeader& header) {
 }
 
 absl::Status ParseProperty(const Words& words, PlyHeader& header) {
-  if (header.elements.empty()) return Bad("a property line comes before the first element line");
+  if (header.elements.empty())
+    return absl::InvalidArgumentError("a property line comes before the first element line");
   PlyHeader::Property property;
   property.is_list = words.size() == 5 && words[1] == "list";
-  if (words.size() != 3 && !property.is_list) return Bad("a property line gives no type and name");
+  if (words.size() != 3 && !property.is_list)
+    return absl::InvalidArgumentError("a property line gives no type and name");
   property.name = words.back();
   const std::optional<Type> type = TypeNamed(words[words.size() - 2]);
   const std::optional<Type> length = property.is_list ? TypeNamed(words[2]) : Type::kUint8;
   if (!type || !length || !IsInteger(*length)) {
-    return Bad("the property " + absl::CHexEscape(property.name) + " is of a type unknown to PLY");
+    return absl::InvalidArgumentError("the property " + absl::CHexEscape(property.name) +
+                                      " is of a type unknown to PLY");
   }
   property.type = *type;
   property.length_type = *length;
@@ -79,8 +80,8 @@ absl::Status ParseLine(const Words& words, PlyHeader& header) {
   if (words[0] == "format") return ParseFormat(words, header);
   if (words[0] == "element") return ParseElement(words, header);
   if (words[0] == "property") return ParseProperty(words, header);
-  return Bad("its header has a line that begins with \"" +
-             absl::CHexEscape(words[0].substr(0, 20)) + "\"");
+  return absl::InvalidArgumentError("its header has a line that begins with \"" +
+                                    absl::CHexEscape(words[0].substr(0, 20)) + "\"");
 }
 
 }  // namespace
@@ -116,12 +117,12 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     begin = end + 1;
     if (number == 1) {
       if (words != Words{"ply"})
-        return Bad("it is not a PLY file, as its first line is not \"ply\"");
+        return absl::InvalidArgumentError("it is not a PLY file, as its first line is not \"ply\"");
       continue;
     }
     if (words.empty()) continue;
     if (words[0] == "end_header") {
-      if (!has_format) return Bad("its header has no format line");
+      if (!has_format) return absl::InvalidArgumentError("its header has no format line");
       header.body_offset = begin;
       return header;
     }
@@ -131,7 +132,8 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     has_format |= words[0] == "format";
     if (absl::Status status = ParseLine(words, header); !status.ok()) return status;
   }
-  return Bad("it is not a whole PLY file, as no end_header line ends its header");
+  return absl::InvalidArgumentError(
+      "it is not a whole PLY file, as no end_header line ends its header");
 }
 
 }  // namespace graspdb::client

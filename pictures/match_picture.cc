@@ -11,10 +11,10 @@
 namespace graspdb::client {
 namespace {
 
-constexpr int kPanel = 420;     // pixels
-constexpr int kHeader = 44;     // for the captions
-constexpr double kView = 0.26;  // metres across a panel, at the object
-constexpr double kAxis = 0.05;  // metres
+constexpr int kPanel = 420;         // pixels
+constexpr int kCaptionHeight = 44;  // for the captions
+constexpr double kView = 0.26;      // metres across a panel, at the object
+constexpr double kAxis = 0.05;      // metres
 
 struct Color {
   double r, g, b;
@@ -108,7 +108,7 @@ void DrawPanel(cairo_t* cr, int column, const std::string& title, const MatchPic
                const recognition::Points& view, bool with_grasp) {
   const Camera camera(picture);
   cairo_save(cr);
-  cairo_translate(cr, column * kPanel, kHeader);
+  cairo_translate(cr, column * kPanel, kCaptionHeight);
   cairo_rectangle(cr, 0, 0, kPanel - 2, kPanel);
   cairo_clip(cr);
   DrawPoints(cr, camera, picture.table, kDark, 1.5);
@@ -124,7 +124,7 @@ void DrawPanel(cairo_t* cr, int column, const std::string& title, const MatchPic
 
 absl::Status WriteMatchPicture(const std::filesystem::path& path, const MatchPicture& picture) {
   const Surface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, 3 * kPanel, kPanel + kHeader),
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, 3 * kPanel, kPanel + kCaptionHeight),
       cairo_surface_destroy);
   const Painter cr(cairo_create(surface.get()), cairo_destroy);
   cairo_set_source_rgb(cr.get(), 0.05, 0.06, 0.08);

@@ -10,7 +10,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr int kHeader = 30;  // pixels
+constexpr int kHeaderHeight = 30;  // pixels
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Painter = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
@@ -21,14 +21,14 @@ void DrawPixels(cairo_surface_t* surface, const ShadedPicture& picture) {
   const std::ptrdiff_t stride = cairo_image_surface_get_stride(surface);
   std::size_t pixel = 0;
   for (int row = 0; row < picture.height; ++row) {
-    auto* line = reinterpret_cast<std::uint32_t*>(data + (row + kHeader) * stride);
+    auto* line = reinterpret_cast<std::uint32_t*>(data + (row + kHeaderHeight) * stride);
     for (int column = 0; column < picture.width; ++column) {
       const std::uint32_t grey = picture.brightness[pixel++];
       line[column] = grey << 16U | grey << 8U | grey;
     }
   }
   for (const ColoredPixel& mark : picture.marks) {
-    const auto row = static_cast<std::ptrdiff_t>(mark.pixel) / picture.width + kHeader;
+    const auto row = static_cast<std::ptrdiff_t>(mark.pixel) / picture.width + kHeaderHeight;
     auto* line = reinterpret_cast<std::uint32_t*>(data + row * stride);
     line[static_cast<std::ptrdiff_t>(mark.pixel) % picture.width] = mark.rgb;
   }
@@ -49,7 +49,7 @@ absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedP
     return absl::InvalidArgumentError("a mark lies outside of the picture");
   }
   const Surface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height + kHeader),
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height + kHeaderHeight),
       cairo_surface_destroy);
   const Painter cr(cairo_create(surface.get()), cairo_destroy);
   cairo_set_source_rgb(cr.get(), 0.05, 0.06, 0.08);

@@ -9,18 +9,17 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "recognition/base/units.h"
 #include "rendering/depth_camera.h"
 
 namespace graspdb::client {
 namespace {
 
-constexpr double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
 // Of the faces at 60 to 70 degrees 0 to 16 % was not measured, at 70 to 80 degrees 2 to 25 %, at
 // more 2 to 10 %.
 void LoseGrazingFaces(DepthNoise* noise) {
-  noise->dropout_begin_rad = Radians(60);
-  noise->dropout_end_rad = Radians(120);
+  noise->dropout_begin_rad = 60 * recognition::kRadiansPerDegree;
+  noise->dropout_end_rad = 120 * recognition::kRadiansPerDegree;
 }
 
 constexpr std::pair<const char*, DepthCameraModel (*)()> kCameras[] = {

@@ -20,7 +20,7 @@ namespace {
 using recognition::Pose;
 
 // Independent random numbers.
-enum Stream : std::uint64_t { kTurntableNoise, kSceneNoise, kNamedPlace, kOtherPlaces };
+enum PlanStream : std::uint64_t { kTurntableNoise, kSceneNoise, kNamedPlace, kOtherPlaces };
 
 absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
 

@@ -5,13 +5,13 @@
 #include <numbers>
 #include <utility>
 
+#include "recognition/base/units.h"
+
 namespace graspdb::client {
 namespace {
 
-constexpr double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-constexpr double kDropoutBeginRad = Radians(70);
-constexpr double kDropoutEndRad = Radians(85);
+constexpr double kDropoutBeginRad = 70 * recognition::kRadiansPerDegree;
+constexpr double kDropoutEndRad = 85 * recognition::kRadiansPerDegree;
 
 }  // namespace
 
@@ -105,8 +105,8 @@ std::vector<std::uint16_t> ToCounts(const DepthFrame& frame, double unit_m) {
 
 recognition::Pose LookAt(const Eigen::Vector3d& target, double distance_m, double look_down_deg,
                          double azimuth_deg) {
-  const double down = Radians(look_down_deg);
-  const double turn = Radians(azimuth_deg);
+  const double down = look_down_deg * recognition::kRadiansPerDegree;
+  const double turn = azimuth_deg * recognition::kRadiansPerDegree;
   const Eigen::Vector3d away(std::cos(down) * std::cos(turn), std::cos(down) * std::sin(turn),
                              std::sin(down));
   const Eigen::Vector3d forward = -away;

@@ -30,9 +30,9 @@ namespace {
 // Validated first, as assimp's own steps crash on indices that a truncated file
 // leaves out of range. Vertices count as equal whatever their normals, colours and
 // textures, so these are dropped; points and lines are dropped with them.
-constexpr unsigned kSteps = aiProcess_ValidateDataStructure | aiProcess_RemoveComponent |
-                            aiProcess_Triangulate | aiProcess_SortByPType |
-                            aiProcess_JoinIdenticalVertices;
+constexpr unsigned kImportSteps = aiProcess_ValidateDataStructure | aiProcess_RemoveComponent |
+                                  aiProcess_Triangulate | aiProcess_SortByPType |
+                                  aiProcess_JoinIdenticalVertices;
 constexpr int kDropped = aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                          aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_MATERIALS;
 
@@ -144,7 +144,7 @@ absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
                     : importer.ReadFileFromMemory(ply.data(), ply.size(), 0, extension.c_str());
     if (scene != nullptr) {
       if (absl::Status faces = CheckFaces(*scene); !faces.ok()) return faces;
-      scene = importer.ApplyPostProcessing(kSteps);
+      scene = importer.ApplyPostProcessing(kImportSteps);
     }
     if (scene == nullptr || scene->mRootNode == nullptr) {
       return absl::InvalidArgumentError(importer.GetErrorString());

@@ -14,7 +14,7 @@ namespace graspdb::client {
 namespace {
 
 // Independent fields.
-enum Stream : std::uint64_t { kFrayU = 20, kFrayV, kEdgeLoss, kHoles, kWarp, kBumps };
+enum Field : std::uint64_t { kFrayU = 20, kFrayV, kEdgeLoss, kHoles, kWarp, kBumps };
 
 void Lose(std::size_t pixel, IdealFrame& frame) {
   frame.depth_m[pixel] = 0;

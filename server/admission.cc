@@ -6,8 +6,8 @@
 
 namespace graspdb::server {
 namespace {
-// How often a waiting caller looks whether it is still wanted.
-constexpr absl::Duration kPatience = absl::Milliseconds(20);
+// How often a waiting call checks for cancellation.
+constexpr absl::Duration kCancelPollInterval = absl::Milliseconds(20);
 }  // namespace
 
 Admission::Ticket::~Ticket() {
@@ -41,7 +41,7 @@ bool Admission::Arrive(Waiter& waiter) {
 
 bool Admission::Await(Waiter& waiter) {
   absl::MutexLock lock(&mutex_);
-  if (!waiter.has_slot) waiter.let_in.WaitWithTimeout(&mutex_, kPatience);
+  if (!waiter.has_slot) waiter.let_in.WaitWithTimeout(&mutex_, kCancelPollInterval);
   return waiter.has_slot;
 }
 

@@ -15,10 +15,6 @@ namespace {
 constexpr double kFarthest = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
 
-std::string Join(std::string_view path, std::string_view field) {
-  return absl::StrCat(std::string(path), ".", std::string(field));
-}
-
 Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 // Copies a field that is given, if it lies in [lo, hi].
@@ -27,7 +23,7 @@ absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::
                    U* target) {
   if (!given) return absl::OkStatus();
   if (!(value >= lo && value <= hi)) {
-    return InvalidField(Join(path, field),
+    return InvalidField(FieldPath(path, field),
                         absl::StrCat("is ", value, "; it must lie in ", lo, " to ", hi));
   }
   *target = value;
@@ -36,7 +32,7 @@ absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::
 
 absl::Status CheckLength(double length_m, std::string_view path, std::string_view field) {
   if (length_m >= 0 && length_m <= 10) return absl::OkStatus();
-  return InvalidField(Join(path, field), "must lie in 0 to 10 m");
+  return InvalidField(FieldPath(path, field), "must lie in 0 to 10 m");
 }
 
 }  // namespace
@@ -44,13 +40,14 @@ absl::Status CheckLength(double length_m, std::string_view path, std::string_vie
 absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
   const Eigen::Vector3d position = VectorFromProto(pose.position());
   if (!position.allFinite() || position.norm() > kFarthest) {
-    return InvalidField(Join(path, "position"), "must be finite and within 1000 m of the origin");
+    return InvalidField(FieldPath(path, "position"),
+                        "must be finite and within 1000 m of the origin");
   }
   const v1::Quaternion& q = pose.orientation();
   const Eigen::Quaterniond rotation(q.w(), q.x(), q.y(), q.z());
   const double norm = rotation.norm();
   if (!(std::abs(norm - 1) <= kNormTolerance)) {
-    return InvalidField(Join(path, "orientation"),
+    return InvalidField(FieldPath(path, "orientation"),
                         absl::StrCat("has norm ", norm, "; a rotation is a unit quaternion"));
   }
   recognition::Pose out = recognition::Pose::Identity();
@@ -125,12 +122,13 @@ absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view pat
 absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
                                                         std::string_view path) {
   absl::Status status =
-      AtField(Join(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
+      AtField(FieldPath(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
   status.Update(CheckLength(grasp.approach_distance_m(), path, "approach_distance_m"));
   status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
   status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
   if (!status.ok()) return status;
-  absl::StatusOr<recognition::Pose> tcp = PoseFromProto(grasp.tcp_pose(), Join(path, "tcp_pose"));
+  absl::StatusOr<recognition::Pose> tcp =
+      PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose"));
   if (!tcp.ok()) return tcp.status();
   recognition::TaughtGrasp out;
   out.id = grasp.grasp_id();
@@ -141,7 +139,7 @@ absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
   out.priority = grasp.priority();
   const v1::Grasp::FreeTurn& turn = grasp.free_turn();
   if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
-    return InvalidField(Join(path, "free_turn"),
+    return InvalidField(FieldPath(path, "free_turn"),
                         "must have min_deg up to max_deg, both in -360 to 360 degrees");
   }
   if (grasp.has_free_turn()) {
@@ -181,7 +179,7 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     absl::StatusOr<recognition::TaughtGrasp> grasp = GraspFromProto(pose.grasps(i), path);
     if (!grasp.ok()) return grasp.status();
     if (!ids.insert(grasp->id).second) {
-      return InvalidField(Join(path, "grasp_id"), "must be unique within the stable pose");
+      return InvalidField(FieldPath(path, "grasp_id"), "must be unique within the stable pose");
     }
     out.grasps.push_back(*std::move(grasp));
   }

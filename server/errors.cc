@@ -48,6 +48,10 @@ absl::Status InvalidField(std::string_view path, std::string_view description) {
   return status;
 }
 
+std::string FieldPath(std::string_view path, std::string_view field) {
+  return absl::StrCat(std::string(path), ".", std::string(field));
+}
+
 absl::Status AtField(std::string_view path, const absl::Status& status) {
   const bool needs_field =
       absl::IsInvalidArgument(status) && !status.GetPayload(TypeUrl<google::rpc::BadRequest>());

@@ -8,6 +8,7 @@
 #include <grpcpp/support/status.h>
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
@@ -17,6 +18,9 @@ namespace graspdb::server {
 // INVALID_ARGUMENT for a field of the request: "path: description", with a
 // google.rpc.BadRequest attached.
 absl::Status InvalidField(std::string_view path, std::string_view description);
+
+// "path.field".
+std::string FieldPath(std::string_view path, std::string_view field);
 
 // An INVALID_ARGUMENT that names no field yet, as that of `path`; other statuses as
 // they are.

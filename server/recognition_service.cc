@@ -15,8 +15,8 @@ namespace graspdb::server {
 
 namespace {
 
-// How often long work that finds the queue full asks again.
-constexpr absl::Duration kPatience = absl::Milliseconds(50);
+// How often long work retries while the queue is full.
+constexpr absl::Duration kRetryInterval = absl::Milliseconds(50);
 
 // Does `work`, which is asked whether the call is abandoned, when there is room for it.
 template <typename Response, typename Work>
@@ -43,7 +43,7 @@ absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& i
     }
     if (!absl::IsResourceExhausted(next.status())) return next.status();
     if (is_cancelled()) return absl::CancelledError("the caller left while it was waiting");
-    absl::SleepFor(kPatience);
+    absl::SleepFor(kRetryInterval);
   }
 }
 

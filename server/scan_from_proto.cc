@@ -24,10 +24,6 @@ constexpr int kMaxStride = 4096;
 // Points that tell the unit.
 constexpr std::size_t kLookedAt = 1000;
 
-std::string Join(std::string_view path, std::string_view field) {
-  return absl::StrCat(std::string(path), ".", std::string(field));
-}
-
 int SizeOf(Field::NumericType type) {
   switch (type) {
     case Field::NUMERIC_TYPE_FLOAT32:
@@ -60,15 +56,15 @@ absl::StatusOr<const Field*> FindField(const v1::PointCloud& cloud, std::string_
     if (field.name() != name) continue;
     const std::string at = absl::StrCat(std::string(path), ".fields[", i, "]");
     const int size = SizeOf(field.type());
-    if (size == 0) return InvalidField(Join(at, "type"), "must be FLOAT32 or FLOAT64");
+    if (size == 0) return InvalidField(FieldPath(at, "type"), "must be FLOAT32 or FLOAT64");
     if (field.offset() < 0 || field.offset() > cloud.point_stride() - size) {
-      return InvalidField(Join(at, "offset"),
+      return InvalidField(FieldPath(at, "offset"),
                           absl::StrCat("is ", field.offset(), "; the component must end within ",
                                        "the stride of ", cloud.point_stride(), " bytes"));
     }
     return &field;
   }
-  return InvalidField(Join(path, "fields"),
+  return InvalidField(FieldPath(path, "fields"),
                       absl::StrCat("have no \"", std::string(name), "\"; x, y and z are required"));
 }
 
@@ -131,13 +127,13 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
                        recognition::Scan* scan) {
   const int stride = cloud.point_stride();
   if (stride <= 0 || stride > kMaxStride) {
-    return InvalidField(Join(path, "point_stride"),
+    return InvalidField(FieldPath(path, "point_stride"),
                         absl::StrCat("is ", stride, "; it must lie in 1 to 4096 bytes"));
   }
   const auto step = static_cast<std::size_t>(stride);
   if (cloud.data().empty() || cloud.data().size() % step != 0) {
     return InvalidField(
-        Join(path, "data"),
+        FieldPath(path, "data"),
         absl::StrCat("has ", cloud.data().size(),
                      " bytes, which is no positive multiple of the stride of ", stride));
   }
@@ -163,18 +159,18 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
 absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
                             std::string_view path, recognition::Scan* scan) {
   absl::StatusOr<recognition::CameraIntrinsics> camera =
-      CameraFromProto(image.intrinsics(), max_points, Join(path, "intrinsics"));
+      CameraFromProto(image.intrinsics(), max_points, FieldPath(path, "intrinsics"));
   if (!camera.ok()) return camera.status();
   const std::size_t count =
       static_cast<std::size_t>(camera->width) * static_cast<std::size_t>(camera->height);
   if (image.data().size() != 2 * count) {
-    return InvalidField(Join(path, "data"),
+    return InvalidField(FieldPath(path, "data"),
                         absl::StrCat("has ", image.data().size(), " bytes; ", camera->width, " x ",
                                      camera->height, " pixels need ", 2 * count));
   }
   const double unit = image.depth_unit_m() == 0 ? 0.001 : image.depth_unit_m();
   if (!(unit > 0 && unit <= 0.1)) {
-    return InvalidField(Join(path, "depth_unit_m"), "must lie in 0 to 0.1 m");
+    return InvalidField(FieldPath(path, "depth_unit_m"), "must lie in 0 to 0.1 m");
   }
   std::vector<std::uint16_t> depth(count);
   std::memcpy(depth.data(), image.data().data(), image.data().size());

@@ -12,18 +12,20 @@ namespace graspdb::storage {
 namespace {
 
 // The last byte is the version of the layout; the checksum and the record follow.
-constexpr std::string_view kMagic("GAX\x01", 4);
-constexpr std::size_t kStartBytes = kMagic.size() + kUint32Bytes;
+constexpr std::string_view kApproximateMagic("GAX\x01", 4);
+constexpr std::size_t kStartBytes = kApproximateMagic.size() + kUint32Bytes;
 
-std::string PathOf(const std::string& directory) {
+std::string ApproximatePath(const std::string& directory) {
   return directory + "/" + std::string(kApproximateFile);
 }
 
 std::string ChecksumOf(std::string_view record) {
-  return ToLittleEndian(Crc32c(record, Crc32c(kMagic)));
+  return ToLittleEndian(Crc32c(record, Crc32c(kApproximateMagic)));
 }
 
-absl::Status Damaged() { return absl::DataLossError("the approximate index's file is damaged"); }
+absl::Status DamagedApproximate() {
+  return absl::DataLossError("the approximate index's file is damaged");
+}
 
 }  // namespace
 
@@ -33,8 +35,8 @@ absl::Status WriteApproximateFile(const std::string& directory,
   if (!record.SerializeToString(&bytes)) {
     return absl::UnavailableError("the approximate index is too large for its file");
   }
-  FileReplacement file(PathOf(directory));
-  absl::Status status = file.Append(std::string(kMagic) + ChecksumOf(bytes));
+  FileReplacement file(ApproximatePath(directory));
+  absl::Status status = file.Append(std::string(kApproximateMagic) + ChecksumOf(bytes));
   status.Update(file.Append(bytes));
   if (!status.ok()) return status;
   return file.Commit();
@@ -42,18 +44,20 @@ absl::Status WriteApproximateFile(const std::string& directory,
 
 absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory) {
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(PathOf(directory), error);
+  const std::uintmax_t size = std::filesystem::file_size(ApproximatePath(directory), error);
   if (error == std::errc::no_such_file_or_directory) {
     return absl::NotFoundError("there is no file of an approximate index");
   }
-  if (error || size < kStartBytes) return Damaged();
-  std::ifstream file(PathOf(directory), std::ios::binary);
+  if (error || size < kStartBytes) return DamagedApproximate();
+  std::ifstream file(ApproximatePath(directory), std::ios::binary);
   std::string bytes(size, '\0');
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return Damaged();
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return DamagedApproximate();
   const std::string_view record = std::string_view(bytes).substr(kStartBytes);
-  if (bytes.substr(0, kStartBytes) != std::string(kMagic) + ChecksumOf(record)) return Damaged();
+  if (bytes.substr(0, kStartBytes) != std::string(kApproximateMagic) + ChecksumOf(record))
+    return DamagedApproximate();
   ApproximateIndexRecord out;
-  if (!out.ParseFromArray(record.data(), static_cast<int>(record.size()))) return Damaged();
+  if (!out.ParseFromArray(record.data(), static_cast<int>(record.size())))
+    return DamagedApproximate();
   return out;
 }
 

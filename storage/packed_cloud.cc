@@ -15,16 +15,16 @@ namespace {
 
 // Header: magic and version, number of points, checksum of all the rest; the numbers
 // little-endian. Behind it stands one zstd frame.
-constexpr std::string_view kMagic{"GPC\x01", 4};
+constexpr std::string_view kCloudMagic{"GPC\x01", 4};
 constexpr std::size_t kCountOffset = 4;
 constexpr std::size_t kChecksumOffset = 8;
-constexpr std::size_t kHeaderSize = 12;
+constexpr std::size_t kCloudHeaderSize = 12;
 constexpr int kCompressionLevel = 3;
 // A difference of two coordinates is below 2^23 steps, which is four bytes of seven bits.
 constexpr std::size_t kMaxVarintSize = 4;
 constexpr std::int32_t kMaxSteps = 2'000'000;
 
-absl::Status Damaged(std::string_view what) {
+absl::Status DamagedCloud(std::string_view what) {
   return absl::DataLossError("the packed cloud is damaged (" + std::string(what) +
                              "); restore the database from a backup or teach the view again");
 }
@@ -84,13 +84,14 @@ absl::StatusOr<std::vector<CloudPoint>> DecodePlanes(std::string_view raw, std::
     std::int32_t steps = 0;
     for (CloudPoint& point : points) {
       std::uint32_t difference = 0;
-      if (!TakeVarint(raw, difference)) return Damaged("a coordinate is cut off");
+      if (!TakeVarint(raw, difference)) return DamagedCloud("a coordinate is cut off");
       steps += UnZigZag(difference);
-      if (steps > kMaxSteps || steps < -kMaxSteps) return Damaged("a coordinate is out of range");
+      if (steps > kMaxSteps || steps < -kMaxSteps)
+        return DamagedCloud("a coordinate is out of range");
       point[axis] = static_cast<float>(steps * kCloudStep);
     }
   }
-  if (!raw.empty()) return Damaged("there are more bytes than points");
+  if (!raw.empty()) return DamagedCloud("there are more bytes than points");
   return points;
 }
 
@@ -122,31 +123,31 @@ absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points) {
   if (!raw.ok()) return raw.status();
   auto frame = Compress(*raw);
   if (!frame.ok()) return frame.status();
-  std::string packed(kMagic);
+  std::string packed(kCloudMagic);
   packed += ToLittleEndian(static_cast<std::uint32_t>(points.size()));
   packed += ToLittleEndian(Crc32c(*frame, Crc32c(packed)));
   return packed + *frame;
 }
 
 absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed) {
-  if (packed.size() < kHeaderSize) return Damaged("it is shorter than its header");
-  if (!packed.starts_with(kMagic)) return Damaged("it is none, or of an unknown version");
+  if (packed.size() < kCloudHeaderSize) return DamagedCloud("it is shorter than its header");
+  if (!packed.starts_with(kCloudMagic)) return DamagedCloud("it is none, or of an unknown version");
   const std::size_t count = FromLittleEndian(packed.substr(kCountOffset, kUint32Bytes));
-  if (count > kMaxCloudPoints) return Damaged("it claims too many points");
-  const std::string_view frame = packed.substr(kHeaderSize);
+  if (count > kMaxCloudPoints) return DamagedCloud("it claims too many points");
+  const std::string_view frame = packed.substr(kCloudHeaderSize);
   if (Crc32c(frame, Crc32c(packed.substr(0, kChecksumOffset))) !=
       FromLittleEndian(packed.substr(kChecksumOffset, kUint32Bytes))) {
-    return Damaged("its checksum does not match");
+    return DamagedCloud("its checksum does not match");
   }
   // The checksum stops accidents; what follows also stops malice.
   const unsigned long long raw_size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (raw_size == ZSTD_CONTENTSIZE_ERROR || raw_size == ZSTD_CONTENTSIZE_UNKNOWN ||
       raw_size < 3 * count || raw_size > 3 * kMaxVarintSize * count) {
-    return Damaged("its size does not fit its points");
+    return DamagedCloud("its size does not fit its points");
   }
   std::string raw(raw_size, '\0');
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), frame.data(), frame.size());
-  if (ZSTD_isError(size) != 0 || size != raw.size()) return Damaged("zstd cannot unpack it");
+  if (ZSTD_isError(size) != 0 || size != raw.size()) return DamagedCloud("zstd cannot unpack it");
   return DecodePlanes(raw, count);
 }
 

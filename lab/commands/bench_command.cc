@@ -16,7 +16,7 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct BenchOptions {
   BenchFrames frames;
   int concurrency = 1;
   double rate = 0;
@@ -28,7 +28,7 @@ struct Options {
 constexpr double kUsualDurationS = 10;
 constexpr std::int64_t kMaxUsualWarmup = 100;
 
-constexpr char kDescription[] =
+constexpr char kBenchDescription[] =
     "Measure how fast the server answers, under load.\n"
     "Without --rate so many requests are in flight as --concurrency says, each asked as soon as "
     "the "
@@ -36,7 +36,7 @@ constexpr char kDescription[] =
     "became of those before, as frames of a camera are; their latency counts from when they were "
     "due, so that a server that falls behind shows in the percentiles.";
 
-constexpr char kFooter[] =
+constexpr char kBenchFooter[] =
     R"(The frames take turns. Requests are not repeated when they fail. The steps are those
 that the server reports in its answers; "network and queue" is what is left of the time
 between sending and answer, and waiting for a free worker of the server is in it.
@@ -54,7 +54,7 @@ std::chrono::nanoseconds Seconds(double s) {
   return std::chrono::nanoseconds(std::llround(s * 1e9));
 }
 
-LoadPlan PlanOf(const Options& options) {
+LoadPlan PlanOf(const BenchOptions& options) {
   LoadPlan plan;
   plan.concurrency = options.concurrency;
   plan.rate = options.rate;
@@ -80,7 +80,7 @@ std::function<void(std::int64_t, std::chrono::nanoseconds)> ReportOn(const LoadP
 }
 
 // Models are made and connections built when they are first needed, which is not measured.
-std::int64_t WarmupOf(const Options& options, std::size_t frames) {
+std::int64_t WarmupOf(const BenchOptions& options, std::size_t frames) {
   if (options.warmup >= 0) return options.warmup;
   return std::min(static_cast<std::int64_t>(frames), kMaxUsualWarmup);
 }
@@ -122,7 +122,7 @@ absl::Status Verdict(const LoadResult& result) {
 // One connection a worker, as of so many robots. Frames of half a megabyte also get in each other's
 // way on one connection: with two workers and answers of half a millisecond it gave 1310 answers a
 // second, and two connections 1410.
-absl::Status RunBench(const GlobalOptions& global, const Options& options) {
+absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) {
   (void)Interrupted();  // begins to watch for Ctrl-C
   ConnectionOptions connection{.server = global.server,
                                .timeout = absl::Seconds(global.timeout_s),
@@ -158,7 +158,7 @@ absl::Status RunBench(const GlobalOptions& global, const Options& options) {
   return Verdict(report.result);
 }
 
-void AddLoadOptions(CLI::App& command, Options* o) {
+void AddLoadOptions(CLI::App& command, BenchOptions* o) {
   command.add_option("--concurrency", o->concurrency, "Requests in flight, at most")
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
@@ -188,11 +188,11 @@ void AddLoadOptions(CLI::App& command, Options* o) {
 }  // namespace
 
 void AddBenchCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "bench", kDescription);
-  auto options = std::make_shared<Options>();
+  CLI::App* command = AddCommand(app, "bench", kBenchDescription);
+  auto options = std::make_shared<BenchOptions>();
   AddFrameOptions(*command, &options->frames);
   AddLoadOptions(*command, options.get());
-  command->footer(kFooter);
+  command->footer(kBenchFooter);
   command->callback([=, &global] {
     const bool scans = !options->frames.inputs.empty();
     if (scans == options->frames.simulate) {

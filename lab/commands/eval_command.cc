@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr char kDescription[] =
+constexpr char kEvalDescription[] =
     "Measure how often the answer is right, on meshes that a simulated Kinect sees, on a capture "
     "set, on BigBIRD or on frames of real cameras.\n"
     "Each mesh is taught on a turntable in the orientation in which it most often comes to rest, "
@@ -23,7 +23,7 @@ constexpr char kDescription[] =
     "folder with frames of real cameras and frames.json, the meshes that this names are taught and "
     "the frames asked; of what is not found, it prints which step lost it. No server is needed.";
 
-constexpr char kFooter[] =
+constexpr char kEvalFooter[] =
     "Right: ADD-S under 5 % of the diameter. Strictly right: no point farther off than 8 mm, or\n"
     "6 % of the diameter.\n"
     "Examples:\n"
@@ -62,8 +62,8 @@ void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
 
 void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App* command = app.add_subcommand("eval", kDescription);
-  command->footer(kFooter);
+  CLI::App* command = app.add_subcommand("eval", kEvalDescription);
+  command->footer(kEvalFooter);
   command
       ->add_option("inputs", arguments->inputs,
                    "Mesh files (PLY, OBJ, STL), or the folder of a capture set, of frames with "

@@ -17,10 +17,10 @@
 namespace graspdb::client {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kTimeout{60};
 constexpr int kMaxJob = 65535;  // the interface has 16 bits for it
 
-struct Options {
+struct RobotOptions {
   std::string cell;
   std::string agent = "127.0.0.1:7100";
   std::vector<std::string> parts;
@@ -28,7 +28,7 @@ struct Options {
   double least_percent = 0;
 };
 
-constexpr char kFooter[] =
+constexpr char kRobotFooter[] =
     R"(For every pick it lays sample parts before the simulated camera of the cell's agent, asks for a
 grasp over the Generic Robot Interface, and says whether a gripper would have held: the tool
 within 3 mm and 2 degrees of a taught grasp, modulo the part's symmetry. Times are from the trigger
@@ -71,7 +71,7 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
 }
 
 // Where a cell's robot stands is known to its server.
-absl::Status TakeBase(const GlobalOptions& global, Options* options) {
+absl::Status TakeBase(const GlobalOptions& global, RobotOptions* options) {
   if (options->cell.empty()) return absl::OkStatus();
   absl::StatusOr<v1::Cell> cell = Connect(global).GetCell(ResourceName("cells", options->cell));
   if (!cell.ok()) return cell.status();
@@ -123,13 +123,13 @@ absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double leas
   return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", least_percent));
 }
 
-absl::Status Run(const GlobalOptions& global, Options options) {
+absl::Status Run(const GlobalOptions& global, RobotOptions options) {
   const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
   if (!parts.ok()) return parts.status();
   if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
   const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
   if (!agent.ok()) return agent.status();
-  absl::StatusOr<GriClient> robot = GriClient::Connect(agent->host, agent->port, kPatience);
+  absl::StatusOr<GriClient> robot = GriClient::Connect(agent->host, agent->port, kTimeout);
   if (!robot.ok()) return NotOfServer(robot.status());
   absl::Status printed;
   const auto picks = RunPicks(*robot, *parts, options.run, [&](const Pick& pick) {
@@ -141,7 +141,7 @@ absl::Status Run(const GlobalOptions& global, Options options) {
   return Summarise(global.json, *picks, options.least_percent);
 }
 
-void AddFlags(CLI::App* command, Options* options) {
+void AddFlags(CLI::App* command, RobotOptions* options) {
   command->add_option("--agent", options->agent, "HOST:PORT of the agent's GRI")
       ->capture_default_str();
   command->add_option("--cell", options->cell, "Id of the cell, for where its robot stands");
@@ -175,11 +175,11 @@ void AddFlags(CLI::App* command, Options* options) {
 }  // namespace
 
 void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RobotOptions>();
   CLI::App* command =
       AddCommand(app, "robot", "A simulated robot picks what a simulated camera sees");
   AddFlags(command, options.get());
-  command->footer(kFooter);
+  command->footer(kRobotFooter);
   command->callback([=, &global] { *action = [=, &global] { return Run(global, *options); }; });
 }
 

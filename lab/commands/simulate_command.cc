@@ -42,12 +42,12 @@ struct Arguments {
   std::string split;
 };
 
-constexpr char kDescription[] =
+constexpr char kSimulateDescription[] =
     "Take captures of workpieces with a simulated Kinect and write them as a capture set.\n"
     "Without a mesh the built-in sample parts are taken. A mesh is used as it lies: its lowest "
     "point comes to rest on the table, the middle of its bounding box at the origin.";
 
-constexpr char kFooter[] =
+constexpr char kSimulateFooter[] =
     "Examples:\n"
     "  graspdb simulate --out teach                           # turntable, all sample parts\n"
     "  graspdb simulate --out ask --random 96                 # the same parts, anywhere\n"
@@ -209,8 +209,8 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
 
 void AddSimulateCommand(CLI::App& app, std::function<absl::Status()>* action) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("simulate", kDescription);
-  command->footer(kFooter);
+  CLI::App* command = app.add_subcommand("simulate", kSimulateDescription);
+  command->footer(kSimulateFooter);
   AddObjectOptions(*command, *arguments);
   AddPlanOptions(*command, *arguments);
   AddCameraOptions(*command, *arguments);

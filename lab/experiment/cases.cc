@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-enum Stream : std::uint64_t { kObstacleSide = 100 };
+enum ObstacleStream : std::uint64_t { kObstacleSide = 100 };
 
 // Footprints are points, of which neighbours are some millimetres apart: objects with this gap
 // between them touch, or nearly.

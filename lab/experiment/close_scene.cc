@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2d;
 using recognition::Pose;
 
-enum Stream : std::uint64_t { kClosePlaces = 200, kCloseNoise };
+enum CloseSceneStream : std::uint64_t { kClosePlaces = 200, kCloseNoise };
 
 constexpr int kFootprintPoints = 600;
 constexpr int kTries = 60;
@@ -41,7 +41,7 @@ Footprint Placed(const Footprint& footprint, double turn, const Vector2d& place)
   return out;
 }
 
-double Distance(const Footprint& a, const Footprint& b) {
+double DistanceBetween(const Footprint& a, const Footprint& b) {
   double squared = 1e9;
   for (const Vector2d& p : a) {
     for (const Vector2d& q : b) squared = std::min(squared, (p - q).squaredNorm());
@@ -66,7 +66,7 @@ class CloseScene {
     while (!placed_.empty()) {
       double clear = 1e9;
       const Footprint here = Placed(there, 0, walk * direction);
-      for (const Footprint& other : placed_) clear = std::min(clear, Distance(here, other));
+      for (const Footprint& other : placed_) clear = std::min(clear, DistanceBetween(here, other));
       if (clear <= options_.gap_m + kGapTolerance) break;
       walk -= clear - options_.gap_m;  // nothing can come nearer than that on the way
     }

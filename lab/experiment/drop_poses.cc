@@ -12,7 +12,7 @@
 namespace graspdb::client {
 namespace {
 
-enum Stream : std::uint64_t { kFalls = 200 };
+enum DropStream : std::uint64_t { kFalls = 200 };
 
 struct Mesh {
   Workpiece as_it_lies;

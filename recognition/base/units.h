@@ -7,5 +7,6 @@ namespace graspdb::recognition {
 
 inline constexpr double kMmPerM = 1000;
 inline constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 }  // namespace graspdb::recognition

@@ -12,12 +12,12 @@ using Eigen::Vector3d;
 constexpr double kSteep = 0.2;
 constexpr double kOblique = 0.4;
 // Shorter vectors have no direction.
-constexpr double kNoDirection = 1e-5;
+constexpr double kMinHorizontal = 1e-5;
 
 // Without its height, of length one; zero where nothing is left.
 Vector3d Level(const Vector3d& v) {
   const Vector3d level(v.x(), v.y(), 0);
-  return level.norm() < kNoDirection ? Vector3d::Zero() : Vector3d(level.normalized());
+  return level.norm() < kMinHorizontal ? Vector3d::Zero() : Vector3d(level.normalized());
 }
 
 }  // namespace

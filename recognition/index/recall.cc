@@ -10,10 +10,10 @@ namespace graspdb::recognition {
 namespace {
 
 constexpr int kNeighbors = 10;
-constexpr std::size_t kSample = 100;
+constexpr std::size_t kRecallSample = 100;
 constexpr double kMinRecall = 0.995;
 // About 10 ms a search; with more the exact search is faster.
-constexpr int kMaxChecks = 32'768;
+constexpr int kMaxRecallChecks = 32'768;
 
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
 
@@ -32,7 +32,7 @@ class Sample {
  public:
   explicit Sample(const DescriptorIndex& index) {
     const DescriptorIndex exact = index.WithApproximate(nullptr);
-    const std::size_t step = std::max<std::size_t>(1, index.view_count() / kSample);
+    const std::size_t step = std::max<std::size_t>(1, index.view_count() / kRecallSample);
     std::size_t skipped = 0;  // views before the chunk
     for (const auto& chunk : index.chunks()) {
       for (std::size_t i = (step - skipped % step) % step; i < chunk->size(); i += step) {
@@ -82,8 +82,8 @@ absl::StatusOr<DescriptorIndex> WithNewApproximate(const DescriptorIndex& index)
     (*made)->Calibrate(search, 0);
     return sample.RecallOf(out);
   };
-  while (search.checks < kMaxChecks && recall() < kMinRecall) search.checks *= 2;
-  search.checks = std::min(2 * search.checks, kMaxChecks);
+  while (search.checks < kMaxRecallChecks && recall() < kMinRecall) search.checks *= 2;
+  search.checks = std::min(2 * search.checks, kMaxRecallChecks);
   (*made)->Calibrate(search, recall());
   return out;
 }

@@ -15,7 +15,7 @@ namespace graspdb::recognition {
 // Views that show a model in turns less apart than this are looked at once: those from other
 // heights. With 20 degrees, every other one of views that are taught every 15, two of 96 scenes in
 // which objects touch were lost.
-inline constexpr double kSameTurnRad = 14 * std::numbers::pi / 180;
+inline constexpr double kTriedTurnRad = 14 * std::numbers::pi / 180;
 
 class TriedTurns {
  public:
@@ -25,7 +25,7 @@ class TriedTurns {
     std::vector<double>& known = of_model_[view.shares_frame ? view.stable_pose : view.name];
     const double turn = TurnOf(view, segment);
     const auto is_near = [&](double other) {
-      return std::abs(std::remainder(turn - other, 2 * std::numbers::pi)) < kSameTurnRad;
+      return std::abs(std::remainder(turn - other, 2 * std::numbers::pi)) < kTriedTurnRad;
     };
     if (std::ranges::any_of(known, is_near)) return false;
     known.push_back(turn);

@@ -13,10 +13,10 @@ namespace {
 // Blocks of 512 bytes, 32 MB: enough for 1 m^2 of surface in voxels of 3 mm six times over.
 constexpr std::int32_t kMaxBlocks = 65536;
 // Places in the table of blocks, 4 MB: enough for a cube of 1.5 m in cells of 3 mm.
-constexpr double kMaxTable = 1 << 20;
-constexpr int kMaxCellsPerAxis = 1 << 20;
+constexpr double kMaxBlockTable = 1 << 20;
+constexpr int kMaxBlocksCellsPerAxis = 1 << 20;
 // Time to write the cells around a point, ns.
-constexpr std::size_t kStepsPerPoint = 500;
+constexpr std::size_t kStepsPerStoredPoint = 500;
 // Time to find the blocks that a point meets, or its cell, ns.
 constexpr std::size_t kStepsPerLookUp = 50;
 
@@ -63,7 +63,7 @@ NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m,
   const std::vector<simd::BallRow> rows = RowsWithin(far * inverse_cell_);
   const simd::Cells all = {table(), cell_m, best.data(), cells_.data()};
   for (const std::int32_t i : OneEachCell(points, poll)) {
-    if (poll.After(kStepsPerPoint)) return;
+    if (poll.After(kStepsPerStoredPoint)) return;
     const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     simd::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
@@ -77,11 +77,11 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
   const int reach = LayersWithin(reach_m, cell_m);
   const int margin = reach + 1;  // rounding may put a point into the cell beside its own
   // Also false where an integer has no room for them.
-  if (!(cells.maxCoeff() < static_cast<float>(kMaxCellsPerAxis))) return false;
+  if (!(cells.maxCoeff() < static_cast<float>(kMaxBlocksCellsPerAxis))) return false;
   size_ = cells.array().floor().cast<int>() + 2 * margin + 1;
   block_count_.x() = (size_.x() >> simd::kBlockXBits) + 1;
   block_count_.tail<2>() = (size_.tail<2>().array() / (1 << simd::kBlockYzBits)) + 1;
-  if (block_count_.cast<double>().prod() > kMaxTable) return false;
+  if (block_count_.cast<double>().prod() > kMaxBlockTable) return false;
   origin_ = bounds.min().array() - static_cast<float>(margin) * cell_m;
   blocks_.assign(static_cast<std::size_t>(block_count_.prod()), 0);
   std::int32_t count = 1;  // the first one is empty

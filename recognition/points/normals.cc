@@ -16,8 +16,8 @@ constexpr float kRoundingMargin = 1.001F;
 constexpr std::size_t kCellsAtOnce = 256;
 
 // Time to gather a cell's neighbours, and to find a point's normal besides, ns.
-constexpr std::size_t kStepsPerCell = 500;
-constexpr std::size_t kStepsPerPoint = 300;
+constexpr std::size_t kStepsPerGather = 500;
+constexpr std::size_t kStepsPerNormal = 300;
 
 // The direction of least spread about the mean.
 Eigen::Vector3d LeastSpread(const simd::Moments& m) {
@@ -68,7 +68,7 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
     for (std::size_t i = chunk * cells.size() / chunks; i < end; ++i) {
       grid.Gather(cells[i].at, 1, &block);
       const auto members = static_cast<std::size_t>(cells[i].end - cells[i].begin);
-      if (poll.After(kStepsPerCell + members * (kStepsPerPoint + block.x.size()))) break;
+      if (poll.After(kStepsPerGather + members * (kStepsPerNormal + block.x.size()))) break;
       estimate(cells[i], &block);
     }
   });

@@ -12,7 +12,7 @@ namespace graspdb::recognition {
 namespace {
 
 // Time to crop a point, ns.
-constexpr std::size_t kStepsPerPoint = 40;
+constexpr std::size_t kStepsPerCrop = 40;
 
 // The region's corners; without one nothing bounds it.
 struct Bounds {
@@ -68,7 +68,7 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
   out.points.reserve(scan.size());
   out.indices.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (poll.After(kStepsPerPoint)) break;
+    if (poll.After(kStepsPerCrop)) break;
     if (scan[i].squaredNorm() > farthest) {  // false for what is not a number
       out.beyond_range_count += scan[i].allFinite();
       continue;

@@ -11,7 +11,7 @@ namespace {
 // How far around a segment its window reaches, m at the segment's distance.
 constexpr float kMarginM = 0.12F;
 // Pixels to a side.
-constexpr int kLargestSide = 2000;
+constexpr int kMaxPixelsPerSide = 2000;
 // Pixels farther than this from the optical axis have no number.
 constexpr float kFarthestPixel = 1e6F;
 
@@ -71,7 +71,7 @@ ScanDepths::ScanDepths(const Scan& scan, std::span<const Segment> segments) : sc
   for (const Segment& segment : segments) {
     if (!segment.too_large) all = Union(all, WindowAround(segment));
   }
-  if ((all.size.array() <= kLargestSide).all()) Fill(all);
+  if ((all.size.array() <= kMaxPixelsPerSide).all()) Fill(all);
 }
 
 PixelWindow ScanDepths::WindowAround(const Segment& segment) const {
@@ -91,7 +91,7 @@ PixelWindow ScanDepths::WindowAround(const Segment& segment) const {
   };
   PixelWindow out;
   out.low = pixel(low - kMarginM / depth);
-  out.size = (pixel(high + kMarginM / depth) - out.low).array().min(kLargestSide - 1) + 1;
+  out.size = (pixel(high + kMarginM / depth) - out.low).array().min(kMaxPixelsPerSide - 1) + 1;
   return out;
 }
 

@@ -14,7 +14,7 @@ constexpr float kMinFacing = 0.2F;
 constexpr float kCellsPerSpacing = 2.5F;
 // A surface hides what lies farther behind it than this, m, or than a cell is large.
 constexpr float kHidesBehindM = 0.008F;
-constexpr int kLargestSide = 512;
+constexpr int kMaxCellsPerSide = 512;
 constexpr float kFar = 1e9F;
 
 }  // namespace
@@ -46,7 +46,7 @@ void VisibleSurface::Hide(float spacing_m) {
   const auto [left, right] = std::ranges::minmax(u);
   const auto [top, bottom] = std::ranges::minmax(v);
   const float cell = std::max(kCellsPerSpacing * spacing_m / depth,
-                              std::max(right - left, bottom - top) / (kLargestSide - 1));
+                              std::max(right - left, bottom - top) / (kMaxCellsPerSide - 1));
   const auto row = static_cast<std::size_t>((right - left) / cell) + 1;
   const auto rows = static_cast<std::size_t>((bottom - top) / cell) + 1;
   std::vector<float> nearest(row * rows, kFar);

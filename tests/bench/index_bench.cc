@@ -114,7 +114,7 @@ void Add(const std::string& work, const std::string& who, const Lazy<Rows>& rows
 
 std::size_t PositionOf(const recognition::Match& match) { return std::stoul(match.view->name); }
 
-SearchFor Ours(const Rows& rows) {
+SearchFor OursExact(const Rows& rows) {
   return [&rows](const Descriptor& query) {
     std::set<std::size_t> out;
     for (const auto& match : rows.index.Nearest(query, kCount)) out.insert(PositionOf(match));
@@ -183,7 +183,7 @@ void AddSize(std::size_t count) {
   const auto add = [&](const std::string& who, const std::function<SearchFor(const Rows&)>& make) {
     Add(work, who, rows, Lazy<SearchFor>([=] { return make(*rows); }));
   };
-  add("graspdb", Ours);
+  add("graspdb", OursExact);
   add("graspdb, --index flann", Approximate);
   add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
   if (count > kMaxForPeers) return;

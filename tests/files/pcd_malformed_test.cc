@@ -13,7 +13,7 @@
 namespace graspdb::client {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using Lines = std::map<std::string, std::string>;
 
@@ -41,10 +41,10 @@ void ExpectRefused(const std::string& bytes, const std::string& what) {
   ASSERT_FALSE(read.ok()) << what;
   EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument);
   const std::string message(read.status().message());
-  EXPECT_THAT(message, testing::StartsWith(path.string()));
+  EXPECT_THAT(message, ::testing::StartsWith(path.string()));
   EXPECT_THAT(message, HasSubstr(what));
   EXPECT_THAT(message, HasSubstr("; ")) << "no advice";
-  EXPECT_THAT(message, testing::Not(HasSubstr("\n")));
+  EXPECT_THAT(message, ::testing::Not(HasSubstr("\n")));
 }
 
 TEST(PcdMalformed, TheUnchangedFileIsRead) {

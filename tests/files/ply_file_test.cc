@@ -13,7 +13,7 @@
 namespace graspdb::client {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kMesh[] =
     "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\n"
@@ -72,12 +72,12 @@ TEST(PlyFile, BothByteOrdersWithNormalsAndFacesFirst) {
   }
 }
 
-void ExpectRefused(const std::string& bytes, const std::string& what) {
+void ExpectPlyRefused(const std::string& bytes, const std::string& what) {
   const TemporaryFolder folder;
   const auto path = folder.Write("cloud.ply", bytes);
   const auto read = ReadPointFile(path);
   ASSERT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << what;
-  EXPECT_THAT(std::string(read.status().message()), testing::StartsWith(path.string()));
+  EXPECT_THAT(std::string(read.status().message()), ::testing::StartsWith(path.string()));
   EXPECT_THAT(std::string(read.status().message()), HasSubstr(what));
 }
 
@@ -86,24 +86,24 @@ std::string Changed(std::string text, const std::string& from, const std::string
 }
 
 TEST(PlyFile, MalformedFilesGetOneSentence) {
-  ExpectRefused("# .PCD v0.7\nFIELDS x y z\n", "not a PLY file");
-  ExpectRefused("ply\nformat ascii 1.0\nelement vertex 3\n", "no end_header");
-  ExpectRefused(Changed(kMesh, "format ascii 1.0\n", ""), "no format line");
-  ExpectRefused(Changed(kMesh, "ascii", "utf8"), "format line names no encoding");
-  ExpectRefused(Changed(kMesh, "vertex 4", "vertex -4"), "element line");
-  ExpectRefused(Changed(kMesh, "vertex 4", "vertex 20000000"), "promises 20000000 points");
-  ExpectRefused(Changed(kMesh, "vertex 4", "vertex 0"), "has no points");
-  ExpectRefused(Changed(kMesh, "vertex 4", "point 4"), "no element named vertex");
-  ExpectRefused(Changed(kMesh, "float z", "float w"), "no x, y and z");
-  ExpectRefused(Changed(kMesh, "float z", "int z"), "no x, y and z");
-  ExpectRefused(Changed(kMesh, "float z", "quad z"), "type unknown to PLY");
-  ExpectRefused(Changed(kMesh, "float z", "list uchar float z"), "list property");
-  ExpectRefused(Changed(kMesh, "0 0 2", "0 zero 2"), "at point 2, \"zero\"");
-  ExpectRefused(Changed(kMesh, "4 3 2 1 0\n", "4 3 2 1"), "body ends");
-  ExpectRefused(Changed(kMesh, "4 3 2 1 0\n", "-4 3 2 1"), "in its element face");
+  ExpectPlyRefused("# .PCD v0.7\nFIELDS x y z\n", "not a PLY file");
+  ExpectPlyRefused("ply\nformat ascii 1.0\nelement vertex 3\n", "no end_header");
+  ExpectPlyRefused(Changed(kMesh, "format ascii 1.0\n", ""), "no format line");
+  ExpectPlyRefused(Changed(kMesh, "ascii", "utf8"), "format line names no encoding");
+  ExpectPlyRefused(Changed(kMesh, "vertex 4", "vertex -4"), "element line");
+  ExpectPlyRefused(Changed(kMesh, "vertex 4", "vertex 20000000"), "promises 20000000 points");
+  ExpectPlyRefused(Changed(kMesh, "vertex 4", "vertex 0"), "has no points");
+  ExpectPlyRefused(Changed(kMesh, "vertex 4", "point 4"), "no element named vertex");
+  ExpectPlyRefused(Changed(kMesh, "float z", "float w"), "no x, y and z");
+  ExpectPlyRefused(Changed(kMesh, "float z", "int z"), "no x, y and z");
+  ExpectPlyRefused(Changed(kMesh, "float z", "quad z"), "type unknown to PLY");
+  ExpectPlyRefused(Changed(kMesh, "float z", "list uchar float z"), "list property");
+  ExpectPlyRefused(Changed(kMesh, "0 0 2", "0 zero 2"), "at point 2, \"zero\"");
+  ExpectPlyRefused(Changed(kMesh, "4 3 2 1 0\n", "4 3 2 1"), "body ends");
+  ExpectPlyRefused(Changed(kMesh, "4 3 2 1 0\n", "-4 3 2 1"), "in its element face");
   for (const bool big_endian : {false, true}) {
     const std::string whole = Binary(big_endian);
-    ExpectRefused(whole.substr(0, whole.size() - 1), "at point 2, its body ends");
+    ExpectPlyRefused(whole.substr(0, whole.size() - 1), "at point 2, its body ends");
   }
 }
 

@@ -29,12 +29,13 @@ TEST(PoseMessage, AlmostUnitQuaternionIsNormalised) {
 TEST(PoseMessage, WhatIsNoPoseIsRefusedWithTheField) {
   v1::Pose message;
   EXPECT_THAT(std::string(CheckPose(message, "here").message()),
-              testing::StartsWith("here.orientation has the norm 0"));
+              ::testing::StartsWith("here.orientation has the norm 0"));
   message.mutable_orientation()->set_w(1.002);
   EXPECT_FALSE(CheckPose(message, "here").ok());
   message.mutable_orientation()->set_w(1);
   message.mutable_position()->set_y(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_THAT(std::string(CheckPose(message, "here").message()), testing::HasSubstr("not finite"));
+  EXPECT_THAT(std::string(CheckPose(message, "here").message()),
+              ::testing::HasSubstr("not finite"));
 }
 
 }  // namespace

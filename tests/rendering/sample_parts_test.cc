@@ -22,13 +22,13 @@ using graspdb::testing::StatusIs;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const std::vector<Workpiece>& Parts() {
+const std::vector<Workpiece>& EveryPart() {
   static const std::vector<Workpiece> parts = SampleParts();
   return parts;
 }
 
 const Workpiece& PartNamed(const std::string& id) {
-  return *std::find_if(Parts().begin(), Parts().end(),
+  return *std::find_if(EveryPart().begin(), EveryPart().end(),
                        [&id](const Workpiece& p) { return p.object_id == id; });
 }
 
@@ -51,13 +51,13 @@ float Misfit(const TriangleMesh& mesh, double turn_deg, const TriangleMesh& othe
 
 TEST(SampleParts, ThereAreManyWithDistinctNames) {
   std::set<std::string> ids;
-  for (const Workpiece& part : Parts()) ids.insert(part.object_id);
-  EXPECT_GE(Parts().size(), 10U);
-  EXPECT_EQ(ids.size(), Parts().size());
+  for (const Workpiece& part : EveryPart()) ids.insert(part.object_id);
+  EXPECT_GE(EveryPart().size(), 10U);
+  EXPECT_EQ(ids.size(), EveryPart().size());
 }
 
 TEST(SampleParts, EveryPartIsAClosedSolidOfTheRightSizeOnTheTable) {
-  for (const Workpiece& part : Parts()) {
+  for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     EXPECT_TRUE(CheckMesh(part.mesh).ok());
     EXPECT_TRUE(IsClosed(part.mesh));
@@ -73,7 +73,7 @@ TEST(SampleParts, EveryPartIsAClosedSolidOfTheRightSizeOnTheTable) {
 // The centre of mass is over the origin, and more than 3 mm inside the convex
 // hull of what touches the table.
 TEST(SampleParts, EveryPartStandsByItself) {
-  for (const Workpiece& part : Parts()) {
+  for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     const auto center = CenterOfMass(part.mesh);
     ASSERT_TRUE(center.ok());
@@ -91,7 +91,7 @@ TEST(SampleParts, EveryPartStandsByItself) {
 
 TEST(SampleParts, SymmetriesAreRealAndTheOnlyOnes) {
   std::map<int, int> orders;
-  for (const Workpiece& part : Parts()) {
+  for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     ++orders[part.symmetry_order];
     const int n = part.symmetry_order == 0 ? 24 : part.symmetry_order;
@@ -110,8 +110,8 @@ TEST(SampleParts, SymmetriesAreRealAndTheOnlyOnes) {
 }
 
 TEST(SampleParts, NoTwoPartsHaveTheSameShapeHoweverTurned) {
-  for (const Workpiece& a : Parts()) {
-    for (const Workpiece& b : Parts()) {
+  for (const Workpiece& a : EveryPart()) {
+    for (const Workpiece& b : EveryPart()) {
       if (&a == &b) continue;
       for (int deg = 0; deg < 360; deg += 15) {
         const float misfit =
@@ -137,7 +137,7 @@ TEST(SampleParts, TheTwinsAreMirrorImages) {
 
 // From above, with the fingers on both sides of some material and none in their way.
 TEST(SampleParts, GraspsHoldThePart) {
-  for (const Workpiece& part : Parts()) {
+  for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     ASSERT_FALSE(part.grasps.empty());
     for (const v1::Grasp& grasp : part.grasps) {

@@ -18,7 +18,7 @@
 namespace graspdb::client {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Few pixels, so that the tests are quick.
 SimulationOptions Small(double noise) {
@@ -158,7 +158,7 @@ TEST(Simulation, AnInterruptedRunLeavesNoSetAndReportsHowFarItCame) {
       WriteSimulation(folder.path(), SomeParts(), QuarterTurns(), Small(1), watch);
   EXPECT_EQ(stopped.code(), absl::StatusCode::kCancelled);
   EXPECT_THAT(std::string(stopped.message()), HasSubstr("3 of 12"));
-  EXPECT_THAT(reported, testing::ElementsAre(1, 2, 3));
+  EXPECT_THAT(reported, ::testing::ElementsAre(1, 2, 3));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "captures.json"));
 }
 

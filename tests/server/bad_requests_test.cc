@@ -272,11 +272,13 @@ std::vector<BadRequest> ContentCases() {
   };
 }
 
-std::string NameOf(const ::testing::TestParamInfo<BadRequest>& info) { return info.param.name; }
+std::string RequestName(const ::testing::TestParamInfo<BadRequest>& info) {
+  return info.param.name;
+}
 
-INSTANTIATE_TEST_SUITE_P(Names, BadRequestTest, ::testing::ValuesIn(NameCases()), NameOf);
-INSTANTIATE_TEST_SUITE_P(Lists, BadRequestTest, ::testing::ValuesIn(ListCases()), NameOf);
-INSTANTIATE_TEST_SUITE_P(Content, BadRequestTest, ::testing::ValuesIn(ContentCases()), NameOf);
+INSTANTIATE_TEST_SUITE_P(Names, BadRequestTest, ::testing::ValuesIn(NameCases()), RequestName);
+INSTANTIATE_TEST_SUITE_P(Lists, BadRequestTest, ::testing::ValuesIn(ListCases()), RequestName);
+INSTANTIATE_TEST_SUITE_P(Content, BadRequestTest, ::testing::ValuesIn(ContentCases()), RequestName);
 
 }  // namespace
 }  // namespace graspdb::testing

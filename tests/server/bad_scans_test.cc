@@ -12,7 +12,7 @@
 namespace graspdb::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
 
 struct BadScan {
   std::string name;
@@ -23,7 +23,7 @@ struct BadScan {
 
 void PrintTo(const BadScan& bad, std::ostream* out) { *out << bad.name; }
 
-std::string NameOf(const ::testing::TestParamInfo<BadScan>& info) { return info.param.name; }
+std::string BadScanName(const ::testing::TestParamInfo<BadScan>& info) { return info.param.name; }
 
 recognition::Points Grid(std::size_t count, float spacing, float depth) {
   recognition::Points points;
@@ -68,99 +68,108 @@ TEST_P(BadCloudTest, IsRefusedByRecognizeAndByUploadViews) {
   EXPECT_EQ(Status().catalog_revision(), revision);
 }
 
-using Request = v1::RecognizeRequest;
+using BadScanRequest = v1::RecognizeRequest;
 
 INSTANTIATE_TEST_SUITE_P(
     Layout, BadCloudTest,
     ::testing::Values(
-        BadScan{"NoStride", [](Request& r) { r.mutable_cloud()->clear_point_stride(); },
+        BadScan{"NoStride", [](BadScanRequest& r) { r.mutable_cloud()->clear_point_stride(); },
                 "cloud.point_stride", "1 to 4096"},
-        BadScan{"NegativeStride", [](Request& r) { r.mutable_cloud()->set_point_stride(-12); },
+        BadScan{"NegativeStride",
+                [](BadScanRequest& r) { r.mutable_cloud()->set_point_stride(-12); },
                 "cloud.point_stride", "1 to 4096"},
-        BadScan{"HugeStride", [](Request& r) { r.mutable_cloud()->set_point_stride(1 << 30); },
+        BadScan{"HugeStride",
+                [](BadScanRequest& r) { r.mutable_cloud()->set_point_stride(1 << 30); },
                 "cloud.point_stride", "1 to 4096"},
-        BadScan{"DataCutOff", [](Request& r) { r.mutable_cloud()->mutable_data()->pop_back(); },
+        BadScan{"DataCutOff",
+                [](BadScanRequest& r) { r.mutable_cloud()->mutable_data()->pop_back(); },
                 "cloud.data", "multiple of the stride"},
-        BadScan{"NoData", [](Request& r) { r.mutable_cloud()->clear_data(); }, "cloud.data",
+        BadScan{"NoData", [](BadScanRequest& r) { r.mutable_cloud()->clear_data(); }, "cloud.data",
                 "0 bytes"},
-        BadScan{"NoFields", [](Request& r) { r.mutable_cloud()->clear_fields(); }, "cloud.fields",
-                "no \"x\""},
-        BadScan{"NoX", [](Request& r) { r.mutable_cloud()->mutable_fields(0)->set_name("u"); },
+        BadScan{"NoFields", [](BadScanRequest& r) { r.mutable_cloud()->clear_fields(); },
+                "cloud.fields", "no \"x\""},
+        BadScan{"NoX",
+                [](BadScanRequest& r) { r.mutable_cloud()->mutable_fields(0)->set_name("u"); },
                 "cloud.fields", "no \"x\""},
         BadScan{"FieldBeyondStride",
-                [](Request& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(9); },
+                [](BadScanRequest& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(9); },
                 "cloud.fields[2].offset", "within the stride of 12"},
         BadScan{"FieldBeforeThePoint",
-                [](Request& r) { r.mutable_cloud()->mutable_fields(1)->set_offset(-4); },
+                [](BadScanRequest& r) { r.mutable_cloud()->mutable_fields(1)->set_offset(-4); },
                 "cloud.fields[1].offset", "is -4"},
         BadScan{"DoubleThatDoesNotFit",
-                [](Request& r) {
+                [](BadScanRequest& r) {
                   r.mutable_cloud()->mutable_fields(2)->set_type(
                       v1::PackedElementField::NUMERIC_TYPE_FLOAT64);
                 },
                 "cloud.fields[2].offset", "within the stride"},
         BadScan{"FieldOfNoType",
-                [](Request& r) { r.mutable_cloud()->mutable_fields(0)->clear_type(); },
+                [](BadScanRequest& r) { r.mutable_cloud()->mutable_fields(0)->clear_type(); },
                 "cloud.fields[0].type", "FLOAT32"}),
-    NameOf);
+    BadScanName);
 
 INSTANTIATE_TEST_SUITE_P(
     Content, BadCloudTest,
-    ::testing::Values(
-        BadScan{"OnlyNan",
-                [](Request& r) {
-                  *r.mutable_cloud() =
-                      PackedCloud(recognition::Points(100, Eigen::Vector3f::Constant(kNan)));
-                },
-                "cloud", "no measurement"},
-        BadScan{"OnlyZeros",
-                [](Request& r) {
-                  *r.mutable_cloud() =
-                      PackedCloud(recognition::Points(100, Eigen::Vector3f::Zero()));
-                },
-                "cloud", "no measurement"},
-        BadScan{"Millimetres",
-                [](Request& r) { *r.mutable_cloud() = PackedCloud(Grid(400, 3, 650)); }, "cloud",
-                "millimetres"},
-        BadScan{"TooManyPoints",
-                [](Request& r) { *r.mutable_cloud() = PackedCloud(Grid(100'001, 0.001F, 1)); },
-                "cloud", "at most 100000"}),
-    NameOf);
+    ::testing::Values(BadScan{"OnlyNan",
+                              [](BadScanRequest& r) {
+                                *r.mutable_cloud() = PackedCloud(
+                                    recognition::Points(100, Eigen::Vector3f::Constant(kNanF)));
+                              },
+                              "cloud", "no measurement"},
+                      BadScan{"OnlyZeros",
+                              [](BadScanRequest& r) {
+                                *r.mutable_cloud() =
+                                    PackedCloud(recognition::Points(100, Eigen::Vector3f::Zero()));
+                              },
+                              "cloud", "no measurement"},
+                      BadScan{"Millimetres",
+                              [](BadScanRequest& r) {
+                                *r.mutable_cloud() = PackedCloud(Grid(400, 3, 650));
+                              },
+                              "cloud", "millimetres"},
+                      BadScan{"TooManyPoints",
+                              [](BadScanRequest& r) {
+                                *r.mutable_cloud() = PackedCloud(Grid(100'001, 0.001F, 1));
+                              },
+                              "cloud", "at most 100000"}),
+    BadScanName);
 
 INSTANTIATE_TEST_SUITE_P(
     Settings, BadScanTest,
     ::testing::Values(
-        BadScan{"NoScan", [](Request& r) { r.clear_scan(); }, "scan", "is missing"},
-        BadScan{"ZeroQuaternion", [](Request& r) { r.mutable_sensor_pose()->clear_orientation(); },
+        BadScan{"NoScan", [](BadScanRequest& r) { r.clear_scan(); }, "scan", "is missing"},
+        BadScan{"ZeroQuaternion",
+                [](BadScanRequest& r) { r.mutable_sensor_pose()->clear_orientation(); },
                 "sensor_pose.orientation", "unit quaternion"},
         BadScan{"NanQuaternion",
-                [](Request& r) {
-                  r.mutable_sensor_pose()->mutable_orientation()->set_w(static_cast<double>(kNan));
+                [](BadScanRequest& r) {
+                  r.mutable_sensor_pose()->mutable_orientation()->set_w(static_cast<double>(kNanF));
                 },
                 "sensor_pose.orientation", "unit quaternion"},
         BadScan{"FarAway",
-                [](Request& r) { r.mutable_sensor_pose()->mutable_position()->set_y(1e9); },
+                [](BadScanRequest& r) { r.mutable_sensor_pose()->mutable_position()->set_y(1e9); },
                 "sensor_pose.position", "1000 m"},
         BadScan{"RegionWithoutVolume",
-                [](Request& r) {
+                [](BadScanRequest& r) {
                   *r.mutable_region_of_interest() = BoxMessage({0, 0, 0}, {0, 1, 1});
                 },
                 "region_of_interest", "is empty"},
-        BadScan{"ScoreAboveOne", [](Request& r) { r.mutable_pipeline()->set_min_score(1.01); },
+        BadScan{"ScoreAboveOne",
+                [](BadScanRequest& r) { r.mutable_pipeline()->set_min_score(1.01); },
                 "pipeline.min_score", "0 to 1"},
         BadScan{"NanTolerance",
-                [](Request& r) {
-                  r.mutable_pipeline()->set_cluster_tolerance_m(static_cast<double>(kNan));
+                [](BadScanRequest& r) {
+                  r.mutable_pipeline()->set_cluster_tolerance_m(static_cast<double>(kNanF));
                 },
                 "pipeline.cluster_tolerance_m", "0.003 to 0.2"},
-        BadScan{"CellOfAnotherKind", [](Request& r) { r.set_cell("objects/wedge"); }, "cell",
+        BadScan{"CellOfAnotherKind", [](BadScanRequest& r) { r.set_cell("objects/wedge"); }, "cell",
                 "objects/wedge"}),
-    NameOf);
+    BadScanName);
 
 BadScan DepthImage(const std::string& name, const std::function<void(v1::DepthImage&)>& spoil,
                    const std::string& field, const std::string& words) {
   return {name,
-          [=](Request& request) {
+          [=](BadScanRequest& request) {
             *request.mutable_depth_image() = DepthImageOf(PhotographEmptyTable());
             spoil(*request.mutable_depth_image());
           },
@@ -184,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
         DepthImage(
             "NanPrincipalPoint",
             [](v1::DepthImage& image) {
-              image.mutable_intrinsics()->set_cx(static_cast<double>(kNan));
+              image.mutable_intrinsics()->set_cx(static_cast<double>(kNanF));
             },
             "intrinsics", "finite"),
         DepthImage(
@@ -201,13 +210,13 @@ INSTANTIATE_TEST_SUITE_P(
             "MetresAsDepthUnit", [](v1::DepthImage& image) { image.set_depth_unit_m(1); },
             "depth_unit_m", "0 to 0.1"),
         BadScan{"BlackDepthImage",
-                [](Request& r) {
+                [](BadScanRequest& r) {
                   *r.mutable_depth_image() = DepthImageOf(PhotographEmptyTable());
                   std::string& data = *r.mutable_depth_image()->mutable_data();
                   data.assign(data.size(), '\0');
                 },
                 "depth_image", "no measurement"}),
-    NameOf);
+    BadScanName);
 
 TEST_F(SmallServerTest, AMessageThatIsTooLargeIsRefused) {
   v1::RecognizeRequest request;

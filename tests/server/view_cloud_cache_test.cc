@@ -12,7 +12,7 @@ namespace {
 
 using testing::IsOk;
 using testing::StatusIs;
-using View = std::shared_ptr<const recognition::TaughtView>;
+using SharedView = std::shared_ptr<const recognition::TaughtView>;
 
 constexpr std::size_t kAmple = 1U << 20;
 
@@ -33,8 +33,8 @@ class ViewCloudCacheTest : public ::testing::Test {
   static std::string NameOf(const std::string& id) { return "objects/o/stablePoses/p/views/" + id; }
 
   // Stores a view of `points` points, all in voxels of their own.
-  View Put(const std::string& id, const std::string& digest, int points,
-           bool object_pose_given = true) {
+  SharedView Put(const std::string& id, const std::string& digest, int points,
+                 bool object_pose_given = true) {
     storage::NewView view;
     view.record.set_object_pose_given(object_pose_given);
     view.record.set_name(NameOf(id));
@@ -56,7 +56,7 @@ class ViewCloudCacheTest : public ::testing::Test {
   }
 
   // Bytes that the cache takes for one such cloud.
-  std::size_t BytesOf(const View& view) {
+  std::size_t BytesOf(const SharedView& view) {
     ViewCloudCache cache(*catalogue_, {}, kAmple);
     EXPECT_THAT(cache.Load(*view), IsOk());
     return Bytes(cache);
@@ -67,7 +67,7 @@ class ViewCloudCacheTest : public ::testing::Test {
 };
 
 TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
-  const View view = Put("a", "1", 20);
+  const SharedView view = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   const auto first = cache.Load(*view);
   ASSERT_THAT(first, IsOk());
@@ -80,7 +80,7 @@ TEST_F(ViewCloudCacheTest, ACloudIsReadOnce) {
 TEST_F(ViewCloudCacheTest, ACloudTakesNoMoreMemoryThanItsPoints) {
   recognition::DescriptorParameters coarse;
   coarse.voxel_size_m = 0.05;
-  const View view = Put("a", "1", 20);
+  const SharedView view = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, coarse, kAmple);
   const auto cloud = cache.Load(*view);
   ASSERT_THAT(cloud, IsOk());
@@ -90,11 +90,11 @@ TEST_F(ViewCloudCacheTest, ACloudTakesNoMoreMemoryThanItsPoints) {
 }
 
 TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
-  const View a = Put("a", "1", 50);
-  const View b = Put("b", "1", 50);
-  const View c = Put("c", "1", 50);
+  const SharedView a = Put("a", "1", 50);
+  const SharedView b = Put("b", "1", 50);
+  const SharedView c = Put("c", "1", 50);
   ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * (2 * BytesOf(a) + 10));
-  for (const View& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
+  for (const SharedView& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
   EXPECT_EQ(Bytes(cache), 2 * BytesOf(a));
   for (const char* id : {"a", "b", "c"}) Delete(id);
   EXPECT_THAT(cache.Load(*a), IsOk()) << "was used again and should still be there";
@@ -103,12 +103,12 @@ TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
 }
 
 TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
-  std::vector<View> views;
+  std::vector<SharedView> views;
   views.reserve(20);
   for (int i = 0; i < 20; ++i) views.push_back(Put("v" + std::to_string(i), "1", 20 + 10 * i));
   const std::size_t budget = BytesOf(views.back()) + 100;
   ViewCloudCache cache(*catalogue_, {}, ViewCloudCache::kCloudShare * budget);
-  for (const View& view : views) {
+  for (const SharedView& view : views) {
     ASSERT_THAT(cache.Load(*view), IsOk());
     EXPECT_LE(Bytes(cache), budget);
     EXPECT_GT(Bytes(cache), 0U);
@@ -116,7 +116,7 @@ TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
 }
 
 TEST_F(ViewCloudCacheTest, WhatIsFoundAndWhatIsMadeIsCounted) {
-  const View a = Put("a", "1", 20);
+  const SharedView a = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   for (int i = 0; i < 3; ++i) ASSERT_THAT(cache.Load(*a), IsOk());
   EXPECT_EQ(cache.cloud_use().misses, 1);
@@ -126,7 +126,7 @@ TEST_F(ViewCloudCacheTest, WhatIsFoundAndWhatIsMadeIsCounted) {
 }
 
 TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
-  const View view = Put("a", "1", 50);
+  const SharedView view = Put("a", "1", 50);
   ViewCloudCache cache(*catalogue_, {}, 100);
   const auto cloud = cache.Load(*view);
   ASSERT_THAT(cloud, IsOk());
@@ -135,7 +135,7 @@ TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
 }
 
 TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
-  const View view = Put("a", "1", 20);
+  const SharedView view = Put("a", "1", 20);
   Delete("a");
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   EXPECT_THAT(cache.Load(*view), StatusIs(absl::StatusCode::kNotFound));
@@ -143,11 +143,11 @@ TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
 }
 
 TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {
-  const View old_view = Put("a", "1", 20);
+  const SharedView old_view = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   ASSERT_THAT(cache.Load(*old_view), IsOk());
   Delete("a");
-  const View new_view = Put("a", "2", 30);
+  const SharedView new_view = Put("a", "2", 30);
   const auto cloud = cache.Load(*new_view);
   ASSERT_THAT(cloud, IsOk());
   EXPECT_EQ((*cloud)->points.size(), 30U);

@@ -12,11 +12,11 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
-class CatalogueResourcesTest : public testing::Test {
+class CatalogueResourcesTest : public ::testing::Test {
  protected:
   CatalogueOptions Options() {
     CatalogueOptions options;

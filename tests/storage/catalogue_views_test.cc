@@ -9,10 +9,10 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
-class CatalogueViewsTest : public testing::Test {
+class CatalogueViewsTest : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());

@@ -13,9 +13,9 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
-class ChangesTest : public testing::Test {
+class ChangesTest : public ::testing::Test {
  protected:
   TemporaryDirectory directory_;
   std::unique_ptr<Catalogue> catalogue_ = OpenOrDie(directory_ / "db");

@@ -14,9 +14,9 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class CorruptionTest : public testing::Test {
+class CorruptionTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto catalogue = OpenOrDie(database_);
@@ -128,7 +128,7 @@ TEST_F(CorruptionTest, AFlippedByteInATableOrBlobFileIsReported) {
 }
 
 // With the records in the log (false) and, after a restart, in tables (true).
-class ManifestCorruptionTest : public CorruptionTest, public testing::WithParamInterface<bool> {};
+class ManifestCorruptionTest : public CorruptionTest, public ::testing::WithParamInterface<bool> {};
 
 TEST_P(ManifestCorruptionTest, AFlippedByteInTheManifestIsReportedOrHarmless) {
   if (GetParam()) OpenOrDie(database_);
@@ -151,7 +151,7 @@ TEST_P(ManifestCorruptionTest, ACutOffManifestIsReportedOrHarmless) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(LogAndTables, ManifestCorruptionTest, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(LogAndTables, ManifestCorruptionTest, ::testing::Bool());
 
 TEST_F(CorruptionTest, ALogThatIsNotTheNewestMustBeWhole) {
   // Two logs: the newer one from the copy of a database that went on after a restart.

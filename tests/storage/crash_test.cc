@@ -24,7 +24,7 @@ std::filesystem::path NewestLog(const std::string& directory) {
   return newest;
 }
 
-class CrashTest : public testing::Test {
+class CrashTest : public ::testing::Test {
  protected:
   TemporaryDirectory directory_;
   const std::string database_ = directory_ / "db";

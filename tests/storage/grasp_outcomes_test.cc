@@ -9,7 +9,7 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kUpright[] = "objects/mug/stablePoses/upright";
 
@@ -22,7 +22,7 @@ v1::GraspOutcomeCounts Counts(const std::string& grasp, int picked, int missed, 
   return out;
 }
 
-class GraspOutcomesTest : public testing::Test {
+class GraspOutcomesTest : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());

@@ -14,9 +14,9 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
-class KeptChangesTest : public testing::Test {
+class KeptChangesTest : public ::testing::Test {
  protected:
   void Open(std::int64_t keep) {
     catalogue_.reset();
@@ -55,7 +55,8 @@ TEST_F(KeptChangesTest, OnlyTheNewestChangesAreKept) {
     for (const std::int64_t gone : {0, 6}) {
       const auto changes = catalogue_->ReadChanges(gone, 5);
       EXPECT_TRUE(absl::IsOutOfRange(changes.status())) << changes.status();
-      EXPECT_THAT(std::string(changes.status().message()), testing::HasSubstr("read all records"));
+      EXPECT_THAT(std::string(changes.status().message()),
+                  ::testing::HasSubstr("read all records"));
     }
     EXPECT_TRUE(catalogue_->MarkOf(8).ok());
     EXPECT_TRUE(absl::IsNotFound(catalogue_->MarkOf(7).status()));

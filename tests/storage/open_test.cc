@@ -15,10 +15,10 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
-class OpenTest : public testing::Test {
+class OpenTest : public ::testing::Test {
  protected:
   absl::Status TryOpen() { return Catalogue::Open(database_).status(); }
   void MakeDatabase() {

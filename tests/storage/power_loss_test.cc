@@ -13,9 +13,9 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class PowerLossTest : public testing::Test {
+class PowerLossTest : public ::testing::Test {
  protected:
   std::unique_ptr<Catalogue> Open() {
     CatalogueOptions options;

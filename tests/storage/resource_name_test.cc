@@ -8,7 +8,7 @@
 namespace graspdb::storage {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(ResourceIdTest, AcceptsLettersDigitsAndThreeSigns) {
   for (const std::string id : {"a", "0", "mustard", "006_mustard_bottle", "A.b-C_9", "X"}) {

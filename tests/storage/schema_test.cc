@@ -12,7 +12,7 @@
 namespace graspdb::storage {
 namespace {
 
-class SchemaTest : public testing::Test {
+class SchemaTest : public ::testing::Test {
  protected:
   void SetUp() override {
     Reopen();

@@ -62,7 +62,7 @@ absl::Status Parse(const std::string& line, CalibrationConfig* config) {
   return absl::OkStatus();
 }
 
-constexpr char kHelp[] =
+constexpr char kCalibrationHelp[] =
     R"(A calibration is a line: the number of its pipeline, then words.
   0 target=block mount=fixed               the gripper holds the taught object "block"
   0 target=block mount=fixed region=0.3    and that within 0.3 m of the world's origin in x and y, 6
@@ -71,7 +71,7 @@ constexpr char kHelp[] =
 
 }  // namespace
 
-std::string CalibrationHelp() { return kHelp; }
+std::string CalibrationHelp() { return kCalibrationHelp; }
 
 absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
     const std::vector<std::string>& lines, const std::string& cell) {

@@ -7,8 +7,8 @@ namespace {
 
 using recognition::Pose;
 
-absl::StatusOr<std::optional<Pose>> PoseOf(bool given, const v1::Pose& message,
-                                           std::string_view field) {
+absl::StatusOr<std::optional<Pose>> CheckedPose(bool given, const v1::Pose& message,
+                                                std::string_view field) {
   if (!given) return std::optional<Pose>();
   if (absl::Status status = CheckPose(message, field); !status.ok()) return status;
   return std::optional<Pose>(FromMessage(message));
@@ -17,10 +17,11 @@ absl::StatusOr<std::optional<Pose>> PoseOf(bool given, const v1::Pose& message,
 }  // namespace
 
 absl::StatusOr<CellFrames> FramesOf(const v1::Cell& cell) {
-  const auto base = PoseOf(cell.has_robot_base_pose(), cell.robot_base_pose(), "robot_base_pose");
-  const auto sensor = PoseOf(cell.has_sensor_pose(), cell.sensor_pose(), "sensor_pose");
+  const auto base =
+      CheckedPose(cell.has_robot_base_pose(), cell.robot_base_pose(), "robot_base_pose");
+  const auto sensor = CheckedPose(cell.has_sensor_pose(), cell.sensor_pose(), "sensor_pose");
   const auto flange =
-      PoseOf(cell.has_flange_sensor_pose(), cell.flange_sensor_pose(), "flange_sensor_pose");
+      CheckedPose(cell.has_flange_sensor_pose(), cell.flange_sensor_pose(), "flange_sensor_pose");
   absl::Status status = base.status();
   status.Update(sensor.status());
   status.Update(flange.status());

@@ -19,7 +19,7 @@ PickOutcome OutcomeOf(JobKind kind) {
   return kind == JobKind::kMissed ? PickOutcome::kMissed : PickOutcome::kSlipped;
 }
 
-v1::GraspOutcome ToMessage(PickOutcome outcome) {
+v1::GraspOutcome OutcomeMessage(PickOutcome outcome) {
   if (outcome == PickOutcome::kPicked) return v1::GRASP_OUTCOME_PICKED;
   return outcome == PickOutcome::kMissed ? v1::GRASP_OUTCOME_MISSED : v1::GRASP_OUTCOME_SLIPPED;
 }
@@ -160,7 +160,7 @@ absl::Status CellRunner::Tell(const std::string& robot, PickOutcome outcome) {
   v1::ReportGraspOutcomeRequest report;
   report.set_name(about.stable_pose);
   report.set_grasp_id(about.grasp_id);
-  report.set_outcome(ToMessage(outcome));
+  report.set_outcome(OutcomeMessage(outcome));
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
     absl::MutexLock lock(&mutex_);
     given_.try_emplace(robot, about);  // it may be told again, unless another was given meanwhile

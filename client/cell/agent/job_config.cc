@@ -149,7 +149,7 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
   return absl::OkStatus();
 }
 
-constexpr char kHelp[] =
+constexpr char kJobHelp[] =
     R"(A job is a line: its number (0 to 65535), then words.
   1 any                                     whatever is recognised
   2 object=flange primary=object            one object; its pose first, grasps related
@@ -161,7 +161,7 @@ In the config file: job=["1 any","2 object=flange"])";
 
 }  // namespace
 
-std::string JobHelp() { return kHelp; }
+std::string JobHelp() { return kJobHelp; }
 
 absl::StatusOr<JobConfig> ParseJob(const std::string& line) {
   JobConfig job;

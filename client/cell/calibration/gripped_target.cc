@@ -20,8 +20,8 @@ using recognition::Pose;
 using recognition::SurfaceModel;
 
 // Look-ups over the scan: cells, and how far they reach, m.
-constexpr float kCellM = 0.003F;
-constexpr float kReachM = 0.021F;
+constexpr float kGripCellM = 0.003F;
+constexpr float kGripReachM = 0.021F;
 
 // Places of the scan on which sides are laid.
 constexpr double kPlaceSpacingM = 0.012;
@@ -71,7 +71,7 @@ void KeepBest(std::size_t count, std::vector<Guess>* guesses) {
 class Laying {
  public:
   Laying(const SurfaceModel& model, const OrientedCloud& cloud)
-      : sides_(SidesOf(model)), cloud_(cloud), grid_(cloud.points, kCellM, kReachM) {}
+      : sides_(SidesOf(model)), cloud_(cloud), grid_(cloud.points, kGripCellM, kGripReachM) {}
 
   std::vector<Guess> Guesses() const {
     std::vector<Guess> out;

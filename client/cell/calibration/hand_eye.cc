@@ -12,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cell/calibration/hand_eye_equation.h"
 #include "client/cell/robots/rotation_vector.h"
+#include "recognition/base/units.h"
 
 namespace graspdb::client {
 namespace {
@@ -22,7 +23,6 @@ using recognition::Pose;
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr double kRadian = std::numbers::pi / 180;
 // A sample that is so many times farther off is wrong: the target was taken for something else, or
 // had slipped.
 constexpr double kAgrees = 10;
@@ -30,7 +30,7 @@ constexpr std::size_t kSubset = 4;
 constexpr int kSubsets = 200;
 constexpr int kSteps = 20;
 // The robot must have turned by so much about each of two axes, root mean square over pairs.
-constexpr double kMinTurnRad = 8 * kRadian;
+constexpr double kMinTurnRad = 8 * recognition::kRadiansPerDegree;
 
 using Equations = std::vector<HandEyeEquation>;
 
@@ -125,11 +125,11 @@ double SecondTurn(const Equations& equations) {
 absl::Status CheckTurns(const Equations& equations) {
   const double turn = SecondTurn(equations);
   if (turn >= kMinTurnRad) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrFormat("the poses are too alike: the robot turned by %.1f degrees about a second "
-                      "axis, at least %.0f "
-                      "are needed; tilt the tool to different sides",
-                      turn / kRadian, kMinTurnRad / kRadian));
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the poses are too alike: the robot turned by %.1f degrees about a second "
+      "axis, at least %.0f "
+      "are needed; tilt the tool to different sides",
+      turn / recognition::kRadiansPerDegree, kMinTurnRad / recognition::kRadiansPerDegree));
 }
 
 std::vector<HandEyeResidual> ResidualsOf(const Equations& equations,

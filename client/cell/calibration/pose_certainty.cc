@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <numbers>
 
+#include "recognition/base/units.h"
 #include "recognition/points/voxels.h"
 
 namespace graspdb::client {
@@ -12,7 +13,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kVoxelM = 0.003;
 constexpr float kOwnM = 0.004F;
 // Of a voxel across the surface, m, and how many of them err together: so that what is expected of
@@ -21,16 +21,16 @@ constexpr double kPointDeviationM = 0.0012;
 constexpr double kPointsThatErrTogether = 3;
 // What the edges of an object hold.
 constexpr double kEdgeShiftM = 0.0015;
-constexpr double kEdgeTurnRad = 1.5 * kDegree;
+constexpr double kEdgeTurnRad = 1.5 * recognition::kRadiansPerDegree;
 // What a table under it holds.
 constexpr double kTableHeightM = 0.0003;
-constexpr double kTableTiltRad = 0.1 * kDegree;
+constexpr double kTableTiltRad = 0.1 * recognition::kRadiansPerDegree;
 // What is never better: the model, and the camera.
 constexpr double kMinShiftM = 0.0002;
-constexpr double kMinTurnRad = 0.1 * kDegree;
+constexpr double kMinSpreadRad = 0.1 * recognition::kRadiansPerDegree;
 // What is usual of detections and of robots.
 constexpr double kUsualShiftM = 0.0005;
-constexpr double kUsualTurnRad = 0.2 * kDegree;
+constexpr double kUsualTurnRad = 0.2 * recognition::kRadiansPerDegree;
 
 Matrix6d Diagonal(double turn_rad, double shift_m) {
   Vector6d variances;
@@ -66,7 +66,7 @@ Matrix6d CovarianceOf(const recognition::SurfaceModel& model, const recognition:
     information(5, 5) += 1 / (kTableHeightM * kTableHeightM);
   }
   return Matrix6d(information.ldlt().solve(Matrix6d::Identity())) +
-         Diagonal(kMinTurnRad, kMinShiftM);
+         Diagonal(kMinSpreadRad, kMinShiftM);
 }
 
 Matrix6d UsualCovariance() { return Diagonal(kUsualTurnRad, kUsualShiftM); }

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
+#include "recognition/base/units.h"
 #include "recognition/segmentation/region.h"
 
 namespace graspdb::client {
@@ -14,12 +15,11 @@ namespace {
 using Eigen::Vector3d;
 using recognition::Pose;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRangeM = 1.5;
 constexpr double kOnTableM = 0.006;
 constexpr double kMinShare = 1.0 / 3;
-constexpr double kSteepestRad = 75 * kDegree;
-constexpr double kLargestTiltRad = 15 * kDegree;
+constexpr double kSteepestRad = 75 * recognition::kRadiansPerDegree;
+constexpr double kLargestTiltRad = 15 * recognition::kRadiansPerDegree;
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -58,7 +58,7 @@ absl::StatusOr<SeenTable> FindTable(const recognition::Points& points) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "the largest plane is seen %.0f degrees from its normal, at most 75 say how it lies; let "
         "the camera look down at the table",
-        steep / kDegree));
+        steep / recognition::kRadiansPerDegree));
   }
   return out;
 }
@@ -77,7 +77,7 @@ absl::StatusOr<Pose> LevelOn(const SeenTable& table, const std::optional<Pose>& 
     return absl::FailedPreconditionError(absl::StrFormat(
         "the plane is tilted by %.1f degrees against the cell's sensor pose, so it is not its "
         "table; clear the table, or correct the pose with `graspdb cells set`",
-        tilt / kDegree));
+        tilt / recognition::kRadiansPerDegree));
   }
   Pose out = Pose::Identity();
   out.linear() = Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix() *

@@ -63,7 +63,7 @@ absl::Status CheckMagic(const std::array<std::uint8_t, 4>& magic) {
   return absl::InvalidArgumentError("the message does not begin with \"GRI\"");
 }
 
-absl::StatusOr<std::int32_t> Millionths(double number) {
+absl::StatusOr<std::int32_t> CheckedMillionths(double number) {
   const double scaled = std::round(number * kPerUnit);
   if (std::abs(scaled) <= std::numeric_limits<std::int32_t>::max()) {
     return static_cast<std::int32_t>(scaled);
@@ -76,7 +76,7 @@ template <std::size_t kCount>
 absl::Status ToMillionths(const std::array<double, kCount>& numbers,
                           std::array<std::int32_t, kCount>* out) {
   for (std::size_t i = 0; i < kCount; ++i) {
-    const absl::StatusOr<std::int32_t> number = Millionths(numbers[i]);
+    const absl::StatusOr<std::int32_t> number = CheckedMillionths(numbers[i]);
     if (!number.ok()) return number.status();
     (*out)[i] = *number;
   }

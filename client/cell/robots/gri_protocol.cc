@@ -5,13 +5,13 @@
 namespace graspdb::client {
 namespace {
 
-constexpr std::string_view kMagic("GRI\0", 4);
+constexpr std::string_view kGriPrefix("GRI\0", 4);
 constexpr std::size_t kVersionAt = 4;
 constexpr std::size_t kLengthAt = 5;
 
 bool MayBeGri(std::string_view received) {
-  const std::size_t known = std::min(received.size(), kMagic.size());
-  return received.substr(0, known) == kMagic.substr(0, known);
+  const std::size_t known = std::min(received.size(), kGriPrefix.size());
+  return received.substr(0, known) == kGriPrefix.substr(0, known);
 }
 
 bool SaysItsLength(std::string_view received) {

@@ -12,6 +12,10 @@
 
 namespace graspdb::client {
 
+// From the beginning of an exposure to the end of its transfer, for a camera that does not give the
+// time: the pattern is exposed for one frame of a 30th second and transferred during the next.
+inline constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
+
 // One frame, in the sensor frame (x right, y down, z forward).
 struct SensorFrame {
   // With the intrinsics and the time of capture.

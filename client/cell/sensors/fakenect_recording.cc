@@ -19,7 +19,7 @@ constexpr char kIndexFile[] = "INDEX.txt";
 constexpr double kFramesPerSecond = 30;
 constexpr double kTicksPerSecond = 60e6;    // of the Kinect's clock
 constexpr double kFirstSecond = 1'000'000;  // any; 0 would count as none
-constexpr std::size_t kPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
+constexpr std::size_t kRawPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
 
 // libfreenect has centimetres.
 absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
@@ -89,7 +89,7 @@ absl::Status FakenectRecording::Show(const DepthFrame& frame, absl::Duration dur
 
 absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
                                         absl::Duration duration) {
-  if (raw.size() != kPixels) {
+  if (raw.size() != kRawPixels) {
     return absl::InvalidArgumentError(
         absl::StrCat("a Kinect v1 has 640 x 480 pixels and not ", raw.size()));
   }

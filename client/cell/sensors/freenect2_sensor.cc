@@ -20,7 +20,6 @@
 namespace graspdb::client {
 namespace {
 
-constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);  // two frames
 constexpr double kUnitM = 0.0001;
 constexpr double kCountsPerMm = 0.001 / kUnitM;
 

@@ -34,14 +34,9 @@
 namespace graspdb::client {
 namespace {
 
-// From the beginning of the exposure to the end of the transfer: the pattern is looked at for one
-// frame of a 30th second, and sent during the next.
-constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
 constexpr timeval kPoll = {.tv_sec = 0, .tv_usec = 100'000};
 constexpr int kInterrupted = -10;  // LIBUSB_ERROR_INTERRUPTED: a signal came, and no camera left
 constexpr std::size_t kPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
-
-absl::Status Unavailable(const std::string& what) { return absl::UnavailableError(what); }
 
 // fakenect ends the program where it has nothing to play.
 absl::Status CheckFakenect() {
@@ -85,7 +80,8 @@ class Handles {
     if (absl::Status status = CheckFakenect(); !status.ok()) return status;
     if (freenect_init(&context, nullptr) < 0) {
       context = nullptr;
-      return Unavailable("libfreenect cannot start; is USB (/dev/bus/usb) there for this program?");
+      return absl::UnavailableError(
+          "libfreenect cannot start; is USB (/dev/bus/usb) there for this program?");
     }
     freenect_set_log_callback(context, Log);
     freenect_set_log_level(context, FREENECT_LOG_WARNING);
@@ -157,7 +153,7 @@ class FreenectSensor : public DepthSensor {
     const bool by_serial = which_.size() > 2;
     if (!by_serial && !which_.empty() && !absl::SimpleAtoi(which_, &number)) number = -1;
     if (there < 1 || (!by_serial && (number < 0 || number >= there))) {
-      return Unavailable(
+      return absl::UnavailableError(
           absl::StrCat(Name(), " is not there, of ", std::max(there, 0),
                        " connected; check its USB cable and its power supply, and count from 0"));
     }
@@ -166,7 +162,7 @@ class FreenectSensor : public DepthSensor {
                                  : freenect_open_device(handles_.context, &handles_.device, number);
     if (opened >= 0) return absl::OkStatus();
     handles_.device = nullptr;
-    return Unavailable(
+    return absl::UnavailableError(
         absl::StrCat(Name(),
                      " cannot be opened; is it used by another program, is the kernel's module "
                      "gspca_kinect loaded, or is this user not in the group plugdev?"));
@@ -180,7 +176,7 @@ class FreenectSensor : public DepthSensor {
     if (mode.is_valid == 0 || mode.bytes != static_cast<int>(2 * kPixels) ||
         freenect_set_depth_mode(handles_.device, mode) < 0 ||
         freenect_start_depth(handles_.device) < 0) {
-      return Unavailable(
+      return absl::UnavailableError(
           absl::StrCat(Name(), " does not start; plug it into a USB controller of its own"));
     }
     const KinectV1Calibration calibration = CalibrationOf(handles_.device);
@@ -195,8 +191,9 @@ class FreenectSensor : public DepthSensor {
       timeval poll = kPoll;
       const int result = freenect_process_events_timeout(handles_.context, &poll);
       if (result >= 0 || result == kInterrupted) continue;
-      frames_->Fail(Unavailable(absl::StrCat(Name(), " was unplugged (error ", result,
-                                             ", or the end of a recording); plug it in again")));
+      frames_->Fail(
+          absl::UnavailableError(absl::StrCat(Name(), " was unplugged (error ", result,
+                                              ", or the end of a recording); plug it in again")));
       return;
     }
   }

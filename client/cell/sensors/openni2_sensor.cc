@@ -24,7 +24,6 @@
 namespace graspdb::client {
 namespace {
 
-constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);  // two frames
 constexpr int kPollMs = 100;
 constexpr int kWantedWidth = 640;
 
@@ -33,14 +32,12 @@ std::string Reason() {
   return std::string(absl::StripAsciiWhitespace(openni::OpenNI::getExtendedError()));
 }
 
-absl::Status Unavailable(const std::string& what) { return absl::UnavailableError(what); }
-
 // The library is started once for the process; it is not made to be started again.
 absl::Status StartLibrary() {
   static const openni::Status started = openni::OpenNI::initialize();
   if (started == openni::STATUS_OK) return absl::OkStatus();
-  return Unavailable(absl::StrCat("OpenNI 2 cannot start (", Reason(),
-                                  "); are its drivers installed (package libopenni2-0)?"));
+  return absl::UnavailableError(absl::StrCat(
+      "OpenNI 2 cannot start (", Reason(), "); are its drivers installed (package libopenni2-0)?"));
 }
 
 double UnitOf(openni::PixelFormat format) {
@@ -72,7 +69,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
 
   absl::Status Open(bool loop) {
     if (device_.open(uri_.empty() ? openni::ANY_DEVICE : uri_.c_str()) != openni::STATUS_OK) {
-      return Unavailable(
+      return absl::UnavailableError(
           absl::StrCat(Name(), " cannot be opened (", Reason(),
                        "); check its cable, and that this user may use it (group plugdev)"));
     }
@@ -83,7 +80,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     frames_.emplace(settings_.silence);
     openni::OpenNI::addDeviceDisconnectedListener(this);
     if (stream_.start() != openni::STATUS_OK) {
-      return Unavailable(
+      return absl::UnavailableError(
           absl::StrCat(Name(), " does not start (", Reason(), "); plug it in again"));
     }
     if (device_.isFile() && !loop) {
@@ -158,7 +155,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
 
   void onDeviceDisconnected(const openni::DeviceInfo* device) override {
     if (opened_uri_ != device->getUri()) return;
-    frames_->Fail(Unavailable(absl::StrCat(Name(), " was unplugged; plug it in again")));
+    frames_->Fail(absl::UnavailableError(absl::StrCat(Name(), " was unplugged; plug it in again")));
   }
 
   void Receive() {
@@ -175,7 +172,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       if (!Take(frame)) return;
       if (last_frame_ && frame.getFrameIndex() >= *last_frame_) {
         has_ended_ = true;
-        frames_->Fail(Unavailable(
+        frames_->Fail(absl::UnavailableError(
             absl::StrCat(Name(), ": the recording is at its end; add ?loop to begin again")));
         return;
       }

@@ -29,13 +29,13 @@ Example:
   graspdb cells level press-3 --frame empty-table.pcd
   graspdb cells level press-3 --sensor freenect)";
 
-struct Options {
+struct CalibrationOptions {
   std::string id;
   std::string frame;
   std::string sensor;
 };
 
-absl::Status Level(const GlobalOptions& global, const Options& options) {
+absl::Status Level(const GlobalOptions& global, const CalibrationOptions& options) {
   const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
   if (!scan.ok()) return scan.status();
   const absl::StatusOr<SeenTable> table = FindTable(scan->points);
@@ -75,7 +75,7 @@ absl::Status Level(const GlobalOptions& global, const Options& options) {
 }  // namespace
 
 void AddLevelCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrationOptions>();
   CLI::App* level = AddCommand(cells, "level", "Find how the camera stands over the table");
   level->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   CLI::Option_group* table = level->add_option_group("table", "The empty table");

@@ -37,7 +37,7 @@ With --json each of the two is a line: {"height_mm", "tilt_deg", "rms_mm", "shar
 Example:
   graspdb cells check press-3 --frame empty-table.pcd --target objects/block --poses poses.txt)";
 
-struct Options {
+struct CheckOptions {
   std::string id;
   std::string frame;
   std::string sensor;
@@ -84,7 +84,7 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
 }
 
 absl::StatusOr<std::vector<HandEyeSample>> FindTargets(Client& client, const v1::Cell& cell,
-                                                       const Options& options) {
+                                                       const CheckOptions& options) {
   const absl::StatusOr<std::vector<PosedFrame>> frames = ReadPoses(options.poses);
   if (!frames.ok()) return frames.status();
   const absl::StatusOr<Target> target = LoadTarget(client, ResourceName("objects", options.target));
@@ -135,7 +135,7 @@ absl::Status PrintHandEyeJson(const std::vector<HandEyeResidual>& off) {
 }
 
 absl::Status CheckHandEyeOf(bool as_json, Client& client, const v1::Cell& cell,
-                            const Options& options) {
+                            const CheckOptions& options) {
   const absl::StatusOr<Pose> camera = MountCameraOf(cell);
   if (!camera.ok()) return camera.status();
   const auto samples = FindTargets(client, cell, options);
@@ -146,7 +146,7 @@ absl::Status CheckHandEyeOf(bool as_json, Client& client, const v1::Cell& cell,
   return as_json ? PrintHandEyeJson(off) : PrintHandEye(off);
 }
 
-absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const Options& options) {
+absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& options) {
   if (!cell.has_sensor_pose() && cell.has_flange_sensor_pose()) {
     return absl::FailedPreconditionError(
         absl::StrCat("the camera of ", cell.name(),
@@ -179,7 +179,7 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const Options& optio
   return absl::OkStatus();
 }
 
-absl::Status Check(const GlobalOptions& global, const Options& options) {
+absl::Status Check(const GlobalOptions& global, const CheckOptions& options) {
   Client client = Connect(global);
   const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
   if (!cell.ok()) return cell.status();
@@ -200,7 +200,7 @@ absl::Status Check(const GlobalOptions& global, const Options& options) {
 }  // namespace
 
 void AddCheckCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   CLI::App* check = AddCommand(cells, "check", "How far off a calibration is");
   check->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   CLI::Option* frame =

@@ -11,7 +11,7 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kTableFrames = 5;
-constexpr absl::Duration kSensorPatience = absl::Seconds(10);
+constexpr absl::Duration kSensorTimeout = absl::Seconds(10);
 
 }  // namespace
 
@@ -25,7 +25,7 @@ absl::StatusOr<StillScan> TableFrom(const std::string& frame, const std::string&
   if (!frame.empty()) return FrameFrom(frame);
   const absl::StatusOr<std::unique_ptr<DepthSensor>> camera = OpenCamera(sensor);
   if (!camera.ok()) return camera.status();
-  const absl::Time deadline = absl::Now() + kSensorPatience;
+  const absl::Time deadline = absl::Now() + kSensorTimeout;
   AwaitFrames(**camera, deadline);
   return TakeStillScan(**camera, kTableFrames, deadline);
 }

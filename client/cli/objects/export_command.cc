@@ -13,7 +13,7 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::string folder;
   std::vector<std::string> objects;
 };
@@ -82,7 +82,7 @@ absl::Status WriteView(Client& client, const std::string& folder, const Entry& e
   return WritePcd(full, file);
 }
 
-absl::Status RunExport(const GlobalOptions& global, const Options& options) {
+absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options) {
   if (std::filesystem::exists(std::filesystem::path(options.folder) / kCaptureSetFile)) {
     return absl::AlreadyExistsError(
         absl::StrCat(options.folder, " holds a capture set already; choose another folder"));
@@ -122,7 +122,7 @@ absl::Status RunExport(const GlobalOptions& global, const Options& options) {
 
 void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command = AddCommand(app, "export", "Write the catalogue's views as a capture set");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   command->add_option("SET", options->folder, "Folder to make")->required();
   command->add_option("--object", options->objects, "Only these objects");
   command->footer(

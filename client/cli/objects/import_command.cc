@@ -16,7 +16,7 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct ImportOptions {
   std::string folder;
   std::string split = "TEACH";
   bool replace = false;
@@ -44,7 +44,7 @@ absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet&
   return absl::OkStatus();
 }
 
-absl::StatusOr<UploadCounts> Import(Client& client, const Options& options,
+absl::StatusOr<UploadCounts> Import(Client& client, const ImportOptions& options,
                                     const v1::CaptureSet& set) {
   const std::vector<const v1::Capture*> captures = TeachableCaptures(set, options.split);
   if (captures.empty()) {
@@ -70,7 +70,7 @@ absl::StatusOr<UploadCounts> Import(Client& client, const Options& options,
                      .cancelled = Interrupted});
 }
 
-absl::Status RunImport(const GlobalOptions& global, const Options& options) {
+absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options) {
   absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(options.folder);
   if (!set.ok()) return set.status();
   Client client = Connect(global);
@@ -86,7 +86,7 @@ absl::Status RunImport(const GlobalOptions& global, const Options& options) {
 
 void AddImportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command = AddCommand(app, "import", "Teach the captures of a set");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   command->add_option("SET", options->folder, "Folder with captures.json")->required();
   AddSplitFlag(*command, &options->split);
   command->add_flag(

@@ -10,7 +10,7 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct ThresholdsOptions {
   std::string id;
   bool apply = false;
 };
@@ -34,7 +34,7 @@ absl::Status Apply(Client& client, const v1::ThresholdProposal& proposal) {
   return client.UpdateStablePose(request).status();
 }
 
-absl::Status ProposeThresholds(const GlobalOptions& global, const Options& options) {
+absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOptions& options) {
   Client client = Connect(global);
   const auto found = Ask(client, options.id.empty() ? "" : ResourceName("objects", options.id));
   if (!found.ok()) return found.status();
@@ -75,7 +75,7 @@ std::string ThresholdText(const v1::ThresholdProposal& proposal) {
 }
 
 void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ThresholdsOptions>();
   CLI::App* command = AddCommand(
       objects, "thresholds",
       "From which score on answers are to be believed: asks about taught views while they, and "

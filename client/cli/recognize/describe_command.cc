@@ -15,13 +15,13 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct DescribeOptions {
   std::string file;
   std::string descriptor = "mvfh300";
   std::vector<double> viewpoint = {0, 0, 0};
 };
 
-constexpr char kFooter[] =
+constexpr char kDescribeFooter[] =
     R"(FILE holds one object's points in metres. Normals are taken from the file; a file
 without them is thinned to 3 mm voxels and gets normals fitted to a radius of 10 mm, as
 the server does it. The viewpoint is the sensor's position in the frame of the points;
@@ -48,7 +48,7 @@ recognition::OrientedCloud OrientedCloudOf(const PointFile& file,
   return recognition::PrepareCloud(out.points, viewpoint, recognition::DescriptorParameters());
 }
 
-absl::Status PrintDescription(const GlobalOptions& global, const Options& options,
+absl::Status PrintDescription(const GlobalOptions& global, const DescribeOptions& options,
                               const recognition::OrientedCloud& cloud,
                               const recognition::Descriptor& bins) {
   if (!global.json) {
@@ -66,7 +66,7 @@ absl::Status PrintDescription(const GlobalOptions& global, const Options& option
   return PrintJson(out);
 }
 
-absl::Status RunDescribe(const GlobalOptions& global, const Options& options) {
+absl::Status RunDescribe(const GlobalOptions& global, const DescribeOptions& options) {
   absl::StatusOr<PointFile> file = ReadPointFile(options.file);
   if (!file.ok()) return file.status();
   const Eigen::Vector3d viewpoint(options.viewpoint[0], options.viewpoint[1], options.viewpoint[2]);
@@ -83,7 +83,7 @@ absl::Status RunDescribe(const GlobalOptions& global, const Options& options) {
 
 void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command = AddCommand(app, "describe", "Print the descriptor of a cloud");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DescribeOptions>();
   command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
   command->add_option("--descriptor", options->descriptor, "Which descriptor")
       ->check(CLI::IsMember(recognition::DescriptorNames()))
@@ -91,7 +91,7 @@ void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* acti
   command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")
       ->delimiter(',')
       ->expected(3);
-  command->footer(kFooter);
+  command->footer(kDescribeFooter);
   command->callback(
       [=, &global] { *action = [=, &global] { return RunDescribe(global, *options); }; });
 }

@@ -14,7 +14,7 @@
 namespace graspdb::client {
 namespace {
 
-struct Options {
+struct RecognizeOptions {
   std::vector<std::string> inputs;
   std::string split = "ALL";
   std::string cell;
@@ -23,7 +23,7 @@ struct Options {
   bool stable = false;
 };
 
-constexpr char kFooter[] =
+constexpr char kRecognizeFooter[] =
     R"(A folder is a capture set; of a set whose truth is known, the table says how far each
 pose is off. Without a sensor pose (captures.json, the VIEWPOINT line or the cell) the
 table before the sensor makes the world frame.
@@ -52,8 +52,9 @@ std::string ErrorJson(const absl::Status& status) {
 }
 
 // Recognises one scan and prints the answer.
-absl::Status RecognizeOne(Client& client, const GlobalOptions& global, const Options& options,
-                          const ScanTask& task, Scoreboard* board) {
+absl::Status RecognizeOne(Client& client, const GlobalOptions& global,
+                          const RecognizeOptions& options, const ScanTask& task,
+                          Scoreboard* board) {
   absl::StatusOr<v1::RecognizeRequest> request = ReadScan(task);
   if (!request.ok()) return request.status();
   if (!options.cell.empty()) request->set_cell(ResourceName("cells", options.cell));
@@ -72,7 +73,7 @@ absl::Status RecognizeOne(Client& client, const GlobalOptions& global, const Opt
   return WritePicture(client, options.pictures, task, *request, *response);
 }
 
-absl::Status RunRecognize(const GlobalOptions& global, const Options& options) {
+absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& options) {
   absl::StatusOr<ScanTasks> scans = ListScans(options.inputs, options.split);
   if (!scans.ok()) return scans.status();
   Client client = Connect(global);
@@ -105,7 +106,7 @@ absl::Status RunRecognize(const GlobalOptions& global, const Options& options) {
 void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command =
       AddCommand(app, "recognize", "Say what scans show, where, and how to grasp it");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RecognizeOptions>();
   command->add_option("INPUT", options->inputs, "Point files (.pcd, .ply) or capture sets")
       ->required();
   AddSplitFlag(*command, &options->split);
@@ -116,7 +117,7 @@ void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* act
                       "Folder for one PNG a scan: found, shifted, refined");
   command->add_flag("--omit-timings", options->stable,
                     "Leave out what a clock measured: the same scan gives the same bytes");
-  command->footer(kFooter);
+  command->footer(kRecognizeFooter);
   command->callback(
       [=, &global] { *action = [=, &global] { return RunRecognize(global, *options); }; });
 }

@@ -13,7 +13,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kReplayFooter[] =
     R"(A folder means the bundles in it. The answers must be the same bit for bit, but for what a
 clock measured and for the number of the revision. Exit status: 0 all the same, 1 some
 differ or could not be read, 3 no server there.
@@ -118,7 +118,7 @@ void AddReplayCommand(CLI::App& app, const GlobalOptions& global, Action* action
       AddCommand(app, "replay", "Ask again what a cell kept, and compare with what it was told");
   auto inputs = std::make_shared<std::vector<std::string>>();
   command->add_option("BUNDLE", *inputs, "Bundles, or folders of them")->required();
-  command->footer(kFooter);
+  command->footer(kReplayFooter);
   command->callback([=, &global] { *action = [=, &global] { return Replay(global, *inputs); }; });
 }
 

@@ -24,7 +24,7 @@ struct Options {
   bool IsMesh() const { return frame == "mesh"; }
 };
 
-constexpr char kFooter[] =
+constexpr char kImportFooter[] =
     R"(The file is {"grasps": [...]}, each as `graspdb teach --dry-run --json` and capture sets have it.
 --frame object: tcpPose is T_object_tcp of the one stable pose that --stable-pose names.
 --frame mesh: tcpPose is T_mesh_tcp, in metres; it goes to every stable pose that was taught from the
@@ -138,7 +138,7 @@ void AddGraspsImportCommand(CLI::App& grasps, const GlobalOptions& global, Actio
       ->capture_default_str();
   command->add_option("--stable-pose", options->stable_pose, "Id of the only stable pose");
   command->add_flag("--dry-run", options->dry_run, "Print what would be taken; change nothing");
-  command->footer(kFooter);
+  command->footer(kImportFooter);
   command->callback([=, &global] { *action = [=, &global] { return Import(global, *options); }; });
 }
 

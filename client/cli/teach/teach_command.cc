@@ -23,7 +23,7 @@ namespace graspdb::client {
 namespace {
 
 // Beside what the guided way takes, some of which is said of a mesh, too: what only a mesh needs.
-struct Options : GuidedTeachOptions {
+struct TeachOptions : GuidedTeachOptions {
   std::string mesh;
   std::string unit;
   std::string camera = "v2";
@@ -38,7 +38,7 @@ struct Options : GuidedTeachOptions {
   bool dry_run = false;
 };
 
-constexpr char kFooter[] =
+constexpr char kTeachFooter[] =
     R"(With a camera: leads you through the stable poses and the steps of a turntable, says how well each
 view was seen and what may be confused with it. The cell says where the camera is, its region where
 the turntable is. Ctrl-D ends it, nothing is lost: the same command again goes on with what is missing.
@@ -54,7 +54,7 @@ Examples:
   graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
   graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
 
-absl::StatusOr<CadPart> PartOf(const Options& options) {
+absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
   const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
   if (!mesh.ok()) return mesh.status();
   CadOptions cad;
@@ -67,7 +67,7 @@ absl::StatusOr<CadPart> PartOf(const Options& options) {
   return Select(*part, options.poses);
 }
 
-absl::StatusOr<CadViews> ViewsOf(const Options& options, Client& client) {
+absl::StatusOr<CadViews> ViewsOf(const TeachOptions& options, Client& client) {
   CadViews views;
   const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(options.camera);
   if (!camera.ok()) return camera.status();
@@ -96,7 +96,7 @@ absl::Status PrintDeclaration(const CadPart& part) {
   return PrintJson(object);
 }
 
-absl::Status Report(const GlobalOptions& global, Client& client, const Options& options,
+absl::Status Report(const GlobalOptions& global, Client& client, const TeachOptions& options,
                     const UploadCounts& counts) {
   const absl::StatusOr<v1::CatalogStatus> status =
       ReportTaught(global, client, {.created = counts.created, .existing = counts.existing});
@@ -104,7 +104,7 @@ absl::Status Report(const GlobalOptions& global, Client& client, const Options& 
   return NoteLookAlikes(client, ResourceName("objects", options.object), *status);
 }
 
-absl::Status TeachByMesh(const GlobalOptions& global, const Options& options) {
+absl::Status TeachByMesh(const GlobalOptions& global, const TeachOptions& options) {
   const absl::StatusOr<CadPart> part = PartOf(options);
   if (!part.ok()) return part.status();
   if (!options.pictures.empty()) {
@@ -136,7 +136,7 @@ struct Ways {
   CLI::Option* sensor = nullptr;
 };
 
-Ways AddWays(CLI::App& command, Options& o) {
+Ways AddWays(CLI::App& command, TeachOptions& o) {
   Ways ways;
   CLI::Option_group* way = command.add_option_group("way", "From what it is taught");
   ways.mesh = way->add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
@@ -148,7 +148,7 @@ Ways AddWays(CLI::App& command, Options& o) {
   return ways;
 }
 
-void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
+void AddMeshOptions(CLI::App& command, CLI::Option* mesh, TeachOptions& o) {
   mesh->needs(
       command
           .add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
@@ -190,7 +190,7 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, Options& o) {
       ->needs(mesh);
 }
 
-void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Options& o) {
+void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, TeachOptions& o) {
   command
       .add_option("--camera", o.camera,
                   "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
@@ -211,7 +211,7 @@ void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Opt
       ->capture_default_str();
 }
 
-void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
+void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, TeachOptions& o) {
   command
       .add_option(
           "--axis", o.axis,
@@ -247,7 +247,7 @@ void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, Options& o) {
 void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command =
       AddCommand(app, "teach", "Teach an object before a camera or from its CAD model");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TeachOptions>();
   command->add_option("OBJECT", options->object, "Id of the object, e.g. bracket")->required();
   const Ways ways = AddWays(*command, *options);
   CLI::Option* cell = command->add_option(
@@ -261,7 +261,7 @@ void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   AddMeshOptions(*command, ways.mesh, *options);
   AddViewOptions(*command, ways.mesh, cell, *options);
   AddGuidedOptions(*command, ways.sensor, *options);
-  command->footer(kFooter);
+  command->footer(kTeachFooter);
   command->callback([=, &global] {
     *action = [=, &global] {
       return options->mesh.empty() ? RunGuidedTeach(global, *options)

@@ -11,7 +11,7 @@ namespace {
 constexpr double kBarPx = 13;
 constexpr double kGapPx = 7;          // between groups
 constexpr double kScalePx = 360;      // width of the longest bar
-constexpr double kTopPx = 26;         // legend
+constexpr double kLegendPx = 26;      // legend
 constexpr double kLegendItemPx = 30;  // beside its name
 
 double ScaleEnd(const BarChart& chart) {
@@ -63,13 +63,13 @@ double LabelWidth(const BarChart& chart) {
 std::string DrawBars(const BarChart& chart) {
   const double left = LeftMargin(chart);
   const double group = kBarPx * static_cast<double>(chart.series.size()) + kGapPx;
-  const double height = kTopPx + group * static_cast<double>(chart.categories.size()) + 4;
+  const double height = kLegendPx + group * static_cast<double>(chart.categories.size()) + 4;
   std::vector<std::string> names;
   for (const BarSeries& s : chart.series) names.push_back(s.name);
   const double width = left + std::max(kScalePx + LabelWidth(chart), LegendWidth(names));
   std::string content = DrawLegend(names, left, 14);
   for (std::size_t i = 0; i < chart.categories.size(); ++i) {
-    const double y = kTopPx + group * static_cast<double>(i);
+    const double y = kLegendPx + group * static_cast<double>(i);
     absl::StrAppend(&content,
                     SvgText(left - 7, y + (group - kGapPx) / 2 + 4, "end", chart.categories[i]));
     for (std::size_t which = 0; which < chart.series.size(); ++which) {
@@ -80,7 +80,7 @@ std::string DrawBars(const BarChart& chart) {
     absl::StrAppend(&content, "<rect class=\"mark\" x=\"1\" y=\"", Px(y - 3), "\" width=\"",
                     Px(width - 2), "\" height=\"", Px(group - 1), "\"/>\n");
   }
-  absl::StrAppend(&content, "<path class=\"axis\" d=\"M", Px(left), " ", Px(kTopPx - 4), "V",
+  absl::StrAppend(&content, "<path class=\"axis\" d=\"M", Px(left), " ", Px(kLegendPx - 4), "V",
                   Px(height - 2), "\"/>\n");
   return SvgFrame(width, height, chart.title, content);
 }

@@ -1,7 +1,5 @@
 #include "lab/experiment/report/case_section.h"
 
-#include <limits>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "lab/experiment/report/case_curves.h"
@@ -15,8 +13,6 @@
 
 namespace graspdb::client {
 namespace {
-
-constexpr double kNoBar = std::numeric_limits<double>::quiet_NaN();
 
 std::string Figure(const std::string& plot) {
   return absl::StrCat("<figure>", plot, "</figure>\n");

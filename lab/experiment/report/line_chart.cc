@@ -9,7 +9,7 @@ namespace graspdb::client {
 namespace {
 
 constexpr double kLeftPx = 60;
-constexpr double kTopPx = 30;
+constexpr double kTitlePx = 30;
 constexpr double kWidthPx = 400;  // between the axes' ends
 constexpr double kHeightPx = 220;
 constexpr double kRightPx = 24;
@@ -21,7 +21,7 @@ class Axes {
   explicit Axes(const LineChart& chart) : chart_(&chart) {}
 
   double X(double x) const { return kLeftPx + kWidthPx * Share(x, chart_->x_range); }
-  double Y(double y) const { return kTopPx + kHeightPx * (1 - Share(y, chart_->y_range)); }
+  double Y(double y) const { return kTitlePx + kHeightPx * (1 - Share(y, chart_->y_range)); }
 
  private:
   static double Share(double value, const std::array<double, 2>& range) {
@@ -50,19 +50,19 @@ std::vector<double> Ticks(const std::array<double, 2>& range) {
 
 std::string Grid(const LineChart& chart, const Axes& axes) {
   std::string out;
-  const double bottom = kTopPx + kHeightPx;
+  const double bottom = kTitlePx + kHeightPx;
   for (const double x : Ticks(chart.x_range)) {
-    absl::StrAppend(&out, "<path class=\"grid\" d=\"M", Px(axes.X(x)), " ", Px(kTopPx), "V",
+    absl::StrAppend(&out, "<path class=\"grid\" d=\"M", Px(axes.X(x)), " ", Px(kTitlePx), "V",
                     Px(bottom), "\"/>", SvgText(axes.X(x), bottom + 16, "middle", Readable(x)));
   }
   for (const double y : Ticks(chart.y_range)) {
     absl::StrAppend(&out, "<path class=\"grid\" d=\"M", Px(kLeftPx), " ", Px(axes.Y(y)), "h",
                     Px(kWidthPx), "\"/>", SvgText(kLeftPx - 6, axes.Y(y) + 4, "end", Readable(y)));
   }
-  absl::StrAppend(&out, "<path class=\"axis\" d=\"M", Px(kLeftPx), " ", Px(kTopPx), "V", Px(bottom),
-                  "h", Px(kWidthPx), "\"/>\n");
+  absl::StrAppend(&out, "<path class=\"axis\" d=\"M", Px(kLeftPx), " ", Px(kTitlePx), "V",
+                  Px(bottom), "h", Px(kWidthPx), "\"/>\n");
   absl::StrAppend(&out, SvgText(kLeftPx + kWidthPx / 2, bottom + 38, "middle", chart.x_label));
-  absl::StrAppend(&out, "<g transform=\"translate(14 ", Px(kTopPx + kHeightPx / 2),
+  absl::StrAppend(&out, "<g transform=\"translate(14 ", Px(kTitlePx + kHeightPx / 2),
                   ") rotate(-90)\">", SvgText(0, 0, "middle", chart.y_label), "</g>\n");
   return out;
 }
@@ -88,7 +88,7 @@ std::string DrawLines(const LineChart& chart) {
     absl::StrAppend(&content, Line(chart.series[i], i, axes));
   }
   if (names.size() > 1) absl::StrAppend(&content, DrawLegend(names, kLeftPx, 14));
-  return SvgFrame(kLeftPx + kWidthPx + kRightPx, kTopPx + kHeightPx + kBottomPx, chart.title,
+  return SvgFrame(kLeftPx + kWidthPx + kRightPx, kTitlePx + kHeightPx + kBottomPx, chart.title,
                   content);
 }
 

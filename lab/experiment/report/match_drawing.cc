@@ -21,7 +21,7 @@ using recognition::Pose;
 
 constexpr std::size_t kScanPoints = 500;
 // A point is hidden when another one in its cell of the image is so much nearer.
-constexpr double kCellPx = 2;
+constexpr double kRasterPx = 2;
 constexpr double kHiddenM = 0.01;
 
 struct ImagePoint {
@@ -45,8 +45,8 @@ std::vector<ImagePoint> Project(const Points& points, const Pose& camera_points,
 std::vector<ImagePoint> Visible(const std::vector<ImagePoint>& points) {
   std::map<std::pair<int, int>, double> nearest;
   const auto cell = [](const ImagePoint& p) {
-    return std::pair(static_cast<int>(std::floor(p.u / kCellPx)),
-                     static_cast<int>(std::floor(p.v / kCellPx)));
+    return std::pair(static_cast<int>(std::floor(p.u / kRasterPx)),
+                     static_cast<int>(std::floor(p.v / kRasterPx)));
   };
   for (const ImagePoint& p : points) {
     const auto [at, is_new] = nearest.emplace(cell(p), p.depth_m);

@@ -1,7 +1,6 @@
 #include "lab/experiment/report/matching_scores.h"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include "absl/strings/str_cat.h"
@@ -43,7 +42,6 @@ Charts ChartsOf(std::span<const Candidate> shown, const Answer& answer) {
                         .categories = {},
                         .series = {{"verification score", {}}},
                         .scale_end = 1}};
-  constexpr double kNoBar = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const std::string stable_pose = shown[i].view ? shown[i].view->stable_pose : "";
     const std::string name = absl::StrCat(i + 1, ". ", ObjectOf(stable_pose));

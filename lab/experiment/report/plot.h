@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,11 +12,12 @@ namespace graspdb::client {
 
 // Colours there are for series; more of them begin again.
 inline constexpr std::size_t kSeriesColors = 5;
+inline constexpr double kNoBar = std::numeric_limits<double>::quiet_NaN();
 
 // Horizontal bars: a group for each category, in it a bar for each series.
 struct BarSeries {
   std::string name;
-  std::vector<double> values;            // one a category; NaN: no bar
+  std::vector<double> values;            // one a category, or kNoBar
   std::vector<std::string> labels = {};  // beside the bars; the values where it is empty
 };
 struct BarChart {

@@ -14,7 +14,7 @@
 namespace graspdb::client {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // What a run says and returns.
 struct Said {
@@ -28,12 +28,12 @@ Said Simulate(const std::string& arguments) {
   std::function<absl::Status()> action;
   AddSimulateCommand(app, &action);
   app.parse("simulate " + arguments);
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   Said said;
   said.status = action();
-  said.out = testing::internal::GetCapturedStdout();
-  said.err = testing::internal::GetCapturedStderr();
+  said.out = ::testing::internal::GetCapturedStdout();
+  said.err = ::testing::internal::GetCapturedStderr();
   return said;
 }
 

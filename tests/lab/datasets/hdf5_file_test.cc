@@ -17,8 +17,6 @@ using ::graspdb::testing::StatusIs;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr auto kInvalidArgument = absl::StatusCode::kInvalidArgument;
-
 class Hdf5FileTest : public ::testing::Test {
  protected:
   absl::StatusOr<Eigen::MatrixXd> Read(const std::string& name, int rows, int columns) const {
@@ -80,9 +78,11 @@ TEST_F(Hdf5FileTest, AnotherShapeIsRefusedAndTold) {
       .Add("flat", Eigen::MatrixXd::Zero(16, 1))
       .Add("turned", Eigen::MatrixXd::Zero(3, 4));
   for (const char* name : {"small", "flat"}) {
-    EXPECT_THAT(Read(name, 4, 4), StatusIs(kInvalidArgument, HasSubstr("it must be 4 x 4")));
+    EXPECT_THAT(Read(name, 4, 4),
+                StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("it must be 4 x 4")));
   }
-  EXPECT_THAT(Read("turned", 4, 3), StatusIs(kInvalidArgument, HasSubstr("has the shape (3, 4)")));
+  EXPECT_THAT(Read("turned", 4, 3),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("has the shape (3, 4)")));
 }
 
 TEST_F(Hdf5FileTest, WhatIsNoFiniteNumberIsRefused) {
@@ -90,14 +90,17 @@ TEST_F(Hdf5FileTest, WhatIsNoFiniteNumberIsRefused) {
   matrix(2, 3) = std::numeric_limits<double>::quiet_NaN();
   const char letter = 'x';
   Hdf5Writer(path_).Add("broken", matrix).Add("text", {1}, H5T_C_S1, &letter);
-  EXPECT_THAT(Read("broken", 4, 4), StatusIs(kInvalidArgument, HasSubstr("not finite")));
-  EXPECT_THAT(Read("text", 1, 1), StatusIs(kInvalidArgument, HasSubstr("does not hold numbers")));
+  EXPECT_THAT(Read("broken", 4, 4),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("not finite")));
+  EXPECT_THAT(Read("text", 1, 1),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("does not hold numbers")));
 }
 
 TEST_F(Hdf5FileTest, AFileThatIsNoHdf5OrCutShortIsRefusedInSilence) {
   ::testing::internal::CaptureStderr();
   folder_.Write("numbers.h5", "no HDF5\n");
-  EXPECT_THAT(Read("pose", 4, 4), StatusIs(kInvalidArgument, HasSubstr("is no HDF5 file")));
+  EXPECT_THAT(Read("pose", 4, 4),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is no HDF5 file")));
   Hdf5Writer(path_).Add("pose", Eigen::Matrix4d::Identity());
   const std::string whole = BytesOf(path_);
   folder_.Write("numbers.h5", whole.substr(0, whole.size() / 2));

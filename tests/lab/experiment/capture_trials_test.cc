@@ -17,8 +17,6 @@ using ::graspdb::testing::IsOk;
 using ::graspdb::testing::StatusIs;
 using ::testing::HasSubstr;
 
-constexpr auto kFailedPrecondition = absl::StatusCode::kFailedPrecondition;
-
 // Two parts on a turntable, and a scene of each and of a third one.
 class CaptureTrialsTest : public ::testing::Test {
  protected:
@@ -120,14 +118,16 @@ TEST_F(CaptureTrialsTest, ASetWithNothingToAskSaysWhatToDo) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::TEACH);
   });
-  EXPECT_THAT(Run(false), StatusIs(kFailedPrecondition, HasSubstr("--leave-one-out")));
+  EXPECT_THAT(Run(false),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--leave-one-out")));
 }
 
 TEST_F(CaptureTrialsTest, ASetWithNothingToTeachSaysWhatToDo) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::QUERY);
   });
-  EXPECT_THAT(Run(false), StatusIs(kFailedPrecondition, HasSubstr("the split TEACH")));
+  EXPECT_THAT(Run(false),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("the split TEACH")));
 }
 
 }  // namespace

@@ -5,13 +5,12 @@
 #include <numbers>
 
 #include "files/pose_message.h"
+#include "recognition/base/units.h"
 
 namespace graspdb::client {
 namespace {
 
 using recognition::Pose;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Pose TurnAboutZ(double turn_rad) {
   return Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
@@ -63,16 +62,16 @@ TEST_F(JudgePickTest, ThreeMillimetresAndTwoDegreesAreTheLimit) {
   EXPECT_TRUE(WouldHold(shifted(0.0029)));
   EXPECT_FALSE(WouldHold(shifted(0.0031)));
   const auto turned = [&](double degrees) {
-    return Judge(0, Tool(0, 0, TurnAboutZ(degrees * kDegree)));
+    return Judge(0, Tool(0, 0, TurnAboutZ(degrees * recognition::kRadiansPerDegree)));
   };
   EXPECT_TRUE(WouldHold(turned(1.9)));
   EXPECT_FALSE(WouldHold(turned(2.1)));
 }
 
 TEST_F(JudgePickTest, TurnsOfTheSymmetryHoldAndOthersDoNot) {
-  EXPECT_TRUE(WouldHold(Judge(1, Tool(1, 120 * kDegree))));
-  EXPECT_FALSE(WouldHold(Judge(1, Tool(1, 30 * kDegree))));
-  EXPECT_FALSE(WouldHold(Judge(0, Tool(0, 60 * kDegree))));
+  EXPECT_TRUE(WouldHold(Judge(1, Tool(1, 120 * recognition::kRadiansPerDegree))));
+  EXPECT_FALSE(WouldHold(Judge(1, Tool(1, 30 * recognition::kRadiansPerDegree))));
+  EXPECT_FALSE(WouldHold(Judge(0, Tool(0, 60 * recognition::kRadiansPerDegree))));
   EXPECT_TRUE(WouldHold(Judge(2, Tool(2, 1.2345))));
 }
 

@@ -7,6 +7,7 @@
 
 #include "recognition/descriptors/descriptor.h"
 #include "tests/recognition/descriptor_parts.h"
+#include "tests/recognition/descriptors/described.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -45,12 +46,6 @@ void AddRing(int count, double radius, double z, const RingNormal& n, OrientedCl
   }
 }
 
-Descriptor Must(const OrientedCloud& cloud, const Vector3d& viewpoint, DescriptorKind kind) {
-  const auto descriptor = Describe(cloud, viewpoint, kind);
-  EXPECT_TRUE(descriptor.ok()) << descriptor.status();
-  return descriptor.value_or(Descriptor(static_cast<std::size_t>(DescriptorSize(kind))));
-}
-
 // A value that a share of the points has.
 using Share = std::pair<double, double>;
 
@@ -74,8 +69,8 @@ class TwoRingsTest : public ::testing::Test {
   TwoRingsTest() {
     AddRing(9, 0.03, 0.04, normal_, &cloud_);
     AddRing(9, 0.03, -0.04, normal_, &cloud_);
-    vfh_ = Must(cloud_, viewpoint_, DescriptorKind::kVfh263);
-    mvfh_ = Must(cloud_, viewpoint_, DescriptorKind::kMvfh300);
+    vfh_ = Described(cloud_, viewpoint_, DescriptorKind::kVfh263);
+    mvfh_ = Described(cloud_, viewpoint_, DescriptorKind::kMvfh300);
   }
 
   // 0.36^2 + 0.48^2 + 0.8^2 = 1.
@@ -135,7 +130,7 @@ TEST(DescriptorEquationsTest, ThetaPassesTheRightAngle) {
   OrientedCloud cloud;
   AddRing(6, 0.03, 0, {std::sin(130 * kDegree), 0, std::cos(130 * kDegree)}, &cloud);
   AddRing(18, 0.05, 0, {0, 0, 1}, &cloud);
-  const Descriptor mvfh = Must(cloud, {0, 0, 0.5}, DescriptorKind::kMvfh300);
+  const Descriptor mvfh = Described(cloud, {0, 0, 0.5}, DescriptorKind::kMvfh300);
   ExpectPart(mvfh, kTheta, 1.0 / 6, {{130 * kDegree, 0.25}, {0, 0.75}});
   ExpectPart(mvfh, kViewTheta, 1.0 / 6, {{-130 * kDegree, 0.25}, {0, 0.75}});
 }
@@ -153,12 +148,12 @@ TEST(DescriptorEquationsTest, ViewAxesFollowTheViewpointAndNotThePoint) {
     cloud.normals[i] = Vector3d(0, y, std::sqrt(1 - y * y)).cast<float>();
   }
   const Vector3d viewpoint = 1e5 * Vector3d(std::sin(50 * kDegree), 0, std::cos(50 * kDegree));
-  const Descriptor mvfh = Must(cloud, viewpoint, DescriptorKind::kMvfh300);
+  const Descriptor mvfh = Described(cloud, viewpoint, DescriptorKind::kMvfh300);
   ExpectPart(mvfh, kViewAlpha, 1.0 / 6, {{-far_lean, 1.0 / 3}, {near_lean, 2.0 / 3}});
   ExpectPart(mvfh, kViewTheta, 1.0 / 6, {{0, 1}});
 
   const double cos_beta = std::cos(50 * kDegree);
-  ExpectPart(Must(cloud, viewpoint, DescriptorKind::kVfh263), kBeta, 1.0 / 4,
+  ExpectPart(Described(cloud, viewpoint, DescriptorKind::kVfh263), kBeta, 1.0 / 4,
              {{cos_beta * std::sqrt(1 - far_lean * far_lean), 1.0 / 3},
               {cos_beta * std::sqrt(1 - near_lean * near_lean), 2.0 / 3}});
 }
@@ -172,7 +167,7 @@ TEST(DescriptorEquationsTest, ViewThetaTurnsTowardsTheViewpoint) {
     cloud.normals[i] = Vector3d(x, 0, std::sqrt(1 - x * x)).cast<float>();
   }
   const Vector3d viewpoint = 1e5 * Vector3d(std::sin(50 * kDegree), 0, std::cos(50 * kDegree));
-  const Descriptor mvfh = Must(cloud, viewpoint, DescriptorKind::kMvfh300);
+  const Descriptor mvfh = Described(cloud, viewpoint, DescriptorKind::kMvfh300);
   ExpectPart(mvfh, kViewAlpha, 1.0 / 6, {{0, 1}});
   ExpectPart(mvfh, kViewTheta, 1.0 / 6, {{std::asin(0.62), 1.0 / 3}, {std::asin(-0.31), 2.0 / 3}});
 }

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "recognition/descriptors/descriptor.h"
+#include "tests/recognition/descriptors/described.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
@@ -23,12 +24,6 @@ using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
 
 constexpr float kTolerance = 1e-4F;
-
-Descriptor Must(const OrientedCloud& cloud, const Vector3d& viewpoint, DescriptorKind kind) {
-  const auto descriptor = Describe(cloud, viewpoint, kind);
-  EXPECT_TRUE(descriptor.ok()) << descriptor.status();
-  return descriptor.value_or(Descriptor(static_cast<std::size_t>(DescriptorSize(kind))));
-}
 
 float LargestDifference(const Descriptor& a, const Descriptor& b) {
   float largest = 0;
@@ -57,8 +52,8 @@ class DescriptorInvarianceTest : public ::testing::TestWithParam<Case> {
 TEST_P(DescriptorInvarianceTest, OrderOfThePointsDoesNotMatter) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Prepare(seed);
-    const Descriptor before = Must(cloud_, viewpoint_, kind_);
-    const Descriptor after = Must(Reordered(random_, cloud_), viewpoint_, kind_);
+    const Descriptor before = Described(cloud_, viewpoint_, kind_);
+    const Descriptor after = Described(Reordered(random_, cloud_), viewpoint_, kind_);
     EXPECT_LE(LargestDifference(before, after), kTolerance) << "seed " << seed;
   }
 }
@@ -68,8 +63,8 @@ TEST_P(DescriptorInvarianceTest, RigidMotionOfCloudAndSensorDoesNotMatter) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Prepare(seed);
     const Pose motion = RandomPose(random_, 1.0);
-    const Descriptor before = Must(cloud_, viewpoint_, kind_);
-    const Descriptor after = Must(Moved(motion, cloud_), motion * viewpoint_, kind_);
+    const Descriptor before = Described(cloud_, viewpoint_, kind_);
+    const Descriptor after = Described(Moved(motion, cloud_), motion * viewpoint_, kind_);
     const float difference = LargestDifference(before, after);
     EXPECT_LE(difference, kTolerance) << "seed " << seed;
     largest = std::max(largest, difference);
@@ -79,8 +74,8 @@ TEST_P(DescriptorInvarianceTest, RigidMotionOfCloudAndSensorDoesNotMatter) {
 
 TEST_P(DescriptorInvarianceTest, MotionOfTheSensorAloneDoesMatter) {
   Prepare(1);
-  const Descriptor right = Must(cloud_, {0.4, 0, 0.5}, kind_);
-  const Descriptor behind = Must(cloud_, {0, 0.4, 0.5}, kind_);
+  const Descriptor right = Described(cloud_, {0.4, 0, 0.5}, kind_);
+  const Descriptor behind = Described(cloud_, {0, 0.4, 0.5}, kind_);
   EXPECT_GT(ChiSquareDistance(right, behind), 0.05);
 }
 
@@ -106,11 +101,11 @@ TEST(DescriptorInvarianceEdgeTest, PointsWithoutAFrameHaveNoneAfterARigidMotion)
   const Vector3d viewpoint(0, 0, 0.6);
   Random random(11);
   for (const DescriptorKind kind : {DescriptorKind::kVfh263, DescriptorKind::kMvfh300}) {
-    const Descriptor before = Must(cloud, viewpoint, kind);
+    const Descriptor before = Described(cloud, viewpoint, kind);
     float largest = 0;
     for (int i = 0; i < 20; ++i) {
       const Pose motion = RandomPose(random, 1.0);
-      const Descriptor after = Must(Moved(motion, cloud), motion * viewpoint, kind);
+      const Descriptor after = Described(Moved(motion, cloud), motion * viewpoint, kind);
       largest = std::max(largest, LargestDifference(before, after));
     }
     EXPECT_LE(largest, kTolerance) << DescriptorName(kind);

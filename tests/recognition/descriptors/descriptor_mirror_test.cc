@@ -11,6 +11,7 @@
 
 #include "recognition/descriptors/descriptor.h"
 #include "tests/recognition/descriptor_parts.h"
+#include "tests/recognition/descriptors/described.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
@@ -29,12 +30,6 @@ using ::graspdb::testing::MirroredInX;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
-
-Descriptor Must(const OrientedCloud& cloud, const Vector3d& viewpoint, DescriptorKind kind) {
-  const auto descriptor = Describe(cloud, viewpoint, kind);
-  EXPECT_TRUE(descriptor.ok()) << descriptor.status();
-  return descriptor.value_or(Descriptor(static_cast<std::size_t>(DescriptorSize(kind))));
-}
 
 std::vector<float> TurnedRound(std::vector<float> bins) {
   std::reverse(bins.begin(), bins.end());
@@ -71,33 +66,33 @@ class MirrorImageTest : public ::testing::Test {
 };
 
 TEST_F(MirrorImageTest, CosAlphaOfBothFramesIsTurnedRound) {
-  const Descriptor before = Must(cloud_, viewpoint_, DescriptorKind::kMvfh300);
-  const Descriptor after = Must(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor before = Described(cloud_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor after = Described(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
   EXPECT_THAT(Bins(after, kAlpha), Equals(TurnedRound(Bins(before, kAlpha))));
   EXPECT_THAT(Bins(after, kViewAlpha), Equals(TurnedRound(Bins(before, kViewAlpha))));
   EXPECT_THAT(Bins(after, kViewAlpha), ::testing::Not(Equals(Bins(before, kViewAlpha))));
 }
 
 TEST_F(MirrorImageTest, EveryOtherPartOfMvfhStays) {
-  const Descriptor before = Must(cloud_, viewpoint_, DescriptorKind::kMvfh300);
-  const Descriptor after = Must(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor before = Described(cloud_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor after = Described(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
   for (const auto& part : {kPhi, kTheta, kViewPhi, kViewTheta}) {
     EXPECT_THAT(Bins(after, part), Equals(Bins(before, part))) << part.name;
   }
 }
 
 TEST_F(MirrorImageTest, ViewpointPartOfVfhStaysWhileThatOfMvfhChanges) {
-  const Descriptor vfh = Must(cloud_, viewpoint_, DescriptorKind::kVfh263);
-  const Descriptor vfh_mirrored = Must(mirrored_, viewpoint_, DescriptorKind::kVfh263);
+  const Descriptor vfh = Described(cloud_, viewpoint_, DescriptorKind::kVfh263);
+  const Descriptor vfh_mirrored = Described(mirrored_, viewpoint_, DescriptorKind::kVfh263);
   EXPECT_LT(ChiSquareDistance(Bins(vfh, kBeta), Bins(vfh_mirrored, kBeta)), 1e-5);
-  const Descriptor mvfh = Must(cloud_, viewpoint_, DescriptorKind::kMvfh300);
-  const Descriptor mvfh_mirrored = Must(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor mvfh = Described(cloud_, viewpoint_, DescriptorKind::kMvfh300);
+  const Descriptor mvfh_mirrored = Described(mirrored_, viewpoint_, DescriptorKind::kMvfh300);
   EXPECT_GT(ChiSquareDistance(Bins(mvfh, kViewAlpha), Bins(mvfh_mirrored, kViewAlpha)), 0.01);
 }
 
 // A roof whose ridge runs along x: left and right alike, a short steep slope on one side
 // and a long gentle one on the other.
-OrientedCloud Roof() {
+OrientedCloud LopsidedRoof() {
   Random random(3);
   OrientedCloud cloud;
   const auto add = [&](double x, double y, double z, const Vector3d& normal) {
@@ -120,20 +115,20 @@ OrientedCloud Roof() {
 
 // Figure 9b and 9c of the paper.
 TEST(YawTest, VfhDoesNotTellYawPlus30FromMinus30AndMvfhDoes) {
-  const OrientedCloud roof = Roof();
+  const OrientedCloud roof = LopsidedRoof();
   const auto distance = [&](DescriptorKind kind) {
-    return ChiSquareDistance(Must(roof, YawedViewpoint(30), kind),
-                             Must(roof, YawedViewpoint(-30), kind));
+    return ChiSquareDistance(Described(roof, YawedViewpoint(30), kind),
+                             Described(roof, YawedViewpoint(-30), kind));
   };
   EXPECT_LT(distance(DescriptorKind::kVfh263), 1e-5);
   EXPECT_GT(distance(DescriptorKind::kMvfh300), 0.2);
 }
 
 TEST(YawTest, BothTellYawPlus30FromNoYaw) {
-  const OrientedCloud roof = Roof();
+  const OrientedCloud roof = LopsidedRoof();
   for (const DescriptorKind kind : {DescriptorKind::kVfh263, DescriptorKind::kMvfh300}) {
-    EXPECT_GT(ChiSquareDistance(Must(roof, YawedViewpoint(30), kind),
-                                Must(roof, YawedViewpoint(0), kind)),
+    EXPECT_GT(ChiSquareDistance(Described(roof, YawedViewpoint(30), kind),
+                                Described(roof, YawedViewpoint(0), kind)),
               0.1);
   }
 }
@@ -150,8 +145,8 @@ TEST(YawTest, FlatFaceLooksTheSameToMvfhFromEverywhere) {
     face.normals.emplace_back(0.0F, 0.0F, 1.0F);
   }
   const auto distance = [&](DescriptorKind kind, double yaw_a, double yaw_b) {
-    return ChiSquareDistance(Must(face, YawedViewpoint(yaw_a), kind),
-                             Must(face, YawedViewpoint(yaw_b), kind));
+    return ChiSquareDistance(Described(face, YawedViewpoint(yaw_a), kind),
+                             Described(face, YawedViewpoint(yaw_b), kind));
   };
   EXPECT_LT(distance(DescriptorKind::kMvfh300, 30, -30), 1e-5);
   EXPECT_LT(distance(DescriptorKind::kMvfh300, 30, 0), 1e-5);

@@ -21,11 +21,11 @@ using ::graspdb::testing::WavySurface;
 Pose At(const Vector3d& eye) { return Pose(Eigen::Translation3d(eye)); }
 Pose Eye() { return At({0.1, -0.6, 0.5}); }
 
-Pose Turn(double deg) {
+Pose YawPose(double deg) {
   return Pose(Eigen::AngleAxisd(deg * std::numbers::pi / 180, Vector3d::UnitZ()));
 }
 
-float LargestDifference(const Descriptor& a, const Descriptor& b) {
+float LargestBinDifference(const Descriptor& a, const Descriptor& b) {
   float largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
@@ -58,20 +58,20 @@ TEST(Gsh288, OrderPlaceAndATurnAboutTheVerticalDoNotMatter) {
   Random random(2);
   const OrientedCloud cloud = WavySurface(random, 2000);
   const Descriptor before = DescribeGsh288(cloud, Eye());
-  EXPECT_LT(LargestDifference(before, DescribeGsh288(Reordered(random, cloud), Eye())), 1e-6F);
+  EXPECT_LT(LargestBinDifference(before, DescribeGsh288(Reordered(random, cloud), Eye())), 1e-6F);
   for (const double deg : {3.0, 90.0, 200.0}) {
-    Pose motion = Turn(deg);
+    Pose motion = YawPose(deg);
     motion.translation() = Vector3d(0.3, -0.2, 0.05);
     const Descriptor after = DescribeGsh288(Moved(motion, cloud), motion * Eye());
-    EXPECT_LT(LargestDifference(before, after), 1e-5F) << deg;
+    EXPECT_LT(LargestBinDifference(before, after), 1e-5F) << deg;
   }
 }
 
 // What VFH and MVFH cannot tell: all normals of a flat face are alike.
 TEST(Gsh288, AFlatFaceIsNotItsMirrorImage) {
   const Pose eye = At({0, -0.6, 0.4});
-  const Descriptor left = DescribeGsh288(Moved(Turn(30), Face()), eye);
-  const Descriptor right = DescribeGsh288(Moved(Turn(-30), Face()), eye);
+  const Descriptor left = DescribeGsh288(Moved(YawPose(30), Face()), eye);
+  const Descriptor right = DescribeGsh288(Moved(YawPose(-30), Face()), eye);
   EXPECT_GT(ChiSquareDistance(left, right), 0.5);
 }
 
@@ -80,8 +80,8 @@ TEST(Gsh288, ASmallTurnIsASmallDistance) {
   Random random(3);
   const OrientedCloud cloud = WavySurface(random, 2000);
   const Descriptor before = DescribeGsh288(cloud, Eye());
-  const double near = ChiSquareDistance(before, DescribeGsh288(Moved(Turn(1), cloud), Eye()));
-  const double far = ChiSquareDistance(before, DescribeGsh288(Moved(Turn(15), cloud), Eye()));
+  const double near = ChiSquareDistance(before, DescribeGsh288(Moved(YawPose(1), cloud), Eye()));
+  const double far = ChiSquareDistance(before, DescribeGsh288(Moved(YawPose(15), cloud), Eye()));
   EXPECT_LT(near, 0.1 * far);
 }
 
@@ -93,7 +93,7 @@ TEST(Gsh288, SeenFromAboveItDoesNotMatterOnWhichSide) {
   above.translation() = Centroid(face.points) + Vector3d(0.02, 0, 0.5);
   const Descriptor from_x = DescribeGsh288(face, above);
   above.translation().x() -= 0.04;
-  EXPECT_LT(LargestDifference(from_x, DescribeGsh288(face, above)), 1e-6F);
+  EXPECT_LT(LargestBinDifference(from_x, DescribeGsh288(face, above)), 1e-6F);
   above.rotate(Eigen::AngleAxisd(0.5, Vector3d::UnitZ()));
   EXPECT_GT(ChiSquareDistance(from_x, DescribeGsh288(face, above)), 0.1) << "the image has turned";
 }

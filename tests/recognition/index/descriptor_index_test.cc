@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr int kBins = 300;
+constexpr int kMvfhBins = 300;
 
 IndexedView View(const std::string& name, Descriptor descriptor) {
   auto view = std::make_shared<TaughtView>();
@@ -29,7 +29,7 @@ IndexedView View(const std::string& name, Descriptor descriptor) {
 
 // Sparse like real ones: most bins are zero.
 Descriptor RandomDescriptor(Random& random) {
-  Descriptor out(kBins, 0.0F);
+  Descriptor out(kMvfhBins, 0.0F);
   double sum = 0;
   for (float& x : out) {
     const double value = Uniform(random, -2, 1);
@@ -51,7 +51,7 @@ std::vector<IndexedView> RandomViews(Random& random, int count) {
 }
 
 DescriptorIndex IndexOf(const std::vector<IndexedView>& views) {
-  return DescriptorIndex(kBins).With(views);
+  return DescriptorIndex(kMvfhBins).With(views);
 }
 
 std::vector<std::string> Names(const std::vector<Match>& matches) {
@@ -105,7 +105,7 @@ TEST(DescriptorIndexTest, OrderInWhichViewsCameDoesNotMatter) {
   std::vector<IndexedView> views = RandomViews(random, 700);
   const DescriptorIndex whole = IndexOf(views);
   std::shuffle(views.begin(), views.end(), random);
-  DescriptorIndex one_by_one(kBins);
+  DescriptorIndex one_by_one(kMvfhBins);
   for (const IndexedView& v : views) one_by_one = one_by_one.With(std::span(&v, 1));
   for (int i = 0; i < 10; ++i) {
     const Descriptor query = RandomDescriptor(random);
@@ -120,9 +120,9 @@ TEST(DescriptorIndexTest, JoinedIndicesFindWhatOneOfAllViewsFinds) {
   Random random(17);
   const std::vector<IndexedView> views = RandomViews(random, 1500);
   const std::span<const IndexedView> all(views);
-  const DescriptorIndex joined = DescriptorIndex(kBins)
+  const DescriptorIndex joined = DescriptorIndex(kMvfhBins)
                                      .With(all.first(700))
-                                     .Joined(DescriptorIndex(kBins).With(all.subspan(700)));
+                                     .Joined(DescriptorIndex(kMvfhBins).With(all.subspan(700)));
   EXPECT_EQ(joined.view_count(), views.size());
   const Descriptor query = RandomDescriptor(random);
   EXPECT_EQ(Names(joined.Nearest(query, 20)), Names(IndexOf(views).Nearest(query, 20)));
@@ -207,7 +207,7 @@ TEST(DescriptorIndexTest, CountLargerThanTheIndexGivesAll) {
 TEST(DescriptorIndexTest, NothingComesOfAnEmptyIndexAWrongLengthOrNoCount) {
   Random random(50);
   const DescriptorIndex index = IndexOf(RandomViews(random, 5));
-  EXPECT_THAT(DescriptorIndex(kBins).Nearest(RandomDescriptor(random), 5), IsEmpty());
+  EXPECT_THAT(DescriptorIndex(kMvfhBins).Nearest(RandomDescriptor(random), 5), IsEmpty());
   EXPECT_THAT(index.Nearest(Descriptor(263, 0.1F), 5), IsEmpty());
   EXPECT_THAT(index.Nearest({}, 5), IsEmpty());
   EXPECT_THAT(index.Nearest(RandomDescriptor(random), 0), IsEmpty());

@@ -16,16 +16,16 @@ using ::graspdb::testing::Uniform;
 
 using Rows = std::vector<std::vector<float>>;
 
-constexpr std::size_t kBins = 60;
+constexpr std::size_t kRowBins = 60;
 
 // Sums of a few patterns, and a little of everything.
 Rows Sample(Random& random, std::size_t count) {
   Rows out;
   for (std::size_t i = 0; i < count; ++i) {
-    std::vector<float> row(kBins);
+    std::vector<float> row(kRowBins);
     const double phase = Uniform(random, 0, 6);
     const double waves = Uniform(random, 1, 3);
-    for (std::size_t j = 0; j < kBins; ++j) {
+    for (std::size_t j = 0; j < kRowBins; ++j) {
       const double wave = 1 + std::sin(phase + waves * static_cast<double>(j) / 10);
       row[j] = static_cast<float>(0.1 * wave + Uniform(random, 0, 0.01));
     }
@@ -65,8 +65,8 @@ TEST(RootProjectionTest, DistancesOfWhatItWasNotFittedToBecomeNoLargerEither) {
   const auto projection = RootProjection::Fit(Sample(random, 500));
   ASSERT_NE(projection, nullptr);
   for (const double size : {1e-20, 1e-6, 1.0, 1e6}) {
-    std::vector<float> a(kBins);
-    std::vector<float> b(kBins);
+    std::vector<float> a(kRowBins);
+    std::vector<float> b(kRowBins);
     for (float& x : a) x = static_cast<float>(Uniform(random, 0, size));
     for (float& x : b) x = static_cast<float>(Uniform(random, 0, size));
     const auto pa = projection->Project(a);

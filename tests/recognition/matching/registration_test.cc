@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "recognition/base/units.h"
 #include "recognition/segmentation/segmentation.h"
 #include "tests/recognition/synthetic_clouds.h"
 
@@ -17,8 +18,6 @@ using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomMotion;
 using ::graspdb::testing::Uniform;
 using ::graspdb::testing::WavySurface;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 double Turn(const Pose& pose) { return std::abs(Eigen::AngleAxisd(pose.linear()).angle()); }
 
@@ -48,12 +47,12 @@ TEST_P(RegistrationTest, KnownMotionsAreRecovered) {
   const OrientedCloud source = WavySurface(random_, 2000);
   const Vector3d center = Centroid(source.points);
   for (int i = 0; i < 8; ++i) {
-    const Pose truth = RandomMotion(random_, center, 6 * kDegree, 0.004);
+    const Pose truth = RandomMotion(random_, center, 6 * kRadiansPerDegree, 0.004);
     const Registration found = AlignWith(Moved(truth, source), source.points);
     const Pose error = truth.inverse() * found.target_source;
     EXPECT_TRUE(found.converged) << i;
     EXPECT_LT((error * center - center).norm(), 1e-4) << i;
-    EXPECT_LT(Turn(error), 0.05 * kDegree) << i;
+    EXPECT_LT(Turn(error), 0.05 * kRadiansPerDegree) << i;
     EXPECT_LT(found.rms_error_m, 1e-4) << i;
     EXPECT_DOUBLE_EQ(found.inlier_fraction, 1) << i;
     EXPECT_GT(found.iterations, 0) << i;
@@ -78,7 +77,7 @@ TEST_P(RegistrationTest, PointsWithoutCounterpartDoNotPull) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     random_.seed(seed);
     const OrientedCloud source = WavySurface(random_, 3000);
-    const Pose truth = RandomMotion(random_, Centroid(source.points), 3 * kDegree, 0.003);
+    const Pose truth = RandomMotion(random_, Centroid(source.points), 3 * kRadiansPerDegree, 0.003);
     const OrientedCloud moved = Moved(truth, source);
     OrientedCloud target;
     for (std::size_t i = 0; i < source.points.size(); ++i) {
@@ -107,13 +106,13 @@ TEST_P(RegistrationTest, PlaneIsLevelledAndDoesNotFlyAway) {
     source.emplace_back(
         Vector3d(Uniform(random_, -0.05, 0.05), Uniform(random_, -0.05, 0.05), 0).cast<float>());
   }
-  const Pose tilted = RandomMotion(random_, Vector3d::Zero(), 3 * kDegree, 0.004);
+  const Pose tilted = RandomMotion(random_, Vector3d::Zero(), 3 * kRadiansPerDegree, 0.004);
   const Registration found = AlignWith(target, source, tilted);
   ASSERT_TRUE(found.target_source.matrix().allFinite());
   EXPECT_LT(std::abs(found.target_source.translation().z()), 2e-4);
-  EXPECT_LT(std::acos(std::min(1.0, found.target_source.linear()(2, 2))), 0.2 * kDegree);
+  EXPECT_LT(std::acos(std::min(1.0, found.target_source.linear()(2, 2))), 0.2 * kRadiansPerDegree);
   EXPECT_LT(found.target_source.translation().norm(), 0.01);
-  EXPECT_LT(Turn(found.target_source), 5 * kDegree);
+  EXPECT_LT(Turn(found.target_source), 5 * kRadiansPerDegree);
 }
 
 TEST_P(RegistrationTest, PointsOnALineStayFinite) {
@@ -149,7 +148,7 @@ TEST_P(RegistrationTest, NothingToAlignIsNotConverged) {
 TEST_P(RegistrationTest, TooFewIterationsAreNotConverged) {
   parameters_.icp_iteration_count = 1;
   const OrientedCloud source = WavySurface(random_, 1000);
-  const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kDegree, 0.004);
+  const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kRadiansPerDegree, 0.004);
   const Registration found = AlignWith(Moved(truth, source), source.points);
   EXPECT_FALSE(found.converged);
   EXPECT_EQ(found.iterations, 1);
@@ -157,7 +156,7 @@ TEST_P(RegistrationTest, TooFewIterationsAreNotConverged) {
 
 TEST_P(RegistrationTest, SameInputGivesTheSameBits) {
   const OrientedCloud source = WavySurface(random_, 1000);
-  const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kDegree, 0.004);
+  const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kRadiansPerDegree, 0.004);
   const OrientedCloud target = Moved(truth, source);
   const Registration first = AlignWith(target, source.points);
   const Registration again = AlignWith(target, source.points);

@@ -24,7 +24,7 @@ Pose WorldSensor() { return graspdb::testing::LookAt({-0.6, 0, 0.6}, Vector3d::Z
 
 // A plate of 20 x 10 cm, 5 mm thick, and a leg of 8 cm that stands up at its far end: what the
 // camera sees of it.
-OrientedCloud Plate() {
+OrientedCloud AnglePlate() {
   OrientedCloud out;
   for (int i = 0; i < 80; ++i) {
     for (int j = 0; j < 40; ++j) {
@@ -50,7 +50,7 @@ Pose Displaced() {
 // What is left of it as a segment where everything up to `table_reach_m` was removed.
 SeenSegment Seen(double table_reach_m) {
   Points points;
-  for (const Vector3f& p : Plate().points) {
+  for (const Vector3f& p : AnglePlate().points) {
     if (static_cast<double>(p.z()) > table_reach_m) {
       points.emplace_back(Displaced().cast<float>() * p);
     }
@@ -67,7 +67,8 @@ std::vector<double> Offs(const SeenSegment& segment, const DepthBuffer::Sides& h
   TaughtView view;
   view.world_sensor = WorldSensor();
   std::vector<double> out;
-  for (const Pose& rough : RoughPoses(view, SurfaceModel(Plate(), 24), segment, hidden).poses) {
+  for (const Pose& rough :
+       RoughPoses(view, SurfaceModel(AnglePlate(), 24), segment, hidden).poses) {
     out.push_back((rough.translation() - Displaced().translation()).norm());
   }
   return out;
@@ -85,7 +86,7 @@ TEST(RoughPoses, WhatStandsUpFromAPlateThatWentWithTheTableSaysWhereThePlateIs) 
 TEST(RoughPoses, AnySideOfWhatIsSeenAloneMayBeHidden) {
   Points half;
   const Eigen::Isometry3f sensor_world = WorldSensor().inverse().cast<float>();
-  for (const Vector3f& p : Plate().points) {
+  for (const Vector3f& p : AnglePlate().points) {
     const Vector3f world = Displaced().cast<float>() * p;
     if ((sensor_world * world).x() < 0) half.push_back(world);
   }

@@ -14,7 +14,7 @@ using ::graspdb::testing::LookAt;
 using ::graspdb::testing::SmallCamera;
 using ::graspdb::testing::TakePicture;
 
-constexpr double kTolerance = 0.006;
+constexpr double kToleranceM = 0.006;
 
 // A box of 8 x 6 x 5 cm.
 Box BrickBox() { return {{-0.04, -0.03, 0}, {0.04, 0.03, 0.05}}; }
@@ -71,7 +71,7 @@ class VerificationTest : public ::testing::Test {
     }
     const Segment& segment = segmentation->segments.front();
     return Verify(model, claimed, SoaCloud(segment.cloud), DepthBuffer(scan, world_sensor, segment),
-                  {.tolerance_m = kTolerance, .min_score = min_score});
+                  {.tolerance_m = kToleranceM, .min_score = min_score});
   }
 
   static Pose At(double x, double y, double yaw_rad) {

@@ -22,13 +22,13 @@ SensorFrame FrameNow() {
   return {.scan = image, .time = absl::Now(), .world_sensor = {}};
 }
 
-Pose At(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
+Pose AtX(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
 
 class CaptureAndRecognizeTest : public ::testing::Test {
  protected:
   CaptureAndRecognizeTest() {
     server_.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_sensor_pose() = ToMessage(At(0.5));
+      *cell->mutable_sensor_pose() = ToMessage(AtX(0.5));
       return grpc::Status::OK;
     };
     server_.recognize = [this](const v1::RecognizeRequest& request, v1::RecognizeResponse* answer) {
@@ -68,20 +68,20 @@ TEST_F(CaptureAndRecognizeTest, AFrameIsAskedAboutWithTheCellsCalibration) {
   ASSERT_THAT(look, IsOk());
   EXPECT_EQ(look->request.cell(), "cells/press-3");
   EXPECT_EQ(look->response.catalog_revision(), 640);
-  EXPECT_TRUE(FromMessage(look->response.sensor_pose()).isApprox(At(0.5)));
+  EXPECT_TRUE(FromMessage(look->response.sensor_pose()).isApprox(AtX(0.5)));
 }
 
 TEST_F(CaptureAndRecognizeTest, ACameraOnTheRobotIsWhereTheRobotSays) {
   server_.get_cell = [](v1::Cell* cell) {
-    *cell->mutable_robot_base_pose() = ToMessage(At(-1));
-    *cell->mutable_flange_sensor_pose() = ToMessage(At(0.1));
+    *cell->mutable_robot_base_pose() = ToMessage(AtX(-1));
+    *cell->mutable_flange_sensor_pose() = ToMessage(AtX(0.1));
     return grpc::Status::OK;
   };
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("flange")));
-  base_flange_ = At(0.7);
+  base_flange_ = AtX(0.7);
   const auto look = Run();
   ASSERT_THAT(look, IsOk());
-  EXPECT_TRUE(FromMessage(look->request.sensor_pose()).isApprox(At(-0.2)));
+  EXPECT_TRUE(FromMessage(look->request.sensor_pose()).isApprox(AtX(-0.2)));
 }
 
 TEST_F(CaptureAndRecognizeTest, ACellThatNobodyCalibratedOrMadeIsSaidSo) {

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-Pose At(double x, double z = 0) { return Pose(Eigen::Translation3d(x, 0, z)); }
+Pose AtXZ(double x, double z = 0) { return Pose(Eigen::Translation3d(x, 0, z)); }
 
 grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/, v1::RecognizeResponse* out) {
   out->set_catalog_revision(7);
@@ -28,17 +28,17 @@ grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/, v1::Recogniz
   mug->set_object("objects/mug");
   mug->set_stable_pose("objects/mug/stablePoses/upright");
   mug->set_score(0.9);
-  *mug->mutable_refined_pose() = ToMessage(At(0.2));
+  *mug->mutable_refined_pose() = ToMessage(AtXZ(0.2));
   mug->mutable_centroid()->set_x(0.2);
   v1::GraspProposal* grasp = mug->add_grasps();
   grasp->set_grasp_id("rim");
-  *grasp->mutable_tcp_pose() = ToMessage(At(0.2, 0.1));
+  *grasp->mutable_tcp_pose() = ToMessage(AtXZ(0.2, 0.1));
   return grpc::Status::OK;
 }
 
 class CellRunnerTest : public ::testing::Test {
  protected:
-  absl::StatusOr<std::vector<JobPose>> Run(int job, const std::optional<Pose>& flange = At(0)) {
+  absl::StatusOr<std::vector<JobPose>> Run(int job, const std::optional<Pose>& flange = AtXZ(0)) {
     return runner_.Run({.job = job, .robot = "r", .base_flange = flange});
   }
 
@@ -47,8 +47,8 @@ class CellRunnerTest : public ::testing::Test {
     server_.Change([this](ScriptedServer& server) {
       server.recognize = MugOnTheTable;
       server.get_cell = [](v1::Cell* cell) {
-        *cell->mutable_sensor_pose() = ToMessage(At(0));
-        *cell->mutable_robot_base_pose() = ToMessage(At(-1));
+        *cell->mutable_sensor_pose() = ToMessage(AtXZ(0));
+        *cell->mutable_robot_base_pose() = ToMessage(AtXZ(-1));
         return grpc::Status::OK;
       };
       server.list_objects = [this](v1::ListObjectsResponse* response) {
@@ -87,8 +87,8 @@ TEST_F(CellRunnerTest, ARobotIsGivenGraspsInItsBaseFrame) {
   const auto poses = Run(1);
   ASSERT_THAT(poses, IsOk());
   ASSERT_THAT(*poses, SizeIs(1));
-  EXPECT_TRUE(poses->front().base_primary.isApprox(At(1.2, 0.1)));
-  EXPECT_TRUE(poses->front().base_related[0].isApprox(At(1.2)));
+  EXPECT_TRUE(poses->front().base_primary.isApprox(AtXZ(1.2, 0.1)));
+  EXPECT_TRUE(poses->front().base_related[0].isApprox(AtXZ(1.2)));
   EXPECT_EQ(poses->front().grasp_id, "rim");
 }
 
@@ -110,7 +110,7 @@ TEST_F(CellRunnerTest, LabelsAreAskedForOncePerRevision) {
 TEST_F(CellRunnerTest, TheWorkspaceOfTheCellIsKept) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_sensor_pose() = ToMessage(At(0));
+      *cell->mutable_sensor_pose() = ToMessage(AtXZ(0));
       cell->mutable_workspace()->mutable_max()->set_x(0.1);
       cell->mutable_workspace()->mutable_max()->set_y(1);
       cell->mutable_workspace()->mutable_max()->set_z(1);
@@ -153,28 +153,28 @@ TEST_F(CellRunnerTest, AShownGraspFollowsTheObjectThatTheRobotsJobSaw) {
     };
   });
   const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
-  const auto shown = Run(80, At(1.25, 0.05) * down);
+  const auto shown = Run(80, AtXZ(1.25, 0.05) * down);
   ASSERT_THAT(shown, IsOk());
   EXPECT_THAT(*shown, IsEmpty());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 2);
   const v1::Grasp& side = server_.stable_pose.grasps(1);
   EXPECT_EQ(side.grasp_id(), "side");
-  EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(At(0.05, 0.05) * down, 1e-9));
+  EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(AtXZ(0.05, 0.05) * down, 1e-9));
 }
 
 TEST_F(CellRunnerTest, WithACameraOnTheRobotAGraspIsShownAfterALook) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_flange_sensor_pose() = ToMessage(At(0));
+      *cell->mutable_flange_sensor_pose() = ToMessage(AtXZ(0));
       return grpc::Status::OK;
     };
   });
   ASSERT_THAT(keeper_.Refresh(), IsOk());
   const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
-  EXPECT_THAT(Run(80, At(0.25, 0.05) * down),
+  EXPECT_THAT(Run(80, AtXZ(0.25, 0.05) * down),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("recognising job first")));
   ASSERT_THAT(Run(1), IsOk());
-  EXPECT_THAT(Run(80, At(0.25, 0.05) * down), IsOk());
+  EXPECT_THAT(Run(80, AtXZ(0.25, 0.05) * down), IsOk());
 }
 
 TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
@@ -182,8 +182,8 @@ TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
 }
 
 TEST_F(CellRunnerTest, AToolThatIsNearNothingIsAWrongRequestNotAWrongJob) {
-  EXPECT_THAT(Run(80, At(9)), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
-  EXPECT_THAT(Run(80, At(1.2, -0.1)),
+  EXPECT_THAT(Run(80, AtXZ(9)), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
+  EXPECT_THAT(Run(80, AtXZ(1.2, -0.1)),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("below the table")));
 }
 
@@ -199,7 +199,7 @@ TEST_F(CellRunnerTest, WhatTheServerRefusesIsNoErrorOfJobOrCamera) {
       return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
     };
   });
-  EXPECT_THAT(Run(80, At(1.25, 0.05) * down),
+  EXPECT_THAT(Run(80, AtXZ(1.25, 0.05) * down),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such pose")));
   EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("PERMISSION_DENIED")));
   runner_.Given("r", Run(1)->front());

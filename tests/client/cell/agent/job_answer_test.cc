@@ -12,11 +12,11 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
+Pose AtXYZ(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
 
 // A tool that points down.
 Pose ToolAt(double x, double y, double z) {
-  Pose out = At(x, y, z);
+  Pose out = AtXYZ(x, y, z);
   out.rotate(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
   return out;
 }
@@ -27,7 +27,7 @@ v1::Detection Object(const std::string& object, double x) {
   out.set_object("objects/" + object);
   out.set_stable_pose("objects/" + object + "/stablePoses/flat");
   out.set_score(0.9);
-  *out.mutable_refined_pose() = ToMessage(At(x, 0, 0));
+  *out.mutable_refined_pose() = ToMessage(AtXYZ(x, 0, 0));
   return out;
 }
 
@@ -51,7 +51,7 @@ class PosesForTest : public ::testing::Test {
     AddGrasp("top", ToolAt(0.3, 0, 0.02), &nut);
     *answer_.add_detections() = mug;
     *answer_.add_detections() = nut;
-    frames_.world_base = At(-1, 0, 0);
+    frames_.world_base = AtXYZ(-1, 0, 0);
   }
 
   std::vector<JobPose> Poses() const {
@@ -76,9 +76,9 @@ class PosesForTest : public ::testing::Test {
 TEST_F(PosesForTest, GraspsComeInTheOrderOfTheAnswerWithTheirObjectRelated) {
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side", "objects/nut top"));
   const JobPose first = Poses()[0];
-  EXPECT_TRUE(first.base_primary.isApprox(At(1, 0, 0) * ToolAt(0.1, 0, 0.1)));
+  EXPECT_TRUE(first.base_primary.isApprox(AtXYZ(1, 0, 0) * ToolAt(0.1, 0, 0.1)));
   ASSERT_THAT(first.base_related, SizeIs(1));
-  EXPECT_TRUE(first.base_related[0].isApprox(At(1.1, 0, 0)));
+  EXPECT_TRUE(first.base_related[0].isApprox(AtXYZ(1.1, 0, 0)));
   EXPECT_EQ(first.gripper_opening_m, 0.05);
   EXPECT_EQ(first.approach_distance_m, 0.1);
   EXPECT_EQ(first.retreat_distance_m, 0.2);
@@ -89,9 +89,9 @@ TEST_F(PosesForTest, APrimaryObjectHasItsGraspsRelated) {
   job_.primary = JobPrimary::kObject;
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut top"));
   const JobPose mug = Poses()[0];
-  EXPECT_TRUE(mug.base_primary.isApprox(At(1.1, 0, 0)));
+  EXPECT_TRUE(mug.base_primary.isApprox(AtXYZ(1.1, 0, 0)));
   ASSERT_THAT(mug.base_related, SizeIs(2));
-  EXPECT_TRUE(mug.base_related[1].isApprox(At(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
+  EXPECT_TRUE(mug.base_related[1].isApprox(AtXYZ(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
 }
 
 TEST_F(PosesForTest, AJobForAnObjectOrALabelGivesNoOther) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/cell/calibration/hand_eye.h"
+#include "recognition/base/units.h"
 #include "tests/client/cell/calibration/simulated_cell.h"
 #include "tests/rendering/small_kinect.h"
 #include "tests/testing/status_matchers.h"
@@ -18,12 +19,11 @@ using graspdb::testing::IsOk;
 using graspdb::testing::SimulatedCell;
 using recognition::Pose;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kPoses = 12;
+constexpr int kProgramPoses = 12;
 constexpr std::uint64_t kRobots = 300;
 
 // The camera's own place, and what it sees where the target was, root mean square; m.
-struct Off {
+struct ProgramOff {
   double camera = 0;
   double at_work = 0;
 };
@@ -31,12 +31,13 @@ struct Off {
 class HandEyeProgramTest : public ::testing::TestWithParam<CameraMount> {
  protected:
   // Calibrates with targets that are seen exactly where they are.
-  static Off Run(std::uint64_t seed) {
+  static ProgramOff Run(std::uint64_t seed) {
     SimulatedCell cell(GetParam(), "stepped-block", graspdb::testing::SmallKinectV2(), seed);
-    const double tilt = GetParam() == CameraMount::kFixed ? 30 * kDegree : 35 * kDegree;
+    const double tilt = GetParam() == CameraMount::kFixed ? 30 * recognition::kRadiansPerDegree
+                                                          : 35 * recognition::kRadiansPerDegree;
     std::vector<HandEyeSample> samples;
-    for (int i = 0; i < kPoses; ++i) {
-      const Pose told = cell.DriveProgram(i, tilt, 90 * kDegree);
+    for (int i = 0; i < kProgramPoses; ++i) {
+      const Pose told = cell.DriveProgram(i, tilt, 90 * recognition::kRadiansPerDegree);
       samples.push_back({told, cell.camera_target()});
     }
     const auto solved = SolveHandEye(samples, GetParam());
@@ -49,7 +50,7 @@ class HandEyeProgramTest : public ::testing::TestWithParam<CameraMount> {
       squares += (solved->mount_camera * at - truth * at).squaredNorm();
     }
     return {.camera = (solved->mount_camera.translation() - truth.translation()).norm(),
-            .at_work = std::sqrt(squares / kPoses)};
+            .at_work = std::sqrt(squares / kProgramPoses)};
   }
 };
 
@@ -64,7 +65,7 @@ TEST_P(HandEyeProgramTest, TheRobotsNoiseAloneCostsLessThanAMillimetreAndAHalf) 
   std::vector<double> camera;
   std::vector<double> at_work;
   for (std::uint64_t seed = 1; seed <= kRobots; ++seed) {
-    const Off off = Run(seed);
+    const ProgramOff off = Run(seed);
     camera.push_back(off.camera);
     at_work.push_back(off.at_work);
   }

@@ -13,6 +13,7 @@
 #include "client/cell/calibration/gripped_region.h"
 #include "client/cell/robots/rotation_vector.h"
 #include "files/pose_message.h"
+#include "recognition/base/units.h"
 #include "tests/client/cell/calibration/calibration_server.h"
 #include "tests/client/cell/calibration/simulated_cell.h"
 #include "tests/rendering/small_kinect.h"
@@ -28,10 +29,9 @@ using graspdb::testing::StatusIs;
 using recognition::Pose;
 using ::testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr char kPart[] = "stepped-block";
 constexpr char kTarget[] = "objects/stepped-block";
-constexpr char kCell[] = "cells/press-1";
+constexpr char kSessionCell[] = "cells/press-1";
 constexpr int kPoses = 12;
 
 // How far a calibration is from the truth.
@@ -42,15 +42,16 @@ struct Off {
 };
 
 HandEyeSetup SetupFor(CameraMount mount) {
-  HandEyeSetup out{.cell = kCell, .target = kTarget, .mount = mount};
+  HandEyeSetup out{.cell = kSessionCell, .target = kTarget, .mount = mount};
   if (mount == CameraMount::kFixed) out.region = GrippedRegion(0.3);
   return out;
 }
 
 // The program of docs/calibration.md.
 Pose DriveWell(SimulatedCell& cell, CameraMount mount, int number) {
-  const double tilt = mount == CameraMount::kFixed ? 30 * kDegree : 35 * kDegree;
-  return cell.DriveProgram(number, tilt, 90 * kDegree);
+  const double tilt = mount == CameraMount::kFixed ? 30 * recognition::kRadiansPerDegree
+                                                   : 35 * recognition::kRadiansPerDegree;
+  return cell.DriveProgram(number, tilt, 90 * recognition::kRadiansPerDegree);
 }
 
 class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
@@ -65,7 +66,7 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
     delete shared_server;
     shared_server = nullptr;
   }
-  void TearDown() override { client().DeleteCell(kCell).IgnoreError(); }
+  void TearDown() override { client().DeleteCell(kSessionCell).IgnoreError(); }
 
   static Client& client() { return shared_server->client(); }
   static void MakeCell(const SimulatedCell& cell) {
@@ -86,7 +87,7 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
     }
     auto report = session.Calibrate();
     if (!report.ok()) return report;
-    const auto saved = client().GetCell(kCell);
+    const auto saved = client().GetCell(kSessionCell);
     if (!saved.ok()) return saved.status();
     const auto found = MountCameraOf(*saved);
     if (!found.ok()) return found.status();
@@ -121,32 +122,34 @@ TEST_P(HandEyeSessionTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
         "seed %2d: used %2zu of %zu, residual %.2f mm %.2f deg; off at work %.2f mm, camera "
         "%.2f mm, %.3f deg\n",
         static_cast<int>(seed), report->used, report->poses, 1e3 * report->shift_m,
-        report->turn_rad / kDegree, 1e3 * off.at_work_m, 1e3 * off.camera_m,
-        off.turn_rad / kDegree);
+        report->turn_rad / recognition::kRadiansPerDegree, 1e3 * off.at_work_m, 1e3 * off.camera_m,
+        off.turn_rad / recognition::kRadiansPerDegree);
     EXPECT_LT(off.at_work_m, 0.0015);
     EXPECT_LT(off.camera_m, 0.0015);
-    EXPECT_LT(off.turn_rad, 0.3 * kDegree);
+    EXPECT_LT(off.turn_rad, 0.3 * recognition::kRadiansPerDegree);
     EXPECT_GE(report->used, 9U);
     EXPECT_GT(report->shift_m, 0.0001) << "the residuals must not hide the noise";
-    EXPECT_THAT(client().DeleteCell(kCell), IsOk());
+    EXPECT_THAT(client().DeleteCell(kSessionCell), IsOk());
   }
 }
 
 TEST_P(HandEyeSessionTest, MotionsThatAreTooAlikeAreRefusedAndTheCellStays) {
   SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
   MakeCell(cell);
-  const auto before = client().GetCell(kCell);
+  const auto before = client().GetCell(kSessionCell);
   HandEyeSession session(client(), cell, SetupFor(GetParam()));
   ASSERT_THAT(session.Init(), IsOk());
   for (int turns = 0; turns < 2; ++turns) {  // shifts alone, and turns about the vertical
     int set = 0;
     for (int i = 0; i < 10 && set < 7; ++i) {
-      set += session.SetPose(set, cell.Drive(0, turns * 60 * kDegree)).ok() ? 1 : 0;
+      set += session.SetPose(set, cell.Drive(0, turns * 60 * recognition::kRadiansPerDegree)).ok()
+                 ? 1
+                 : 0;
     }
     ASSERT_GE(set, 6);
     EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("too alike")));
   }
-  EXPECT_EQ(client().GetCell(kCell)->etag(), before->etag());
+  EXPECT_EQ(client().GetCell(kSessionCell)->etag(), before->etag());
 }
 
 TEST_P(HandEyeSessionTest, ATargetThatIsNotSeenIsSaidAndLeavesItsSlot) {
@@ -188,7 +191,7 @@ TEST_P(HandEyeSessionTest, ASetupThatCannotBeUsedIsRefusedAtOnce) {
   setup.target = "objects/nothing";
   EXPECT_THAT(init(setup), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("teach")));
   if (GetParam() == CameraMount::kOnFlange) return;
-  ASSERT_THAT(client().DeleteCell(kCell), IsOk());
+  ASSERT_THAT(client().DeleteCell(kSessionCell), IsOk());
   shared_server->MakeCell("press-1", nullptr);
   EXPECT_THAT(init(SetupFor(GetParam())),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));

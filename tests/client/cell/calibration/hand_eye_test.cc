@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "recognition/base/units.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -18,9 +19,7 @@ using graspdb::testing::StatusIs;
 using recognition::Pose;
 using ::testing::HasSubstr;
 
-constexpr double kRadian = std::numbers::pi / 180;
-
-Pose Make(const Vector3d& at, double angle, const Vector3d& axis) {
+Pose PoseOf(const Vector3d& at, double angle, const Vector3d& axis) {
   Pose out = Pose::Identity();
   out.translation() = at;
   out.linear() = AngleAxisd(angle, axis.normalized()).toRotationMatrix();
@@ -50,10 +49,10 @@ double OffAt(const std::vector<HandEyeSample>& seen, const Pose& found, const Po
 class Cell {
  public:
   Cell(CameraMount mount, std::uint64_t seed)
-      : camera(mount == CameraMount::kFixed ? Make({0.6, 0.1, 1.2}, 2.8, {1, 0.1, 0.05})
-                                            : Make({0.06, -0.02, 0.05}, 0.2, {1, 0.5, 0.3})),
-        target(mount == CameraMount::kFixed ? Make({0.02, -0.03, 0.12}, 0.7, {0.2, 0.5, 1})
-                                            : Make({0.5, 0.05, 0}, 0.7, {0, 0, 1})),
+      : camera(mount == CameraMount::kFixed ? PoseOf({0.6, 0.1, 1.2}, 2.8, {1, 0.1, 0.05})
+                                            : PoseOf({0.06, -0.02, 0.05}, 0.2, {1, 0.5, 0.3})),
+        target(mount == CameraMount::kFixed ? PoseOf({0.02, -0.03, 0.12}, 0.7, {0.2, 0.5, 1})
+                                            : PoseOf({0.5, 0.05, 0}, 0.7, {0, 0, 1})),
         mount_(mount),
         random_(seed) {}
 
@@ -66,9 +65,9 @@ class Cell {
       const Vector3d axis(std::cos(heading), std::sin(heading), 0);
       const Vector3d at(0.5 + 0.15 * Uniform(), 0.15 * Uniform(), 0.4 + 0.1 * Uniform());
       const Pose base_flange =
-          Make(at, tilt_rad * Uniform(), axis) *
-          Make(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitX()) *
-          Make(Vector3d::Zero(), std::numbers::pi * Uniform(), Vector3d::UnitZ());
+          PoseOf(at, tilt_rad * Uniform(), axis) *
+          PoseOf(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitX()) *
+          PoseOf(Vector3d::Zero(), std::numbers::pi * Uniform(), Vector3d::UnitZ());
       HandEyeSample sample;
       sample.camera_target = mount_ == CameraMount::kFixed
                                  ? camera.inverse() * base_flange * target
@@ -81,7 +80,7 @@ class Cell {
   }
 
   Pose Noise(double shift_m, double turn_rad) {
-    return Make(shift_m * Normals(), turn_rad * Normals().norm(), Normals());
+    return PoseOf(shift_m * Normals(), turn_rad * Normals().norm(), Normals());
   }
 
   const Pose camera;  // over the table and looking down, or beside the tool
@@ -117,11 +116,12 @@ TEST_P(HandEyeTest, WithoutNoiseItIsExact) {
 TEST_P(HandEyeTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Cell cell(GetParam(), seed);
-    const auto samples = cell.Drive(12, 0.8, 0.0003, 0.12 * kRadian);
+    const auto samples = cell.Drive(12, 0.8, 0.0003, 0.12 * recognition::kRadiansPerDegree);
     const auto found = SolveHandEye(samples, GetParam());
     ASSERT_THAT(found, IsOk());
     EXPECT_LT(OffAt(samples, found->mount_camera, cell.camera), 0.0015) << seed;
-    EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * kRadian) << seed;
+    EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * recognition::kRadiansPerDegree)
+        << seed;
     EXPECT_GT(found->shift_m, 0.0002) << "the residuals must not hide the noise";
     EXPECT_LT(found->shift_m, 0.002);
   }
@@ -130,10 +130,11 @@ TEST_P(HandEyeTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
 TEST_P(HandEyeTest, WrongDetectionsAreLeftOutAndSaid) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Cell cell(GetParam(), seed);
-    std::vector<HandEyeSample> samples = cell.Drive(12, 0.8, 0.0003, 0.1 * kRadian);
+    std::vector<HandEyeSample> samples =
+        cell.Drive(12, 0.8, 0.0003, 0.1 * recognition::kRadiansPerDegree);
     // A half turn of a part that nearly has that symmetry, and one that was shifted.
     samples[3].camera_target =
-        samples[3].camera_target * Make(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitZ());
+        samples[3].camera_target * PoseOf(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitZ());
     samples[7].camera_target.translation().x() += 0.05;
     const auto found = SolveHandEye(samples, GetParam());
     ASSERT_THAT(found, IsOk());
@@ -143,7 +144,7 @@ TEST_P(HandEyeTest, WrongDetectionsAreLeftOutAndSaid) {
     EXPECT_GT(found->residuals[3].turn_rad, 3);
     samples.erase(samples.begin() + 7);
     EXPECT_LT(OffAt(samples, found->mount_camera, cell.camera), 0.0015);
-    EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * kRadian);
+    EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * recognition::kRadiansPerDegree);
   }
 }
 
@@ -152,7 +153,7 @@ TEST_P(HandEyeTest, MotionsThatAreTooAlikeAreRefused) {
   // Turned about the vertical alone: where the camera is along it cannot be known.
   EXPECT_THAT(SolveHandEye(cell.Drive(12, 0), GetParam()),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("too alike")));
-  EXPECT_THAT(SolveHandEye(cell.Drive(12, 3 * kRadian), GetParam()),
+  EXPECT_THAT(SolveHandEye(cell.Drive(12, 3 * recognition::kRadiansPerDegree), GetParam()),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("tilt")));
   const std::vector<HandEyeSample> one(12, cell.Drive(1, 0.5).front());
   EXPECT_THAT(SolveHandEye(one, GetParam()), StatusIs(absl::StatusCode::kFailedPrecondition));

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "recognition/base/units.h"
+
 namespace graspdb::client {
 namespace {
 
 using Eigen::Vector3f;
 using recognition::Points;
 using recognition::Pose;
-
-constexpr double kRadian = std::numbers::pi / 180;
 
 // A plate of 60 x 60 mm in the plane z = 0 that faces up.
 recognition::OrientedCloud Plate() {
@@ -70,7 +70,8 @@ TEST_F(CovarianceOfTest, AFlatObjectIsHeldAcrossItselfAndHardlyAlong) {
   // What its edges hold: 1.5 mm along it, 1.5 degrees about its normal.
   EXPECT_NEAR(Deviation(covariance, 3), 0.0015, 0.0001);
   EXPECT_NEAR(Deviation(covariance, 4), 0.0015, 0.0001);
-  EXPECT_NEAR(Deviation(covariance, 2), 1.5 * kRadian, 0.1 * kRadian);
+  EXPECT_NEAR(Deviation(covariance, 2), 1.5 * recognition::kRadiansPerDegree,
+              0.1 * recognition::kRadiansPerDegree);
   EXPECT_LT(Deviation(covariance, 5), 0.0005);
   EXPECT_LT(Deviation(covariance, 0), 0.75 * Deviation(covariance, 2));
   EXPECT_LT(Deviation(covariance, 1), 0.75 * Deviation(covariance, 2));
@@ -83,7 +84,8 @@ TEST_F(CovarianceOfTest, AThingWithFacesToAllSidesIsHeldFirmly) {
   const Matrix6d held =
       CovarianceOf({corner, 1}, SensorPoints(corner), sensor_plate_, /*on_table=*/false);
   const Matrix6d loose = Seen(/*on_table=*/false);
-  for (int i = 0; i < 3; ++i) EXPECT_LT(Deviation(held, i), 0.4 * kRadian) << i;
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT(Deviation(held, i), 0.4 * recognition::kRadiansPerDegree) << i;
   for (int i = 3; i < 6; ++i) EXPECT_LT(Deviation(held, i), 0.0004) << i;
   EXPECT_LT(Deviation(held, 2), 0.3 * Deviation(loose, 2));
 }
@@ -107,7 +109,8 @@ TEST_F(CovarianceOfTest, PointsThatDoNotLieOnItSayNothing) {
 
 TEST(UsualCovariance, IsAFifthOfADegreeAndHalfAMillimetre) {
   const Matrix6d usual = UsualCovariance();
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::sqrt(usual(i, i)), 0.2 * kRadian, 1e-12);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(std::sqrt(usual(i, i)), 0.2 * recognition::kRadiansPerDegree, 1e-12);
   for (int i = 3; i < 6; ++i) EXPECT_NEAR(std::sqrt(usual(i, i)), 0.0005, 1e-12);
   EXPECT_TRUE(usual.isDiagonal());
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "recognition/base/units.h"
 #include "rendering/depth_camera.h"
 #include "tests/rendering/small_kinect.h"
 #include "tests/testing/status_matchers.h"
@@ -17,8 +18,6 @@ using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
 using recognition::Pose;
 using ::testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 recognition::Points EmptyTable(const Pose& world_sensor) {
   const DepthCameraModel model = graspdb::testing::SmallKinectV2();
@@ -44,14 +43,17 @@ TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
   EXPECT_GT(table->rms_m, 0.0005);
   EXPECT_LT(table->rms_m, 0.003);
   // As somebody measured it with a tape: 2 degrees off the level, 3 cm too high.
-  const Pose before = Tilted(truth, 2 * kDegree, Vector3d::UnitX(), {0, 0, 0.03});
+  const Pose before =
+      Tilted(truth, 2 * recognition::kRadiansPerDegree, Vector3d::UnitX(), {0, 0, 0.03});
   const auto level = LevelOn(*table, before);
   ASSERT_THAT(level, IsOk());
   EXPECT_NEAR(level->translation().z(), truth.translation().z(), 0.0005);
   EXPECT_LT((level->translation() - before.translation()).head<2>().norm(), 1e-12);
-  EXPECT_LT(Eigen::AngleAxisd(level->linear().transpose() * truth.linear()).angle(), 0.1 * kDegree);
+  EXPECT_LT(Eigen::AngleAxisd(level->linear().transpose() * truth.linear()).angle(),
+            0.1 * recognition::kRadiansPerDegree);
   const LevelError off = LevelErrorOf(*table, before);
-  EXPECT_NEAR(off.tilt_rad, 2 * kDegree, 0.05 * kDegree);
+  EXPECT_NEAR(off.tilt_rad, 2 * recognition::kRadiansPerDegree,
+              0.05 * recognition::kRadiansPerDegree);
   EXPECT_LT(LevelErrorOf(*table, *level).tilt_rad, 1e-9);
   EXPECT_NEAR(LevelErrorOf(*table, *level).height_m, 0, 1e-9);
 }
@@ -84,7 +86,8 @@ TEST(TableLevelTest, WhatIsNoTableIsRefused) {
   const Pose truth = LookAt(Vector3d::Zero(), 0.8, 50, -90);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
-  EXPECT_THAT(LevelOn(*table, Tilted(truth, 20 * kDegree, Vector3d::UnitY(), Vector3d::Zero())),
+  EXPECT_THAT(LevelOn(*table, Tilted(truth, 20 * recognition::kRadiansPerDegree, Vector3d::UnitY(),
+                                     Vector3d::Zero())),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("not its table")));
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kJob = 4;
+constexpr int kPickJob = 4;
 
 // Throws as often as it is told to, and then does what its script says.
 class ThrowingRunner : public ScriptedRunner {
@@ -29,18 +29,18 @@ class ThrowingRunner : public ScriptedRunner {
 
 class RobotJobsTest : public ::testing::Test {
  protected:
-  void SetUp() override { runner_.Set(kJob, std::vector<JobPose>(1)); }
+  void SetUp() override { runner_.Set(kPickJob, std::vector<JobPose>(1)); }
 
   GriJobStatus StatusAtTheEnd() {
     const absl::Time end =
         absl::Now() + absl::Minutes(1);  // far longer than a job that does nothing
-    while (jobs_.StatusOf("robot", kJob) == GriJobStatus::kRunning && absl::Now() < end) {
+    while (jobs_.StatusOf("robot", kPickJob) == GriJobStatus::kRunning && absl::Now() < end) {
       std::this_thread::yield();
     }
-    return jobs_.StatusOf("robot", kJob);
+    return jobs_.StatusOf("robot", kPickJob);
   }
 
-  const JobRequest request_ = {.job = kJob, .robot = "robot"};
+  const JobRequest request_ = {.job = kPickJob, .robot = "robot"};
   ThrowingRunner runner_;
   RobotJobs jobs_{runner_};
 };
@@ -49,14 +49,14 @@ TEST_F(RobotJobsTest, AJobThatThrowsHasFailedAndSaysWhy) {
   const JobAnswer answer = jobs_.Run(request_);
   EXPECT_NE(answer.code, GriCode::kNoError);
   EXPECT_THAT(answer.why, HasSubstr("no such lens"));
-  EXPECT_EQ(jobs_.StatusOf("robot", kJob), GriJobStatus::kFailed);
+  EXPECT_EQ(jobs_.StatusOf("robot", kPickJob), GriJobStatus::kFailed);
   EXPECT_EQ(jobs_.Run(request_).code, GriCode::kNoError);
 }
 
 TEST_F(RobotJobsTest, AJobInTheBackgroundThatThrowsHasFailedAndSaysWhy) {
   ASSERT_EQ(jobs_.Start(request_).code, GriCode::kNoError);
   EXPECT_EQ(StatusAtTheEnd(), GriJobStatus::kFailed);
-  EXPECT_THAT(jobs_.Next("robot", kJob).why, HasSubstr("no such lens"));
+  EXPECT_THAT(jobs_.Next("robot", kPickJob).why, HasSubstr("no such lens"));
   ASSERT_EQ(jobs_.Start(request_).code, GriCode::kNoError);
   EXPECT_EQ(StatusAtTheEnd(), GriJobStatus::kDone);
 }

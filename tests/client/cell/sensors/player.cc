@@ -15,7 +15,7 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kGoneForGood = 20;
-constexpr absl::Duration kPatience = absl::Seconds(30);
+constexpr absl::Duration kTimeout = absl::Seconds(30);
 
 absl::Status Keep(const std::string& folder, int number, const SensorFrame& frame) {
   const auto& image = std::get<v1::DepthImage>(frame.scan);
@@ -37,7 +37,7 @@ int Play(const std::string& spec, const std::string& folder, int wanted) {
   }
   std::string last;
   for (int frames = 0, gone = 0; frames < wanted && gone < kGoneForGood;) {
-    const auto frame = (*sensor)->Next(absl::Now() + kPatience);
+    const auto frame = (*sensor)->Next(absl::Now() + kTimeout);
     const absl::Status status = frame.ok() ? Keep(folder, frames, *frame) : frame.status();
     if (status.ok()) {
       std::cout << "frame " << frames++ << std::endl;

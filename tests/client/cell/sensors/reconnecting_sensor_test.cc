@@ -16,10 +16,10 @@ namespace {
 using testing::IsOk;
 using testing::StatusIs;
 
-constexpr absl::Duration kPatience = absl::Seconds(30);
+constexpr absl::Duration kTimeout = absl::Seconds(30);
 constexpr absl::Duration kMoment = absl::Milliseconds(2);
 
-absl::Time Soon() { return absl::Now() + kPatience; }
+absl::Time Soon() { return absl::Now() + kTimeout; }
 
 // A reconnecting sensor on a cable; and somebody who exposes frames all the time, where wanted.
 class Rig {
@@ -163,7 +163,7 @@ TEST(ReconnectingSensor, WaitsForAnAttemptThatIsUnderWay) {
                             [&] {
                               const absl::MutexLock lock(&mutex);
                               while (!may_open)
-                                mutex.AwaitWithTimeout(absl::Condition(&may_open), kPatience);
+                                mutex.AwaitWithTimeout(absl::Condition(&may_open), kTimeout);
                               return ScriptedCamera::Open(cable);
                             },
                             {.first_pause = kMoment, .longest_pause = kMoment, .watch = kMoment});

@@ -13,7 +13,7 @@ using ::graspdb::testing::StatusIs;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Eigen::Vector2d Axis() { return {0.1, -0.2}; }
+Eigen::Vector2d CoverageAxis() { return {0.1, -0.2}; }
 Eigen::Vector3d Origin() { return {0.1, -0.2, 0.03}; }
 
 std::vector<v1::View> ViewsAt(const std::vector<double>& azimuths_deg, double height_m = 0.03) {
@@ -23,15 +23,15 @@ std::vector<v1::View> ViewsAt(const std::vector<double>& azimuths_deg, double he
     v1::View view;
     view.set_name("view at " + std::to_string(azimuth));
     view.set_point_count(100 + static_cast<int>(azimuth));
-    *view.mutable_object_pose() = ToMessage(OnTurntable(Axis(), height_m, azimuth));
+    *view.mutable_object_pose() = ToMessage(OnTurntable(CoverageAxis(), height_m, azimuth));
     views.push_back(view);
   }
   return views;
 }
 
 TEST(OnTurntable, ThePointOnTheAxisStaysAndTheOthersGoRoundCounterClockwise) {
-  const auto start = OnTurntable(Axis(), 0.03, 0);
-  const auto quarter = OnTurntable(Axis(), 0.03, 90);
+  const auto start = OnTurntable(CoverageAxis(), 0.03, 0);
+  const auto quarter = OnTurntable(CoverageAxis(), 0.03, 90);
   EXPECT_TRUE((quarter * Eigen::Vector3d::Zero()).isApprox(Origin(), 1e-12));
   EXPECT_TRUE(
       (start * Eigen::Vector3d(1, 0, 0)).isApprox(Origin() + Eigen::Vector3d(1, 0, 0), 1e-12));

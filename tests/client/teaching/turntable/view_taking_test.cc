@@ -67,10 +67,11 @@ class SilentCatalogue : public v1::CatalogService::Service {
 };
 
 absl::StatusOr<SensorFrame> Frame() {
-  constexpr recognition::CameraIntrinsics kCamera = {
+  constexpr recognition::CameraIntrinsics kCameraPlace = {
       .width = 20, .height = 10, .fx = 100, .fy = 100, .cx = 9.5, .cy = 4.5};
-  return SensorFrame{.scan = DepthMessage(std::vector<std::uint16_t>(200, 800), kCamera, 0.001),
-                     .world_sensor = recognition::Pose::Identity()};
+  return SensorFrame{
+      .scan = DepthMessage(std::vector<std::uint16_t>(200, 800), kCameraPlace, 0.001),
+      .world_sensor = recognition::Pose::Identity()};
 }
 
 TEST(ViewTaker, NothingIsTaughtWhereTheViewCannotBeLookedAt) {
