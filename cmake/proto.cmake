@@ -28,7 +28,8 @@ function(graspdb_proto_library target)
   add_library(${target} STATIC ${generated})
   # protoc gives each file statics of the same names.
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
-  target_include_directories(${target} SYSTEM PUBLIC ${out})
+  target_include_directories(${target} SYSTEM
+    PUBLIC $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${target} PUBLIC protobuf::libprotobuf)
   if(ARG_GRPC)
     target_link_libraries(${target} PUBLIC gRPC::grpc++)

@@ -21,7 +21,6 @@ using client::CameraMount;
 using client::FromRotationVector;
 using client::TriangleMesh;
 using Eigen::Vector3d;
-using Eigen::Vector3f;
 using recognition::Pose;
 
 constexpr double kUnitM = 0.0001;

@@ -1,0 +1,5 @@
+include(CMakeFindDependencyMacro)
+find_dependency(absl)
+find_dependency(Protobuf)
+find_dependency(gRPC)
+include("${CMAKE_CURRENT_LIST_DIR}/graspdb-targets.cmake")

@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+"""run_blocks.py BIN SOURCE FILE: runs all ```sh blocks of a Markdown file as one bash script.
+
+Other blocks are not run. The script begins in an empty folder, which also takes the place of /tmp/cell
+in the text, with the programs of BIN in PATH and SOURCE in GRASPDB; it ends at the first command that
+fails, with that status. The network is a namespace of its own, where the kernel allows one: documents
+name the default ports.
+"""
+import fcntl
+import os
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+
+IN_NAMESPACE = "GRASPDB_RUN_BLOCKS_NAMESPACE"
+
+
+def enter_network_namespace():
+    unshare = ["unshare", "--net", "--map-root-user"]
+    if IN_NAMESPACE in os.environ or subprocess.run(unshare + ["true"], stderr=subprocess.DEVNULL).returncode:
+        return
+    os.environ[IN_NAMESPACE] = "1"
+    os.execvp("unshare", unshare + [sys.executable] + sys.argv)
+
+
+def set_loopback_up():
+    siocsifflags, iff_up = 0x8914, 1  # linux/sockios.h, linux/if.h
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+        fcntl.ioctl(any_socket, siocsifflags, struct.pack("16sH14x", b"lo", iff_up))
+
+
+def main():
+    programs, source, document = (os.path.abspath(path) for path in sys.argv[1:4])
+    enter_network_namespace()
+    if IN_NAMESPACE in os.environ:
+        set_loopback_up()
+    with open(document, encoding="utf-8") as file:
+        blocks = re.findall(r"^```sh\n(.*?)^```$", file.read(), re.MULTILINE | re.DOTALL)
+    if not blocks:
+        sys.exit(f"{document} has no ```sh block")
+    environment = dict(os.environ, GRASPDB=source, PATH=programs + ":" + os.environ["PATH"])
+    with tempfile.TemporaryDirectory() as folder:
+        script = "set -euo pipefail\nset -x\n" + "\n".join(blocks).replace("/tmp/cell", folder)
+        script = script.replace("$GRASPDB/build/release", os.path.dirname(programs))
+        bash = subprocess.Popen(["bash", "-c", script], cwd=folder, env=environment,
+                                stdin=subprocess.DEVNULL, start_new_session=True)
+        status = bash.wait()
+        try:
+            os.killpg(bash.pid, signal.SIGKILL)  # what it left running
+        except ProcessLookupError:
+            pass
+        if status:
+            for name in sorted(os.listdir(folder)):
+                if name.endswith(".log"):
+                    with open(os.path.join(folder, name), encoding="utf-8", errors="replace") as log:
+                        print(f"== {name}\n{log.read()[-4000:]}")
+    sys.exit(status)
+
+
+main()
