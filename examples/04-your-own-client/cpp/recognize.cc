@@ -1,4 +1,5 @@
-// Sends one depth image to a graspdb server and prints what stands on the table and how to grasp it.
+// Sends one depth image to a graspdb server and prints what stands on the table and how to grasp
+// it.
 //
 // recognize [HOST:PORT]
 #include <graspdb/client.h>
