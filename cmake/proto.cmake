@@ -1,6 +1,6 @@
 # graspdb_proto_library(TARGET ROOT dir [GRPC] [IMPORTS dir ...] FILES a.proto b.proto ...):
 # a static library with the generated C++ of the files, which are named relative to ROOT;
-# what they import is looked for in IMPORTS too.
+# their imports are searched for in IMPORTS too.
 find_program(PROTOC protoc REQUIRED)
 find_program(GRPC_CPP_PLUGIN grpc_cpp_plugin REQUIRED)
 
@@ -26,7 +26,7 @@ function(graspdb_proto_library target)
     list(APPEND generated ${products})
   endforeach()
   add_library(${target} STATIC ${generated})
-  # protoc gives each file statics of the same names.
+  # protoc generates statics of the same names in each file.
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   target_include_directories(${target} SYSTEM
     PUBLIC $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:include>)

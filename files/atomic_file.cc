@@ -36,7 +36,7 @@ int WriteAll(int file, std::string_view bytes, Durability durability) {
   return fsync(file) == 0 ? 0 : errno;
 }
 
-// 0 or an errno. Makes the file `path` with `bytes` as its content.
+// 0 or an errno. Creates the file `path` with the content `bytes`.
 int WriteNew(const std::string& path, std::string_view bytes, Durability durability) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) return errno;

@@ -1,4 +1,4 @@
-// Files that are there whole or not at all.
+// Atomic writes of files.
 #pragma once
 
 #include <filesystem>
@@ -8,17 +8,17 @@
 
 namespace graspdb::client {
 
-// Whether a file must outlive a power failure right after it was written. Waiting
+// Whether a file must survive a power failure right after it was written. Waiting
 // for the disk takes milliseconds, on a busy one far longer.
 enum class Durability { kProcessCrash, kPowerFailure };
 
-// Writes `bytes` beside `path` and renames the result to `path`, replacing what
-// was there; folders on the way are made. A reader sees the old file or the new
+// Writes `bytes` beside `path` and renames the result to `path`, replacing an
+// existing file; missing folders are created. A reader sees the old file or the new
 // one, never a part; with kPowerFailure also after the machine stopped. Two
 // writers of one path must not run at the same time.
 //
 // PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or FAILED_PRECONDITION (any
-// other failure), with the path; what was at `path` is then untouched.
+// other failure), with the path; a file at `path` is then unchanged.
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability);
 

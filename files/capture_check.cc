@@ -19,7 +19,7 @@ absl::Status CheckNewId(const std::string& id, bool is_new, const std::string& f
   if (id.empty()) return absl::InvalidArgumentError(field + " is missing; give it an id");
   if (!is_new)
     return absl::InvalidArgumentError(
-        absl::StrCat(field, " \"", id, "\" is there twice; give it another id"));
+        absl::StrCat(field, " \"", id, "\" is used twice; give it another id"));
   return absl::OkStatus();
 }
 
@@ -114,8 +114,8 @@ absl::Status CheckNames(const v1::Capture& capture, const std::string& field,
                         const Declared& declared) {
   const bool named = !capture.object_id().empty() && !capture.stable_pose_id().empty();
   if (capture.split() == v1::Capture::TEACH && !named) {
-    return absl::InvalidArgumentError(field +
-                                      " is to be taught; give it an objectId and a stablePoseId");
+    return absl::InvalidArgumentError(
+        field + " has the split TEACH; give it an objectId and a stablePoseId");
   }
   if (capture.object_id().empty()) return absl::OkStatus();
   const auto object = declared.find(capture.object_id());

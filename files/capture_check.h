@@ -1,4 +1,4 @@
-// The rules that a capture set keeps.
+// Validation of capture sets.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace graspdb::client {
 
 // INVALID_ARGUMENT with the place, as "captures[3].path …", when
-// - an object, a stable pose or a grasp has no id or one that is there already,
+// - an object, a stable pose or a grasp has no id or a duplicate one,
 //   or a symmetry order below 0;
 // - the region of interest is not finite or has a corner min above max;
-// - a path is missing, absolute or leads out of the folder;
+// - a path is missing, absolute or outside the folder;
 // - a capture names an object or a stable pose that `objects` does not declare,
-//   or is to be taught without naming both;
+//   or has the split TEACH without naming both;
 // - a pose has a number that is not finite or a quaternion that is not of length
 //   one (1e-3).
 absl::Status CheckCaptureSet(const v1::CaptureSet& set);

@@ -34,17 +34,17 @@ absl::StatusOr<std::string> ReadText(const fs::path& path) {
   return text;
 }
 
-// "line 3, column 7", or nothing when it cannot be told. The parser's complaint
-// ends with the text around the place and a line with a caret under it.
-std::string PlaceOf(const std::string& complaint, const std::string& text) {
-  const std::size_t first = complaint.find('\n');
-  const std::size_t last = complaint.rfind('\n');
-  if (first == std::string::npos || last == first || complaint.back() != '^') return "";
-  const std::string around = complaint.substr(first + 1, last - first - 1);
+// " at line 3, column 7", or empty when it is unknown. The parser's message ends with
+// the text around the place and a line with a caret under it.
+std::string PlaceOf(const std::string& message, const std::string& text) {
+  const std::size_t first = message.find('\n');
+  const std::size_t last = message.rfind('\n');
+  if (first == std::string::npos || last == first || message.back() != '^') return "";
+  const std::string around = message.substr(first + 1, last - first - 1);
   const std::size_t begin = text.find(around);
   if (around.empty() || begin == std::string::npos) return "";
   if (text.find(around, begin + 1) != std::string::npos) return "";
-  const std::size_t place = std::min(begin + (complaint.size() - last - 2), text.size());
+  const std::size_t place = std::min(begin + (message.size() - last - 2), text.size());
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(place);
   const auto line = std::count(text.begin(), end, '\n') + 1;
   const std::size_t line_begin = text.rfind('\n', place == 0 ? 0 : place - 1);
@@ -52,17 +52,17 @@ std::string PlaceOf(const std::string& complaint, const std::string& text) {
   return absl::StrCat(" at line ", line, ", column ", column);
 }
 
-absl::Status BadJson(const fs::path& path, const std::string& complaint, const std::string& text) {
-  const std::string place = PlaceOf(complaint, text);
-  std::string what = place.empty() ? complaint : complaint.substr(0, complaint.find('\n'));
+absl::Status BadJson(const fs::path& path, const std::string& message, const std::string& text) {
+  const std::string place = PlaceOf(message, text);
+  std::string what = place.empty() ? message : message.substr(0, message.find('\n'));
   std::replace(what.begin(), what.end(), '\n', ' ');
   while (!what.empty() && (what.back() == '.' || what.back() == ' ')) what.pop_back();
-  return absl::InvalidArgumentError(
-      absl::StrCat(path.string(), " is no capture set", place, ": ", what, "; correct the file"));
+  return absl::InvalidArgumentError(absl::StrCat(path.string(), " is not a capture set", place,
+                                                 ": ", what, "; correct the file"));
 }
 
-// A parser that passes over unknown fields passes over unknown words of an enum
-// too, and a QUERY that is misspelt must not be taught.
+// A parser that ignores unknown fields ignores unknown enum values too, and a
+// misspelt QUERY must not be taught.
 absl::Status CheckSplitWords(const std::string& text) {
   google::protobuf::Struct json;
   if (!google::protobuf::util::JsonStringToMessage(text, &json).ok()) return absl::OkStatus();

@@ -14,22 +14,22 @@ namespace graspdb::client {
 // Name of the description within the folder.
 inline constexpr char kCaptureSetFile[] = "captures.json";
 
-// Reads and checks `folder`/captures.json; fields that are not known are passed
-// over. The clouds themselves are not touched.
+// Reads and checks `folder`/captures.json; unknown fields are ignored. The clouds
+// are not read.
 //
-// NOT_FOUND when the file is missing; INVALID_ARGUMENT when it is no JSON (with
-// line and column) or CheckCaptureSet refuses it.
+// NOT_FOUND when the file is missing; INVALID_ARGUMENT when it is not JSON (with
+// line and column) or CheckCaptureSet rejects it.
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const std::filesystem::path& folder);
 
-// Checks `set` and writes it, indented, to `folder`/captures.json, whole or not
-// at all; the folder is made when it is missing. Write the clouds first.
+// Checks `set` and writes it, indented and atomically, to `folder`/captures.json;
+// the folder is created when it is missing. Write the clouds first.
 //
 // INVALID_ARGUMENT from CheckCaptureSet, otherwise the errors of WriteFileAtomically.
 absl::Status SaveCaptureSet(const std::filesystem::path& folder, const v1::CaptureSet& set);
 
-// The captures of `split`, in the order of the file, or all without one. A
-// capture without a split is for either; but only one that names its object and
-// stable pose can be taught. The pointers live as long as `set` does.
+// The captures of `split`, in the order of the file; all without `split`. A capture
+// without a split belongs to both, but only one that names its object and stable pose
+// can be taught. The pointers are valid as long as `set`.
 std::vector<const v1::Capture*> CapturesOf(const v1::CaptureSet& set,
                                            std::optional<v1::Capture::Split> split = std::nullopt);
 

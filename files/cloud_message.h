@@ -1,4 +1,4 @@
-// Point files as messages of the contract.
+// Conversion of point files to protobuf messages.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace graspdb::client {
 
-// Points as packed x, y, z floats. `width`: columns of the image, row by row; 0 where it is none.
+// Points as packed x, y, z floats. `width`: columns of the image, row by row; 0 if not an image.
 v1::PointCloud CloudMessage(const recognition::Points& points, int width);
 v1::PointCloud CloudMessage(const PointFile& file);
 
-// The points of a cloud that a server answered (x, y, z floats). INVALID_ARGUMENT
-// for anything else.
+// The points of a cloud from a server (x, y, z floats). INVALID_ARGUMENT for another
+// layout.
 absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& cloud);
 
-// An id made from the points: the same capture, the same id.
+// An id computed from the points: the same capture gives the same id.
 std::string ContentId(const v1::PointCloud& cloud);
 
 }  // namespace graspdb::client

@@ -49,7 +49,7 @@ absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImag
       static_cast<std::int64_t>(bytes.size()) != 2 * pixels) {
     return absl::InvalidArgumentError(absl::StrCat("a depth image of ", camera.width(), " x ",
                                                    camera.height(), " pixels has ", bytes.size(),
-                                                   " bytes; two a pixel are expected"));
+                                                   " bytes; two per pixel are expected"));
   }
   std::vector<std::uint16_t> counts;
   counts.reserve(static_cast<std::size_t>(pixels));

@@ -1,4 +1,4 @@
-// Depth images as messages of the contract.
+// Conversion of depth images to protobuf messages.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 namespace graspdb::client {
 
 // `counts` (row by row, 0 without measurement) of `unit_m` metres along the sensor's z axis, as the
-// camera sends them. There must be camera.width * camera.height of them.
+// camera sends them; camera.width * camera.height counts are required.
 v1::DepthImage DepthMessage(const std::vector<std::uint16_t>& counts,
                             const recognition::CameraIntrinsics& camera, double unit_m);
 
 // The counts of an image, row by row. INVALID_ARGUMENT when there are not width * height.
 absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImage& image);
 
-// Metres a count.
+// Metres per count.
 double DepthUnit(const v1::DepthImage& image);
 
 v1::CameraIntrinsics ToMessage(const recognition::CameraIntrinsics& camera);

@@ -20,12 +20,12 @@
 namespace graspdb::client {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 8192;  // pixels; what promises more is no depth camera's
+constexpr std::uint32_t kLongestSide = 8192;  // pixels; more than any depth camera has
 constexpr int kSignatureBytes = 8;
 constexpr std::size_t kPixelBytes = 2;
 
-// libpng leaves by longjmp where something is wrong. What it must not jump over is kept here, and
-// nothing with a destructor lives in the functions that it leaves.
+// libpng calls longjmp on errors. Objects that it must not jump over are kept here, and the
+// functions that it leaves have no objects with destructors.
 struct PngFile {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -71,7 +71,7 @@ bool ReadHeader(PngFile& file) {
   file.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &file, OnError, OnWarning);
   if (file.png != nullptr) file.info = png_create_info_struct(file.png);
   if (file.info == nullptr) {
-    file.trouble = "there is no memory for it";
+    file.trouble = "out of memory";
     return false;
   }
   if (setjmp(png_jmpbuf(file.png)) != 0) return false;
@@ -141,13 +141,13 @@ absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
   file.unread = *bytes;
   if (bytes->size() < kSignatureBytes ||
       png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes->data()), 0, kSignatureBytes) != 0) {
-    return Bad(path, "is no PNG file; name the depth image of a camera");
+    return Bad(path, "is not a PNG file; name the depth image of a camera");
   }
   if (!ReadHeader(file)) return Bad(path, absl::StrCat("is damaged (", file.trouble, ")"));
   if (png_get_bit_depth(file.png, file.info) != 16 ||
       png_get_color_type(file.png, file.info) != PNG_COLOR_TYPE_GRAY) {
-    return Bad(path,
-               "has not one channel of 16 bits; save depths as 16-bit grey, not as a picture");
+    return Bad(
+        path, "does not have one channel of 16 bits; save depths as 16-bit grey, not as a picture");
   }
   const std::size_t width = png_get_image_width(file.png, file.info);
   const std::size_t height = png_get_image_height(file.png, file.info);

@@ -17,29 +17,29 @@
 namespace graspdb::client {
 namespace {
 
-// The numbers of the document, key by key; remembers the first that is wrong.
+// Reads the numbers of the document and keeps the first error.
 class Numbers {
  public:
   explicit Numbers(const google::protobuf::Struct& document) : document_(document) {}
 
   double Required(const std::string& key) {
     const std::optional<double> number = Find(key);
-    if (!number) Complain(key, "is missing or no number");
+    if (!number) SetError(key, "is missing or not a number");
     return number.value_or(0);
   }
   double Positive(const std::string& key, std::optional<double> otherwise = std::nullopt) {
     if (otherwise && !document_.fields().contains(key)) return *otherwise;
     const double number = Required(key);
-    if (!(number > 0)) Complain(key, "is not above 0");
+    if (!(number > 0)) SetError(key, "is not above 0");
     return number;
   }
   int Pixels(const std::string& key) {
     const double number = Positive(key);
     if (number == std::floor(number) && number < 65536) return static_cast<int>(number);
-    Complain(key, "is no number of pixels");
+    SetError(key, "is not a number of pixels");
     return 0;
   }
-  const std::string& complaint() const { return complaint_; }
+  const std::string& error_text() const { return error_text_; }
 
  private:
   std::optional<double> Find(const std::string& key) const {
@@ -50,12 +50,12 @@ class Numbers {
     }
     return field->second.number_value();
   }
-  void Complain(const std::string& key, const std::string& what) {
-    if (complaint_.empty()) complaint_ = absl::StrCat("\"", key, "\" ", what);
+  void SetError(const std::string& key, const std::string& what) {
+    if (error_text_.empty()) error_text_ = absl::StrCat("\"", key, "\" ", what);
   }
 
   const google::protobuf::Struct& document_;
-  std::string complaint_;
+  std::string error_text_;
 };
 
 }  // namespace
@@ -73,7 +73,7 @@ absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path)
   google::protobuf::Struct document;
   if (!google::protobuf::util::JsonStringToMessage(text, &document).ok()) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path.string(), " is no JSON object; correct the file"));
+        absl::StrCat(path.string(), " is not a JSON object; correct the file"));
   }
   Numbers numbers(document);
   DepthPngCamera camera;
@@ -85,9 +85,9 @@ absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path)
   k.cx = numbers.Required("cx");
   k.cy = numbers.Required("cy");
   camera.depth_unit_m = numbers.Positive("depthUnitM", 0.001);
-  if (numbers.complaint().empty()) return camera;
+  if (numbers.error_text().empty()) return camera;
   return absl::InvalidArgumentError(
-      absl::StrCat(path.string(), ": ", numbers.complaint(), "; correct the file"));
+      absl::StrCat(path.string(), ": ", numbers.error_text(), "; correct the file"));
 }
 
 absl::Status WriteIntrinsics(const std::filesystem::path& path, const DepthPngCamera& camera) {

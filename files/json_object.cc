@@ -13,7 +13,7 @@
 namespace graspdb::client {
 namespace {
 
-// Maps come in the order of their keys; the order of a hash would differ from run to run.
+// Sorts maps by their keys; the order of a hash table would differ from run to run.
 std::string SortedBytes(const google::protobuf::Struct& document) {
   std::string bytes;
   google::protobuf::io::StringOutputStream stream(&bytes);

@@ -1,4 +1,4 @@
-// JSON documents, made key by key.
+// JSON documents, built key by key.
 #pragma once
 
 #include <google/protobuf/struct.pb.h>
@@ -16,7 +16,7 @@ class JsonObject {
   explicit JsonObject(google::protobuf::Value* value) : JsonObject(value->mutable_struct_value()) {}
   explicit JsonObject(google::protobuf::Struct* object) : fields_(object->mutable_fields()) {}
 
-  // JSON has no numbers that are not finite: they become null.
+  // JSON cannot represent numbers that are not finite: they become null.
   void Number(const std::string& key, double number);
   void Count(const std::string& key, std::size_t n) { Number(key, static_cast<double>(n)); }
   void Text(const std::string& key, const std::string& text) { At(key).set_string_value(text); }
@@ -31,7 +31,7 @@ class JsonObject {
 enum class JsonLayout { kOneLine, kIndented };
 
 // The document with its keys in alphabetical order: the same document gives the same bytes.
-// INTERNAL when the library refuses it.
+// INTERNAL when the library rejects it.
 absl::StatusOr<std::string> PrintDocument(const google::protobuf::Struct& document,
                                           JsonLayout layout);
 

@@ -20,7 +20,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD bodies are little-endian");
 
-// Three bytes of LZF repeat 264 at the most; what promises more would take memory for nothing.
+// Three bytes of LZF expand to at most 264; larger declared sizes are rejected before allocation.
 constexpr std::int64_t kMaxUnpacked = 264 / 3;
 
 absl::Status Damaged(const std::filesystem::path& path, const std::string& what) {
@@ -28,7 +28,7 @@ absl::Status Damaged(const std::filesystem::path& path, const std::string& what)
       absl::StrCat(path.string(), " is damaged: ", what, "; copy or capture the cloud again"));
 }
 
-// "inf" and numbers beyond single precision are refused, as PCL would read a zero.
+// "inf" and numbers beyond single precision are rejected, as PCL would read a zero.
 bool IsNumber(absl::string_view word) {
   double value = 0;
   if (!absl::SimpleAtod(word, &value)) return false;
@@ -65,7 +65,7 @@ absl::Status CheckBinary(const std::filesystem::path& path, const PcdHeader& hea
                          std::int64_t body_bytes) {
   const std::int64_t promised = header.point_count() * header.point_bytes();
   if (body_bytes >= promised) return absl::OkStatus();
-  return Damaged(path, absl::StrCat("it holds ", body_bytes, " bytes of points, and its header ",
+  return Damaged(path, absl::StrCat("it has ", body_bytes, " bytes of points, and its header ",
                                     "promises ", promised));
 }
 
@@ -83,13 +83,13 @@ absl::Status CheckCompressed(const std::filesystem::path& path, const PcdHeader&
   }
   const std::int64_t promised = header.point_count() * header.point_bytes();
   if (sizes[1] != promised) {
-    return Damaged(path, absl::StrCat("its body says that it unpacks to ", sizes[1],
+    return Damaged(path, absl::StrCat("its body unpacks to ", sizes[1],
                                       " bytes, and its header promises ", promised));
   }
   const std::int64_t there = body_bytes - std::int64_t{sizeof(sizes)};
   if (sizes[0] == 0 || sizes[0] > there) {
-    return Damaged(path, absl::StrCat("its body says that it has ", sizes[0],
-                                      " compressed bytes, and ", there, " are there"));
+    return Damaged(
+        path, absl::StrCat("its body declares ", sizes[0], " compressed bytes, and has ", there));
   }
   if (promised > std::int64_t{sizes[0]} * kMaxUnpacked) {
     return Damaged(path, absl::StrCat("its ", sizes[0], " compressed bytes cannot hold the ",

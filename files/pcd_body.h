@@ -1,4 +1,4 @@
-// Whether the body of a PCD file keeps what the header promises.
+// Checks the body of a PCD file against its header.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 
 namespace graspdb::client {
 
-// Ascii: every row is there with as many finite or "nan" numbers as the header
-// says. Binary: the file is long enough. Compressed: both sizes at the start of
+// Ascii: all rows exist and have the number of finite or "nan" values that the header
+// declares. Binary: the file is long enough. Compressed: both sizes at the start of
 // the body agree with the header and the file.
 //
-// INVALID_ARGUMENT with the path, what is wrong and where, and what to do.
+// INVALID_ARGUMENT with the path, the error, its place and advice.
 absl::Status CheckPcdBody(const std::filesystem::path& path, const PcdHeader& header);
 
 }  // namespace graspdb::client

@@ -135,13 +135,13 @@ absl::Status ParseEncoding(const Words& values, PcdHeader& header) {
   const auto found = values.size() == 1 ? encodings.find(values[0]) : encodings.end();
   if (found == encodings.end()) {
     return absl::InvalidArgumentError(
-        "its DATA line says neither ascii nor binary nor binary_compressed");
+        "its DATA line is neither ascii nor binary nor binary_compressed");
   }
   header.encoding = found->second;
   return absl::OkStatus();
 }
 
-// What the lines between the first and DATA have said.
+// The content of the lines up to DATA.
 struct Lines {
   PcdHeader header;
   int points = 0;

@@ -1,4 +1,4 @@
-// The header of a PCD file, read strictly, before any of its promises is trusted.
+// The header of a PCD file, parsed strictly before any of its sizes is used.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace graspdb::client {
 
-// What a PCD header says; see the file format page of PCL.
+// A PCD header; see the file format page of PCL.
 struct PcdHeader {
   enum class Encoding { kAscii, kBinary, kBinaryCompressed };
 
@@ -40,11 +40,11 @@ struct PcdHeader {
   int numbers_per_point() const;
 };
 
-// Reads the header of the file at `path`. On success x, y and z are there once
-// each as single numbers of 4 or 8 bytes, there are 1 to kMaxPoints points, and
-// the body that is promised is smaller than 4 GiB.
+// Reads the header of the file at `path`. On success x, y and z exist once each as
+// single numbers of 4 or 8 bytes, there are 1 to kMaxPoints points, and the declared
+// body is smaller than 4 GiB.
 //
-// INVALID_ARGUMENT with the path and the first line that is wrong.
+// INVALID_ARGUMENT with the path and the first invalid line.
 absl::StatusOr<PcdHeader> ReadPcdHeader(const std::filesystem::path& path);
 
 }  // namespace graspdb::client

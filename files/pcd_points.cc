@@ -21,8 +21,8 @@ namespace {
 // A field that is one floating-point number.
 struct Column {
   std::size_t word = 0;   // of an ascii row
-  std::size_t first = 0;  // bytes before that of the first point
-  std::size_t step = 0;   // bytes from one point's to the next one's
+  std::size_t first = 0;  // offset of the first point's number, bytes
+  std::size_t step = 0;   // stride between points, bytes
   bool is_double = false;
 
   float At(const std::string& body, std::size_t point) const {

@@ -9,10 +9,10 @@
 
 namespace graspdb::client {
 
-// Decodes a file that passed ReadPcdHeader and CheckPcdBody; `sensor_pose` is left empty. Read here
-// and not by PCL, whose reader parses the header once more, takes some lines otherwise and then
+// Decodes a file that passed ReadPcdHeader and CheckPcdBody; `sensor_pose` is left empty. PCL's
+// reader is not used, as it parses the header again, interprets some lines differently and then
 // crashes. INVALID_ARGUMENT when the compressed bytes cannot be unpacked. Takes a few times the
-// memory of the file, or of what its bytes unpack to.
+// memory of the file, or of its unpacked bytes.
 absl::StatusOr<PointFile> DecodePcd(const std::filesystem::path& path, const PcdHeader& header);
 
 }  // namespace graspdb::client

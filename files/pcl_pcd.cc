@@ -18,7 +18,7 @@
 namespace graspdb::client {
 namespace {
 
-// PCL prints its complaints; ours are values.
+// PCL prints its errors; they are returned here instead.
 void Silence() {
   static std::once_flag once;
   std::call_once(once, [] { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); });

@@ -1,4 +1,4 @@
-// PCL's PCD writer; the one place where PCL's types are known.
+// PCL's PCD writer; pcl_pcd.cc is the only file that uses PCL's types.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace graspdb::client {
 
 // The bytes of a binary_compressed PCD file; `file` must be consistent, as
-// WritePcd checks. INTERNAL when PCL refuses it. Silences PCL's console for the process.
+// WritePcd checks. INTERNAL when PCL rejects it. Silences PCL's console for the process.
 absl::StatusOr<std::string> EncodePcd(const PointFile& file);
 
 }  // namespace graspdb::client

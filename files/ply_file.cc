@@ -29,23 +29,23 @@ constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
 constexpr double kMaxListLength = 4294967295;  // of a uint
 static_assert(std::endian::native == std::endian::little);
 
-// Takes the numbers of a body one after the other, whatever their encoding.
+// Reads the numbers of a body one by one, in any encoding.
 class Body {
  public:
   Body(std::string_view bytes, PlyHeader::Encoding encoding)
       : bytes_(bytes), encoding_(encoding), total_(bytes.size()) {}
 
-  // Empty when the body ends first or a word is no number.
+  // Empty when the body ends first or a word is not a number.
   std::optional<double> Next(Type type) {
     return encoding_ == PlyHeader::Encoding::kAscii ? NextWord() : NextBinary(type);
   }
 
-  // What stopped Next.
+  // The reason why Next failed.
   std::string Trouble() const {
     if (!bad_word_.empty()) {
       return absl::StrCat("\"", absl::CHexEscape(bad_word_), "\" stands where a number belongs");
     }
-    return absl::StrCat("its body ends after ", total_, " bytes, before all that is promised");
+    return absl::StrCat("its body ends after ", total_, " bytes, before all declared elements");
   }
 
  private:
@@ -104,7 +104,7 @@ class Body {
   std::string bad_word_;
 };
 
-// Passes over one instance of an element; a list is bounded by the body.
+// Skips one instance of an element; a list is bounded by the body.
 bool Skip(const PlyHeader::Element& element, Body& body) {
   for (const PlyHeader::Property& property : element.properties) {
     std::int64_t values = 1;
@@ -120,7 +120,7 @@ bool Skip(const PlyHeader::Element& element, Body& body) {
   return true;
 }
 
-// Positions of the named properties; empty unless all are there as float or double.
+// Positions of the named properties; empty unless all exist as float or double.
 std::optional<std::array<std::size_t, 3>> FindColumns(const PlyHeader::Element& vertex,
                                                       std::array<std::string_view, 3> names) {
   std::array<std::size_t, 3> columns{};
@@ -167,7 +167,7 @@ absl::StatusOr<PointFile> ReadVertices(const PlyHeader::Element& vertex, Body& b
       const std::optional<double> value = body.Next(vertex.properties[k].type);
       if (!value)
         return absl::InvalidArgumentError(absl::StrCat("at point ", i + 1, ", ", body.Trouble()));
-      // Beyond single precision is no measurement.
+      // Values beyond single precision count as no measurement.
       const bool fits = std::abs(*value) <= std::numeric_limits<float>::max();
       row[k] = fits ? static_cast<float>(*value) : std::numeric_limits<float>::quiet_NaN();
     }

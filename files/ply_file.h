@@ -9,10 +9,10 @@
 namespace graspdb::client {
 
 // Reads the vertices of a PLY file, see ReadPointFile; faces and other elements
-// are passed over. Written here and not left to PCL, whose PLY reader crashes on
-// well-formed meshes and on damaged headers.
+// are ignored. PCL's PLY reader is not used, as it crashes on well-formed meshes
+// and on damaged headers.
 //
-// INVALID_ARGUMENT with the path, what is wrong and what to do.
+// INVALID_ARGUMENT with the path, the error and advice.
 absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path);
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// The header of a PLY file, read strictly.
+// The header of a PLY file, parsed strictly.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace graspdb::client {
 
-// What a PLY header says.
+// A PLY header.
 struct PlyHeader {
   enum class Encoding { kAscii, kLittleEndian, kBigEndian };
   enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
@@ -43,7 +43,7 @@ int SizeOf(PlyHeader::Type type);
 
 // Reads the header at the start of `bytes`, the content of a file.
 //
-// INVALID_ARGUMENT with the first line that is wrong, without a path.
+// INVALID_ARGUMENT with the first invalid line, without a path.
 absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes);
 
 }  // namespace graspdb::client

@@ -55,7 +55,7 @@ absl::StatusOr<PointFile> ReadPcd(const fs::path& path) {
   return file;
 }
 
-// The many ways of saying "no measurement" become one.
+// Converts all encodings of "no measurement" to NaN.
 void MarkMissing(recognition::Points& points) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   for (Eigen::Vector3f& p : points) {
@@ -82,7 +82,7 @@ absl::Status WritePcd(const fs::path& path, const PointFile& file) {
   const std::size_t count = file.points.size();
   if (count == 0 || count > kMaxPoints) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "cannot write ", count, " points to ", path.string(), "; a file holds 1 to ", kMaxPoints));
+        "cannot write ", count, " points to ", path.string(), "; a file has 1 to ", kMaxPoints));
   }
   const std::int64_t grid = std::int64_t{file.width} * file.height;
   if (file.width < 1 || file.height < 1 || grid != static_cast<std::int64_t>(count)) {

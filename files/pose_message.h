@@ -1,4 +1,4 @@
-// Poses between the contract and the algorithms.
+// Conversion of poses between protobuf messages and the algorithms.
 #pragma once
 
 #include <string_view>

@@ -9,7 +9,7 @@ namespace graspdb::client {
 namespace {
 
 int Run(int argc, char** argv) {
-  // As users type it.
+  // The name on the command line.
   CLI::App app("graspdb-lab simulates, evaluates and measures.", "graspdb");
   GlobalOptions global;
   Action action;

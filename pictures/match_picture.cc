@@ -23,14 +23,14 @@ constexpr Color kWhite = {0.92, 0.92, 0.92};
 constexpr Color kGreen = {0.15, 0.85, 0.25};
 constexpr Color kGrey = {0.65, 0.65, 0.65};
 constexpr Color kDark = {0.22, 0.24, 0.28};
-// The picture is taken from beside the sensor, so that depth shows, rad.
+// The virtual camera is turned from the sensor by this angle, so that depth is visible, rad.
 constexpr double kAside = 0.6;
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Painter = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-// Where world points come to lie in a panel: seen from beside the sensor, the object
-// in the middle, with perspective.
+// Perspective projection of world points to a panel, from beside the sensor, with the
+// object in the middle.
 class Camera {
  public:
   explicit Camera(const MatchPicture& picture)

@@ -10,11 +10,11 @@
 
 namespace graspdb::client {
 
-// What is drawn; all points in the world frame, metres.
+// The content of a picture; all points in the world frame, metres.
 struct MatchPicture {
   std::string caption;
-  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor: where from
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();                // looked at
+  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();                // centre of the picture
   recognition::Points scan;                                        // white
   recognition::Points table;                                       // grey
   recognition::Points found;                   // green, left: the view where it was taught

@@ -41,7 +41,8 @@ absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedP
   if (picture.width < 1 || picture.height < 1 ||
       picture.brightness.size() !=
           static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height)) {
-    return absl::InvalidArgumentError("the picture does not have as many pixels as its size says");
+    return absl::InvalidArgumentError(
+        "the number of pixels does not match the size of the picture");
   }
   if (std::ranges::any_of(picture.marks, [&](const ColoredPixel& mark) {
         return mark.pixel >= picture.brightness.size();

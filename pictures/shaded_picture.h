@@ -20,12 +20,12 @@ struct ShadedPicture {
   std::string caption;
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> brightness;  // a pixel each, row by row: 0 black, 255 white
+  std::vector<std::uint8_t> brightness;  // per pixel, row by row: 0 black, 255 white
   std::vector<ColoredPixel> marks = {};  // drawn over it, the last on top
 };
 
 // Writes a PNG, the caption above. INVALID_ARGUMENT when `brightness` has another size or a mark is
-// outside, FAILED_PRECONDITION when the file cannot be written.
+// outside the picture, FAILED_PRECONDITION when the file cannot be written.
 absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedPicture& picture);
 
 }  // namespace graspdb::client

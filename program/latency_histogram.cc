@@ -7,11 +7,11 @@
 namespace graspdb::client {
 namespace {
 
-// Bits of a time that are kept: 1024 buckets for every doubling, so that one is at most a
+// Bits of a time that are kept: 1024 buckets for every doubling, so that a bucket is at most a
 // thousandth of its lower end wide.
 constexpr int kKeptBits = 11;
 
-// Bits of a time that its bucket does not tell.
+// Bits of a time that its bucket drops.
 int DroppedBits(std::int64_t ns) {
   return std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(ns))) - kKeptBits);
 }
@@ -52,7 +52,7 @@ LatencyHistogram::Duration LatencyHistogram::Mean() const {
 
 LatencyHistogram::Duration LatencyHistogram::Percentile(double percent) const {
   const double share = std::clamp(percent, 0.0, 100.0) / 100;
-  // 99.9 % of 1000 is 999, also where the product comes out a hair above it.
+  // 99.9 % of 1000 is 999, even if the product is slightly above it.
   const double rank = std::ceil(share * static_cast<double>(count_) - 1e-6);
   const std::int64_t wanted = std::max<std::int64_t>(1, static_cast<std::int64_t>(rank));
   std::int64_t seen = 0;

@@ -1,4 +1,4 @@
-// Durations, counted so that any percentile can be told afterwards.
+// A histogram of durations from which any percentile can be computed.
 //
 // After G. Tene's HdrHistogram (http://hdrhistogram.org): buckets that are narrow for short times
 // and wide for long ones, so that every time is known to three significant digits. There is no
@@ -11,28 +11,28 @@
 
 namespace graspdb::client {
 
-// Times from a nanosecond to centuries, each within 0.1 % of what was recorded; the least, the
-// greatest and the sum are exact. Not thread-safe: count apart and merge.
+// Times from a nanosecond to centuries, each within 0.1 % of the recorded value; minimum, maximum
+// and sum are exact. Not thread-safe: use one per thread and merge.
 class LatencyHistogram {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  // Times below zero, which a clock that was set back may show, count as zero.
+  // Negative times, which a clock that was set back may give, count as zero.
   void Record(Duration time);
-  // As if everything that `other` has heard of had been recorded here too.
+  // Adds all durations that were recorded in `other`.
   void Merge(const LatencyHistogram& other);
 
   std::int64_t count() const { return count_; }
-  // Zero when nothing was recorded; so are all the following.
+  // Zero if empty; so are all the following.
   Duration Min() const { return min_; }
   Duration Max() const { return max_; }
   Duration Sum() const { return sum_; }
   Duration Mean() const;
-  // The time that `percent` of all (0 to 100) did not exceed: of the nearest rank, and rather the
-  // upper end of its bucket than the lower.
+  // The time that `percent` of all (0 to 100) did not exceed: the nearest rank, as the upper end of
+  // its bucket.
   Duration Percentile(double percent) const;
 
-  // How many took less than `time`, to the width of a bucket.
+  // Number of times below `time`, to the width of a bucket.
   std::int64_t CountBelow(Duration time) const;
 
  private:

@@ -11,7 +11,7 @@ absl::StatusOr<ListenAddress> ParseListenAddress(const std::string& flag, const 
   if (colon == std::string::npos || colon == 0 ||
       !absl::SimpleAtoi(text.substr(colon + 1), &port) || port < 0 || port > 65535) {
     return absl::InvalidArgumentError(
-        absl::StrCat(flag, " ", text, " is no HOST:PORT; give one such as 127.0.0.1:50051"));
+        absl::StrCat(flag, " ", text, " is not HOST:PORT; give one such as 127.0.0.1:50051"));
   }
   return ListenAddress{text.substr(0, colon), static_cast<std::uint16_t>(port)};
 }

@@ -1,4 +1,4 @@
-// Where a program listens.
+// The address on which a program listens.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@ namespace graspdb {
 
 struct ListenAddress {
   std::string host;
-  std::uint16_t port = 0;  // 0: any that is free
+  std::uint16_t port = 0;  // 0: any free port
 };
 
-// `text` is what was given to `flag`, HOST:PORT. INVALID_ARGUMENT when it is none.
+// Parses `text`, the HOST:PORT given to `flag`. INVALID_ARGUMENT if it is invalid.
 absl::StatusOr<ListenAddress> ParseListenAddress(const std::string& flag, const std::string& text);
 
 // Whether only programs on this machine can reach it. A name such as 127.example.org only looks

@@ -1,4 +1,4 @@
-// Values in the log: one line an event, `key=value` pairs (logfmt).
+// Values in the log: one line per event, `key=value` pairs (logfmt).
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 
 namespace graspdb {
 
-// `value` as it can stand behind a key: quoted where it holds anything but plain
-// characters, with quotes, backslashes and control characters escaped, so that what
-// a caller sends cannot forge a line.
+// `value` as the value of a key: quoted if it has other than plain characters, with
+// quotes, backslashes and control characters escaped, so that the input of a caller
+// cannot forge a line.
 std::string LogField(std::string_view value);
 
 }  // namespace graspdb

@@ -26,8 +26,7 @@ std::string Variable(const std::string& flag) {
   return value == nullptr ? "" : value;
 }
 
-// CLI11 lets the file go before the variables; here it has nothing to say where there is
-// one.
+// CLI11 gives the file precedence over the variables; here variables override it.
 class FileAfterVariables : public CLI::ConfigBase {
  public:
   explicit FileAfterVariables(std::vector<std::string> other_commands)
@@ -65,7 +64,7 @@ void NameVariables(CLI::App& app) {
 
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
   const std::string path = Variable("config");
-  app.set_config("--config", path, "File with settings, one KEY=VALUE a line", !path.empty());
+  app.set_config("--config", path, "File with settings, one KEY=VALUE per line", !path.empty());
   app.config_formatter(std::make_shared<FileAfterVariables>(std::move(other_commands)));
   app.allow_config_extras(CLI::config_extras_mode::error);
   NameVariables(app);

@@ -1,4 +1,4 @@
-// The file of --config, of the server and of the client.
+// The file of --config, of the server and the client.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,13 +8,13 @@
 
 namespace graspdb {
 
-// Adds --config, and makes every flag that `app` and its commands have by now a variable too:
-// --area-m is GRASPDB_AREA_M. A flag goes before its variable, and both go before the file; a
-// key that is no flag is an error, but for those of `other_commands`, which are another program's.
+// Adds --config, and an environment variable for every flag that `app` and its commands have so
+// far: --area-m is GRASPDB_AREA_M. A flag overrides its variable, and both override the file; an
+// unknown key is an error, except those of `other_commands`, which belong to another program.
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands = {});
 
-// Parses what a program was started with, and prints what there is to say: help, a version, or what
-// is wrong. The exit status where the program is to end by that, 0 or 2.
+// Parses the command line, and prints the help, the version or an error. Returns the exit status, 0
+// or 2, if the program is to end.
 std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv);
 
 }  // namespace graspdb

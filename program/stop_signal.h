@@ -1,17 +1,17 @@
-// A program that runs until it is asked to stop.
+// Waiting for a signal to stop.
 #pragma once
 
 #include <csignal>
 
 namespace graspdb {
 
-// Waits for SIGTERM or SIGINT. Made before any thread starts: threads that start later leave these
-// signals to Wait.
+// Waits for SIGTERM or SIGINT. To be constructed before any thread starts: later threads block
+// these signals, so that Wait gets them.
 class StopSignal {
  public:
   StopSignal();
 
-  // Which of the two came.
+  // Returns the received signal.
   int Wait() const;
 
  private:

@@ -18,7 +18,7 @@ absl::StatusOr<std::vector<Known>> ModelsOf(const CatalogueSnapshot& catalogue, 
                                             const IsCancelled& is_cancelled) {
   std::vector<Known> out;
   for (const auto& [name, pose] : *catalogue.stable_poses) {
-    if (is_cancelled()) return absl::CancelledError("cancelled while models were loaded");
+    if (is_cancelled()) return absl::CancelledError("cancelled while loading models");
     const auto posed =
         std::ranges::find_if(pose->views, [](const auto& view) { return view->shares_frame; });
     if (posed == pose->views.end()) continue;
@@ -37,20 +37,20 @@ absl::StatusOr<CatalogueSimilarity> FindLookAlikes(const CatalogueSnapshot& cata
                                                    const IsCancelled& is_cancelled) {
   const auto models = ModelsOf(catalogue, clouds, is_cancelled);
   if (!models.ok()) return models.status();
-  const auto is_asked = [&](const Known& known) {
+  const auto is_selected = [&](const Known& known) {
     return object.empty() || known.object == object;
   };
   CatalogueSimilarity out;
   for (auto a = models->begin(); a != models->end(); ++a) {
-    if (is_cancelled()) return absl::CancelledError("cancelled while stable poses were compared");
-    if (is_asked(*a)) {
+    if (is_cancelled()) return absl::CancelledError("cancelled while comparing stable poses");
+    if (is_selected(*a)) {
       const FoundSymmetry found = FindSymmetry(*a->model);
       if (found.order != 1 || a->pose->symmetry_order != 1) {
         out.symmetries.push_back({a->pose->name, a->pose->symmetry_order, found});
       }
     }
     for (auto b = a + 1; b != models->end(); ++b) {
-      if (!is_asked(*a) && !is_asked(*b)) continue;
+      if (!is_selected(*a) && !is_selected(*b)) continue;
       const auto similarity = FindShapeSimilarity(*a->model, *b->model);
       if (!similarity) continue;
       const double alike = std::max(AlikeM(*a->model), AlikeM(*b->model));

@@ -1,4 +1,4 @@
-// What a catalogue may confuse: for the teacher, before a robot finds out.
+// Look-alikes in a catalogue, for the teacher to check before operation.
 #pragma once
 
 #include <string>
@@ -24,12 +24,12 @@ struct LookAlikes {
 };
 
 struct CatalogueSimilarity {
-  std::vector<StablePoseSymmetry> symmetries;  // by name; those that are, or are declared
+  std::vector<StablePoseSymmetry> symmetries;  // by name; found or declared
   std::vector<LookAlikes> pairs;               // by name; each pair once
 };
 
-// Looks at all stable poses whose views say where the object was (TaughtView::shares_frame), pairs
-// among them where one is of `object` (resource name; empty: all). Errors of `clouds`; CANCELLED.
+// Compares all stable poses whose views specify the object's pose (TaughtView::shares_frame): pairs
+// of them where one is of `object` (resource name; empty: all). Errors of `clouds`; CANCELLED.
 absl::StatusOr<CatalogueSimilarity> FindLookAlikes(const CatalogueSnapshot& catalogue,
                                                    ViewClouds& clouds, const std::string& object,
                                                    const IsCancelled& is_cancelled);

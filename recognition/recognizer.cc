@@ -8,7 +8,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// The best that can be said of the frame as a whole.
+// Outcome of the whole frame: kOk if any detection is.
 RecognitionOutcome Summarize(const std::vector<Detection>& detections) {
   for (const Detection& d : detections) {
     if (d.outcome == RecognitionOutcome::kOk) return RecognitionOutcome::kOk;

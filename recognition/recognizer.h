@@ -1,5 +1,4 @@
-// The whole path: scan, segments, descriptors, nearest views, rough pose, refined
-// pose, grasps.
+// The whole pipeline: scan, segments, descriptors, nearest views, rough pose, refined pose, grasps.
 #pragma once
 
 #include <cstdint>
@@ -30,15 +29,15 @@ struct Recognition {
   WorldFrame world_frame = WorldFrame::kGiven;
   std::vector<Detection> detections;  // the nearest to the sensor first
   std::vector<StageReport> stages;
-  // Views that were not looked at since further_view_budget was spent, and whether the search ended
-  // early since search_ceiling_s had passed.
+  // Views not evaluated because further_view_budget was spent, and whether the search ended early
+  // because search_ceiling_s had passed.
   std::size_t untried_view_count = 0;
   bool out_of_time = false;
 };
 
-// Recognises everything in a scan, on idle cores too. The same scan against the same snapshot gives
-// the same answer. Errors as SegmentScan, and those of `clouds`. Thread-safe; `is_cancelled` is
-// called from one thread at a time, not always the same.
+// Recognises all objects in a scan, also on idle cores. The same scan against the same snapshot
+// gives the same answer. Errors as SegmentScan, and those of `clouds`. Thread-safe; `is_cancelled`
+// is called from one thread at a time, not always the same.
 absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot& catalogue,
                                       ViewClouds& clouds, const RecognitionParameters& parameters,
                                       const IsCancelled& is_cancelled);

@@ -22,7 +22,8 @@ constexpr double kMaxGapM = 0.03;
 // Unions of two pieces that are tried for a frame, the nearest pairs; each takes as long as the
 // nearest views of a segment.
 constexpr std::size_t kMaxUnions = 6;
-// A union with less confidence is none, for each piece may still be explained better on its own.
+// A union with less confidence is rejected, since each piece may still be explained better on its
+// own.
 constexpr double kSureUnion = 0.9;
 
 }  // namespace
@@ -76,7 +77,7 @@ absl::Status SegmentAnswers::ForEach(Answers* answers,
                                      const std::function<absl::Status(AnsweredSegment*)>& job) {
   std::vector<AnsweredSegment*> order;
   for (AnsweredSegment& answer : *answers) order.push_back(&answer);
-  // The largest first: what is begun last leaves cores idle for its time.
+  // The largest first: the job that begins last leaves cores idle for its time.
   std::ranges::stable_sort(order, std::greater(), [](const AnsweredSegment* answer) {
     return answer->segment.cloud.points.size();
   });
@@ -86,9 +87,9 @@ absl::Status SegmentAnswers::ForEach(Answers* answers,
   return failed == done.end() ? absl::OkStatus() : *failed;
 }
 
-// Those that the nearest views explain are answered first. What lies on one of them is a piece of
-// it, which needs no search of its own: it would be long, for a descriptor of a piece says
-// little.
+// Segments that the nearest views explain are answered first. A segment on one of them is a piece
+// of it and needs no search of its own, which would be long since the descriptor of a piece is not
+// distinctive.
 absl::Status SegmentAnswers::TryNearest(AnsweredSegment* answer) {
   Work& work = WorkOn(*answer);
   auto search = SearchIn(*answer->seen, &work.log);
@@ -110,8 +111,8 @@ absl::Status SegmentAnswers::Answer(AnsweredSegment* answer) {
   return absl::OkStatus();
 }
 
-// Two neighbours that nothing explains may be pieces of one object, which its nearest views
-// explain: much sooner than further views explain the pieces.
+// Two unexplained neighbours may be pieces of one object, which its nearest views explain much
+// sooner than further views explain the pieces.
 absl::Status SegmentAnswers::JoinPieces(Answers* answers) {
   if (parameters_.matching.verified_view_count <= 1) return absl::OkStatus();
   std::vector<std::size_t> open;
@@ -164,8 +165,8 @@ absl::StatusOr<AnsweredSegment> SegmentAnswers::TryUnion(const Segment& a, const
   return out;
 }
 
-// What nothing explains yet has all of it in equal shares; for what touches something that is
-// explained there are shares of the same size.
+// Unexplained segments share all of it equally; segments that touch an explained object get shares
+// of the same size.
 void SegmentAnswers::ShareBudget(const Answers& answers) {
   const auto open = std::ranges::count_if(
       answers, [](const AnsweredSegment& a) { return a.detection.model == nullptr; });
@@ -183,9 +184,9 @@ absl::Status SegmentAnswers::Finish(AnsweredSegment* answer) {
   return absl::OkStatus();
 }
 
-// What the camera saw as one may be several objects.
+// One segment may be several objects.
 absl::StatusOr<SegmentAnswers::Answers> SegmentAnswers::Part(AnsweredSegment answer, Work* work) {
-  // A scan of one object alone is that, whatever it looks like.
+  // A scan of one object alone is never split.
   if (parameters_.matching.verified_view_count <= 1 || scan_.segmented) return Answers{answer};
   const SplittingOptions options{
       .min_count = static_cast<std::size_t>(parameters_.segmentation.min_cluster_point_count),

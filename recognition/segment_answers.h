@@ -17,17 +17,17 @@
 
 namespace graspdb::recognition {
 
-// Several segments at once where cores are idle. For one thread; all references must outlive it.
+// Processes segments in parallel on idle cores. For one thread; all references must outlive it.
 class SegmentAnswers {
  public:
   SegmentAnswers(const Scan& scan, const Segmentation& segmentation,
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                  const RecognitionParameters& parameters, const IsCancelled& is_cancelled);
 
-  // Once. CANCELLED; errors of LoadModel.
+  // Call once. CANCELLED; errors of LoadModel.
   absl::StatusOr<std::vector<AnsweredSegment>> Take();
 
-  // What was done, and what was not.
+  // Adds the stages and the untried views.
   void Report(StageLog* log, Recognition* out) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// Null where it is not known any more.
+// Null where it no longer exists.
 const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
                                      const Detection& detection) {
   if (!detection.view) return nullptr;
@@ -18,7 +18,8 @@ const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
   return found == catalogue.stable_poses->end() ? nullptr : found->second.get();
 }
 
-// A stable pose's own threshold is one of confidence, which the single-view baseline has not.
+// A stable pose's own threshold applies to the confidence, which the single-view baseline does not
+// compute.
 double MinScore(const TaughtStablePose* taught, const MatchingParameters& parameters) {
   const bool own = parameters.use_own_min_scores && parameters.verified_view_count > 1;
   return own && taught != nullptr ? taught->min_score.value_or(parameters.min_score)
@@ -62,14 +63,14 @@ absl::Status TrustDescriptor(const MatchingInput& input, const Match& nearest, V
   return absl::OkStatus();
 }
 
-// What explains the scan as well as the best hypothesis, the first one.
+// Adds the hypotheses that explain the scan as well as the best one, the first.
 void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
                const MatchingParameters& parameters, Detection* detection) {
   const PoseHypothesis& best = hypotheses.front();
   for (const PoseHypothesis& h : hypotheses) {
     const bool is_rival = h.rank_class == RankClass::kAsGood;
     detection->ambiguous = detection->ambiguous || is_rival;
-    // A declared symmetry says more exactly what follows than what happened to be tried.
+    // The turns of a declared symmetry are more exact than those that happened to be tried.
     const bool is_turn = h.rank_class == RankClass::kSameSurface && best.symmetry_order == 1;
     if (!is_rival && !is_turn) continue;
     if (h.view->stable_pose == best.view->stable_pose) {
@@ -143,14 +144,14 @@ ModelSearch& SegmentRecognition::BeginSearch() {
 // Whether some stable pose is accepted with the confidence that a segment of this size can reach.
 bool SegmentRecognition::MayBeAccepted() const {
   const double noise = NoiseAt(input_.segmentation, input_.segment);
-  const double most = MaxConfidence(out_.point_count, noise);
-  if (most >= parameters_.matching.min_score) return true;
+  const double max_confidence = MaxConfidence(out_.point_count, noise);
+  if (max_confidence >= parameters_.matching.min_score) return true;
   return std::ranges::any_of(*catalogue_.stable_poses, [&](const auto& named) {
-    return most >= MinScore(named.second.get(), parameters_.matching);
+    return max_confidence >= MinScore(named.second.get(), parameters_.matching);
   });
 }
 
-// False for a shape that cannot be described, which is not known.
+// False for a shape that cannot be described; it is unknown.
 bool SegmentRecognition::FindNearest(int count) {
   log_->Measure("descriptor", out_.point_count, [&] {
     auto descriptor = Describe(input_.segment.cloud, input_.segmentation.world_sensor,
@@ -220,7 +221,7 @@ absl::Status SegmentRecognition::TakeBest() {
   return absl::OkStatus();
 }
 
-// Whether what was found is an answer.
+// Accepts or rejects the best hypothesis.
 void SegmentRecognition::Decide() {
   if (out_.candidates.empty()) return;
   const MatchingParameters& matching = parameters_.matching;

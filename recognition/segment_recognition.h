@@ -1,4 +1,4 @@
-// What one segment of a scan is: descriptor, nearest views, models, pose, grasps.
+// Recognition of one segment of a scan: descriptor, nearest views, models, pose, grasps.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace graspdb::recognition {
 
-// Recognises a segment as one object, in two steps of which the second goes on where the first
-// ended. A segment that is too large to be one object, or too small for any answer to be accepted,
-// is unknown without a search. Errors of `clouds`; CANCELLED. Not thread-safe; all references must
+// Recognises a segment as one object, in two steps, of which the second continues the first. A
+// segment that is too large to be one object, or too small for any answer to be accepted, is
+// unknown without a search. Errors of `clouds`; CANCELLED. Not thread-safe; all references must
 // outlive it.
 class SegmentRecognition {
  public:
@@ -26,11 +26,11 @@ class SegmentRecognition {
   // Whether the nearest views explain the segment.
   absl::StatusOr<bool> TryNearest();
 
-  // The answer. Where the nearest views do not explain the segment, of as many further
-  // views as `further` allows. Ends it.
+  // The answer. Where the nearest views do not explain the segment, tries as many further views as
+  // `further` allows. Ends the search.
   absl::StatusOr<Detection> Answer(SearchBudget& further);
 
-  // A quick answer in place of both steps: of as many views as `budget` allows, all of them
+  // A quick answer in place of both steps: from as many views as `budget` allows, all of them
   // screened.
   absl::StatusOr<Detection> QuickAnswer(SearchBudget& budget);
 

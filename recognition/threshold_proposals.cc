@@ -11,18 +11,18 @@
 namespace graspdb::recognition {
 namespace {
 
-// Views of a stable pose that are asked about.
-constexpr std::size_t kAskedViews = 8;
-// One of so many rightly named views may score lower than `right_score`.
+// Views of a stable pose that are evaluated.
+constexpr std::size_t kEvaluatedViews = 8;
+// One of this many right answers may score lower than `right_score`.
 constexpr std::size_t kLowOneOf = 8;
 constexpr double kLowest = 0.1;
-// A threshold that is not lower than this share of the usual one is not worth having.
+// Only thresholds lower than this share of the usual one are proposed.
 constexpr double kWorthwhile = 0.9;
 
 using ViewPtr = std::shared_ptr<const TaughtView>;
 
-// Clouds and models, with those of one stable pose made anew: what is asked once with a view left
-// out is not worth another's place in a cache. For one thread.
+// Clouds and models, with those of one stable pose made anew: a model without one view is used once
+// and not worth a place in a cache. For one thread.
 class WithoutOne : public ViewClouds {
  public:
   WithoutOne(ViewClouds& all, std::string stable_pose)
@@ -66,7 +66,7 @@ CatalogueSnapshot Without(const CatalogueSnapshot& catalogue, std::span<const Vi
               std::move(poses))};
 }
 
-// What the view's camera saw of the object.
+// The object as the view's camera saw it.
 absl::StatusOr<Scan> ScanOf(const TaughtView& view, ViewClouds& clouds) {
   auto cloud = clouds.Load(view);
   if (!cloud.ok()) return cloud.status();
@@ -74,7 +74,7 @@ absl::StatusOr<Scan> ScanOf(const TaughtView& view, ViewClouds& clouds) {
            .world_sensor = view.world_sensor,
            .region = std::nullopt,
            .segmented = true};
-  // Nobody knows which way is up.
+  // Gravity is unknown.
   if (view.world_sensor.isApprox(Pose::Identity())) out.world_sensor.reset();
   return out;
 }
@@ -84,10 +84,10 @@ struct Scores {
   std::vector<double> right;
 };
 
-class Asker {
+class LeaveOutEvaluation {
  public:
-  Asker(const CatalogueSnapshot& catalogue, ViewClouds& clouds,
-        const RecognitionParameters& parameters, const IsCancelled& is_cancelled)
+  LeaveOutEvaluation(const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                     const RecognitionParameters& parameters, const IsCancelled& is_cancelled)
       : catalogue_(catalogue),
         clouds_(clouds),
         parameters_(parameters),
@@ -100,8 +100,8 @@ class Asker {
     }
   }
 
-  // Asks about the view while it is not taught.
-  absl::Status AskKnown(const ViewPtr& view) {
+  // Recognises the view while it is left out.
+  absl::Status EvaluateKnown(const ViewPtr& view) {
     const auto answer = Best(*view, Without(catalogue_, std::span(&view, 1)));
     if (!answer.ok()) return answer.status();
     Scores& its = scores_.at(view->stable_pose);
@@ -110,20 +110,20 @@ class Asker {
       ++its.proposal.right_views;
       its.right.push_back(answer->score);
     } else {
-      Blame(*answer, *view);
+      RecordWrong(*answer, *view);
     }
     return absl::OkStatus();
   }
 
-  // Asks about the view while its object is not taught.
-  absl::Status AskStranger(const ViewPtr& view) {
+  // Recognises the view while its object is left out.
+  absl::Status EvaluateUnknown(const ViewPtr& view) {
     const auto answer = Best(*view, Without(catalogue_, of_object_.at(view->object)));
     if (!answer.ok()) return answer.status();
-    Blame(*answer, *view);
+    RecordWrong(*answer, *view);
     return absl::OkStatus();
   }
 
-  // Of the stable poses that were asked about while they were taught, by name.
+  // Of the stable poses with views from EvaluateKnown, by name.
   std::vector<ThresholdProposal> Conclude(double usual) {
     std::vector<ThresholdProposal> out;
     for (auto& [name, its] : scores_) {
@@ -141,8 +141,8 @@ class Asker {
   }
 
  private:
-  // What `answer` names was wrongly named for `view`.
-  void Blame(const Detection& answer, const TaughtView& view) {
+  // Records `answer` as wrong for `view`.
+  void RecordWrong(const Detection& answer, const TaughtView& view) {
     if (!answer.view) return;
     ThresholdProposal& named = scores_.at(answer.view->stable_pose).proposal;
     if (answer.score <= named.wrong_score.value_or(-1)) return;
@@ -173,7 +173,7 @@ std::vector<ViewPtr> Sample(const CatalogueSnapshot& catalogue) {
       catalogue.stable_poses->begin(), catalogue.stable_poses->end());
   std::vector<ViewPtr> out;
   for (const auto& [name, pose] : by_name) {
-    const std::size_t count = std::min(kAskedViews, pose->views.size());
+    const std::size_t count = std::min(kEvaluatedViews, pose->views.size());
     for (std::size_t i = 0; i < count; ++i) {
       out.push_back(pose->views[i * pose->views.size() / count]);
     }
@@ -193,17 +193,17 @@ absl::StatusOr<std::vector<ThresholdProposal>> ProposeThresholds(
     const CatalogueSnapshot& catalogue, ViewClouds& clouds, const std::string& object,
     const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
     const ThresholdProgress& report) {
-  Asker asker(catalogue, clouds, parameters, is_cancelled);
+  LeaveOutEvaluation evaluation(catalogue, clouds, parameters, is_cancelled);
   const std::vector<ViewPtr> views = Sample(catalogue);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (absl::Status status = report(i, views.size()); !status.ok()) return status;
     const bool is_its = views[i]->object == object;
     absl::Status status = absl::OkStatus();
-    if (object.empty() || is_its) status.Update(asker.AskKnown(views[i]));
-    if (object.empty() || !is_its) status.Update(asker.AskStranger(views[i]));
+    if (object.empty() || is_its) status.Update(evaluation.EvaluateKnown(views[i]));
+    if (object.empty() || !is_its) status.Update(evaluation.EvaluateUnknown(views[i]));
     if (!status.ok()) return status;
   }
-  return asker.Conclude(parameters.matching.min_score);
+  return evaluation.Conclude(parameters.matching.min_score);
 }
 
 }  // namespace graspdb::recognition

@@ -1,9 +1,9 @@
 // Simulated cameras with the errors of real ones.
 //
-// Measured on the dominant planes and, where a mesh with a known pose stands in the frame, on its
-// silhouette and faces (docs/experiment.md has the figures): frames of a Kinect v1 (LINEMOD), two
-// RealSense D400 (YCB, 3DObjectTracking) and two Carmine 1.09 (Dex-Net, IC-BIN). Errors in depth
-// are along the ray and grow with its square; they are given at 1 m.
+// Measured on the dominant planes and, for frames with a mesh of known pose, on its silhouette and
+// faces (figures in docs/experiment.md): frames of a Kinect v1 (LINEMOD), two RealSense D400 (YCB,
+// 3DObjectTracking) and two Carmine 1.09 (Dex-Net, IC-BIN). Errors in depth are along the ray and
+// grow with its square; they are given at 1 m.
 #include <numbers>
 #include <utility>
 
@@ -50,7 +50,7 @@ DepthCameraModel RealKinectV1() {
   return model;
 }
 
-// No frames of one are at hand: edges and warps after Fankhauser et al. 2015 and Wasenmueller and
+// Without frames of our own: edges and warps after Fankhauser et al. 2015 and Wasenmueller and
 // Stricker, "Comparison of Kinect V1 and V2 Depth Images", ACCV workshops 2016.
 DepthCameraModel RealKinectV2() {
   DepthCameraModel model = KinectV2();

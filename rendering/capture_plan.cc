@@ -25,7 +25,7 @@ enum PlanStream : std::uint64_t { kTurntableNoise, kSceneNoise, kNamedPlace, kOt
 absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(what); }
 
 absl::Status CheckParts(const std::vector<Workpiece>& parts) {
-  if (parts.empty()) return Bad("there is nothing to capture; name a mesh or a sample part");
+  if (parts.empty()) return Bad("there is nothing to capture; give a mesh or a sample part");
   std::set<std::string> ids;
   for (const Workpiece& part : parts) {
     if (!ids.insert(absl::StrCat(part.object_id, "/", part.stable_pose_id)).second) {
@@ -40,7 +40,7 @@ absl::Status CheckStand(const CameraStand& stand) {
   const auto good_angle = [](double deg) { return deg >= 0 && deg <= 90; };
   const auto good_distance = [](double m) { return m > 0 && std::isfinite(m); };
   if (stand.look_down_deg.empty() || stand.distances_m.empty()) {
-    return Bad("the camera stands nowhere; give a look-down angle and a distance");
+    return Bad("the camera has no pose; give a look-down angle and a distance");
   }
   if (!std::all_of(stand.look_down_deg.begin(), stand.look_down_deg.end(), good_angle) ||
       !std::isfinite(stand.azimuth_deg)) {
@@ -63,14 +63,14 @@ Pose OnTable(double x, double y, double turn_rad) {
   return pose;
 }
 
-// How far a workpiece reaches from its z axis.
+// Largest distance of a workpiece from its z axis.
 double ReachOf(const Workpiece& part) {
   float reach = 0;
   for (const Eigen::Vector3f& v : part.mesh.vertices) reach = std::max(reach, v.head<2>().norm());
   return static_cast<double>(reach);
 }
 
-// Random poses on the table, uniform in place and turn.
+// Random poses on the table, uniform in position and azimuth.
 class Dice {
  public:
   Dice(std::uint64_t seed, std::uint64_t stream) : seed_(seed), stream_(stream) {}
@@ -89,8 +89,7 @@ class Dice {
   std::uint64_t counter_ = 0;
 };
 
-// A place for another workpiece that keeps clear of those there; empty when none
-// is found.
+// A free place for another workpiece; empty when none is found.
 std::optional<Placement> FindPlace(const std::vector<Workpiece>& parts, std::size_t part,
                                    const std::vector<Placement>& there, Dice& dice) {
   constexpr int kTries = 500;
@@ -112,8 +111,7 @@ std::optional<Placement> FindPlace(const std::vector<Workpiece>& parts, std::siz
 absl::StatusOr<std::vector<Placement>> PlaceObjects(const std::vector<Workpiece>& parts,
                                                     const RandomSceneOptions& options,
                                                     std::size_t scene) {
-  // Every scene has its own numbers, so that the first n scenes do not depend on
-  // how many follow.
+  // Every scene has its own random stream, so that the first n scenes do not depend on later ones.
   Dice named(options.seed, RandomBits(0, kNamedPlace, scene));
   Dice others(options.seed, RandomBits(0, kOtherPlaces, scene));
   std::vector<Placement> placements = {
@@ -122,9 +120,9 @@ absl::StatusOr<std::vector<Placement>> PlaceObjects(const std::vector<Workpiece>
     const std::size_t part = (scene + static_cast<std::size_t>(i)) % parts.size();
     const std::optional<Placement> place = FindPlace(parts, part, placements, others);
     if (!place) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("scene ", scene, " has no room for ", options.objects_per_scene,
-                       " objects; ask for fewer objects in a scene"));
+      return absl::FailedPreconditionError(absl::StrCat("scene ", scene, " has no space for ",
+                                                        options.objects_per_scene,
+                                                        " objects; use fewer objects in a scene"));
     }
     placements.push_back(*place);
   }
@@ -136,7 +134,7 @@ absl::StatusOr<std::vector<Placement>> PlaceObjects(const std::vector<Workpiece>
 absl::Status CheckPlacements(const std::vector<Workpiece>& parts, const PlannedCapture& capture) {
   const auto is_there = [&](const Placement& p) { return p.part < parts.size(); };
   if (std::ranges::all_of(capture.placements, is_there)) return absl::OkStatus();
-  return Bad(capture.path + " is planned with unknown workpieces");
+  return Bad(capture.path + " has unknown workpieces");
 }
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Workpiece>& parts,
@@ -176,7 +174,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<W
   if (absl::Status checked = CheckParts(parts); !checked.ok()) return checked;
   if (absl::Status stand = CheckStand(options.stand); !stand.ok()) return stand;
   if (options.count < 1 || options.objects_per_scene < 1) {
-    return Bad("there are no scenes to make; ask for at least one, with one object");
+    return Bad("a plan needs at least one scene with one object");
   }
   if (!(options.area_half_width_m >= 0 && options.area_half_width_m <= kRegionHalfWidthM)) {
     return Bad(absl::StrCat("the area is not between 0 and ", kRegionHalfWidthM, " m"));

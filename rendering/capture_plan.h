@@ -1,4 +1,4 @@
-// Which simulated captures to take; nothing is rendered here. All of it is thread-safe.
+// Plans of simulated captures; nothing is rendered here. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -24,24 +24,23 @@ struct Placement {
 struct PlannedCapture {
   std::string path;  // of the cloud, relative to the capture set
   v1::Capture::Split split = v1::Capture::SPLIT_UNSPECIFIED;
-  std::vector<Placement> placements;  // the first is what the capture is named after
+  std::vector<Placement> placements;  // the first one names the capture
   recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
   std::uint64_t seed = 0;
 };
 
-// INVALID_ARGUMENT when the capture has a workpiece that `parts` has not.
+// INVALID_ARGUMENT when the capture has a workpiece that is not in `parts`.
 absl::Status CheckPlacements(const std::vector<Workpiece>& parts, const PlannedCapture& capture);
 
-// Where the camera stands: it looks at the origin of the world frame.
+// Pose of the camera, which looks at the origin of the world frame.
 struct CameraStand {
   std::vector<double> look_down_deg = {40};
   std::vector<double> distances_m = {0.8};
   double azimuth_deg = -90;
 };
 
-// Every workpiece alone at the origin, turned by start, start + step, … up to a
-// whole turn, seen from every look-down angle and distance. The camera does not
-// turn.
+// Every workpiece alone at the origin, turned by start, start + step, … up to a whole turn,
+// captured from every look-down angle and distance. The camera does not turn.
 struct TurntableOptions {
   CameraStand stand;
   double azimuth_step_deg = 15;
@@ -50,15 +49,15 @@ struct TurntableOptions {
   std::uint64_t seed = 1;
 };
 
-// Workpieces in turn, anywhere within the area and turned anyhow, seen by the
-// camera from its first look-down angle and distance.
+// Workpieces in turn, at random positions within the area and random azimuths, captured from the
+// camera's first look-down angle and distance.
 struct RandomSceneOptions {
   CameraStand stand;
   int count = 0;
   // The named workpiece has |x| and |y| up to this.
   double area_half_width_m = 0.10;
-  // The others of a scene stand within the region of interest and apart from each
-  // other; they may hide a part of the named one.
+  // The others of a scene are within the region of interest and apart from each other; they may
+  // occlude the named one.
   int objects_per_scene = 1;
   v1::Capture::Split split = v1::Capture::QUERY;
   std::uint64_t seed = 1;
@@ -72,7 +71,7 @@ inline constexpr double kRegionHalfWidthM = 0.30;
 absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Workpiece>& parts,
                                                           const TurntableOptions& options);
 
-// As PlanTurntable; FAILED_PRECONDITION when a scene has no room for its objects.
+// As PlanTurntable; FAILED_PRECONDITION when a scene has no space for its objects.
 absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<Workpiece>& parts,
                                                              const RandomSceneOptions& options);
 

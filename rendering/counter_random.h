@@ -1,6 +1,6 @@
-// Random numbers that are a function of (seed, stream, counter), not of history:
-// the same on every machine and in every order of evaluation. <random>'s
-// distributions leave their sequence to the implementation.
+// Random numbers that are a function of (seed, stream, counter), not of history: the same on every
+// machine and in every order of evaluation. The sequences of <random>'s distributions are
+// implementation-defined.
 #pragma once
 
 #include <cmath>

@@ -15,7 +15,7 @@
 
 namespace graspdb::client {
 
-// A pinhole camera, the depths that it can measure and its errors.
+// A pinhole camera, its depth range and its errors.
 struct DepthCameraModel {
   recognition::CameraIntrinsics intrinsics;
   double min_depth_m = 0;
@@ -35,15 +35,15 @@ DepthCameraModel KinectV1();
 // 2015: 1.3 mm at 0.8 m, 1.7 mm at 2 m.
 DepthCameraModel KinectV2();
 
-// Cameras with all that real ones do to a frame; camera_presets.cc says what each value was
-// measured on. The first two are those above, besides.
+// Cameras with the errors of real ones; camera_presets.cc gives the source of each value. The first
+// two extend those above.
 DepthCameraModel RealKinectV1();
 DepthCameraModel RealKinectV2();
 DepthCameraModel RealSenseD4xx();
 DepthCameraModel Carmine();
 
-// What command lines and sensors call them: "v1", "v2" (with the noise of pixels alone),
-// "kinect-v1", "kinect-v2", "realsense-d4xx", "carmine". INVALID_ARGUMENT for another name.
+// By name, for command lines and sensors: "v1", "v2" (per-pixel noise only), "kinect-v1",
+// "kinect-v2", "realsense-d4xx", "carmine". INVALID_ARGUMENT for another name.
 std::vector<std::string> SimulatedCameras();
 absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name);
 
@@ -51,8 +51,8 @@ absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name);
 struct DepthFrame {
   int width = 0;
   int height = 0;
-  std::vector<float> depth_m;         // along the sensor's z axis; 0 without measurement
-  std::vector<std::int32_t> surface;  // what the pixel shows, see scene.h
+  std::vector<float> depth_m;         // along the sensor's z axis; 0: no measurement
+  std::vector<std::int32_t> surface;  // object of the pixel, see scene.h
 };
 
 // Renders frames. Thread-safe.
@@ -61,8 +61,8 @@ class DepthCamera {
   // INTERNAL when the ray caster cannot start.
   static absl::StatusOr<DepthCamera> Create(const DepthCameraModel& model);
 
-  // What the camera measures from `world_sensor` (T_world_sensor). The same
-  // arguments give the same bytes on one machine. Errors as RayCaster::Cast.
+  // The frame of the camera at `world_sensor` (T_world_sensor). The same arguments give the same
+  // bytes on one machine. Errors as RayCaster::Cast.
   absl::StatusOr<DepthFrame> Render(const Scene& scene, const recognition::Pose& world_sensor,
                                     std::uint64_t seed) const;
 
@@ -76,18 +76,17 @@ class DepthCamera {
   RayCaster rays_;
 };
 
-// The frame as an organised cloud in the sensor frame, metres; NaN where there is
-// no measurement. `frame` must have the size that `intrinsics` says.
+// The frame as an organised cloud in the sensor frame, metres; NaN without a measurement. `frame`
+// must have the size of `intrinsics`.
 recognition::Points ToPoints(const DepthFrame& frame,
                              const recognition::CameraIntrinsics& intrinsics);
 
-// The frame as a depth camera sends it: counts of `unit_m`, 0 without measurement. What is farther
-// than 65535 counts has none.
+// The frame as a depth image: counts of `unit_m`, 0 without a measurement or beyond 65535 counts.
 std::vector<std::uint16_t> ToCounts(const DepthFrame& frame, double unit_m);
 
-// T_world_sensor of a level camera that looks at `target` (world frame) from
-// `distance_m` away. It looks down by `look_down_deg` (90: straight down) and
-// stands from the target in the direction that is turned by `azimuth_deg` from x.
+// T_world_sensor of a level camera that looks at `target` (world frame) from `distance_m` away. It
+// looks down by `look_down_deg` (90: straight down); its direction from the target is turned by
+// `azimuth_deg` from x.
 recognition::Pose LookAt(const Eigen::Vector3d& target, double distance_m, double look_down_deg,
                          double azimuth_deg);
 

@@ -1,4 +1,4 @@
-// What a real depth camera does to an ideal depth image.
+// Adds the errors of a real depth camera to an ideal depth image.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,16 @@ struct AxialNoise {
 // The errors of a depth camera. The default is none.
 struct DepthNoise {
   AxialNoise axial;
-  // Multiplies the axial deviation. 0 makes an ideal camera: none of what is
-  // below happens either.
+  // Multiplies the axial deviation. 0 makes an ideal camera, without the errors below.
   double scale = 1;
-  // Pixels whose surface is seen at a larger angle from its normal than `begin`
-  // are lost, ever more often, and beyond `end` always. Radians.
+  // Pixels whose ray is at a larger angle to the surface normal than `begin` are lost with growing
+  // probability, and beyond `end` always. Radians.
   double dropout_begin_rad = 0;
   double dropout_end_rad = 0;  // 0: none are lost
-  // Structured light knows disparities in whole steps: depth = this / step, in
-  // metre steps; 0 for none.
+  // Structured light quantizes disparity: depth = this / step, in metre steps; 0: not quantized.
   double disparity_steps_m = 0;
-  // Chance that a pixel on a jump of depth lies between the two surfaces, as
-  // time-of-flight cameras mix them.
+  // Probability that a pixel on a depth jump lies between the two surfaces, which time-of-flight
+  // cameras mix.
   double flying_chance = 0;
   // A jump is larger than this; metres.
   double flying_jump_m = 0.02;
@@ -44,9 +42,8 @@ struct DepthNoise {
 // sigma_z(z, t) before scaling; metres. At most 0.05 m.
 double AxialDeviation(const AxialNoise& noise, double depth_m, double incidence_rad);
 
-// Changes depth and surface of `frame` as the camera would; the same for the
-// same seed, whatever the order of the pixels. A lost pixel has depth 0 and shows
-// kNoSurface.
+// Applies the errors to depth and surface of `frame`; deterministic for a seed, independent of the
+// order of the pixels. A lost pixel has depth 0 and surface kNoSurface.
 void ApplyNoise(const DepthNoise& noise, std::uint64_t seed, IdealFrame& frame);
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// Units of mesh files, which do not say their own.
+// Units of mesh files, which do not contain their own.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Triangle meshes and what is measured on them. All of it is thread-safe.
+// Triangle meshes and their measures. Thread-safe.
 #pragma once
 
 #include <Eigen/Core>

@@ -41,7 +41,7 @@ absl::Status Bad(const std::filesystem::path& path, const std::string& what) {
                                                  "; export it again as PLY, OBJ or STL"));
 }
 
-// False when there are more vertices than an int can count.
+// False when the number of vertices exceeds an int.
 bool AppendMesh(const aiMesh& from, const aiMatrix4x4& placed, TriangleMesh& mesh) {
   if (mesh.vertices.size() + from.mNumVertices > std::numeric_limits<int>::max()) return false;
   const auto first = static_cast<int>(mesh.vertices.size());
@@ -59,7 +59,7 @@ bool AppendMesh(const aiMesh& from, const aiMatrix4x4& placed, TriangleMesh& mes
   return true;
 }
 
-// Walks the nodes without recursion: files decide how deep they nest.
+// Walks the nodes without recursion, since their depth is untrusted.
 absl::Status AppendNodes(const aiScene& scene, TriangleMesh& mesh) {
   struct Placed {
     const aiNode* node;
@@ -82,7 +82,7 @@ absl::Status AppendNodes(const aiScene& scene, TriangleMesh& mesh) {
   return absl::OkStatus();
 }
 
-// Whether assimp may take it for a PLY file, by its content or its extension.
+// Whether assimp may read it as a PLY file, by its content or its extension.
 bool IsPly(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::string magic(3, '\0');
@@ -91,16 +91,15 @@ bool IsPly(const std::filesystem::path& path) {
          absl::AsciiStrToLower(path.extension().string()) == ".ply";
 }
 
-// assimp never returns from some damaged PLY files, so these are read through by our own
-// reader first.
+// assimp never returns from some damaged PLY files, so our own reader reads them first.
 absl::Status CheckPly(const std::filesystem::path& path) {
   return IsPly(path) ? ReadPly(path).status() : absl::OkStatus();
 }
 
-// The content of a binary PLY file with an element of one letter before all others; empty for
-// other files. assimp drops a body's first byte where it looks like one more line end of the
-// header (github.com/assimp/assimp/issues/5341), and misreads all that follows. The element is
-// named 1, as assimp reads the count of an unknown element from where its name stands.
+// The content of a binary PLY file with an element of one letter before all others; empty for other
+// files. assimp drops a body's first byte where it looks like one more line end of the header
+// (github.com/assimp/assimp/issues/5341), and misreads all that follows. The element is named 1,
+// since assimp reads the count of an unknown element at the position of its name.
 std::string PaddedPly(const std::filesystem::path& path) {
   if (!IsPly(path)) return "";
   std::ifstream in(path, std::ios::binary);
@@ -115,7 +114,7 @@ std::string PaddedPly(const std::filesystem::path& path) {
   return bytes;
 }
 
-// What assimp's steps take for granted, and end the process where it does not hold.
+// Checks preconditions of assimp's steps, which abort the process otherwise.
 absl::Status CheckFaces(const aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];

@@ -9,19 +9,18 @@
 
 namespace graspdb::client {
 
-// Reads a mesh that assimp knows (PLY, OBJ, STL and more). All meshes of the
-// file become one, placed as the file's nodes say; polygons are split into
-// triangles and equal vertices joined. `unit_scale_m` is the length of one unit
-// of the file in metres: 1, or 0.001 for millimetres. Thread-safe.
+// Reads a mesh that assimp knows (PLY, OBJ, STL and more). All meshes of the file are merged, with
+// the transforms of its nodes; polygons are split into triangles and equal vertices joined.
+// `unit_scale_m` is the length of one unit of the file in metres: 1, or 0.001 for millimetres.
+// Thread-safe.
 //
 // NOT_FOUND without such a file; INVALID_ARGUMENT with the path when it is no
 // mesh, has no triangles or a vertex that is not finite, or the scale is not
 // positive.
 absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double unit_scale_m = 1);
 
-// Writes a binary little-endian PLY file, whole or not at all. The same mesh
-// gives the same bytes. INVALID_ARGUMENT from CheckMesh, otherwise the errors of
-// WriteFileAtomically.
+// Writes a binary little-endian PLY file atomically. The same mesh gives the same bytes.
+// INVALID_ARGUMENT from CheckMesh, otherwise the errors of WriteFileAtomically.
 absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 }  // namespace graspdb::client

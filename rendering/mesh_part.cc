@@ -27,13 +27,14 @@ double LargestSideM(const TriangleMesh& mesh) {
 
 bool IsPartSize(double side_m) { return side_m >= kSmallestSideM && side_m <= kLargestSideM; }
 
-// The units in which the largest side, `units` of the file's, is that of a part.
+// The units in which the largest side, `units` units of the file, is within the size limits of
+// parts.
 std::string FittingUnits(double units) {
   std::vector<std::string> names = LengthUnitNames();
   const auto has_wrong_size = [units](const std::string& name) {
     return !IsPartSize(units * MetresOf(name).value_or(0));
   };
-  // Of an object that has a wrong size in all of them, any may be meant.
+  // If no unit gives a valid size, all are candidates.
   if (!std::ranges::all_of(names, has_wrong_size)) std::erase_if(names, has_wrong_size);
   return absl::StrJoin(names, " or ");
 }

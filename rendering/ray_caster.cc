@@ -68,7 +68,7 @@ bool AddGeometry(RTCDevice device, RTCScene scene, const TriangleMesh& mesh, uns
 
 absl::StatusOr<ScenePtr> Build(RTCDevice device, const Scene& scene) {
   ScenePtr built(rtcNewScene(device), &rtcReleaseScene);
-  // Without it rays slip through between two triangles.
+  // Without it rays pass between two triangles.
   rtcSetSceneFlags(built.get(), RTC_SCENE_FLAG_ROBUST);
   const auto table_id = static_cast<unsigned>(scene.objects.size());
   bool good = true;
@@ -81,7 +81,8 @@ absl::StatusOr<ScenePtr> Build(RTCDevice device, const Scene& scene) {
   }
   rtcCommitScene(built.get());
   if (good && rtcGetDeviceError(device) == RTC_ERROR_NONE) return built;
-  return absl::ResourceExhaustedError("the ray caster cannot hold the scene; use smaller meshes");
+  return absl::ResourceExhaustedError(
+      "the ray caster has no memory for the scene; use smaller meshes");
 }
 
 // One pixel. The direction has length one along the sensor's z axis, so that the
@@ -114,7 +115,7 @@ void CastPixel(RTCScene scene, const Eigen::Vector3f& origin, const Eigen::Vecto
 }  // namespace
 
 absl::StatusOr<RayCaster> RayCaster::Create() {
-  // One thread: the scenes are small, and the caller decides what runs beside it.
+  // One thread: the scenes are small, and callers run in parallel.
   RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
   if (device == nullptr) {
     return absl::InternalError(absl::StrCat("the ray caster cannot start, Embree error ",

@@ -1,4 +1,4 @@
-// What an ideal pinhole camera sees; the one place where Embree is known.
+// Depth images of an ideal pinhole camera; the only user of Embree.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace graspdb::client {
 struct IdealFrame {
   int width = 0;
   int height = 0;
-  std::vector<float> depth_m;         // along the sensor's z axis; 0 where nothing is
+  std::vector<float> depth_m;         // along the sensor's z axis; 0: no hit
   std::vector<float> incidence_rad;   // between the ray and the normal, 0 to pi / 2
   std::vector<std::int32_t> surface;  // see scene.h
 };
@@ -28,9 +28,8 @@ class RayCaster {
 
   // `world_sensor` is T_world_sensor; the sensor's x is right, y down, z forward.
   //
-  // INVALID_ARGUMENT for a mesh that CheckMesh refuses, a pose that is not finite
-  // or intrinsics without pixels or focal length; RESOURCE_EXHAUSTED when Embree
-  // has no memory for the scene.
+  // INVALID_ARGUMENT for a mesh that CheckMesh rejects, a pose that is not finite or intrinsics
+  // without pixels or focal length; RESOURCE_EXHAUSTED when Embree has no memory for the scene.
   absl::StatusOr<IdealFrame> Cast(const Scene& scene,
                                   const recognition::CameraIntrinsics& intrinsics,
                                   const recognition::Pose& world_sensor) const;

@@ -14,7 +14,7 @@ namespace {
 
 using Vec3 = Eigen::Vector3f;
 
-// Where a top grasp holds a part, in the millimetres of its drawing.
+// Top grasp of a part, in the millimetres of its drawing.
 struct Hold {
   const char* grasp_id;
   Eigen::Vector3d at_mm;
@@ -23,7 +23,7 @@ struct Hold {
   bool any_turn = false;
 };
 
-// Drawings are in millimetres and stand anywhere on z = 0.
+// Drawings are in millimetres, at any position on z = 0.
 struct Drawing {
   const char* object_id;
   const char* display_name;

@@ -1,4 +1,4 @@
-// What a simulated camera looks at.
+// Scenes for a simulated camera.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace graspdb::client {
 
-// A mesh somewhere in the world.
+// A mesh at a pose.
 struct PlacedMesh {
   const TriangleMesh* mesh = nullptr;                              // outlives the scene
   recognition::Pose world_object = recognition::Pose::Identity();  // T_world_object
@@ -23,7 +23,7 @@ struct Scene {
   double table_half_width_m = 1.0;
 };
 
-// What a pixel shows: the position of an object in Scene::objects, or one of these.
+// Surface of a pixel: the position of an object in Scene::objects, or one of these.
 inline constexpr std::int32_t kTableSurface = -1;
 inline constexpr std::int32_t kNoSurface = -2;
 inline constexpr std::int32_t kFlyingPixel = -3;  // a mixture of two surfaces

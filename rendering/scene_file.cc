@@ -20,8 +20,8 @@ absl::StatusOr<std::size_t> PartOf(const std::vector<Workpiece>& parts,
     return part.object_id == capture.object_id() && part.stable_pose_id == capture.stable_pose_id();
   });
   if (found != parts.end()) return static_cast<std::size_t>(found - parts.begin());
-  return absl::InvalidArgumentError(absl::StrCat("nobody knows what ", capture.object_id(), ", ",
-                                                 capture.stable_pose_id(), " looks like"));
+  return absl::InvalidArgumentError(absl::StrCat("there is no workpiece ", capture.object_id(),
+                                                 " in the stable pose ", capture.stable_pose_id()));
 }
 
 // A capture's path without its number in the scene: see WriteScenes.
@@ -42,7 +42,7 @@ absl::Status CheckOneScene(const std::filesystem::path& folder, const v1::Captur
   if (std::ranges::none_of(set.captures(), is_other)) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat(folder.string(),
-                   " holds more than one scene; lay out one, whose captures are called "
+                   " contains more than one scene; write one, with captures named "
                    "NAME-1, NAME-2, ..."));
 }
 
@@ -51,7 +51,7 @@ std::uint64_t SeedOf(const v1::CaptureSet& set) {
   for (const v1::Capture& capture : set.captures()) {
     const v1::Pose& pose = capture.object_pose();
     for (const double number : {pose.position().x(), pose.position().y(), pose.orientation().z()}) {
-      // An integer has no room for what is farther away, nor for what is not a number.
+      // Bounded, since larger values and NaN do not fit an integer.
       const double bounded = std::isnan(number) ? 0 : std::clamp(number, -1e9, 1e9);
       seed = MixBits(seed ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded * 1e9)));
     }

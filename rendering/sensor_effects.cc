@@ -26,8 +26,8 @@ std::size_t PixelAt(const IdealFrame& frame, int u, int v) {
          static_cast<std::size_t>(u);
 }
 
-// A pixel's place in the projector's image lies to the right of its own by the disparity: what is
-// to the left of something nearer there is in its shadow.
+// A pixel's position in the projector's image is shifted to the right by the disparity: a pixel to
+// the left of a nearer one there is in its shadow.
 void CastShadows(double baseline_m, double focal_px, IdealFrame& frame) {
   if (baseline_m <= 0) return;
   for (int v = 0; v < frame.height; ++v) {
@@ -37,7 +37,7 @@ void CastShadows(double baseline_m, double focal_px, IdealFrame& frame) {
       const double depth = frame.depth_m[pixel];
       if (depth <= 0) continue;
       const double place = u + focal_px * baseline_m / depth;
-      // Half a pixel: a slanted surface does not hide itself.
+      // Half a pixel, so that a slanted surface does not shadow itself.
       if (place < farthest_right - 0.5) Lose(pixel, frame);
       farthest_right = std::max(farthest_right, place);
     }
@@ -56,7 +56,7 @@ void FrayEdges(const SensorEffects& effects, std::uint64_t seed, IdealFrame& fra
       if (from_u < 0 || from_v < 0 || from_u >= frame.width || from_v >= frame.height) continue;
       const std::size_t to = PixelAt(frame, u, v);
       const std::size_t from = PixelAt(frame, static_cast<int>(from_u), static_cast<int>(from_v));
-      // On one surface the window finds the pixel's own depth.
+      // On one surface the window contains the pixel's own depth.
       if (std::abs(ideal.depth_m[from] - ideal.depth_m[to]) < kDepthJumpM) continue;
       frame.depth_m[to] = ideal.depth_m[from];
       frame.incidence_rad[to] = ideal.incidence_rad[from];

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 constexpr std::int32_t kNamedSurface = 0;  // the first placement of a capture
 
-absl::Status MakeRoom(const fs::path& folder, bool overwrite) {
+absl::Status RemoveOldSet(const fs::path& folder, bool overwrite) {
   const fs::path description = folder / kCaptureSetFile;
   std::error_code error;
   if (!fs::exists(description, error)) return absl::OkStatus();
   if (!overwrite) {
     return absl::AlreadyExistsError(absl::StrCat(
-        folder.string(), " holds a capture set; choose another folder or overwrite it"));
+        folder.string(), " contains a capture set; choose another folder or overwrite it"));
   }
   if (fs::remove(description, error)) return absl::OkStatus();
   return absl::PermissionDeniedError(
@@ -57,7 +57,7 @@ absl::StatusOr<PointFile> Take(const DepthCamera& camera, const std::vector<Work
   if (std::find(frame->surface.begin(), frame->surface.end(), kNamedSurface) ==
       frame->surface.end()) {
     return absl::FailedPreconditionError(absl::StrCat(
-        "nothing of ", parts[capture.placements.front().part].object_id, " is to be seen in ",
+        "nothing of ", parts[capture.placements.front().part].object_id, " is visible in ",
         capture.path, "; the camera measures from ", camera.model().min_depth_m, " to ",
         camera.model().max_depth_m, " m, choose another distance"));
   }
@@ -124,13 +124,13 @@ absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece
   if (absl::Status checked = CheckPlan(parts, plan); !checked.ok()) return checked;
   absl::StatusOr<DepthCamera> camera = DepthCamera::Create(options.camera);
   if (!camera.ok()) return camera.status();
-  if (absl::Status room = MakeRoom(folder, options.overwrite); !room.ok()) return room;
+  if (absl::Status old = RemoveOldSet(folder, options.overwrite); !old.ok()) return old;
   if (absl::Status meshes = WriteMeshes(folder, parts); !meshes.ok()) return meshes;
   v1::CaptureSet set = DeclareParts(parts);
   for (std::size_t i = 0; i < plan.size(); ++i) {
     if (watch.cancelled && watch.cancelled()) {
       return absl::CancelledError(absl::StrCat("stopped after ", i, " of ", plan.size(),
-                                               " captures; run it again to have them all"));
+                                               " captures; run it again to complete the set"));
     }
     absl::StatusOr<PointFile> cloud = Take(*camera, parts, plan[i], options);
     if (!cloud.ok()) return cloud.status();

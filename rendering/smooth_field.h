@@ -1,4 +1,4 @@
-// Random numbers that neighbouring pixels share.
+// Correlated random numbers of neighbouring pixels.
 #pragma once
 
 #include <algorithm>

@@ -76,7 +76,7 @@ void AppendLoop(TriangleMesh& mesh, const Polygon& loop, float z) {
   for (const Eigen::Vector2f& p : loop) mesh.vertices.emplace_back(p.x(), p.y(), z);
 }
 
-// (x, y, z) -> (z, x, y), a rotation: what stood up lies along x.
+// (x, y, z) -> (z, x, y), a rotation: the z axis becomes x.
 TriangleMesh Cycled(TriangleMesh mesh) {
   for (Eigen::Vector3f& v : mesh.vertices) v = Eigen::Vector3f(v.z(), v.x(), v.y());
   return mesh;
@@ -117,8 +117,8 @@ TriangleMesh ExtrudeAlongX(const Polygon& profile, float x0, float x1) {
 }
 
 TriangleMesh ExtrudeAlongY(const Polygon& profile, float y0, float y1) {
-  // Two cycles put the height along y and the profile into (z, x), so that the
-  // profile's x and z trade places first, which reverses its turn.
+  // Two permutations put the height along y and the profile into (z, x), so the profile's x and z
+  // are swapped first, which reverses its orientation.
   Polygon swapped;
   for (auto p = profile.rbegin(); p != profile.rend(); ++p) swapped.emplace_back(p->y(), p->x());
   return Cycled(Cycled(ExtrudeUp(swapped, y0, y1)));

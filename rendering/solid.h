@@ -31,8 +31,8 @@ TriangleMesh ExtrudeAlongX(const Polygon& profile, float x0, float x1);
 // An upright cylinder with many sides.
 TriangleMesh CylinderSolid(const Eigen::Vector2f& center, float radius, float z0, float z1);
 
-// An upright prism with a hole: loops with as many corners each, `inner` inside
-// `outer`, corner k of one seen from the middle in the direction of corner k of the other.
+// An upright prism with a hole: loops with as many corners each, `inner` inside `outer`, corner k
+// of one in the direction of corner k of the other from the middle.
 TriangleMesh RingSolid(const Polygon& outer, const Polygon& inner, float z0, float z1);
 
 // Adds the shells of `other` to `mesh`.

@@ -1,4 +1,4 @@
-// An object to simulate, with what a robot was taught about it.
+// An object to simulate, with its taught grasps.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct Workpiece {
   int symmetry_order = 1;  // about z: 1 none, n for n-fold, 0 for any turn
   std::vector<v1::Grasp> grasps;
   TriangleMesh mesh;
-  // T_object_mesh of the mesh as its file has it, in metres; absent where there is none.
+  // T_object_mesh of the mesh in its file, in metres; absent without a file.
   std::optional<recognition::Pose> object_mesh = {};
 };
 
@@ -32,7 +32,7 @@ struct Workpiece {
 v1::Grasp TopGrasp(const std::string& grasp_id, const Eigen::Vector3d& position, double closing_rad,
                    double gripper_opening_m);
 
-// How a capture set declares it, with the mesh at `models/{object_id}.ply`.
+// Its declaration in a capture set, with the mesh at `models/{object_id}.ply`.
 v1::CapturedObject DeclarationOf(const Workpiece& workpiece);
 
 }  // namespace graspdb::client

@@ -64,10 +64,10 @@ absl::StatusOr<Admission::Ticket> Admission::Enter(const std::function<bool()>& 
   }
   for (bool has_slot = false; !has_slot;) {
     has_slot = Await(waiter);
-    // Asked with a slot in hand, too: work for nobody would keep others waiting.
+    // Checked with a slot too: work for a cancelled call would delay others.
     if (!is_cancelled()) continue;
     Leave(waiter);
-    return absl::CancelledError("the caller left before its turn came");
+    return absl::CancelledError("the call was cancelled while it was waiting");
   }
   return Ticket(this);
 }

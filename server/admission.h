@@ -1,4 +1,4 @@
-// How many calls compute at once, how many wait, and who is turned away.
+// Limits how many calls compute at once and how many wait; more are rejected.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@
 
 namespace graspdb::server {
 
-// `slots` callers work at a time and `waiting` more may wait; who came first is let in first.
+// `slots` callers work at a time and `waiting` more may wait, first come, first served.
 // Thread-safe.
 class Admission {
  public:
-  // Gives its slot back when it goes.
+  // Releases its slot when destroyed.
   class Ticket {
    public:
     explicit Ticket(Admission* admission) : admission_(admission) {}
@@ -31,8 +31,8 @@ class Admission {
   Admission(int slots, int waiting) : free_(slots), places_(static_cast<std::size_t>(waiting)) {}
 
   // Waits for a slot. RESOURCE_EXHAUSTED when too many wait already; CANCELLED when
-  // `is_cancelled`, which is asked outside of all locks, says so while waiting or when a slot is
-  // there.
+  // `is_cancelled`, which is called outside of all locks, returns true while waiting or once a slot
+  // is free.
   absl::StatusOr<Ticket> Enter(const std::function<bool()>& is_cancelled);
 
  private:
@@ -44,17 +44,17 @@ class Admission {
 
   // Takes a slot or a place in the queue; false for neither.
   bool Arrive(Waiter& waiter);
-  // Until the waiter has a slot (true), which it is taken out of the queue for, or for a while.
+  // Waits until the waiter has a slot and has left the queue (true), or for a while.
   bool Await(Waiter& waiter);
-  // Takes a waiter that has left out of the queue, or gives its slot to the next.
+  // Removes a cancelled waiter from the queue, or gives its slot to the next.
   void Leave(Waiter& waiter);
-  // Gives a slot to who waits the longest.
+  // Gives a slot to the caller that has waited longest.
   void Release() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   absl::Mutex mutex_;
-  int free_ ABSL_GUARDED_BY(mutex_);  // none while anybody waits
+  int free_ ABSL_GUARDED_BY(mutex_);  // 0 while a caller waits
   const std::size_t places_;
-  std::list<Waiter*> queue_ ABSL_GUARDED_BY(mutex_);  // who came first in front
+  std::list<Waiter*> queue_ ABSL_GUARDED_BY(mutex_);  // first come, first in the list
 };
 
 }  // namespace graspdb::server

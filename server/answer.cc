@@ -56,8 +56,8 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
   return v1::REJECTION_GATE_UNSPECIFIED;
 }
 
-// What is known of the object: nothing of it is sent when it is unknown, so that
-// nobody mistakes the nearest view for an answer.
+// Left empty for an unknown object, so that the nearest view is not mistaken for a
+// result.
 void AddPoseAndGrasps(const recognition::Detection& detection,
                       const recognition::CatalogueSnapshot& snapshot, v1::Detection* out) {
   out->set_object(detection.view->object);

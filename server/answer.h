@@ -1,4 +1,4 @@
-// A recognition becomes the answer of the public contract.
+// Converts a recognition to the response of the public contract.
 #pragma once
 
 #include "graspdb/v1/recognition_service.pb.h"
@@ -6,7 +6,7 @@
 
 namespace graspdb::server {
 
-// What a request said of itself, which the recognition does not know.
+// Properties of the request that the recognition does not know.
 struct AnswerContext {
   bool sensor_pose_from_cell = false;
   bool omit_timings = false;
@@ -14,7 +14,7 @@ struct AnswerContext {
   double total_ms = 0;
 };
 
-// `snapshot` is the one that was recognised in.
+// `snapshot` is the one that the recognition used.
 v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
                                  const recognition::CatalogueSnapshot& snapshot,
                                  const AnswerContext& context);

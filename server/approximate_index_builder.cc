@@ -31,7 +31,7 @@ bool IsOutdated(const DescriptorIndex& index, std::size_t tried) {
          index.approximate()->places().size();
 }
 
-// Where the descriptors of the file's views are; null for views that were deleted.
+// Places of the descriptors of the file's views; null for views that were deleted.
 std::vector<ApproximateIndex::Place> PlacesOf(const storage::ApproximateIndexRecord& record,
                                               const DescriptorIndex& index) {
   std::unordered_map<std::string, std::size_t> numbers;
@@ -72,7 +72,7 @@ absl::Status ApproximateIndexBuilder::Load() {
   if (!record.ok()) return record.status();
   if (record->parameters() != parameters_.Fingerprint() ||
       record->content_digests_size() != record->names_size()) {
-    return absl::FailedPreconditionError("it was made with other parameters");
+    return absl::FailedPreconditionError("it was built with other parameters");
   }
   const auto snapshot = live_.snapshot();
   const auto chunks = snapshot->index.chunks();
@@ -114,7 +114,7 @@ absl::Status ApproximateIndexBuilder::Write(const ApproximateIndex& index) {
 }
 
 void ApproximateIndexBuilder::RebuildIfOutdated() {
-  // A reload of all records leaves a snapshot without one.
+  // A reload of all records gives a snapshot without one.
   if (on_file_ && live_.snapshot()->index.approximate() == nullptr) on_file_ = Load().ok();
   if (IsOutdated(live_.snapshot()->index, tried_)) Rebuild();
 }

@@ -35,7 +35,7 @@ class ApproximateIndexBuilder {
   LiveCatalogue& live_;
   const recognition::DescriptorParameters parameters_;
   std::size_t tried_ = 0;  // views of the catalogue at the last rebuild
-  bool on_file_ = false;   // whether the file holds the index that was built or loaded last
+  bool on_file_ = false;   // whether the file has the index that was built or loaded last
   std::optional<IdleTask> idle_task_;  // the last member: it uses the others
 };
 

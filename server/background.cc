@@ -8,15 +8,15 @@
 namespace graspdb::server {
 namespace {
 
-// Nicer than before by so much, which is a ninth of the weight; half of it would be a third, and
-// twice as much an eightieth, with which uploads would all but stop under load.
+// Increase of the niceness, which leaves a ninth of the weight; half of it would leave a third, and
+// twice as much an eightieth, with which uploads would nearly stop under load.
 constexpr int kNicer = 10;
 
 }  // namespace
 
 void LowerPriority() {
-  // Linux keeps a niceness for each thread, caps it at 19, and never refuses a higher one. The
-  // server may be nice itself.
+  // Linux keeps a niceness for each thread, caps it at 19, and always allows a higher one. The
+  // server may have a niceness already.
   const auto thread = static_cast<id_t>(gettid());
   setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNicer);
 }

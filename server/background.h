@@ -1,4 +1,4 @@
-// Work that gives way to the robots' frames.
+// Work with lower priority than the robots' frames.
 #pragma once
 
 #include <functional>
@@ -7,13 +7,13 @@
 
 namespace graspdb::server {
 
-// From now on the calling thread gets a core only where others leave one, mostly: about a tenth
-// where they do not. There is no way back without privileges, so it is for threads that end with
-// their work. Where the system knows no priorities of threads, nothing happens.
+// Lowers the priority of the calling thread: it gets idle cores, and about a tenth of a busy one.
+// Cannot be undone without privileges, so it is for threads that end with their work. Does nothing
+// where the system has no thread priorities.
 void LowerPriority();
 
-// Does `work` on a thread of its own that gives way, and waits for it. What `work` throws comes
-// out here. Thread-safe.
+// Runs `work` on a thread of its own with lower priority, and waits for it. Rethrows exceptions of
+// `work`. Thread-safe.
 absl::Status InBackground(const std::function<absl::Status()>& work);
 
 }  // namespace graspdb::server

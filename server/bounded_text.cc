@@ -10,14 +10,14 @@ bool IsBetween(char c, unsigned lo, unsigned hi) {
   return byte >= lo && byte <= hi;
 }
 
-// Bytes of the character at the start of `text`, as RFC 3629 has it; 0 where there is none.
+// Bytes of the character at the start of `text` (RFC 3629); 0 if it is invalid.
 std::size_t LengthOfCharacter(std::string_view text) {
   const auto first = static_cast<unsigned char>(text.front());
   if (first < 0x80) return 1;
   if (first < 0xc2 || first > 0xf4) return 0;
   const std::size_t length = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
   if (text.size() < length) return 0;
-  // No longer form than needed, no surrogates, nothing beyond U+10FFFF.
+  // No overlong forms, no surrogates, nothing beyond U+10FFFF.
   const unsigned lowest = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const unsigned highest = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   if (!IsBetween(text[1], lowest, highest)) return 0;
@@ -29,19 +29,19 @@ std::size_t LengthOfCharacter(std::string_view text) {
 
 }  // namespace
 
-std::string BoundedText(std::string_view text, std::size_t most_bytes) {
+std::string BoundedText(std::string_view text, std::size_t max_bytes) {
   std::string out;
   std::size_t cut_at = 0;  // where the mark of a cut still fits
   while (!text.empty()) {
     const std::size_t length = LengthOfCharacter(text);
     const std::string_view character = length == 0 ? "?" : text.substr(0, length);
-    if (out.size() + character.size() > most_bytes) {
+    if (out.size() + character.size() > max_bytes) {
       out.resize(cut_at);
       out += kCut;
       return out;
     }
     out += character;
-    if (out.size() + kCut.size() <= most_bytes) cut_at = out.size();
+    if (out.size() + kCut.size() <= max_bytes) cut_at = out.size();
     text.remove_prefix(length == 0 ? 1 : length);
   }
   return out;

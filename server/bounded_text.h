@@ -1,4 +1,4 @@
-// Text of unknown origin and length, made fit to be sent back.
+// Sanitises text of unknown origin and length for responses.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace graspdb::server {
 
-// `text` as valid UTF-8 of at most `most_bytes` (at least 3): what is no UTF-8 becomes '?', and
-// what is too long is cut between two characters and ends in "...". Reads no more than `most_bytes`
-// and one character of it.
-std::string BoundedText(std::string_view text, std::size_t most_bytes);
+// `text` as valid UTF-8 of at most `max_bytes` (at least 3): invalid UTF-8 becomes '?', and longer
+// text is cut between two characters and ends in "...". Reads no more than `max_bytes` and one
+// character of it.
+std::string BoundedText(std::string_view text, std::size_t max_bytes);
 
 }  // namespace graspdb::server

@@ -12,7 +12,7 @@
 
 namespace graspdb::server {
 
-// What the catalogue's handlers work with; all of it outlives them.
+// Dependencies of the catalogue's handlers; all of them outlive the handlers.
 struct CatalogContext {
   storage::Catalogue& catalogue;
   const LiveCatalogue& live;

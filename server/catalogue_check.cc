@@ -59,7 +59,7 @@ absl::Status HasStablePoses(const recognition::CatalogueSnapshot& snapshot,
     return absl::OkStatus();
   }
   return absl::NotFoundError(
-      absl::StrCat(object, " is not there or has no stable poses; list the objects"));
+      absl::StrCat(object, " does not exist or has no stable poses; list the objects"));
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ absl::StatusOr<v1::FindLookAlikesResponse> CatalogueCheck::FindLookAlikes(
 absl::StatusOr<v1::ProposeThresholdsResponse> CatalogueCheck::ProposeThresholds(
     const v1::ProposeThresholdsRequest& request, const recognition::IsCancelled& is_cancelled,
     const recognition::ThresholdProgress& progress) {
-  // Not asked again by itself where the catalogue changes, as what takes milliseconds is.
+  // Not retried when the catalogue changes, unlike calls that take milliseconds.
   const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
   absl::Status there = HasStablePoses(*snapshot, request.object());
   if (!there.ok()) return there;
@@ -93,7 +93,7 @@ absl::StatusOr<v1::ProposeThresholdsResponse> CatalogueCheck::ProposeThresholds(
                                        return progress(done, count);
                                      });
   if (absl::IsNotFound(proposals.status())) {
-    return absl::AbortedError("views were deleted meanwhile; ask again");
+    return absl::AbortedError("views were deleted meanwhile; retry");
   }
   if (!proposals.ok()) return proposals.status();
   out.set_done_view_count(out.view_count());

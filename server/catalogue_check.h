@@ -1,4 +1,4 @@
-// What the catalogue may confuse, and what its views say of their scores, as answers.
+// FindLookAlikes and ProposeThresholds on the live catalogue.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -9,7 +9,7 @@
 
 namespace graspdb::server {
 
-// Looks at the catalogue as it is now. Thread-safe.
+// Uses the current snapshot of the catalogue. Thread-safe.
 class CatalogueCheck {
  public:
   // The references must outlive this.

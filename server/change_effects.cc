@@ -54,7 +54,7 @@ void AddViewEffect(const storage::Mutation& mutation, const TaughtPoses& known,
   out->left_out.push_back(mutation.key());
 }
 
-// The views of a stable pose that cannot be used still name it.
+// The views of a stable pose that cannot be used still refer to it.
 void AddStablePose(const std::string& name, absl::StatusOr<recognition::TaughtStablePose> pose,
                    TaughtPoseChange* poses, std::vector<std::string>* left_out) {
   if (!pose.ok()) {

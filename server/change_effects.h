@@ -1,4 +1,4 @@
-// What a change of the catalogue means for the views and stable poses in memory.
+// The effects of a change of the catalogue on the views and stable poses in memory.
 #pragma once
 
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace graspdb::server {
 
-// What one change does to views and stable poses.
+// The effects of one change on views and stable poses.
 struct Effects {
   std::vector<recognition::IndexedView> added;
   std::unordered_set<std::string> removed;  // views; one that is written again is removed first
   TaughtPoseChange poses;
-  std::vector<std::string> touched;   // names of all views and stable poses that it is about
+  std::vector<std::string> touched;   // names of all views and stable poses in the change
   std::vector<std::string> left_out;  // of these, those that are written and cannot be used
 };
 
-// Reads the after-images in a change. A record that cannot be used is left out, whereas the rest of
-// the change takes effect, and the log has its name: the same as when the server starts.
+// Reads the after-images in a change. A record that cannot be used is left out and logged, the rest
+// of the change takes effect: the same as when the server starts.
 Effects EffectsOf(const storage::ChangeRecord& change, const TaughtPoses& known,
                   const recognition::DescriptorParameters& parameters);
 

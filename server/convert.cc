@@ -12,12 +12,12 @@
 namespace graspdb::server {
 namespace {
 
-constexpr double kFarthest = 1000;  // m
+constexpr double kMaxPosition = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
 
 Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-// Copies a field that is given, if it lies in [lo, hi].
+// Copies a field that is set, if it is in [lo, hi].
 template <typename T, typename U>
 absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::string_view field,
                    U* target) {
@@ -39,7 +39,7 @@ absl::Status CheckLength(double length_m, std::string_view path, std::string_vie
 
 absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
   const Eigen::Vector3d position = VectorFromProto(pose.position());
-  if (!position.allFinite() || position.norm() > kFarthest) {
+  if (!position.allFinite() || position.norm() > kMaxPosition) {
     return InvalidField(FieldPath(path, "position"),
                         "must be finite and within 1000 m of the origin");
   }
@@ -60,7 +60,7 @@ v1::Pose PoseToProto(const recognition::Pose& pose) {
   v1::Pose out;
   *out.mutable_position() = VectorToProto(pose.translation());
   Eigen::Quaterniond q(pose.linear());
-  if (q.w() < 0) q.coeffs() = -q.coeffs();  // one rotation, one text
+  if (q.w() < 0) q.coeffs() = -q.coeffs();  // unique representation
   out.mutable_orientation()->set_x(q.x());
   out.mutable_orientation()->set_y(q.y());
   out.mutable_orientation()->set_z(q.z());

@@ -1,5 +1,5 @@
-// The one place where messages of the public contract become the recognition's
-// types and back. Errors are INVALID_ARGUMENT and name the field at `path`.
+// Converts messages of the public contract to the recognition's types and back.
+// Errors are INVALID_ARGUMENT and name the field at `path`.
 #pragma once
 
 #include <optional>
@@ -23,14 +23,14 @@ absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box, std
 
 v1::Vector3 VectorToProto(const Eigen::Vector3d& v);
 
-// Replaces the fields that are given. Values out of range are errors.
+// Replaces the fields that are set. Values out of range are errors.
 absl::Status ApplyPipeline(const v1::PipelineParameters& pipeline, std::string_view path,
                            recognition::RecognitionParameters* parameters);
 
 absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
                                                         std::string_view path);
 
-// A stable pose with its grasps; the name is taken as it is.
+// A stable pose with its grasps; the name is not checked.
 absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose);
 
 }  // namespace graspdb::server

@@ -9,8 +9,8 @@
 namespace graspdb::server {
 namespace {
 
-// After a tenth of a second a frame or two are answered. Doubled, robots wait longer than they
-// need.
+// In a tenth of a second one or two frames are processed. Doubled, robots wait longer than
+// necessary.
 constexpr std::int32_t kRetryDelayNs = 100'000'000;
 constexpr std::string_view kDomain = "graspdb";
 constexpr std::string_view kTypePrefix = "type.googleapis.com/";

@@ -1,7 +1,7 @@
-// Errors on their way to the caller.
+// Errors in responses.
 //
-// They travel as HTTP/2 trailers, of which gRPC takes 8 KiB in all; the text once percent-coded (up
-// to three bytes for one) and once in base 64. What is longer reaches the caller as
+// They are sent as HTTP/2 trailers, which gRPC limits to 8 KiB in total; the text once
+// percent-encoded (up to three bytes for one) and once in base 64. Longer ones reach the caller as
 // RESOURCE_EXHAUSTED of the transport, without code and details. So every text is cut here.
 #pragma once
 
@@ -22,11 +22,11 @@ absl::Status InvalidField(std::string_view path, std::string_view description);
 // "path.field".
 std::string FieldPath(std::string_view path, std::string_view field);
 
-// An INVALID_ARGUMENT that names no field yet, as that of `path`; other statuses as
-// they are.
+// Adds the field `path` to an INVALID_ARGUMENT without a field; other statuses are
+// returned unchanged.
 absl::Status AtField(std::string_view path, const absl::Status& status);
 
-// Adds a google.rpc.RetryInfo: the same call may succeed a little later.
+// Adds a google.rpc.RetryInfo: a retry may succeed a little later.
 absl::Status TryAgainLater(absl::Status status);
 
 // `status` with a google.rpc.ErrorInfo attached: `reason` in UPPER_SNAKE_CASE.
@@ -36,12 +36,12 @@ absl::Status WithReason(absl::Status status, std::string_view reason);
 inline constexpr std::size_t kMaxMessageBytes = 768;
 // Bytes of a field's path and of a reason.
 inline constexpr std::size_t kMaxPathBytes = 256;
-// Bytes of a google.rpc.Status in all; further details are left out.
+// Bytes of a google.rpc.Status in total; further details are left out.
 inline constexpr std::size_t kMaxDetailBytes = 2560;
 
-// The one map from our errors to gRPC's: the same code, the message, and a
-// google.rpc.Status with the attached details and always an ErrorInfo (AIP-193). The text is
-// valid UTF-8 of at most kMaxMessageBytes.
+// Converts our errors to gRPC's: the same code, the message, and a google.rpc.Status with the
+// attached details and always an ErrorInfo (AIP-193). The text is valid UTF-8 of at most
+// kMaxMessageBytes.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
 }  // namespace graspdb::server

@@ -17,7 +17,7 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// A request, unpacked and checked, with what its cell says filled in.
+// A request, unpacked and checked, with the settings of its cell.
 struct Job {
   recognition::Scan scan;
   recognition::RecognitionParameters parameters;
@@ -37,8 +37,8 @@ absl::Status ReadScan(const v1::RecognizeRequest& request, std::size_t max_point
   return InvalidField("scan", "is missing: give a cloud or a depth_image");
 }
 
-// Applies what the cell or the request says of the frame; `path` leads the fields'
-// names ("cell." or nothing).
+// Applies the settings of the cell or the request; `path` is the prefix of the
+// fields' names ("cell." or empty).
 template <typename Source>
 absl::Status ApplySettings(const Source& source, const std::string& path, Job* job) {
   if (source.has_sensor_pose()) {

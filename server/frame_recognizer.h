@@ -1,4 +1,4 @@
-// From a request to an answer.
+// Recognition of one request.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -9,7 +9,7 @@
 
 namespace graspdb::server {
 
-// Recognises frames against the catalogue as it is now. Thread-safe.
+// Recognises frames with the current snapshot of the catalogue. Thread-safe.
 class FrameRecognizer {
  public:
   // The references must outlive this.

@@ -39,18 +39,19 @@ absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
     const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue) {
   const absl::StatusOr<v1::GraspOutcomeCounts> added = CountsFromProto(request);
   if (!added.ok()) return added.status();
-  absl::StatusOr<storage::AddedOutcomes> told = catalogue.AddGraspOutcomes(request.name(), *added);
-  if (!told.ok()) return AtField("name", told.status());
+  absl::StatusOr<storage::AddedOutcomes> counted =
+      catalogue.AddGraspOutcomes(request.name(), *added);
+  if (!counted.ok()) return AtField("name", counted.status());
   v1::ReportGraspOutcomeResponse out;
-  *out.mutable_counts() = std::move(told->counts);
-  out.set_catalog_revision(told->revision);
+  *out.mutable_counts() = std::move(counted->counts);
+  out.set_catalog_revision(counted->revision);
   return out;
 }
 
 absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose) {
   absl::StatusOr<storage::GraspOutcomesRecord> record =
       catalogue.GetGraspOutcomes(stable_pose->name());
-  // Deleted since it was read: it had none then, as far as anybody can tell.
+  // Deleted since it was read: treated as without outcomes.
   if (absl::IsNotFound(record.status())) return absl::OkStatus();
   if (!record.ok()) return record.status();
   *stable_pose->mutable_grasp_outcomes() = std::move(*record->mutable_counts());

@@ -1,4 +1,4 @@
-// What robots tell of grasps, between the contract and the storage.
+// Reports of grasp outcomes, between the contract and the storage.
 #pragma once
 
 #include "absl/status/status.h"
@@ -8,12 +8,12 @@
 
 namespace graspdb::server {
 
-// Counts what is reported. INVALID_ARGUMENT with the field; NOT_FOUND without the stable pose or
-// the grasp.
+// Counts the reported outcome. INVALID_ARGUMENT with the field; NOT_FOUND without the stable pose
+// or the grasp.
 absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
     const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue);
 
-// Fills in what the stable pose has no part of on disk.
+// Fills in the outcomes, which are stored apart from the stable pose.
 absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose);
 
 // The sums over all grasps.

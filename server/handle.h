@@ -1,5 +1,5 @@
-// What every handler shares: errors become gRPC statuses, exceptions of libraries
-// become errors, and each call leaves one line in the log.
+// Common code of all handlers: converts errors to gRPC statuses and exceptions of
+// libraries to errors, and logs one line per call.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -13,22 +13,22 @@
 
 namespace graspdb::server {
 
-// Runs `work` for the call `method` and answers with its status.
+// Runs `work` for the call `method` and returns its status.
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const std::function<absl::Status()>& work);
 
-// The same for `request`, which CheckLimits() must let through first.
+// The same for `request`, which must pass CheckLimits() first.
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const google::protobuf::Message& request,
                     const std::function<absl::Status()>& work);
 
-// Whether nobody waits for this call any more: it was cancelled or its deadline
+// Whether no client waits for this call any more: it was cancelled or its deadline
 // has passed.
 bool IsAbandoned(const grpc::ServerContextBase& context);
 
-// The same for work that asks again and again. Whether the call was cancelled is what it was a few
-// milliseconds ago: gRPC polls the call's queue to say it, which took 4 % of a frame's time. For
-// one thread; `context` outlives it.
+// The same for work that checks often. The result for cancellation may be a few milliseconds old:
+// gRPC polls the call's queue for it, which took 4 % of a frame's time. For one thread; `context`
+// outlives it.
 class AbandonedWatch {
  public:
   explicit AbandonedWatch(const grpc::ServerContextBase& context)
@@ -39,7 +39,7 @@ class AbandonedWatch {
   const grpc::ServerContextBase& context_;
   const std::chrono::system_clock::time_point deadline_;
   bool abandoned_ = false;
-  std::chrono::steady_clock::time_point next_look_;  // the first one is at once
+  std::chrono::steady_clock::time_point next_look_;  // the first one is immediate
 };
 
 }  // namespace graspdb::server

@@ -1,4 +1,4 @@
-// Work on the catalogue that waits until nobody changes it.
+// Work that waits until the catalogue is idle.
 #pragma once
 
 #include <functional>
@@ -12,13 +12,12 @@
 namespace graspdb::server {
 
 // A thread of low priority (LowerPriority) that runs `start`, and then `task` every 10 s in which
-// the catalogue has not changed. Before that it lets the live catalogue catch up where it could not
-// apply a change.
+// the catalogue has not changed. Before `task` it calls CatchUp() on the live catalogue.
 class IdleTask {
  public:
   // `live` must outlive this, and the functions must not throw.
   IdleTask(LiveCatalogue& live, std::function<void()> start, std::function<void()> task);
-  // Waits for the function that runs.
+  // Waits for the running function.
   ~IdleTask();
   IdleTask(const IdleTask&) = delete;
   IdleTask& operator=(const IdleTask&) = delete;

@@ -1,5 +1,5 @@
-// Views with their descriptors as an index file holds them. Bit for bit: what is read is what
-// was written.
+// Views with their descriptors as stored in an index file. Reading gives the written values bit for
+// bit.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,7 @@ namespace graspdb::server {
 
 storage::IndexBlock BlockFromChunk(const recognition::DescriptorChunk& chunk);
 
-// The views of a block, `size` bins a descriptor. DATA_LOSS for a block that BlockFromChunk
-// cannot have made.
+// The views of a block, `size` bins per descriptor. DATA_LOSS for an invalid block.
 absl::StatusOr<std::vector<recognition::IndexedView>> ViewsFromBlock(
     const storage::IndexBlock& block, int size);
 

@@ -10,7 +10,7 @@
 namespace graspdb::server {
 namespace {
 
-// A start reads so many changed records in some 50 ms.
+// A start reads this many changed records in some 50 ms.
 constexpr std::int64_t kWorthWriting = 2'000;
 
 }  // namespace
@@ -38,7 +38,7 @@ IndexCheckpointer::~IndexCheckpointer() {
 void IndexCheckpointer::WriteIfBehind(std::int64_t changes) {
   const auto snapshot = live_.snapshot();
   if (snapshot->revision - written_ < changes) return;
-  // Where it fails, the next try waits for more changes.
+  // If it fails, the next try waits for more changes.
   written_ = snapshot->revision;
   const absl::Time begin = absl::Now();
   const absl::Status status = WriteIndexSnapshot(catalogue_, *snapshot, parameters_);

@@ -1,4 +1,4 @@
-// Keeps the index beside the database no older than it must be.
+// Keeps the index file beside the database up to date.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace graspdb::server {
 
-// Writes the index file of a catalogue on a thread of its own: at once where there is none that
-// can be used, later when it is many changes behind and nothing has changed for a while, and when
-// it is destroyed, if anything has changed. Requests do not wait for it. What cannot be written
-// is told in the log; the next start then takes longer.
+// Writes the index file of a catalogue on a thread of its own: immediately if there is no usable
+// one, later when it is many changes behind and the catalogue is idle, and in the destructor, if
+// the catalogue has changed. Requests do not wait for it. Failed writes are logged; the next start
+// then takes longer.
 class IndexCheckpointer {
  public:
   // The references must outlive this.
@@ -30,7 +30,7 @@ class IndexCheckpointer {
   const storage::Catalogue& catalogue_;
   LiveCatalogue& live_;
   const recognition::DescriptorParameters parameters_;
-  std::int64_t written_;  // revision of the file, as good as we could make it; on one thread
+  std::int64_t written_;  // revision of the last write, even if it failed; on one thread
   std::optional<IdleTask> idle_task_;  // the last member: it uses the others
 };
 

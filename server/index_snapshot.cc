@@ -24,16 +24,16 @@ absl::Status CheckMadeFrom(const storage::IndexHeader& header, const storage::Ca
                            const recognition::DescriptorParameters& parameters) {
   if (header.parameters() != parameters.Fingerprint()) {
     return absl::FailedPreconditionError(
-        absl::StrCat("it was made with other parameters, ", header.parameters()));
+        absl::StrCat("it was built with other parameters, ", header.parameters()));
   }
   const absl::StatusOr<std::string> mark = catalogue.MarkOf(header.revision());
   if (absl::IsNotFound(mark.status())) {
     return absl::FailedPreconditionError(
-        "it was made from another database, or the changes since then are no longer kept");
+        "it was built from another database, or the changes since then are no longer kept");
   }
   if (!mark.ok()) return mark.status();
   if (*mark != header.mark()) {
-    return absl::FailedPreconditionError("it was made from another database");
+    return absl::FailedPreconditionError("it was built from another database");
   }
   const std::int64_t behind = catalogue.revision() - header.revision();
   if (behind <= kMaxChangesBehind) return absl::OkStatus();
@@ -59,7 +59,7 @@ absl::StatusOr<Names> ChangedViews(const storage::Catalogue& catalogue, std::int
   return out;
 }
 
-// The views of the file, but for those that have changed.
+// The views of the file, except those that have changed.
 absl::Status AddUnchanged(storage::IndexFileReader& file, const Names& changed, int size,
                           ViewCollector& collector) {
   std::int64_t count = 0;
@@ -74,12 +74,12 @@ absl::Status AddUnchanged(storage::IndexFileReader& file, const Names& changed, 
     }
   }
   if (count != file.header().view_count()) {
-    return absl::DataLossError("the index file has not as many views as it says");
+    return absl::DataLossError("the number of views in the index file differs from its header");
   }
   return file.Finish();
 }
 
-// The changed views as they are now; those that are gone stay out.
+// The current records of the changed views; deleted ones are left out.
 absl::Status AddChanged(const storage::Catalogue& catalogue, const Names& changed,
                         const recognition::DescriptorParameters& parameters,
                         ViewCollector& collector, std::vector<std::string>& left_out) {
@@ -135,9 +135,9 @@ absl::StatusOr<LoadedViews> ReadIndexSnapshot(const storage::Catalogue& catalogu
   if (!status.ok()) return status;
   LoadedViews out = collector.Finish(catalogue.revision());
   out.left_out = std::move(left_out);
-  // Views that were left out when the file was written are in neither; the records tell them.
+  // Views that were left out when the file was written are in neither, but in the records.
   if (std::ssize(out.views) + std::ssize(out.left_out) != catalogue.counts().views) {
-    return absl::DataLossError("the index file has other views than the database");
+    return absl::DataLossError("the views in the index file differ from those in the database");
   }
   out.file_revision = file->header().revision();
   return out;

@@ -13,8 +13,8 @@
 namespace graspdb::server {
 namespace {
 
-// What `work` throws, memory that ran out above all, as a status: the catalogue's listener must not
-// throw.
+// Converts exceptions of `work`, mostly std::bad_alloc, to a status: the catalogue's listener must
+// not throw.
 absl::Status Guarded(absl::FunctionRef<absl::Status()> work) {
   try {
     return work();
@@ -30,7 +30,7 @@ LiveCatalogue::LiveCatalogue(storage::Catalogue& catalogue,
     : catalogue_(catalogue), parameters_(parameters) {}
 
 LiveCatalogue::~LiveCatalogue() {
-  // Nothing to be done about a failure: it says that we are inside the listener.
+  // Fails only inside the listener; nothing to do then.
   (void)catalogue_.Subscribe({});
 }
 
@@ -94,10 +94,10 @@ void LiveCatalogue::Apply(const storage::ChangeRecord& change) {
   const std::shared_ptr<const Snapshot> current = snapshot();
   if (change.revision() <= current->revision) return;  // read with another one already
   const bool in_order = !stale_ && change.revision() == current->revision + 1;
-  // Until it is seen. Whatever ends this function, the next call notices.
+  // Until it is published. However this function ends, the next call notices.
   stale_ = true;
   const absl::Status advanced = Guarded([&]() -> absl::Status {
-    if (!in_order) return absl::FailedPreconditionError("a change before it is missing");
+    if (!in_order) return absl::FailedPreconditionError("a previous change is missing");
     Advance(*current, change);
     return absl::OkStatus();
   });
@@ -149,7 +149,7 @@ std::int64_t LiveCatalogue::left_out_count() const {
 void LiveCatalogue::Publish(Snapshot snapshot) {
   auto next = std::make_shared<const Snapshot>(std::move(snapshot));
   absl::MutexLock lock(&mutex_);
-  snapshot_.swap(next);  // the old one is let go of after the lock
+  snapshot_.swap(next);  // the old one is released after the lock
 }
 
 std::shared_ptr<const recognition::CatalogueSnapshot> LiveCatalogue::snapshot() const {

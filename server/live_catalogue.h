@@ -18,14 +18,14 @@
 
 namespace graspdb::server {
 
-// Follows a storage::Catalogue: loads it once, from the index beside the database if that is in
-// order and else from the records, then applies every change before
-// the call that made the change returns. Records that cannot be used are left out. Readers take a
-// snapshot and never wait for a writer. Thread-safe.
+// Follows a storage::Catalogue: loads it once, from the index beside the database if that is valid,
+// else from the records, then applies every change before the call that made the change returns.
+// Records that cannot be used are left out. Readers take a snapshot and never wait for a writer.
+// Thread-safe.
 class LiveCatalogue {
  public:
-  // Loads `catalogue`, which must outlive this. Views whose descriptors were made
-  // with other parameters are described again from their clouds, and stored.
+  // Loads `catalogue`, which must outlive this. Descriptors with other parameters are
+  // recomputed from the clouds, and stored.
   static absl::StatusOr<std::unique_ptr<LiveCatalogue>> Follow(
       storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
   ~LiveCatalogue();
@@ -34,28 +34,28 @@ class LiveCatalogue {
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
 
-  // The listener of the catalogue: takes a change that was made, so that the next snapshot shows
-  // it. Where that fails (memory ran out) or a change before it was missed, all records are read
-  // anew; where that fails too, the log says so, and the next change or CatchUp() tries again.
+  // The listener of the catalogue: applies a change, so that the next snapshot contains it. If that
+  // fails (out of memory) or a previous change was missed, reloads all records; if that fails too,
+  // logs it, and the next change or CatchUp() retries.
   void Apply(const storage::ChangeRecord& change) ABSL_LOCKS_EXCLUDED(change_mutex_);
 
-  // Reads all records anew if a change could not be applied; else does nothing. To be called now
-  // and then. Writers wait meanwhile.
+  // Reloads all records if a change could not be applied; else does nothing. To be called
+  // periodically. Writers wait meanwhile.
   void CatchUp() ABSL_LOCKS_EXCLUDED(change_mutex_);
 
   // Stored views and stable poses that cannot be used; the log has their names.
   std::int64_t left_out_count() const ABSL_LOCKS_EXCLUDED(change_mutex_);
 
-  // Searches with this approximate index from now on, or exactly where it is null. Waits for a
-  // change that is being applied. O(views).
+  // Searches with this approximate index from now on, or exactly if it is null. Waits for a change
+  // that is being applied. O(views).
   void UseApproximate(std::shared_ptr<const recognition::ApproximateIndex> approximate)
       ABSL_LOCKS_EXCLUDED(change_mutex_);
 
-  // The revision of the index file that it was loaded from; nothing where that was not used.
+  // The revision of the index file that it was loaded from; nullopt if none was used.
   std::optional<std::int64_t> file_revision() const { return file_revision_; }
 
-  // What `work` makes of a snapshot. A view may be deleted between the snapshot and the loading of
-  // its cloud: where `work` answers NOT_FOUND and there is a newer snapshot, it is asked again.
+  // Calls `work` with a snapshot. A view may be deleted between the snapshot and the loading of its
+  // cloud: if `work` returns NOT_FOUND and there is a newer snapshot, it is retried.
   template <typename Work>
   auto WithSnapshot(const Work& work) const {
     for (;;) {
@@ -69,7 +69,7 @@ class LiveCatalogue {
   using Snapshot = recognition::CatalogueSnapshot;
 
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
-  // Changes the catalogue, whose writers wait for change_mutex_: that is not to be held.
+  // Changes the catalogue, whose writers wait for change_mutex_, so it must not be locked.
   absl::Status Load() ABSL_LOCKS_EXCLUDED(change_mutex_);
   absl::Status Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Install(LoadedViews loaded, TaughtPoseChange poses)

@@ -25,7 +25,7 @@ absl::Status CannotDescribe(const std::string& name, const absl::Status& status)
                        "or delete it with them first")};
 }
 
-// DATA_LOSS where record or cloud cannot be used; other errors where they cannot be described.
+// DATA_LOSS if the record or cloud cannot be used; other errors if it cannot be described.
 absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
     const storage::ViewRecord& record, std::string_view packed,
     const recognition::DescriptorParameters& parameters) {
@@ -38,7 +38,7 @@ absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
   return MakeDescriptorRecord(*cloud, sensor, parameters);
 }
 
-// Describes the named views again, and stores the result; without those that cannot be used.
+// Recomputes and stores the descriptors of the named views, except of those that cannot be used.
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters) {
   spdlog::info("event=redescribe views={} parameters={}", names.size(),
@@ -101,7 +101,7 @@ absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters) {
   absl::StatusOr<LoadedViews> kept = ReadIndexSnapshot(catalogue, parameters);
   if (kept.ok()) return kept;
-  // A new database has nothing to rebuild an index of.
+  // A new database has no views to rebuild an index from.
   if (catalogue.counts().views > 0) {
     spdlog::info("event=index_rebuild reason={}", LogField(std::string(kept.status().message())));
   }

@@ -7,13 +7,13 @@
 namespace graspdb::server {
 namespace {
 
-// The index is cut into chunks of 512; a multiple leaves none of them half full.
+// The index has chunks of 512; a multiple leaves none of them partly filled.
 constexpr std::size_t kPortion = 2048;
 
 }  // namespace
 
 ViewCollector::ViewCollector(int size)
-    : most_at_work_(std::max(1U, std::thread::hardware_concurrency())), index_(size) {}
+    : max_at_work_(std::max(1U, std::thread::hardware_concurrency())), index_(size) {}
 
 void ViewCollector::Add(recognition::IndexedView view) {
   views_.push_back(view.view);
@@ -22,7 +22,7 @@ void ViewCollector::Add(recognition::IndexedView view) {
 }
 
 void ViewCollector::HandOutPortion() {
-  if (at_work_.size() == most_at_work_) TakeOldest();
+  if (at_work_.size() == max_at_work_) TakeOldest();
   auto work = [empty = index_.Empty(), portion = std::exchange(portion_, {})] {
     return empty.With(portion);
   };

@@ -14,32 +14,32 @@
 
 namespace graspdb::server {
 
-// Everything that is known of the views at one revision.
+// All views at one revision, with their index.
 struct LoadedViews {
   std::int64_t revision = 0;
   recognition::DescriptorIndex index;
   std::vector<std::shared_ptr<const recognition::TaughtView>> views;
-  std::optional<std::int64_t> file_revision = {};  // of the index file that they came from
+  std::optional<std::int64_t> file_revision = {};  // of the index file that they were read from
   std::vector<std::string> left_out = {};          // names of views that cannot be used
 };
 
-// Puts views into an index as they come. Portions of them are worked up on other threads, which
-// takes longer than reading them; no second copy of all descriptors is ever in memory. What is
-// found in the result does not depend on the threads. Not thread-safe.
+// Adds views to an index as they are read. Other threads process them in portions, which takes
+// longer than reading them; no second copy of all descriptors is ever in memory. Search results do
+// not depend on the threads. Not thread-safe.
 class ViewCollector {
  public:
-  // `size` bins a descriptor.
+  // `size` bins per descriptor.
   explicit ViewCollector(int size);
 
   void Add(recognition::IndexedView view);
-  // What was added, as of `revision`; nothing can be added after it.
+  // The added views, as of `revision`; Add() must not be called after it.
   LoadedViews Finish(std::int64_t revision);
 
  private:
   void HandOutPortion();
   void TakeOldest();
 
-  const std::size_t most_at_work_;
+  const std::size_t max_at_work_;
   recognition::DescriptorIndex index_;
   std::deque<std::future<recognition::DescriptorIndex>> at_work_;  // the oldest in front
   std::vector<std::shared_ptr<const recognition::TaughtView>> views_;

@@ -1,4 +1,4 @@
-// What was used lately, as much of it as a budget of memory allows.
+// A least recently used cache with a memory budget.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@
 
 namespace graspdb::server {
 
-// How a cache has served since it was made.
+// Statistics of a cache since its construction.
 struct CacheUse {
   std::int64_t hits = 0;
   std::int64_t misses = 0;
-  std::int64_t rejected = 0;  // values that were too large to be kept
+  std::int64_t rejected = 0;  // values that were too large for the cache
   std::size_t bytes = 0;
   std::size_t byte_budget = 0;
 };
 
-// Values by key; the least recently used ones leave when their bytes exceed the budget. The cost of
-// a call does not depend on how many there are, but for those that leave.
+// Values by key; the least recently used ones are evicted when their bytes exceed the budget. The
+// cost of a call does not depend on the number of values, except of evicted ones.
 // Thread-safe.
 template <typename Value>
 class LruCache {
  public:
   explicit LruCache(std::size_t byte_budget) : use_{.byte_budget = byte_budget} {}
 
-  // Null when it is not there; counted either way.
+  // Null if missing; counts a hit or a miss.
   std::shared_ptr<const Value> Get(const std::string& key) {
     absl::MutexLock lock(&mutex_);
     const auto found = by_key_.find(key);
@@ -43,9 +43,9 @@ class LruCache {
     return found->second->value;
   }
 
-  // Does nothing when another thread was faster. A value of more than half the budget is not kept:
-  // it would drive out most of the others, and leave for the next one of its kind. With a larger
-  // share, a single value could drive out all others.
+  // Does nothing if the key exists. A value of more than half the budget is not cached: it would
+  // evict most of the others, and be evicted by the next one of its size. With a larger share, a
+  // single value could evict all others.
   void Put(const std::string& key, std::shared_ptr<const Value> value, std::size_t bytes) {
     bytes += 2 * key.size();
     absl::MutexLock lock(&mutex_);

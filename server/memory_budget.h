@@ -1,4 +1,4 @@
-// How much memory the server may take, and for what.
+// Memory limits of the server.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,18 @@
 
 namespace graspdb::server {
 
-// Bytes. What is left of the total is for the calls that run, the views and the database.
+// Bytes. The rest of the total is for running calls, the views and the database.
 struct MemoryShares {
   std::size_t total = 0;
   std::size_t caches = 0;    // models and clouds
-  std::size_t requests = 0;  // read and not answered yet
+  std::size_t requests = 0;  // read and still in progress
 };
 
-// Half of `total_mib` for caches, or `cache_mib` where that is not 0, and a quarter for requests.
-// With a total of 0 half of what the machine, or the control group of this process, has.
+// Half of `total_mib` for caches, or `cache_mib` if not 0, and a quarter for requests. A total of 0
+// means half the memory of the machine, or of the control group of this process.
 MemoryShares ShareMemory(int total_mib, int cache_mib);
 
-// What this process has in memory, bytes; 0 where the system does not say.
+// Resident memory of this process, bytes; 0 if the system does not report it.
 std::size_t ResidentBytes();
 
 // Counts requests in memory. Thread-safe.
@@ -33,7 +33,7 @@ class RequestMemory {
     std::int64_t refused = 0;
   };
 
-  // Gives its bytes back when it goes.
+  // Releases its bytes when destroyed.
   class Reservation {
    public:
     Reservation(RequestMemory* memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}
@@ -49,14 +49,14 @@ class RequestMemory {
 
   explicit RequestMemory(std::size_t byte_budget);
 
-  // For a request that has so many bytes on the wire: its message, the points that are unpacked of
-  // it, and those in the region of interest are in memory at once.
+  // Memory of a request per byte on the wire: its message, the points unpacked from it, and those
+  // in the region of interest are in memory at once.
   static constexpr std::size_t kBytesPerWireByte = 3;
 
-  // RESOURCE_EXHAUSTED, with RetryInfo, when there is no room for `bytes` more. Requests of up to a
+  // RESOURCE_EXHAUSTED, with RetryInfo, when `bytes` more exceed the budget. Requests of up to a
   // sixteenth of the budget, such as depth images, have a pool of their own, a quarter of it, so
-  // that large requests cannot keep them out; the other ones share the rest. A request that is
-  // larger than its pool is admitted while no other one of that pool is in memory.
+  // that large requests cannot displace them; larger ones share the rest. A request that is larger
+  // than its pool is admitted while no other request of that pool is in memory.
   absl::StatusOr<Reservation> Reserve(std::size_t bytes);
 
   Use use() const;

@@ -21,7 +21,7 @@ absl::StatusOr<std::string> NameFromPageToken(std::string_view token, std::strin
   std::string name;
   if (!absl::WebSafeBase64Unescape(std::string(token), &name) || !name.starts_with(prefix) ||
       PageTokenAfter(name) != token) {
-    return InvalidField("page_token", "is not one that a list of this server answered");
+    return InvalidField("page_token", "is not a page token of this list");
   }
   return name;
 }

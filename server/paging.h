@@ -13,7 +13,7 @@ namespace graspdb::server {
 absl::StatusOr<std::size_t> PageSize(std::int32_t requested);
 
 // The token for the page after `last_name`, and back. INVALID_ARGUMENT for a token
-// that no list of names beginning with `prefix` made.
+// that is not from a list of names with this prefix.
 std::string PageTokenAfter(std::string_view last_name);
 absl::StatusOr<std::string> NameFromPageToken(std::string_view token, std::string_view prefix);
 

@@ -18,7 +18,7 @@ namespace {
 // How often long work retries while the queue is full.
 constexpr absl::Duration kRetryInterval = absl::Milliseconds(50);
 
-// Does `work`, which is asked whether the call is abandoned, when there is room for it.
+// Runs `work`, which gets the check for an abandoned call, once it has a slot.
 template <typename Response, typename Work>
 absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, const Work& work,
                       Response* response) {
@@ -32,7 +32,7 @@ absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, 
   return absl::OkStatus();
 }
 
-// Long work does not end because the queue is full for a moment.
+// Retries while the queue is full, for long work.
 absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& is_cancelled,
                             std::optional<Admission::Ticket>* ticket) {
   for (;;) {
@@ -42,7 +42,7 @@ absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& i
       return absl::OkStatus();
     }
     if (!absl::IsResourceExhausted(next.status())) return next.status();
-    if (is_cancelled()) return absl::CancelledError("the caller left while it was waiting");
+    if (is_cancelled()) return absl::CancelledError("the call was cancelled while it was waiting");
     absl::SleepFor(kRetryInterval);
   }
 }
@@ -78,7 +78,7 @@ grpc::Status RecognitionService::FindLookAlikes(grpc::ServerContext* context,
   });
 }
 
-// Each view waits for its own slot, so that the robots' frames go in between.
+// Each view waits for its own slot, so that the robots' frames run in between.
 grpc::Status RecognitionService::ProposeThresholds(
     grpc::ServerContext* context, const v1::ProposeThresholdsRequest* request,
     grpc::ServerWriter<v1::ProposeThresholdsResponse>* stream) {
@@ -91,14 +91,14 @@ grpc::Status RecognitionService::ProposeThresholds(
       v1::ProposeThresholdsResponse message;
       message.set_done_view_count(static_cast<int>(done));
       message.set_view_count(static_cast<int>(count));
-      if (!stream->Write(message)) return absl::CancelledError("the caller left the stream");
+      if (!stream->Write(message)) return absl::CancelledError("the stream was cancelled");
       return EnterPatiently(admission_, is_cancelled, &ticket);
     };
     const auto answer = check_.ProposeThresholds(*request, is_cancelled, progress);
     if (!answer.ok()) return answer.status();
     ticket.reset();
     return stream->Write(*answer) ? absl::OkStatus()
-                                  : absl::CancelledError("the caller left the stream");
+                                  : absl::CancelledError("the stream was cancelled");
   });
 }
 
@@ -116,7 +116,7 @@ grpc::Status RecognitionService::RecognizeStream(
       });
       answer.set_frame_id(BoundedText(frame.frame_id(), kMaxStringBytes));
       if (!status.ok()) answer.mutable_error()->ParseFromString(status.error_details());
-      if (!stream->Write(answer)) return absl::CancelledError("the caller left the stream");
+      if (!stream->Write(answer)) return absl::CancelledError("the stream was cancelled");
     }
     return absl::OkStatus();
   });

@@ -1,4 +1,4 @@
-// Records of the storage become what the recognition knows of them.
+// Converts records of the storage to the recognition's types.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,23 @@
 
 namespace graspdb::server {
 
-// A view of that resource name, whose parents' names follow from it; the rest is to be filled in.
+// A view with that resource name and the names of its parents; the caller fills in the rest.
 // INVALID_ARGUMENT for another kind of name.
 absl::StatusOr<std::shared_ptr<recognition::TaughtView>> NewTaughtView(const std::string& name);
 
-// DATA_LOSS for a record that this program cannot have written.
+// DATA_LOSS for an invalid record.
 absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
     const storage::ViewRecord& record);
 
-// The descriptor that was made with `parameters`; null when there is none.
+// The descriptor with `parameters`; null if there is none.
 const storage::DescriptorRecord* FindDescriptor(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
 
-// A view with the descriptor that was made with `parameters`. DATA_LOSS as ViewFromRecord, INTERNAL
-// where it has none.
+// A view with its descriptor of `parameters`. DATA_LOSS as ViewFromRecord, INTERNAL if it has none.
 absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
 
-// A view's packed cloud as it is matched: voxels and normals in the world frame
+// A view's packed cloud prepared for matching: voxels and normals in the world frame
 // of its capture.
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,

@@ -16,7 +16,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-// Holds for every field that is not in the table, so that a new one is bounded too.
+// Applies to every field that is not in the table, so that a new one is bounded too.
 constexpr int kMaxElements = 64;
 
 struct LengthLimit {
@@ -43,19 +43,19 @@ constexpr std::array<CountLimit, 3> kCounts = {{
     {"graspdb.v1.StablePose.grasp_outcomes", kMaxGrasps},
 }};
 
-std::size_t MostBytes(const FieldDescriptor& field) {
+std::size_t MaxBytesOf(const FieldDescriptor& field) {
   const auto* found = std::ranges::find(kLengths, field.full_name(), &LengthLimit::field);
   return found == kLengths.end() ? kMaxStringBytes : found->bytes;
 }
 
-int MostElements(const FieldDescriptor& field) {
+int MaxElementsOf(const FieldDescriptor& field) {
   const auto* found = std::ranges::find(kCounts, field.full_name(), &CountLimit::field);
   return found == kCounts.end() ? kMaxElements : found->elements;
 }
 
-absl::Status CheckBytes(std::size_t bytes, std::size_t most, std::string_view path) {
-  if (bytes <= most) return absl::OkStatus();
-  return InvalidField(path, absl::StrCat("has ", bytes, " bytes; send at most ", most));
+absl::Status CheckBytes(std::size_t bytes, std::size_t max, std::string_view path) {
+  if (bytes <= max) return absl::OkStatus();
+  return InvalidField(path, absl::StrCat("has ", bytes, " bytes; send at most ", max));
 }
 
 absl::Status CheckMessage(const Message& message, const std::string& path);
@@ -70,7 +70,7 @@ absl::Status CheckValue(const Message& message, const FieldDescriptor& field, in
     const std::string& text =
         repeated ? reader.GetRepeatedStringReference(message, &field, index, &scratch)
                  : reader.GetStringReference(message, &field, &scratch);
-    return CheckBytes(text.size(), MostBytes(field), path);
+    return CheckBytes(text.size(), MaxBytesOf(field), path);
   }
   if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return absl::OkStatus();
   return CheckMessage(repeated ? reader.GetRepeatedMessage(message, &field, index)
@@ -82,9 +82,9 @@ absl::Status CheckField(const Message& message, const FieldDescriptor& field,
                         const std::string& path) {
   if (!field.is_repeated()) return CheckValue(message, field, -1, path);
   const int count = message.GetReflection()->FieldSize(message, &field);
-  if (count > MostElements(field)) {
+  if (count > MaxElementsOf(field)) {
     return InvalidField(
-        path, absl::StrCat("has ", count, " elements; send at most ", MostElements(field)));
+        path, absl::StrCat("has ", count, " elements; send at most ", MaxElementsOf(field)));
   }
   for (int i = 0; i < count; ++i) {
     absl::Status status = CheckValue(message, field, i, absl::StrCat(path, "[", i, "]"));

@@ -1,5 +1,5 @@
-// How long and how many the fields of a request may be: the one place for all of them. The proto
-// comments say the same.
+// Limits on the lengths and counts of a request's fields, all in one place. The proto comments have
+// the same limits.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -11,8 +11,8 @@
 
 namespace graspdb::server {
 
-// Grasps of a stable pose, as the contract has it. An answer proposes each of them for every turn
-// of the symmetry and of its free turn, so twice as many make answers twice as long.
+// Grasps of a stable pose, as in the contract. A response proposes each of them for every turn of
+// the symmetry and of its free turn, so twice as many make responses twice as long.
 inline constexpr int kMaxGrasps = 64;
 
 // Bytes of a string without a limit of its own. The longest resource name has 217; twice as many
@@ -28,7 +28,7 @@ inline constexpr std::size_t kMaxNameBytes = 256;
 // bounded by --max-message-mib and --max-points. Linear in what the limits allow.
 absl::Status CheckLimits(const google::protobuf::Message& request);
 
-// The same for one string that stands by itself.
+// The same for a single string.
 absl::Status CheckLength(std::string_view text, std::string_view path);
 
 }  // namespace graspdb::server

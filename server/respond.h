@@ -1,4 +1,4 @@
-// From a StatusOr to a response.
+// Conversion of a StatusOr to a response.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@
 
 namespace graspdb::server {
 
-// A record as it is answered: one that was stored before the limits held may be longer than an
-// answer can be.
+// A record for a response: one that was stored before the limits existed may exceed the size of a
+// response.
 template <typename T>
 T Answerable(T record) {
   if constexpr (requires { record.display_name(); }) {
@@ -27,8 +27,8 @@ T Answerable(T record) {
   return record;
 }
 
-// Moves the value into the response, or hands on the error, which is that of the field
-// `path` if it is a wrong name.
+// Moves the value into the response, or returns the error, with the field `path` if it
+// is an invalid name.
 template <typename T>
 absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* response) {
   if (!result.ok()) return AtField(path, result.status());
@@ -36,8 +36,8 @@ absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* respons
   return absl::OkStatus();
 }
 
-// Lists a page: `list(page_size, after_name)` gives the records, whose names begin with
-// `prefix`, `add(record)` puts one into the response.
+// Lists a page: `list(page_size, after_name)` returns the records, whose names begin with
+// `prefix`, `add(record)` adds one to the response.
 template <typename Request, typename Response, typename List, typename Add>
 absl::Status RespondPage(const Request& request, const std::string& prefix, List&& list, Add&& add,
                          Response* response) {

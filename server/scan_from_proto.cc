@@ -18,11 +18,11 @@ namespace {
 using Field = v1::PackedElementField;
 static_assert(std::endian::native == std::endian::little, "packed data is little-endian");
 
-// Depth cameras see some metres; a median beyond this, m, is another unit.
-constexpr float kFarthestMedian = 50;
+// Depth cameras measure up to some metres; a median beyond this, m, means another unit.
+constexpr float kMaxMedianDistance = 50;
 constexpr int kMaxStride = 4096;
-// Points that tell the unit.
-constexpr std::size_t kLookedAt = 1000;
+// Number of points for the check of the unit.
+constexpr std::size_t kUnitSampleSize = 1000;
 
 int SizeOf(Field::NumericType type) {
   switch (type) {
@@ -35,8 +35,8 @@ int SizeOf(Field::NumericType type) {
   }
 }
 
-// One component of all points; the type is settled before the loop, in which it would cost more
-// than the reading.
+// One component of all points; the type is a template parameter, since a check in the loop would
+// cost more than the reading.
 template <typename Number>
 void ReadComponent(const char* at, std::size_t stride, Eigen::Index axis,
                    recognition::Points* points) {
@@ -73,7 +73,7 @@ absl::Status TooManyPoints(std::size_t count, std::size_t max_points, std::strin
                                          max_points, " (--max-points)"));
 }
 
-// Distances of every so many points that were measured, m.
+// Distances of every `step`-th measured point, m.
 std::vector<float> RangesOf(const recognition::Scan& scan, std::size_t step) {
   std::vector<float> out;
   for (std::size_t i = 0; i < scan.size(); i += step) {
@@ -83,10 +83,11 @@ std::vector<float> RangesOf(const recognition::Scan& scan, std::size_t step) {
   return out;
 }
 
-// Whether there is anything to see, in metres. Millimetres are millimetres wherever one looks, so
-// that a few points tell.
+// Checks that there are measurements, in metres. A wrong unit affects all points, so a few are
+// enough.
 absl::Status CheckMeasurements(const recognition::Scan& scan, std::string_view path) {
-  std::vector<float> ranges = RangesOf(scan, std::max<std::size_t>(1, scan.size() / kLookedAt));
+  std::vector<float> ranges =
+      RangesOf(scan, std::max<std::size_t>(1, scan.size() / kUnitSampleSize));
   if (ranges.empty()) ranges = RangesOf(scan, 1);
   if (ranges.empty()) {
     return InvalidField(path, absl::StrCat("has no measurement: all ", scan.size(),
@@ -94,7 +95,7 @@ absl::Status CheckMeasurements(const recognition::Scan& scan, std::string_view p
   }
   const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
   std::nth_element(ranges.begin(), middle, ranges.end());
-  if (*middle > kFarthestMedian) {
+  if (*middle > kMaxMedianDistance) {
     return InvalidField(path,
                         absl::StrCat("has a median distance of ", *middle,
                                      " m; coordinates are in metres, are these millimetres?"));

@@ -1,4 +1,4 @@
-// Clouds and depth images of requests become scans.
+// Converts clouds and depth images of requests to scans.
 #pragma once
 
 #include <string_view>
@@ -9,9 +9,9 @@
 
 namespace graspdb::server {
 
-// Fills `scan->points` (sensor frame, m), NaN kept. INVALID_ARGUMENT for wrong
-// strides, fields, sizes, for more than `max_points` points, for a cloud without
-// one measurement, and for one whose coordinates can only be millimetres.
+// Fills `scan->points` (sensor frame, m), including NaN. INVALID_ARGUMENT for wrong
+// strides, fields, sizes, for more than `max_points` points, for a cloud without a
+// measurement, and for one whose coordinates can only be millimetres.
 absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std::string_view path,
                        recognition::Scan* scan);
 
@@ -19,7 +19,7 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
 absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
                             std::string_view path, recognition::Scan* scan);
 
-// A cloud of packed x, y, z floats, as the server answers it.
+// A cloud of packed x, y, z floats, as in the server's responses.
 v1::PointCloud PointsToProto(const recognition::Points& points);
 
 }  // namespace graspdb::server

@@ -27,18 +27,18 @@
 namespace graspdb::server {
 namespace {
 
-// Uploads that may wait for their turn to be taught.
+// Maximum number of waiting uploads.
 constexpr int kTeachQueue = 64;
 
-// Threads that wait for calls, at least that many of which are kept.
+// Minimum number of threads that wait for calls.
 constexpr int kMinPollers = 8;
 
-// Threads of calls, at least and at most, whatever the memory.
+// Minimum and maximum number of threads for calls, whatever the memory.
 constexpr int kMinThreads = 16;
 constexpr std::size_t kMaxThreads = 256;
 
-// A shutdown ends the streams of those who watch the health, told or not.
-constexpr std::chrono::milliseconds kTimeToBeHeard{200};
+// A shutdown ends the streams of health watchers, notified or not.
+constexpr std::chrono::milliseconds kHealthNotifyTime{200};
 
 recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   recognition::RecognitionParameters out;
@@ -54,8 +54,8 @@ int WorkersOf(const ServerOptions& options) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Threads of calls, each of which may have parsed a message of the largest size, within the memory
-// for requests; but enough for the workers, and for calls that wait or are idle streams.
+// Number of threads for calls, each of which may have parsed a message of the maximum size, within
+// the memory for requests; but enough for the workers, and for calls that wait or are idle streams.
 int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
                const ServerOptions& options) {
   const std::size_t fit = memory.requests / max_message_bytes;
@@ -65,7 +65,7 @@ int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
 
 }  // namespace
 
-// Everything below gRPC, in the order in which the parts need each other.
+// Everything below gRPC, in the order of dependencies.
 struct Server::Parts {
   Parts(const ServerOptions& options, const MemoryShares& memory,
         std::unique_ptr<storage::Catalogue> catalogue_in, std::unique_ptr<LiveCatalogue> live_in)
@@ -133,13 +133,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   const int max_bytes = options.max_message_mib << 20;
   builder.SetMaxReceiveMessageSize(max_bytes);
   builder.SetMaxSendMessageSize(max_bytes);
-  // Two servers on one port would take turns at answering; the second must fail.
+  // Two servers on one port would each get some of the calls; the second must fail.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // A thread that finds more pollers than this ends, and the next frame starts a new one.
   builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
                               std::max(kMinPollers, 2 * WorkersOf(options)));
-  // What is read of messages that are not complete yet; where it is used up, gRPC reads no further,
-  // and ends calls that wait. A call beyond the threads is refused before its message is parsed.
+  // Memory for incomplete messages; when it is exhausted, gRPC stops reading, and ends waiting
+  // calls. A call beyond the threads is rejected before its message is parsed.
   grpc::ResourceQuota quota("graspdb");
   quota.Resize(memory.requests);
   quota.SetMaxThreads(ThreadsFor(memory, static_cast<std::size_t>(max_bytes), options));
@@ -168,7 +168,7 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
 void Server::Drain() {
   if (grpc_ == nullptr) return;
   grpc_->GetHealthCheckService()->SetServingStatus(false);
-  std::this_thread::sleep_for(kTimeToBeHeard);
+  std::this_thread::sleep_for(kHealthNotifyTime);
   Stop();
 }
 

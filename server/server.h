@@ -1,4 +1,4 @@
-// All parts of the server put together.
+// The server with all its components.
 #pragma once
 
 #include <grpcpp/server.h>
@@ -13,22 +13,22 @@
 
 namespace graspdb::server {
 
-// A server that is running. Destroying it drains it.
+// A running server. The destructor drains it.
 class Server {
  public:
-  // Opens the database, loads the catalogue, begins to listen. Errors say what to
-  // do next.
+  // Opens the database, loads the catalogue, starts listening. Error messages suggest
+  // what to do.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
   ~Server();
 
-  // HOST:PORT, with the port that was picked.
+  // HOST:PORT, with the selected port.
   const std::string& address() const { return address_; }
 
   // A channel inside the process, for tests.
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
-  // Tells those who watch the health, takes no new calls, lets the running ones end until the
-  // drain time is over, and closes the database. Calling it again does nothing.
+  // Notifies health watchers, rejects new calls, waits for running ones until the drain time is
+  // over, and closes the database. Calling it again does nothing.
   void Drain();
 
  private:

@@ -28,13 +28,13 @@ void SetPicks(const std::map<std::string, recognition::PickCounts>& picks, Taugh
   }
 }
 
-// The views of one stable pose that go and come.
+// The removed and added views of one stable pose.
 struct ViewChange {
   std::unordered_set<std::string_view> removed;
   Views added;
 };
 
-// By name again, in one pass over all of them: a change may be about all views of a stable pose.
+// Sorted by name again, in one pass: a change may affect all views of a stable pose.
 void ApplyTo(ViewChange change, Views* views) {
   const auto name = [](const auto& view) -> const std::string& { return view->name; };
   std::erase_if(*views, [&](const auto& view) { return change.removed.contains(view->name); });

@@ -17,15 +17,15 @@ using TaughtPoses =
 // The stable pose's name in `{stable pose}/views/{view}`.
 std::string PoseOfView(const std::string& view);
 
-// What is known of the grasps of a stable pose, by their ids; the others have no outcomes.
+// Outcomes of the grasps of a stable pose, by their ids; grasps without outcomes are left out.
 struct TaughtOutcomes {
   std::string stable_pose;  // name
   std::map<std::string, recognition::PickCounts> picks;
 };
 
-// What one change does to stable poses and their views.
+// The effects of one change on stable poses and their views.
 struct TaughtPoseChange {
-  // Written; their views and outcomes are taken from what there was.
+  // Written; their views and outcomes are taken from the previous ones.
   std::vector<recognition::TaughtStablePose> written;
   std::vector<std::string> deleted;  // names
   std::vector<std::shared_ptr<const recognition::TaughtView>> added_views;
@@ -33,8 +33,8 @@ struct TaughtPoseChange {
   std::vector<TaughtOutcomes> outcomes = {};
 };
 
-// `poses` after the change; what does not change is shared. A view that is removed and added is
-// replaced. Takes n log n in the views of the stable poses that change.
+// `poses` after the change; unchanged ones are shared. A view that is removed and added is
+// replaced. O(n log n) in the views of the stable poses that change.
 TaughtPoses Changed(const TaughtPoses& poses, const TaughtPoseChange& change);
 
 }  // namespace graspdb::server

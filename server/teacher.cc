@@ -54,7 +54,7 @@ absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
   return out;
 }
 
-// The segment that is the object: the only one, or the one at the object's pose.
+// The segment of the object: the only one, or the one at the object's pose.
 absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
                                              const std::optional<Pose>& object_pose) {
   switch (segmentation.outcome) {
@@ -77,7 +77,7 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
     return WithReason(
         absl::FailedPreconditionError(absl::StrCat(
             "the capture shows ", segments.size(),
-            " objects and no object pose says which one is taught; clear the table or give one")),
+            " objects and no object pose selects the taught one; clear the table or give a pose")),
         "SEVERAL_CLUSTERS");
   }
   const auto distance = [&](const Segment& segment) {
@@ -96,18 +96,20 @@ absl::StatusOr<std::string> PackSegment(const recognition::Points& scan, const S
   return storage::PackCloud(points);
 }
 
-// What a camera adds to a view far from the object would be taught with it.
+// Measurements far from the object would be taught with it.
 absl::Status CheckExtent(const Segmentation& segmentation, const Segment& segment,
                          double max_object_size_m) {
   if (segmentation.far_point_count > 0) {
-    return InvalidField("view.cloud", absl::StrCat("has ", segmentation.far_point_count,
-                                                   " points more than ", max_object_size_m,
-                                                   " m from the others; leave out what is not the "
-                                                   "object's"));
+    return InvalidField(
+        "view.cloud",
+        absl::StrCat("has ", segmentation.far_point_count, " points more than ", max_object_size_m,
+                     " m from the others; leave out points that are not on the "
+                     "object"));
   }
   if (!segment.too_large) return absl::OkStatus();
-  return InvalidField("view.cloud", absl::StrCat("shows an object larger than ", max_object_size_m,
-                                                 " m; leave out what is not the object's"));
+  return InvalidField("view.cloud",
+                      absl::StrCat("shows an object larger than ", max_object_size_m,
+                                   " m; leave out points that are not on the object"));
 }
 
 absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {

@@ -1,4 +1,4 @@
-// Teaching views, the part of CatalogService that computes.
+// Teaching views: the compute-intensive part of CatalogService.
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -23,7 +23,7 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
   const std::string name =
       storage::MakeViewName(parent->object_id, parent->stable_pose_id, request.view_id());
 
-  // What is there already is not computed again.
+  // Existing views are not computed again.
   absl::StatusOr<storage::ViewRecord> existing = context_.catalogue.GetView(name);
   if (existing.ok() && existing->content_digest() == UploadDigest(request)) {
     response->set_existing_count(response->existing_count() + 1);
@@ -58,7 +58,7 @@ absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancel
   while (reader->Read(&request)) {
     absl::Status status = UploadOne(request, is_cancelled, response);
     if (status.ok()) continue;
-    // Names that are too long for any resource must not take the room of the reason.
+    // Names that are too long for any resource must not displace the reason.
     absl::Status named(status.code(),
                        absl::StrCat("view \"", BoundedText(request.view_id(), 66), "\" of ",
                                     BoundedText(request.parent(), 160), ": ", status.message()));
@@ -66,7 +66,7 @@ absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancel
         [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
     return named;
   }
-  if (is_cancelled()) return absl::CancelledError("the upload was broken off");
+  if (is_cancelled()) return absl::CancelledError("the upload was cancelled");
   response->set_catalog_revision(context_.catalogue.revision());
   return absl::OkStatus();
 }

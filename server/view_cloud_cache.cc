@@ -10,7 +10,7 @@
 namespace graspdb::server {
 namespace {
 
-// The content is part of a key: a name may come back with another cloud.
+// The content is part of a key: a name may be reused with another cloud.
 std::string KeyOf(const recognition::TaughtView& view) {
   return absl::StrCat(view.name, "@", view.content);
 }
@@ -63,7 +63,7 @@ absl::StatusOr<ViewCloudCache::Cloud> ViewCloudCache::Read(
   absl::StatusOr<recognition::OrientedCloud> cloud =
       CloudFromPacked(*packed, view.world_sensor, parameters_);
   if (!cloud.ok()) return cloud.status();
-  // There is room left in them for all points that the voxels were made of, several times theirs.
+  // Their capacity is still that of all points before the voxel grid, several times theirs.
   cloud->points.shrink_to_fit();
   cloud->normals.shrink_to_fit();
   return std::make_shared<const recognition::OrientedCloud>(*std::move(cloud));

@@ -1,4 +1,4 @@
-// Prepared clouds of views and fused models, the most used ones in memory.
+// A cache of prepared clouds of views and fused models.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,12 @@
 
 namespace graspdb::server {
 
-// Loads clouds from the catalogue, makes them ready for the alignment, fuses them, and keeps as
-// much as `byte_budget` allows, the least recently used leaving first. Thread-safe; two threads
-// that miss the same object at once both make it.
+// Loads clouds from the catalogue, prepares them for the alignment, fuses them, and caches up to
+// `byte_budget` bytes, evicting the least recently used first. Thread-safe; two threads that miss
+// the same entry at once both compute it.
 class ViewCloudCache : public recognition::ViewClouds {
  public:
-  // Clouds get one part in so many of the memory: models are made of them, and then asked for.
+  // Clouds get 1/kCloudShare of the memory: models are fused from them, and then used instead.
   static constexpr std::size_t kCloudShare = 16;
 
   // `catalogue` must outlive this.

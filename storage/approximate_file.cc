@@ -24,7 +24,7 @@ std::string ChecksumOf(std::string_view record) {
 }
 
 absl::Status DamagedApproximate() {
-  return absl::DataLossError("the approximate index's file is damaged");
+  return absl::DataLossError("the approximate index file is damaged");
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& di
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(ApproximatePath(directory), error);
   if (error == std::errc::no_such_file_or_directory) {
-    return absl::NotFoundError("there is no file of an approximate index");
+    return absl::NotFoundError("there is no approximate index file");
   }
   if (error || size < kStartBytes) return DamagedApproximate();
   std::ifstream file(ApproximatePath(directory), std::ios::binary);

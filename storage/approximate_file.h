@@ -1,4 +1,4 @@
-// The file beside the database that holds its approximate index. Nothing depends on it.
+// The file beside the database with its approximate index. Optional.
 #pragma once
 
 #include <string>
@@ -13,13 +13,12 @@ namespace graspdb::storage {
 // Name of the file in the database's directory.
 inline constexpr std::string_view kApproximateFile = "INDEX.flann";
 
-// Puts the file in the place of the one before. UNAVAILABLE when the disk fails; the file before
-// stays then.
+// Replaces the file. UNAVAILABLE when the disk fails; the old file stays then.
 absl::Status WriteApproximateFile(const std::string& directory,
                                   const ApproximateIndexRecord& record);
 
-// NOT_FOUND when there is no file; DATA_LOSS for everything that WriteApproximateFile did not write
-// so, whatever the bytes are: a CRC-32C is checked before anything is parsed.
+// NOT_FOUND when there is no file; DATA_LOSS for any bytes that WriteApproximateFile did not write:
+// a CRC-32C is checked before parsing.
 absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory);
 
 }  // namespace graspdb::storage

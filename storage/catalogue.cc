@@ -36,7 +36,7 @@ Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeL
     : database_(std::move(database)), log_(std::move(log)) {}
 
 Catalogue::~Catalogue() {
-  // An older floor is true as well; it only notices less.
+  // An older floor is valid too; it only detects less.
   WriteRevisionFloor(database_->directory(), revision()).IgnoreError();
 }
 
@@ -63,7 +63,7 @@ absl::StatusOr<std::string> Catalogue::MarkOf(std::int64_t revision) const {
     if (!bytes.ok()) return bytes.status();
     change = *std::move(bytes);
   }
-  // Change records hold the nanosecond of the change: copies that parted differ in it.
+  // Change records have a time in nanoseconds, which differs in copies that have diverged.
   ChangeRecord record;
   if (!record.ParseFromString(change)) return DamagedRecord(std::to_string(revision));
   return *identity + " " + std::to_string(revision) + " " +

@@ -1,22 +1,22 @@
 // The catalogue: objects, stable poses, views and cells on disk.
 //
 // Thread safety: every method may be called from any thread. Readers never wait for
-// writers; writers take turns. What a reader gets is one committed state of one record;
-// ForEach() gives one state of everything.
+// writers; writers are serialised. A reader gets one committed state of one record;
+// ForEach() gives one state of all records.
 //
-// Durability: a mutation that returned OK is on the disk. It survives the end of the
-// process at any instruction and, if the disk keeps its promise to flush, the end of
-// the machine. A mutation that did not return is there as a whole or not at all; so is
+// Durability: a mutation that returned OK is on the disk. It survives a crash of the
+// process at any instruction and, if the disk flushes as requested, a crash of the
+// machine. A mutation that did not return is applied as a whole or not at all; so is
 // one that returned UNAVAILABLE, RESOURCE_EXHAUSTED or DATA_LOSS from the disk, and
-// after such an error the catalogue refuses further changes until it is opened anew.
+// after such an error the catalogue rejects further changes until it is reopened.
 //
 // Revisions: every change gets the next revision, 1 first, without gaps, and leaves a
-// change record in the same atomic write. Nothing writes around them. Old change records are
+// change record in the same atomic write. No write bypasses them. Old change records are
 // deleted in the write of a later change, see CatalogueOptions::keep_changes.
 //
-// Errors: each one is a status whose text says what to do next. Besides the codes that
-// the methods name, all of them can return DATA_LOSS (the database is damaged) and
-// UNAVAILABLE (the disk fails). No method throws, short of running out of memory.
+// Errors: each one is a status whose text suggests what to do next. Besides the codes
+// documented at the methods, all of them can return DATA_LOSS (the database is damaged)
+// and UNAVAILABLE (the disk fails). No method throws, except when out of memory.
 #pragma once
 
 #include <cstddef>
@@ -46,18 +46,18 @@ class ChangeLog;
 class Database;
 
 struct CatalogueOptions {
-  // Whether to make a database when there is none; otherwise that is NOT_FOUND.
+  // Whether to create a missing database; otherwise it is NOT_FOUND.
   bool create_if_missing = true;
   // Source of create and update times. Called by one writer at a time; must not throw.
   std::function<absl::Time()> clock = absl::Now;
-  // Change records that are kept, the newest; at least 1. An index file that is behind by more is
-  // made anew (the server takes 20,000 for worth it). Twice as many take twice the disk: 1.5 KB a
-  // view.
+  // Number of the newest change records that are kept; at least 1. An index file that is more
+  // changes behind is rebuilt (the server's limit is 20,000). Twice as many take twice the disk:
+  // 1.5 KB per view.
   std::int64_t keep_changes = 50'000;
-  // Memory that each of the eight families may fill before it goes to a file, in bytes.
+  // Write buffer of each of the eight families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
-  // How files are reached; not owned, must outlive the catalogue. Null: as the machine
-  // does. Tests put a failing disk here.
+  // Environment for file access; not owned, must outlive the catalogue. Null: the default
+  // one. Tests set a failing disk here.
   rocksdb::Env* env = nullptr;
 };
 
@@ -82,23 +82,23 @@ struct NewView {
 };
 
 enum class PutViewOutcome {
-  kCreated,   // stored under a revision of its own
-  kExisting,  // a view of that name and digest is there; nothing changed
+  kCreated,   // stored with a revision of its own
+  kExisting,  // a view with that name and digest exists; nothing changed
 };
 
-// What is known of a grasp after an outcome was added, and the revision that this made.
+// The counts of a grasp after an outcome was added, and the revision of that change.
 struct AddedOutcomes {
   v1::GraspOutcomeCounts counts;
   std::int64_t revision = 0;
 };
 
-// The descriptors that a view is to have instead of those it has.
+// The new descriptors of a view.
 struct DescriptorUpdate {
   std::string view_name;
   std::vector<DescriptorRecord> descriptors;
 };
 
-// Who gets the records in ForEach(); empty functions are passed over, and an error ends
+// Callbacks for the records in ForEach(); empty functions are skipped, and an error ends
 // the reading. Called on the reading thread.
 struct RecordVisitor {
   std::function<absl::Status(const v1::Object&)> object;
@@ -108,16 +108,16 @@ struct RecordVisitor {
   std::function<absl::Status(const GraspOutcomesRecord&)> grasp_outcomes;
 };
 
-// Should not throw: the change stands, and the listener is told of the next one, so that it can see
-// by the revision that it missed one.
+// Should not throw: the change remains, and the listener gets the next one, whose revision shows
+// that it missed one.
 using ChangeListener = std::function<void(const ChangeRecord&)>;
 
 class Catalogue {
  public:
-  // Opens the database in `directory`, or makes one there. One process owns a database
-  // at a time: FAILED_PRECONDITION for the second. FAILED_PRECONDITION also when the
-  // directory holds something else or the schema is newer than this program;
-  // DATA_LOSS when it is damaged. An older schema is migrated.
+  // Opens the database in `directory`, or creates it. One process owns a database at a
+  // time: FAILED_PRECONDITION for the second. FAILED_PRECONDITION also when the
+  // directory has other contents or the schema is newer than this program; DATA_LOSS
+  // when it is damaged. An older schema is migrated.
   static absl::StatusOr<std::unique_ptr<Catalogue>> Open(const std::string& directory,
                                                          CatalogueOptions options = {});
   // Closes the database. No other thread may be in a method.
@@ -127,30 +127,29 @@ class Catalogue {
 
   // Revision of the last change; 0 before the first one.
   std::int64_t revision() const;
-  // How many records there are; kept in memory.
+  // Numbers of records; kept in memory.
   CatalogueCounts counts() const;
   int schema_version() const;
-  // Where the database lies, as given to Open().
+  // The directory given to Open().
   const std::string& directory() const;
-  // A text that no other database and no other past of this one has had at `revision`, so that
-  // what was made from it can be told from what was not. Copies of a database have the same
-  // marks up to the revision at which they part. NOT_FOUND for a revision that is not reached or
-  // whose change record is no longer kept.
+  // A text that is unique to this database and its history up to `revision`, to identify files that
+  // were built from it. Copies of a database have the same marks up to the revision at which they
+  // diverge. NOT_FOUND for a revision that is not reached or whose change record is no longer kept.
   absl::StatusOr<std::string> MarkOf(std::int64_t revision) const;
 
   // --- Objects, stable poses, cells -------------------------------------------------
   // Names are checked, INVALID_ARGUMENT; other fields are stored as they are. Etag,
-  // create_time and update_time are set here, whatever the caller gives.
+  // create_time and update_time are set here; the caller's values are ignored.
   //
   // Create: ALREADY_EXISTS, or NOT_FOUND for a missing parent.
   // Get: NOT_FOUND.
   // List: at most `page_size` (at least 1) records after `after_name` (empty: from the
   //   first), fewer where they exceed 1 MiB together; NOT_FOUND for a missing parent.
-  // Update: lets `change` edit the record while no other change can come between; its
-  //   error ends the update with nothing changed. `change` must not call the catalogue.
-  //   ABORTED when `etag` is given and not the record's.
+  // Update: `change` edits the record, with other changes locked out; its error ends the
+  //   update with nothing changed. `change` must not call the catalogue. ABORTED when
+  //   `etag` is given and is not the record's.
   // Delete: ABORTED as Update. FAILED_PRECONDITION when there are children, unless
-  //   `force`, which deletes them, views and clouds included, in the same change.
+  //   `force`, which deletes them, including views and clouds, in the same change.
 
   absl::StatusOr<v1::Object> CreateObject(v1::Object object);
   absl::StatusOr<v1::Object> GetObject(std::string_view name) const;
@@ -185,7 +184,7 @@ class Catalogue {
   absl::StatusOr<PutViewOutcome> PutView(const NewView& view);
   // Stores views in one atomic write: each with its own revision, all or none. The
   // outcomes are in the order of `views`. The first view that cannot be stored ends
-  // the call with its error, which names it.
+  // the call with its error, which names the view.
   absl::StatusOr<std::vector<PutViewOutcome>> PutViews(std::span<const NewView> views);
   absl::StatusOr<ViewRecord> GetView(std::string_view name) const;
   // The bytes given to PutView.
@@ -195,40 +194,40 @@ class Catalogue {
                                              std::string_view after_name) const;
   absl::Status DeleteView(std::string_view name);
   // Replaces descriptors after their parameters changed: one change, all or nothing.
-  // Its change record holds all the views, so give some hundreds at a time. NOT_FOUND
+  // Its change record contains all the views, so pass some hundreds at a time. NOT_FOUND
   // when one is missing. Returns the revision; without updates, the current one.
   absl::StatusOr<std::int64_t> ReplaceDescriptors(std::span<const DescriptorUpdate> updates);
 
   // --- Outcomes of grasps -----------------------------------------------------------
-  // A record for each stable pose of which anything was told. It goes with its stable pose, and
-  // the counts of a grasp go when UpdateStablePose takes the grasp away or changes its tool pose,
-  // opening or free turn. Lists of stable poses and their etags have no part of it.
+  // A record for each stable pose with reported outcomes. It is deleted with its stable pose, and
+  // the counts of a grasp are deleted when UpdateStablePose removes the grasp or changes its tool
+  // pose, opening or free turn. Stable poses and their etags do not include it.
 
-  // Adds `added` to what is known of a grasp of that stable pose. NOT_FOUND without the stable pose
-  // or the grasp, INVALID_ARGUMENT unless something is added and nothing taken away.
+  // Adds `added` to the counts of a grasp of that stable pose. NOT_FOUND without the stable pose or
+  // the grasp, INVALID_ARGUMENT unless at least one count is positive and none is negative.
   absl::StatusOr<AddedOutcomes> AddGraspOutcomes(std::string_view stable_pose_name,
                                                  const v1::GraspOutcomeCounts& added);
-  // NOT_FOUND without the stable pose; without counts where nothing was told.
+  // NOT_FOUND without the stable pose; no counts if there were no reports.
   absl::StatusOr<GraspOutcomesRecord> GetGraspOutcomes(std::string_view stable_pose_name) const;
 
   // --- Following --------------------------------------------------------------------
 
   // Reads all records of one revision, parents before children and each kind by name,
-  // and returns that revision. Reads no clouds. Writers are not held up.
+  // and returns that revision. Reads no clouds. Does not block writers.
   absl::StatusOr<std::int64_t> ForEach(const RecordVisitor& visitor) const;
   absl::StatusOr<std::int64_t> ForEachView(
       const std::function<absl::Status(const ViewRecord&)>& visit) const;
 
-  // Sets the one listener (empty: none) and returns the revision R after which it is
-  // told of every change: R + 1, R + 2, ... in order, on the thread that makes the change,
-  // after the change is durable and before the call that made it returns. So whoever
-  // sees a write acknowledged sees a follower that knows of it. To follow from the
-  // start: Subscribe, then ForEach, then drop changes up to the revision of ForEach.
-  // The listener holds up all writers. It may call reading methods; changes and
-  // Subscribe from within it are refused with FAILED_PRECONDITION.
+  // Sets the listener (empty: none) and returns the revision R after which it is called
+  // with every change: R + 1, R + 2, ... in order, on the thread that makes the change,
+  // after the change is durable and before the call that made it returns. So when a
+  // write is acknowledged, the follower has applied it. To follow from the start:
+  // Subscribe, then ForEach, then drop changes up to the revision of ForEach. The
+  // listener blocks all writers. It may call reading methods; changes and Subscribe
+  // from within it are rejected with FAILED_PRECONDITION.
   absl::StatusOr<std::int64_t> Subscribe(ChangeListener listener);
   // At most `limit` (at least 1) change records after `after_revision`, oldest first. OUT_OF_RANGE
-  // where some of them are no longer kept.
+  // if some of them are no longer kept.
   absl::StatusOr<std::vector<ChangeRecord>> ReadChanges(std::int64_t after_revision,
                                                         std::size_t limit) const;
 

@@ -24,14 +24,14 @@ absl::Status CheckAdded(const v1::GraspOutcomeCounts& added) {
   const auto [least, most] =
       std::minmax({added.picked_count(), added.missed_count(), added.slipped_count()});
   if (least >= 0 && most > 0) return absl::OkStatus();
-  return absl::InvalidArgumentError("tell of at least one outcome, and of no negative number");
+  return absl::InvalidArgumentError("give at least one outcome, and no negative count");
 }
 
 absl::Status CheckGrasp(const v1::StablePose& stable_pose, const std::string& grasp_id) {
   const auto is_it = [&](const v1::Grasp& grasp) { return grasp.grasp_id() == grasp_id; };
   if (std::ranges::any_of(stable_pose.grasps(), is_it)) return absl::OkStatus();
   return absl::NotFoundError("the stable pose " + stable_pose.name() + " has no grasp '" +
-                             grasp_id + "'; list those that it has");
+                             grasp_id + "'; list its grasps");
 }
 
 v1::GraspOutcomeCounts& CountsOf(GraspOutcomesRecord& record, const std::string& grasp_id) {

@@ -13,8 +13,8 @@
 namespace graspdb::storage {
 namespace {
 
-// Removes all records of a family below `prefix` in the change that has begun. Reads their values,
-// so it is not for clouds.
+// Removes all records of a family below `prefix` in the current change. Reads their values, so it
+// is not for clouds.
 absl::Status RemoveBelow(const Database& database, Family family, const std::string& prefix,
                          ChangeBatch& batch) {
   return database.Scan(family, prefix, "",
@@ -24,7 +24,7 @@ absl::Status RemoveBelow(const Database& database, Family family, const std::str
                        });
 }
 
-// Removes all views below `prefix` with their clouds, which lie under the same keys.
+// Removes all views below `prefix` with their clouds, which have the same keys.
 absl::Status RemoveViewsBelow(const Database& database, const std::string& prefix,
                               ChangeBatch& batch) {
   return database.Scan(Family::kViews, prefix, "",
@@ -92,7 +92,7 @@ absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::str
 }
 
 absl::StatusOr<v1::StablePose> Catalogue::CreateStablePose(v1::StablePose stable_pose) {
-  stable_pose.clear_grasp_outcomes();  // kept in a record of their own
+  stable_pose.clear_grasp_outcomes();  // stored in a record of their own
   return CreateRecord(*database_, *log_, std::move(stable_pose));
 }
 

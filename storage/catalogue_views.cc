@@ -12,7 +12,7 @@
 namespace graspdb::storage {
 namespace {
 
-// Digests of the views that the batch in the making adds; the database has them not yet.
+// Digests of the views that the current batch adds; they are not in the database yet.
 using AddedDigests = std::map<std::string, std::string>;
 
 absl::Status CheckComplete(const NewView& view) {
@@ -21,7 +21,7 @@ absl::Status CheckComplete(const NewView& view) {
                                     " has no digest or no cloud; give both");
 }
 
-// kExisting for a digest that is stored, kCreated for a name that is free.
+// kExisting if the digest is stored already, kCreated if the name is free.
 absl::StatusOr<PutViewOutcome> CompareWithStored(const Database& database, const ViewRecord& record,
                                                  const AddedDigests& added) {
   std::string stored_digest;
@@ -35,7 +35,7 @@ absl::StatusOr<PutViewOutcome> CompareWithStored(const Database& database, const
   }
   if (stored_digest == record.content_digest()) return PutViewOutcome::kExisting;
   return absl::AlreadyExistsError("the view " + record.name() +
-                                  " exists with another content; delete it first or choose "
+                                  " exists with other content; delete it first or choose "
                                   "another id");
 }
 
@@ -88,7 +88,7 @@ absl::StatusOr<std::string> Catalogue::GetPackedCloud(std::string_view name) con
   if (auto parent = Kind<ViewRecord>::ParentOf(name); !parent.ok()) return parent.status();
   auto cloud = database_->Get(Family::kClouds, name);
   if (!absl::IsNotFound(cloud.status())) return cloud;
-  // A view is never without a cloud; but it may have been deleted between the two reads.
+  // Every view has a cloud, but it may have been deleted between the two reads.
   const auto cloud_lost = database_->Contains(Family::kViews, name);
   if (!cloud_lost.ok()) return cloud_lost.status();
   return *cloud_lost ? DamagedRecord(name) : NotFound(Kind<ViewRecord>::kWord, name);

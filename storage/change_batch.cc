@@ -9,8 +9,8 @@
 namespace graspdb::storage {
 namespace {
 
-// Change records that one write deletes at most, so that a database with millions of them takes
-// some kilobytes more a write until they are gone. Twice as many: twice that.
+// Maximum number of change records that one write deletes, so that a database with millions of them
+// takes some kilobytes more per write until they are deleted. Twice as many: twice that.
 constexpr std::int64_t kMaxForgotten = 1024;
 
 void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
@@ -56,7 +56,7 @@ void ChangeBatch::Insert(Family family, std::string_view key, std::string_view v
 void ChangeBatch::Overwrite(Family family, std::string_view key, std::string_view value) {
   status_.Update(database_.Put(family, key, value, rocks_));
   Note(Mutation::KIND_PUT, family, key);
-  if (family == Family::kClouds) return;  // never changes, so its key says it all
+  if (family == Family::kClouds) return;  // never changes, so its key is enough
   ChangeRecord& change = changes_.back();
   change.mutable_mutations(change.mutations_size() - 1)->set_value(std::string(value));
 }
@@ -82,7 +82,7 @@ absl::Status ChangeBatch::Finish(std::int64_t keep) {
     status_.Update(database_.Put(Family::kChanges, ChangeKey(change.revision()),
                                  change.SerializeAsString(), rocks_));
   }
-  ForgetChanges(keep);  // behind the puts: one batch may make more changes than are kept
+  ForgetChanges(keep);  // after the puts: one batch may have more changes than are kept
   status_.Update(database_.Put(Family::kMeta, kMetaKey, meta_.SerializeAsString(), rocks_));
   return status_;
 }

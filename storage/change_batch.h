@@ -1,5 +1,5 @@
-// One atomic write in the making: records, the change records that tell of them, and
-// the new MetaRecord. Internal to storage/.
+// Builds one atomic write: records, their change records, and the new MetaRecord.
+// Internal to storage/.
 #pragma once
 
 #include <cstdint>
@@ -16,25 +16,25 @@ namespace graspdb::storage {
 // Used by one thread, inside ChangeLog::Mutate().
 class ChangeBatch {
  public:
-  // `database` must outlive the batch. `meta` is where the catalogue stands before it.
+  // `database` must outlive the batch. `meta` is the MetaRecord before it.
   ChangeBatch(const Database& database, MetaRecord meta, google::protobuf::Timestamp time)
       : database_(database), meta_(std::move(meta)), time_(std::move(time)) {}
 
-  // Begins the next change and returns its revision. What follows belongs to it.
+  // Begins the next change and returns its revision. Later calls belong to it.
   std::int64_t Begin();
-  // A key that is not there yet: counted.
+  // Adds a new key: counted.
   void Insert(Family family, std::string_view key, std::string_view value);
-  // A key that is there.
+  // Replaces the value of an existing key.
   void Overwrite(Family family, std::string_view key, std::string_view value);
-  // A key that is there: no longer counted.
+  // Removes an existing key: no longer counted.
   void Remove(Family family, std::string_view key);
-  // Adds the change records, the deletion of old ones so that `keep` (at least 1) stay, and the
-  // MetaRecord. After it only rocks() is of use. The first error of anything before, if there was
-  // one.
+  // Adds the change records, the deletion of old ones so that `keep` (at least 1) remain, and the
+  // MetaRecord. After it only rocks() may be called. Returns the first error of the previous calls,
+  // if any.
   absl::Status Finish(std::int64_t keep);
 
   const google::protobuf::Timestamp& time() const { return time_; }
-  // Where the catalogue stands after it.
+  // The MetaRecord after it.
   const MetaRecord& meta() const { return meta_; }
   const std::vector<ChangeRecord>& changes() const { return changes_; }
   rocksdb::WriteBatch& rocks() { return rocks_; }

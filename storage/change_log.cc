@@ -38,10 +38,10 @@ absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fil
 absl::Status ChangeLog::Commit(ChangeBatch& batch) {
   if (auto finished = batch.Finish(keep_); !finished.ok()) return finished;
   if (auto written = database_.Write(batch.rocks()); !written.ok()) {
-    // The batch may be on the disk or not. Going on could give its revision away twice.
-    failure_ = absl::UnavailableError("the catalogue takes no changes since a write failed (" +
+    // The batch may be on the disk or not. A further change could reuse its revision.
+    failure_ = absl::UnavailableError("the catalogue rejects changes since a write failed (" +
                                       std::string(written.message()) +
-                                      "); see to the disk and restart the server");
+                                      "); check the disk and restart the server");
     return written;
   }
   {
@@ -55,7 +55,7 @@ absl::Status ChangeLog::Commit(ChangeBatch& batch) {
 
 void ChangeLog::RaiseFloor(std::int64_t revision) {
   if (revision < floor_ + kFloorInterval) return;
-  // An older floor is true as well; it only notices less.
+  // An older floor is valid too; it only detects less.
   WriteRevisionFloor(database_.directory(), revision).IgnoreError();
   floor_ = revision;
 }
@@ -98,14 +98,14 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
     return absl::InvalidArgumentError(
         "give a revision of 0 or more and a limit of at least 1 to read changes");
   }
-  // Of one state: old change records may be deleted meanwhile.
+  // A snapshot: old change records may be deleted meanwhile.
   const Database::Snapshot snapshot = database_.TakeSnapshot();
   const auto meta = ReadMeta(database_, snapshot.get());
   if (!meta.ok()) return meta.status();
   if (after_revision < meta->change_horizon()) {
     return absl::OutOfRangeError("changes up to revision " +
                                  std::to_string(meta->change_horizon()) +
-                                 " are no longer kept; read all records and go on from their "
+                                 " are no longer kept; read all records and continue from their "
                                  "revision, or keep more changes");
   }
   std::int64_t expected = after_revision;

@@ -1,5 +1,5 @@
-// The one door through which the catalogue changes: numbers the changes, makes them
-// durable, tells the listener. Internal to storage/.
+// The only write path of the catalogue: numbers the changes, makes them durable,
+// notifies the listener. Internal to storage/.
 #pragma once
 
 #include <atomic>
@@ -26,27 +26,27 @@ class ChangeLog {
   using Clock = std::function<absl::Time()>;
   using Listener = std::function<void(const ChangeRecord&)>;
 
-  // `database` must outlive the log. `meta` is what the database holds. `keep` (at least 1) change
-  // records stay.
+  // `database` must outlive the log. `meta` is the MetaRecord of the database. `keep` (at least 1)
+  // change records are kept.
   ChangeLog(Database& database, MetaRecord meta, std::int64_t keep, Clock clock);
 
-  // Lets `fill` put changes into a batch and commits it: all of it, durably, with the
-  // listener told, or nothing. One mutation at a time: `fill` may read the database
-  // and rely on what it reads. An error of `fill`, or a batch without a change,
-  // changes nothing. FAILED_PRECONDITION from within the listener. After a write has
-  // failed, what is on the disk is uncertain: all further mutations get UNAVAILABLE. A
-  // listener that throws has missed that change, which stands, and is told of the next.
+  // `fill` adds changes to a batch, which is committed atomically and durably; then the
+  // listener is notified. One mutation at a time: the database does not change while
+  // `fill` reads it. An error of `fill`, or a batch without a change, changes nothing.
+  // FAILED_PRECONDITION from within the listener. After a failed write the state of the
+  // disk is unknown: all further mutations return UNAVAILABLE. If the listener throws,
+  // the change remains, and the listener gets the next one.
   absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
-  // Sets the listener (empty: none) and returns the last revision it is not told of.
+  // Sets the listener (empty: none) and returns the last revision before its first change.
   absl::StatusOr<std::int64_t> Subscribe(Listener listener)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
-  // Where the catalogue stands; never waits for a disk.
+  // The current MetaRecord; never waits for a disk.
   MetaRecord meta() const ABSL_LOCKS_EXCLUDED(meta_mutex_);
 
-  // Change records after a revision, oldest first, at most `limit`; OUT_OF_RANGE where some are no
+  // Change records after a revision, oldest first, at most `limit`; OUT_OF_RANGE if some are no
   // longer kept.
   absl::StatusOr<std::vector<ChangeRecord>> Read(std::int64_t after_revision,
                                                  std::size_t limit) const;

@@ -6,8 +6,8 @@
 
 namespace graspdb::storage {
 
-// The checksum of `data` when what went before it has the checksum `before`
-// (0: nothing). Crc32c(b, Crc32c(a)) is the checksum of a followed by b.
+// The checksum of `data` when the preceding data has the checksum `before` (0: no
+// data). Crc32c(b, Crc32c(a)) is the checksum of a followed by b.
 std::uint32_t Crc32c(std::string_view data, std::uint32_t before = 0);
 
 }  // namespace graspdb::storage

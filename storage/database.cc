@@ -13,16 +13,16 @@
 namespace graspdb::storage {
 namespace {
 
-// What is asked for again and again is kept by those who ask.
+// Small, since callers cache records that they use often.
 constexpr std::size_t kBlockCacheBytes = 16U << 20;
-// The next start replays the logs, which takes it a while. Less than this is not
-// worth a file for each family.
+// The next start replays the logs, which takes time. Less than this is not worth a
+// file for each family.
 constexpr std::uint64_t kLargeLogBytes = 1U << 20;
 
 rocksdb::Slice ToSlice(std::string_view text) { return {text.data(), text.size()}; }
 std::string_view ToView(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
 
-// The first key behind all keys with this prefix; empty when there is none. The
+// The first key after all keys with this prefix; empty when there is none. The
 // prefixes in use are short and end in '/'.
 std::string EndOfPrefix(std::string_view prefix) {
   std::string end(prefix);
@@ -31,7 +31,7 @@ std::string EndOfPrefix(std::string_view prefix) {
   return end;
 }
 
-// Makes sure that there is something of ours to open, or that nothing is in the way.
+// Checks an existing database, or makes an empty directory for a new one.
 absl::Status PrepareDirectory(const std::string& directory, bool create_if_missing) {
   const auto content = InspectDirectory(directory);
   if (!content.ok()) return content.status();
@@ -43,7 +43,7 @@ absl::Status PrepareDirectory(const std::string& directory, bool create_if_missi
 }
 
 // The families on disk; only the default one when there is no database yet. A
-// database of another program is refused before RocksDB could change it.
+// database of another program is rejected before RocksDB could change it.
 absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& options,
                                                       const std::string& directory) {
   const auto content = InspectDirectory(directory);
@@ -57,9 +57,9 @@ absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& 
   };
   const bool all_known = std::all_of(names.begin(), names.end(), known);
   const bool ours = std::count_if(names.begin(), names.end(), known) == kFamilyCount;
-  if (all_known || ours) return names;  // begun by us, or by us with families of the future
+  if (all_known || ours) return names;  // of this program, or of a newer version of it
   return absl::FailedPreconditionError("the directory " + directory +
-                                       " holds the database of another program; choose an empty "
+                                       " contains the database of another program; choose an empty "
                                        "directory or another --db");
 }
 
@@ -148,7 +148,7 @@ absl::Status Database::CreateMissingFamilies() {
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   const rocksdb::Status created = db_->CreateColumnFamilies(missing, &handles);
   Adopt(handles);
-  return FromRocksDb(created, "make the column families");
+  return FromRocksDb(created, "create the column families");
 }
 
 absl::StatusOr<std::string> Database::Get(Family family, std::string_view key,
@@ -205,13 +205,12 @@ Database::Snapshot Database::TakeSnapshot() const {
 
 absl::Status Database::Put(Family family, std::string_view key, std::string_view value,
                            rocksdb::WriteBatch& batch) const {
-  return FromRocksDb(batch.Put(Handle(family), ToSlice(key), ToSlice(value)),
-                     "put together a change");
+  return FromRocksDb(batch.Put(Handle(family), ToSlice(key), ToSlice(value)), "build a change");
 }
 
 absl::Status Database::Delete(Family family, std::string_view key,
                               rocksdb::WriteBatch& batch) const {
-  return FromRocksDb(batch.Delete(Handle(family), ToSlice(key)), "put together a change");
+  return FromRocksDb(batch.Delete(Handle(family), ToSlice(key)), "build a change");
 }
 
 absl::Status Database::Write(rocksdb::WriteBatch& batch) {

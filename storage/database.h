@@ -1,5 +1,5 @@
 // The RocksDB database below the catalogue: opening, reading, scanning, durable
-// writing. Internal to storage/; nobody else sees RocksDB.
+// writing. Internal to storage/, which encapsulates RocksDB.
 #pragma once
 
 #include <array>
@@ -23,21 +23,21 @@ namespace graspdb::storage {
 using RowVisitor =
     absl::FunctionRef<absl::StatusOr<bool>(std::string_view key, std::string_view value)>;
 
-// Owns the open database and its lock. Safe from any thread, but for
+// Owns the open database and its lock. Thread-safe, except for
 // CreateMissingFamilies().
 class Database {
  public:
   struct Options {
     bool create_if_missing = true;
     std::size_t write_buffer_bytes = 16U << 20;
-    rocksdb::Env* env = nullptr;  // not owned; null: the machine's
+    rocksdb::Env* env = nullptr;  // not owned; null: the default one
   };
 
   // A point in time; released with the pointer, which must not outlive the database.
   using Snapshot = std::shared_ptr<const rocksdb::Snapshot>;
 
-  // Opens the database in `directory` and takes its lock; makes an empty one when
-  // there is none. Only families that are there already are opened.
+  // Opens the database in `directory` and takes its lock; creates an empty one if there
+  // is none. Opens only existing families.
   static absl::StatusOr<std::unique_ptr<Database>> Open(const std::string& directory,
                                                         const Options& options);
   ~Database();
@@ -45,22 +45,22 @@ class Database {
   Database& operator=(const Database&) = delete;
 
   const std::string& directory() const { return directory_; }
-  // What RocksDB tells databases apart by; copies have the same.
+  // RocksDB's identity of the database; copies have the same.
   absl::StatusOr<std::string> Identity() const;
   // Whether nothing was ever written.
   bool IsPristine() const;
   bool HasAllFamilies() const;
   bool HasFamily(Family family) const;
-  // Makes the families that are missing. Before other threads use the database.
+  // Creates the missing families. To be called before other threads use the database.
   absl::Status CreateMissingFamilies();
 
   // The value of `key`; NOT_FOUND without one. With a snapshot, as it was then.
   absl::StatusOr<std::string> Get(Family family, std::string_view key,
                                   const rocksdb::Snapshot* snapshot = nullptr) const;
-  // OK when `key` is there, NOT_FOUND when not.
+  // Whether `key` exists.
   absl::StatusOr<bool> Contains(Family family, std::string_view key) const;
-  // Visits the rows whose keys begin with `prefix` and come after `after` (empty: all
-  // of them), in ascending order of the keys.
+  // Visits the rows whose keys begin with `prefix` and are greater than `after` (empty:
+  // all of them), in ascending order of the keys.
   absl::Status Scan(Family family, std::string_view prefix, std::string_view after,
                     RowVisitor visit, const rocksdb::Snapshot* snapshot = nullptr) const;
   // The greatest key of a family; empty when there is none.

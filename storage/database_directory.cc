@@ -14,8 +14,8 @@
 namespace graspdb::storage {
 namespace {
 
-// What RocksDB writes before the file CURRENT makes a directory a database, and what a
-// freshly made file system holds.
+// Files that RocksDB writes before CURRENT, which marks a database, and those of a new
+// file system.
 bool MayPrecedeDatabase(std::string_view name) {
   constexpr std::array<std::string_view, 5> kNames = {"LOCK", "IDENTITY", "LOG", "lost+found",
                                                       "LOG.old"};
@@ -41,7 +41,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
   if (status.type() == std::filesystem::file_type::not_found) return DirectoryContent::kNothing;
   if (error) return CannotRead(directory, error);
   if (status.type() != std::filesystem::file_type::directory) {
-    return absl::FailedPreconditionError(directory + " is no directory; choose another --db");
+    return absl::FailedPreconditionError(directory + " is not a directory; choose another --db");
   }
   bool foreign = false;
   bool ours = false;
@@ -60,7 +60,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
   }
   if (!foreign) return DirectoryContent::kNothing;
   return absl::FailedPreconditionError("the directory " + directory +
-                                       " is not empty and holds no graspdb database; choose an "
+                                       " is not empty and is not a graspdb database; choose an "
                                        "empty directory or another --db");
 }
 
@@ -68,7 +68,7 @@ absl::Status MakeDirectory(const std::string& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!error) return absl::OkStatus();
-  return absl::UnavailableError("the directory " + directory + " cannot be made (" +
+  return absl::UnavailableError("the directory " + directory + " cannot be created (" +
                                 error.message() +
                                 "); check its permissions or choose another --db");
 }

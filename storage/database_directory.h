@@ -1,4 +1,4 @@
-// What a directory holds, before a database is opened or made in it.
+// Inspects a directory before a database is opened or created in it.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 namespace graspdb::storage {
 
 enum class DirectoryContent {
-  kNothing,   // missing, empty, or left by a crash before a database was made
-  kDatabase,  // a RocksDB database; whose, its records will say
+  kNothing,   // missing, empty, or left by a crash before a database was created
+  kDatabase,  // a RocksDB database; its records identify the program
 };
 
-// Looks at `directory` without changing it. FAILED_PRECONDITION when it is no
-// directory or holds other people's files, DATA_LOSS when it holds what is left of a
-// database of ours, UNAVAILABLE when it cannot be read.
+// Inspects `directory` without changing it. FAILED_PRECONDITION when it is not a
+// directory or has files of other programs, DATA_LOSS when it has the remains of a
+// graspdb database, UNAVAILABLE when it cannot be read.
 absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory);
 
-// Makes `directory` with its parents. UNAVAILABLE when that fails.
+// Creates `directory` with its parents. UNAVAILABLE on failure.
 absl::Status MakeDirectory(const std::string& directory);
 
 }  // namespace graspdb::storage

@@ -12,8 +12,8 @@
 namespace graspdb::storage {
 namespace {
 
-// A change of the catalogue may have to wait for what a large file has handed to the disk, so
-// that is done in portions.
+// A change of the catalogue may have to wait for the writes of a large file, so they are synced in
+// portions.
 constexpr std::size_t kSyncBytes = 8U << 20;
 
 }  // namespace
@@ -52,7 +52,7 @@ absl::Status FileReplacement::Commit() {
   if (!WaitForDisk().ok()) return status_;
   if (rename(next_.c_str(), path_.c_str()) != 0) return status_ = DiskError();
   close(std::exchange(file_, -1));
-  // The new name is on the disk when the directory is.
+  // The new name is durable once the directory is synced.
   const std::string directory = std::filesystem::path(path_).parent_path().string();
   const int names = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (names < 0) return status_ = DiskError();
@@ -63,7 +63,7 @@ absl::Status FileReplacement::Commit() {
 
 absl::Status FileReplacement::DiskError() {
   return absl::UnavailableError("cannot write " + path_ + " (" + std::strerror(errno) +
-                                "); see to the disk");
+                                "); check the disk");
 }
 
 }  // namespace graspdb::storage

@@ -1,4 +1,4 @@
-// A file that is replaced as a whole or not at all. Internal to storage/.
+// Atomic replacement of a file. Internal to storage/.
 #pragma once
 
 #include <cstddef>
@@ -9,18 +9,18 @@
 
 namespace graspdb::storage {
 
-// Writes beside `path` and puts the result in its place. A crash at any moment leaves the old
-// file or the new one; the bytes beside it, if any are left, are overwritten by the next
-// replacement. One at a time for a path; not thread-safe.
+// Writes a temporary file beside `path` and renames it. A crash at any time leaves the old file or
+// the new one; the next replacement overwrites a leftover temporary file. One at a time per path;
+// not thread-safe.
 class FileReplacement {
  public:
   explicit FileReplacement(std::string path);
-  // Drops what was not committed.
+  // Discards uncommitted bytes.
   ~FileReplacement();
   FileReplacement(const FileReplacement&) = delete;
   FileReplacement& operator=(const FileReplacement&) = delete;
 
-  // UNAVAILABLE when the disk fails; the old file stays then, whatever is appended after it.
+  // UNAVAILABLE when the disk fails; the old file stays then, and further appends fail.
   absl::Status Append(std::string_view bytes);
   // Returns when the new file is on the disk under its name. Errors as Append().
   absl::Status Commit();

@@ -14,17 +14,17 @@ const v1::Grasp* FindGrasp(const v1::StablePose& stable_pose, const std::string&
   return nullptr;
 }
 
-// Where the tool goes and how wide it opens: what decides whether it holds.
-std::string HoldOf(const v1::Grasp& grasp) {
-  v1::Grasp hold;
-  hold.set_gripper_opening_m(grasp.gripper_opening_m());
-  if (grasp.has_tcp_pose()) *hold.mutable_tcp_pose() = grasp.tcp_pose();
-  if (grasp.has_free_turn()) *hold.mutable_free_turn() = grasp.free_turn();
-  return hold.SerializeAsString();
+// The fields that decide whether a pick succeeds: tool pose, opening and free turn.
+std::string GeometryOf(const v1::Grasp& grasp) {
+  v1::Grasp geometry;
+  geometry.set_gripper_opening_m(grasp.gripper_opening_m());
+  if (grasp.has_tcp_pose()) *geometry.mutable_tcp_pose() = grasp.tcp_pose();
+  if (grasp.has_free_turn()) *geometry.mutable_free_turn() = grasp.free_turn();
+  return geometry.SerializeAsString();
 }
 
 bool IsSameGrasp(const v1::Grasp* before, const v1::Grasp* after) {
-  return before != nullptr && after != nullptr && HoldOf(*before) == HoldOf(*after);
+  return before != nullptr && after != nullptr && GeometryOf(*before) == GeometryOf(*after);
 }
 
 }  // namespace
@@ -51,9 +51,9 @@ absl::Status ForgetChangedGrasps(const Database& database, ChangeBatch& batch,
 
 absl::Status RemoveGraspOutcomes(const Database& database, ChangeBatch& batch,
                                  std::string_view stable_pose_name) {
-  const auto told = database.Contains(Family::kGraspOutcomes, stable_pose_name);
-  if (!told.ok()) return told.status();
-  if (*told) batch.Remove(Family::kGraspOutcomes, stable_pose_name);
+  const auto exists = database.Contains(Family::kGraspOutcomes, stable_pose_name);
+  if (!exists.ok()) return exists.status();
+  if (*exists) batch.Remove(Family::kGraspOutcomes, stable_pose_name);
   return absl::OkStatus();
 }
 

@@ -1,4 +1,4 @@
-// What happens to the outcomes of grasps when their stable pose changes. Internal to storage/.
+// Updates the outcomes of grasps when their stable pose changes. Internal to storage/.
 #pragma once
 
 #include <string_view>
@@ -10,12 +10,12 @@
 
 namespace graspdb::storage {
 
-// Takes away the counts of grasps that are gone or that are other grasps now, within the change
-// that has begun. Priority and the distances of approach and retreat make no other grasp of one.
+// Removes the counts of grasps that were removed or whose geometry changed, within the current
+// change. Priority and the distances of approach and retreat do not count as geometry.
 absl::Status ForgetChangedGrasps(const Database& database, ChangeBatch& batch,
                                  const v1::StablePose& before, const v1::StablePose& after);
 
-// Takes away all counts of a stable pose, if there are any, within the change that has begun.
+// Removes all counts of a stable pose, if any, within the current change.
 absl::Status RemoveGraspOutcomes(const Database& database, ChangeBatch& batch,
                                  std::string_view stable_pose_name);
 

@@ -33,7 +33,7 @@ IndexFileWriter::IndexFileWriter(const std::string& directory, const IndexHeader
 }
 
 absl::Status IndexFileWriter::AppendPart(const std::string& bytes) {
-  // Chained, so that a part in another place or of another file does not pass.
+  // Chained, to detect parts at another place or from another file.
   checksum_ = Crc32c(bytes, checksum_);
   const auto size = static_cast<std::uint32_t>(bytes.size());
   status_.Update(file_.Append(ToLittleEndian(size) + ToLittleEndian(checksum_)));
@@ -49,7 +49,8 @@ absl::Status IndexFileWriter::Append(const IndexBlock& block) {
 absl::Status IndexFileWriter::Commit() {
   if (!status_.ok()) return status_;
   if (blocks_left_ == 0) return file_.Commit();
-  return absl::FailedPreconditionError("the index file has not the blocks that its header says");
+  return absl::FailedPreconditionError(
+      "the number of blocks of the index file differs from its header");
 }
 
 absl::StatusOr<IndexFileReader> IndexFileReader::Open(const std::string& directory) {
@@ -69,7 +70,7 @@ absl::Status IndexFileReader::ReadStart() {
   std::array<char, kIndexMagic.size()> magic{};
   const std::size_t read = std::fread(magic.data(), 1, magic.size(), file_.get());
   if (std::string_view(magic.data(), read) != kIndexMagic)
-    return DamagedIndex("it is of another kind");
+    return DamagedIndex("it has an unknown format");
   bytes_left_ -= read;
   checksum_ = Crc32c(kIndexMagic);
   if (absl::Status status = ReadPart(); !status.ok()) return status;
@@ -100,7 +101,7 @@ absl::Status IndexFileReader::Next(IndexBlock* block) {
 }
 
 absl::Status IndexFileReader::Finish() {
-  return bytes_left_ == 0 ? absl::OkStatus() : DamagedIndex("something follows its end");
+  return bytes_left_ == 0 ? absl::OkStatus() : DamagedIndex("there are bytes after its end");
 }
 
 }  // namespace graspdb::storage

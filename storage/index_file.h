@@ -1,8 +1,8 @@
-// A file beside the database that holds what can be made from its records again, only faster to
-// read: a header that says what it was made from, and blocks. docs/storage-format.md has the bytes.
+// A file beside the database with an index that could be rebuilt from its records, but is faster to
+// read: a header that identifies its source, and blocks. docs/storage-format.md has the bytes.
 //
-// Nothing depends on the file. Whoever reads it compares the header with the database as it is,
-// and makes everything from the records where they differ or the file is not whole.
+// The file is optional. Its reader compares the header with the current database, and rebuilds
+// everything from the records if they differ or the file is incomplete.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ namespace graspdb::storage {
 // Name of the file in the database's directory.
 inline constexpr std::string_view kIndexFile = "INDEX";
 
-// Writes the file, which takes the place of the one before when it is whole. Not thread-safe;
-// one at a time for a directory.
+// Writes the file, which replaces the old one once it is complete. Not thread-safe; one at a time
+// per directory.
 class IndexFileWriter {
  public:
   // Takes exactly header.block_count() blocks.
@@ -43,8 +43,7 @@ class IndexFileWriter {
   absl::Status status_;
 };
 
-// Reads the file. DATA_LOSS for everything that IndexFileWriter did not write so, whatever the
-// bytes are. Not thread-safe.
+// Reads the file. DATA_LOSS for any bytes that IndexFileWriter did not write. Not thread-safe.
 class IndexFileReader {
  public:
   // Reads the header. NOT_FOUND when there is no file.

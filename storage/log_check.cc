@@ -47,9 +47,9 @@ std::optional<Record> ReadRecord(std::string_view log, std::size_t offset) {
   return Record{static_cast<RecordType>(type), size};
 }
 
-// Whether an intact write begins anywhere behind `offset`. Middle and last records do
-// not count: they may belong to the write that the crash cut off, because a disk is
-// free to keep the later pages of one write and to lose the earlier ones.
+// Whether an intact write begins anywhere after `offset`. Middle and last records do
+// not count: they may belong to the write that the crash truncated, because a disk may
+// keep the later pages of a write and lose the earlier ones.
 bool WriteBeginsBehind(std::string_view log, std::size_t offset) {
   for (std::size_t i = offset + 1; i + kHeaderSize <= log.size(); ++i) {
     const auto type = static_cast<unsigned char>(log[i + 6]);
@@ -104,7 +104,7 @@ LogVerdict InspectLog(std::string_view log) {
     const std::optional<Record> record = ReadRecord(log, offset);
     const bool begins = record && (record->type == kFull || record->type == kFirst);
     if (!record || begins == inside_write) {
-      // A begin inside a write is itself the intact write behind the damage.
+      // A begin inside a write is itself the intact write after the damage.
       verdict.damaged = begins || WriteBeginsBehind(log, offset);
       verdict.complete = !verdict.damaged && log.find_first_not_of('\0', offset) == log.npos;
       break;

@@ -14,7 +14,7 @@ namespace graspdb::storage {
 namespace {
 
 // Header: magic and version, number of points, checksum of all the rest; the numbers
-// little-endian. Behind it stands one zstd frame.
+// little-endian. One zstd frame follows.
 constexpr std::string_view kCloudMagic{"GPC\x01", 4};
 constexpr std::size_t kCountOffset = 4;
 constexpr std::size_t kChecksumOffset = 8;
@@ -43,7 +43,7 @@ void AppendVarint(std::uint32_t value, std::string& out) {
   out += static_cast<char>(value);
 }
 
-// Takes a number off the front of `bytes`; false when there is none of at most four bytes.
+// Removes a number from the front of `bytes`; false if there is none of at most four bytes.
 bool TakeVarint(std::string_view& bytes, std::uint32_t& value) {
   value = 0;
   for (std::size_t i = 0; i < kMaxVarintSize && i < bytes.size(); ++i) {
@@ -131,15 +131,15 @@ absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points) {
 
 absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed) {
   if (packed.size() < kCloudHeaderSize) return DamagedCloud("it is shorter than its header");
-  if (!packed.starts_with(kCloudMagic)) return DamagedCloud("it is none, or of an unknown version");
+  if (!packed.starts_with(kCloudMagic)) return DamagedCloud("it has an unknown format or version");
   const std::size_t count = FromLittleEndian(packed.substr(kCountOffset, kUint32Bytes));
-  if (count > kMaxCloudPoints) return DamagedCloud("it claims too many points");
+  if (count > kMaxCloudPoints) return DamagedCloud("it has too many points");
   const std::string_view frame = packed.substr(kCloudHeaderSize);
   if (Crc32c(frame, Crc32c(packed.substr(0, kChecksumOffset))) !=
       FromLittleEndian(packed.substr(kChecksumOffset, kUint32Bytes))) {
     return DamagedCloud("its checksum does not match");
   }
-  // The checksum stops accidents; what follows also stops malice.
+  // The checksum detects accidents; the checks below also detect malice.
   const unsigned long long raw_size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (raw_size == ZSTD_CONTENTSIZE_ERROR || raw_size == ZSTD_CONTENTSIZE_UNKNOWN ||
       raw_size < 3 * count || raw_size > 3 * kMaxVarintSize * count) {

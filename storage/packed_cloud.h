@@ -23,14 +23,14 @@ inline constexpr float kMaxCloudCoordinate = 100.0F;
 // Largest number of points in a packed cloud.
 inline constexpr std::size_t kMaxCloudPoints = 10'000'000;
 
-// Packs `points`; their order is kept. INVALID_ARGUMENT when a coordinate is not
+// Packs `points`; keeps their order. INVALID_ARGUMENT when a coordinate is not
 // finite or too large, or when there are too many points. The same points give
 // the same bytes.
 absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points);
 
-// The points of a packed cloud. Packing them again gives the same points. Bytes
-// from anywhere are safe to give: DATA_LOSS for everything that PackCloud did not
-// make, and no more than 250 MB are allocated whatever the bytes say.
+// The points of a packed cloud. Packing them again gives the same points. Safe for
+// untrusted bytes: DATA_LOSS for any bytes that PackCloud did not write, and at most
+// 250 MB are allocated.
 absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed);
 
 }  // namespace graspdb::storage

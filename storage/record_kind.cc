@@ -34,7 +34,7 @@ absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
 
 absl::Status NotFound(std::string_view word, std::string_view name) {
   return absl::NotFoundError("there is no " + std::string(word) + " " + std::string(name) +
-                             "; list what there is, or create it first");
+                             "; list the existing ones, or create it first");
 }
 
 absl::Status AlreadyExists(std::string_view word, std::string_view name) {

@@ -1,5 +1,4 @@
-// What the kinds of records have in common and where they differ: family, name,
-// parent, word. Internal to storage/.
+// Traits of the kinds of records: family, name, parent, word. Internal to storage/.
 #pragma once
 
 #include <string>
@@ -68,10 +67,10 @@ absl::Status NotFound(std::string_view word, std::string_view name);
 absl::Status AlreadyExists(std::string_view word, std::string_view name);
 absl::Status DamagedRecord(std::string_view name);
 
-// NOT_FOUND when `parent` is one and is not there.
+// NOT_FOUND if there is a `parent` and it does not exist.
 absl::Status CheckParent(const Database& database, const Parent& parent);
 
-// The record in `bytes`, which were found under `name`; DATA_LOSS when they are none.
+// Parses the record in `bytes`, the value of the key `name`; DATA_LOSS if it is invalid.
 template <typename Record>
 absl::StatusOr<Record> ParseRecord(std::string_view name, std::string_view bytes) {
   Record record;
@@ -82,7 +81,7 @@ absl::StatusOr<Record> ParseRecord(std::string_view name, std::string_view bytes
   return record;
 }
 
-// The record of that name. INVALID_ARGUMENT for a wrong name, NOT_FOUND without one.
+// The record of that name. INVALID_ARGUMENT for an invalid name, NOT_FOUND without a record.
 template <typename Record>
 absl::StatusOr<Record> ReadRecord(const Database& database, std::string_view name) {
   if (auto parent = Kind<Record>::ParentOf(name); !parent.ok()) return parent.status();

@@ -19,16 +19,16 @@ namespace graspdb::storage {
 // collection with this prefix can be listed.
 absl::Status CheckPage(std::size_t page_size, std::string_view prefix, std::string_view after_name);
 
-// Bytes of records after which a page ends, whatever it was asked for; the first record is in it
-// always. gRPC's clients take answers of 4 MB by default, and a stable pose's outcomes, which come
-// to its record, can double it: twice as many would be refused there.
+// Bytes of records after which a page ends, whatever its requested size; it always has the first
+// record. gRPC's clients accept responses of 4 MB by default, and a stable pose's outcomes, which
+// are added to its record, can double it: they would reject twice as many.
 inline constexpr std::size_t kMaxPageBytes = 1U << 20;
 
 // A page of the collection of `parent_name` (empty for a collection without a parent).
 template <typename Record>
 absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_view parent_name,
                                          std::size_t page_size, std::string_view after_name) {
-  // It ends in '/', so objects/a has no part of objects/ab.
+  // It ends in '/', so objects/a does not match objects/ab.
   const std::string prefix = std::string(parent_name) + std::string(Kind<Record>::kCollection);
   if (auto valid = CheckPage(page_size, prefix, after_name); !valid.ok()) return valid;
   Page<Record> page;

@@ -27,7 +27,7 @@ bool IsId(std::string_view id) {
          std::all_of(id.begin(), id.end(), IsIdCharacter);
 }
 
-// The text in quotes, with what a terminal or a log would not survive replaced.
+// The text in quotes, with unprintable characters replaced.
 std::string Quote(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text.substr(0, kMaxQuotedLength)) {
@@ -58,7 +58,7 @@ absl::StatusOr<std::array<std::string, N>> ParseName(
   }
   if (matches) return ids;
   return absl::InvalidArgumentError(
-      Quote(name) + " is no name of the form " + std::string(form) +
+      Quote(name) + " is not a name of the form " + std::string(form) +
       "; give ids of 1 to 63 characters of [A-Za-z0-9_.-] that begin with a letter or a digit");
 }
 
@@ -67,7 +67,7 @@ absl::StatusOr<std::array<std::string, N>> ParseName(
 absl::Status ValidateResourceId(std::string_view id) {
   if (IsId(id)) return absl::OkStatus();
   return absl::InvalidArgumentError(Quote(id) +
-                                    " is no id; give 1 to 63 characters of [A-Za-z0-9_.-] that "
+                                    " is not an id; give 1 to 63 characters of [A-Za-z0-9_.-] that "
                                     "begin with a letter or a digit");
 }
 

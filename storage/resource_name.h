@@ -1,4 +1,4 @@
-// Resource names after AIP-122: what is a name, and what are its parts.
+// Resource names after AIP-122: parsing, checking and making them.
 //
 //   objects/{object}
 //   objects/{object}/stablePoses/{stable_pose}
@@ -36,7 +36,7 @@ struct CellName {
   std::string cell_id;
 };
 
-// INVALID_ARGUMENT, with a sentence that quotes the id and the rule, unless `id` is an id.
+// INVALID_ARGUMENT, with a sentence that quotes the id and the rule, unless `id` is valid.
 absl::Status ValidateResourceId(std::string_view id);
 
 // The parts of a name. INVALID_ARGUMENT, with a sentence that quotes the name and
@@ -46,7 +46,7 @@ absl::StatusOr<StablePoseName> ParseStablePoseName(std::string_view name);
 absl::StatusOr<ViewName> ParseViewName(std::string_view name);
 absl::StatusOr<CellName> ParseCellName(std::string_view name);
 
-// The name made of ids. The ids are not checked; the catalogue checks the name.
+// Makes a name from ids. The ids are not checked; the catalogue checks the name.
 std::string MakeObjectName(std::string_view object_id);
 std::string MakeStablePoseName(std::string_view object_id, std::string_view stable_pose_id);
 std::string MakeViewName(std::string_view object_id, std::string_view stable_pose_id,

@@ -39,7 +39,7 @@ absl::StatusOr<Record> CreateRecord(const Database& database, ChangeLog& log, Re
   return record;
 }
 
-// What else an update changes, in the same change.
+// Further writes of an update, in the same change.
 template <typename Record>
 using AlsoChanged =
     std::function<absl::Status(ChangeBatch& batch, const Record& before, const Record& after)>;

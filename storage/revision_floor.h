@@ -1,8 +1,8 @@
-// A file beside RocksDB's own that says which revision the database has at least.
+// A file beside RocksDB's own with the minimum revision of the database.
 //
-// RocksDB takes a log or a manifest that lost its end for one that a crash cut off, and
-// opens an older state without a word; whatever the manifest no longer names is deleted.
-// The floor is written when the database is opened and closed, and now and then
+// RocksDB treats a log or a manifest that lost its end as truncated by a crash, and
+// silently opens an older state; files that the manifest no longer lists are deleted.
+// The floor is written when the database is opened and closed, and periodically in
 // between. A database that opens below it has lost acknowledged changes.
 #pragma once
 
@@ -20,11 +20,11 @@ namespace graspdb::storage {
 inline constexpr std::string_view kRevisionFloorFile = "REVISION";
 
 // Replaces the floor atomically and durably. UNAVAILABLE when the disk fails; the old
-// floor, which is as true as the new one, stays then.
+// floor, which is valid too, stays then.
 absl::Status WriteRevisionFloor(const std::string& directory, std::int64_t revision);
 
-// The floor; nothing when there is none, as in a new or a restored database. DATA_LOSS
-// when the file cannot be understood.
+// The floor; nullopt when there is none, as in a new or a restored database. DATA_LOSS
+// when the file is invalid.
 absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string& directory);
 
 }  // namespace graspdb::storage

@@ -19,13 +19,13 @@ constexpr int kMaxOpenFiles = 512;
 rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env) {
   rocksdb::DBOptions options;
   if (env != nullptr) options.env = env;
-  options.create_if_missing = true;  // the caller has looked at the directory before
+  options.create_if_missing = true;  // the caller has inspected the directory before
   options.paranoid_checks = true;
-  // A crash may leave the last write in pieces; replay stops before it. That replay
-  // does not also stop at damage further up is what CheckLogs() sees to.
+  // A crash may truncate the last write; replay stops before it. CheckLogs() makes sure
+  // that replay does not stop at earlier damage.
   options.wal_recovery_mode = rocksdb::WALRecoveryMode::kPointInTimeRecovery;
   options.track_and_verify_wals_in_manifest = true;
-  // All families go to files together, so that even without its log a database is the
+  // All families are flushed together, so that even without its log a database is the
   // catalogue of some revision, and no idle family keeps old logs alive.
   options.atomic_flush = true;
   options.max_total_wal_size = kMaxWalBytes;
@@ -41,15 +41,15 @@ rocksdb::ColumnFamilyOptions MakeFamilyOptions(std::string_view name,
                                                const std::shared_ptr<rocksdb::Cache>& block_cache) {
   rocksdb::ColumnFamilyOptions options;
   options.write_buffer_size = write_buffer_bytes;
-  options.paranoid_file_checks = true;  // read a file back before its log goes
+  options.paranoid_file_checks = true;  // read a file back before its log is deleted
   options.compression = rocksdb::kLZ4Compression;
   rocksdb::BlockBasedTableOptions table;
   table.block_cache = block_cache;
   table.format_version = 5;
   options.table_factory.reset(rocksdb::NewBlockBasedTableFactory(table));
   if (name == FamilyName(Family::kClouds)) {
-    // Clouds are written once and read whole: kept out of the sorted files, they are
-    // not copied again with every compaction. They come compressed.
+    // Clouds are written once and read whole: outside the sorted files, compactions do
+    // not copy them. They are compressed already.
     options.enable_blob_files = true;
     options.min_blob_size = kMinBlobBytes;
     options.blob_file_size = kBlobFileBytes;

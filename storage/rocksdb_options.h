@@ -1,4 +1,4 @@
-// How RocksDB is set up; the reasons stand beside the values in the .cc.
+// Options of RocksDB; the reasons are beside the values in the .cc.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace graspdb::storage {
 
-// Options of the whole database. `env` is not owned; null means the machine's.
+// Options of the whole database. `env` is not owned; null means the default one.
 rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env);
 
-// Options of the column family `name`, which may be one that this program does not
-// know. `write_buffer_bytes` is the memory it may fill before it is written to a file.
+// Options of the column family `name`, which may be unknown to this program.
+// `write_buffer_bytes` is its memory before it is flushed to a file.
 rocksdb::ColumnFamilyOptions MakeFamilyOptions(std::string_view name,
                                                std::size_t write_buffer_bytes,
                                                const std::shared_ptr<rocksdb::Cache>& block_cache);

@@ -5,8 +5,8 @@
 namespace graspdb::storage {
 namespace {
 
-// RocksDB has no code of its own for a lock that is taken; both of its texts (lock of
-// this process, lock of another one) have the word, and no other error of opening does.
+// RocksDB has no error code for a taken lock; both of its texts (lock of this process,
+// lock of another one) have the word, and no other error of opening does.
 bool IsLockTaken(const rocksdb::Status& status) {
   const std::string text = status.ToString();
   return status.IsIOError() && (text.find("lock hold by current process") != std::string::npos ||
@@ -41,7 +41,7 @@ absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view dir
                                "); restore it from a backup");
   }
   if (status.IsInvalidArgument() || status.IsNotSupported()) {
-    return absl::FailedPreconditionError(where + " was not made by this program (" +
+    return absl::FailedPreconditionError(where + " was not created by this program (" +
                                          status.ToString() + "); choose another --db");
   }
   if (status.IsNoSpace()) {

@@ -1,4 +1,4 @@
-// Turns RocksDB's errors into ours.
+// Converts RocksDB's errors to ours.
 #pragma once
 
 #include <string_view>
@@ -8,8 +8,8 @@
 
 namespace graspdb::storage {
 
-// The status of an operation on an open database. `action` says what was tried,
-// e.g. "write the change". Corruption is DATA_LOSS, a full disk RESOURCE_EXHAUSTED,
+// The status of an operation on an open database. `action` describes it, e.g. "write
+// the change". Corruption is DATA_LOSS, a full disk RESOURCE_EXHAUSTED,
 // a missing key NOT_FOUND, anything else UNAVAILABLE.
 absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action);
 

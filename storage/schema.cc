@@ -39,9 +39,9 @@ absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {
 absl::Status CheckMigratable(const Database& database, int version,
                              std::span<const Migration> steps, int target) {
   const std::string where =
-      Where(database) + " has schema version " + std::to_string(version) + ", this program ";
+      Where(database) + " has schema version " + std::to_string(version) + "; this program ";
   if (version > target) {
-    return absl::FailedPreconditionError(where + "knows " + std::to_string(target) +
+    return absl::FailedPreconditionError(where + "supports up to " + std::to_string(target) +
                                          "; start the newer program that wrote it, or restore a "
                                          "backup made before the upgrade");
   }
@@ -61,26 +61,25 @@ absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
                            std::optional<std::int64_t> floor) {
   if (floor.has_value() && meta.revision() < *floor) {
     return Damaged(database, "changes after revision " + std::to_string(meta.revision()) +
-                                 " are lost, there were " + std::to_string(*floor));
+                                 " are lost; the last one was " + std::to_string(*floor));
   }
   const auto key = database.LastKey(Family::kChanges);
   if (!key.ok()) return key.status();
   const std::string expected = meta.revision() == 0 ? "" : ChangeKey(meta.revision());
   // They are written together, so they can only differ when one of them was lost.
-  if (*key != expected) return Damaged(database, "its last change is not its revision");
+  if (*key != expected) return Damaged(database, "last change record and revision differ");
   if (meta.revision() == 0) return absl::OkStatus();
   const auto oldest = database.Contains(Family::kChanges, ChangeKey(meta.change_horizon() + 1));
   if (!oldest.ok()) return oldest.status();
-  return *oldest ? absl::OkStatus()
-                 : Damaged(database, "the oldest change that it should have kept is missing");
+  return *oldest ? absl::OkStatus() : Damaged(database, "the oldest change record is missing");
 }
 
-// Version 2 has a family for the outcomes of grasps, empty at first. It may be there already, where
-// the machine stopped before the version was written.
+// Version 2 has a family for the outcomes of grasps, empty at first. It may exist already, if the
+// machine crashed before the version was written.
 absl::Status AddGraspOutcomes(Database& database, rocksdb::WriteBatch& /*batch*/) {
   for (const Family family : {Family::kMeta, Family::kObjects, Family::kStablePoses, Family::kViews,
                               Family::kClouds, Family::kCells, Family::kChanges}) {
-    // What version 1 had is not made anew: whoever lost it is to hear of it.
+    // Families of version 1 are not created again: losing them must be reported.
     if (!database.HasFamily(family)) return Damaged(database, "a column family is missing");
   }
   return database.CreateMissingFamilies();
@@ -128,9 +127,10 @@ absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::
     // The floor is written after the first MetaRecord.
     if (floor.has_value()) return Damaged(database, "its meta record is lost");
     if (database.IsPristine()) return Initialize(database, now);
-    return absl::FailedPreconditionError("the directory " + database.directory() +
-                                         " holds the database of another program; choose an empty "
-                                         "directory or another --db");
+    return absl::FailedPreconditionError(
+        "the directory " + database.directory() +
+        " contains the database of another program; choose an empty "
+        "directory or another --db");
   }
   if (!meta.ok()) return meta.status();
   const absl::Status migrated = Migrate(database, *meta, Migrations(), kSchemaVersion);

@@ -1,4 +1,4 @@
-// The version of the layout on disk, and how older ones are brought up to date.
+// The version of the layout on disk, and migrations from older ones.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace graspdb::storage {
 
-// Version that this program writes. Version 0 never left development: it is refused.
+// Version that this program writes. Version 0 was never released: it is rejected.
 inline constexpr int kSchemaVersion = 2;
 
 // Key of the MetaRecord in the family `default`.
@@ -25,29 +25,29 @@ inline constexpr std::string_view kMetaKey = "meta";
 // A step from `from_version` to the one after it.
 struct Migration {
   int from_version = 0;
-  // Adds to `batch` what turns the old layout into the new one. The batch is written
-  // together with the new version, so a crash leaves one version or the other. What a
-  // migration changes in records it must also change in the change records.
+  // Adds the changes from the old layout to the new one to `batch`. The batch is written
+  // together with the new version, so a crash leaves one version or the other. Changes
+  // to records must be made in the change records too.
   std::function<absl::Status(Database& database, rocksdb::WriteBatch& batch)> apply;
 };
 
 // The steps that this program knows, oldest first.
 std::span<const Migration> Migrations();
 
-// Reads the MetaRecord, with a snapshot as it was then. NOT_FOUND when there is none.
+// Reads the MetaRecord, optionally of a snapshot. NOT_FOUND when there is none.
 absl::StatusOr<MetaRecord> ReadMeta(const Database& database,
                                     const rocksdb::Snapshot* snapshot = nullptr);
 
-// Brings `meta` and the database from their version to `target` through `steps`,
-// one batch a step. FAILED_PRECONDITION, with nothing changed, when the version is
+// Migrates `meta` and the database from their version to `target` through `steps`,
+// one batch per step. FAILED_PRECONDITION, with nothing changed, when the version is
 // newer than `target` or a step is missing.
 absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migration> steps,
                      int target);
 
-// Makes the database ready for use and returns its MetaRecord: fills an empty one,
-// migrates an older one. `floor` is the revision that it must have reached, if that is
-// known. FAILED_PRECONDITION when it is newer, cannot be migrated or is not ours;
-// DATA_LOSS when it contradicts itself or `floor`.
+// Prepares the database for use and returns its MetaRecord: initialises an empty one,
+// migrates an older one. `floor` is the minimum revision that it must have, if known.
+// FAILED_PRECONDITION when it is newer, cannot be migrated or is of another program;
+// DATA_LOSS when it is inconsistent or below `floor`.
 absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::int64_t> floor,
                                          absl::Time now);
 

@@ -24,9 +24,9 @@ struct LabCommand {
 
 constexpr std::array<LabCommand, 4> kCommands = {{
     {"bench", "Measure a server's latency and throughput"},
-    {"robot", "A simulated robot picks what a simulated camera sees"},
+    {"robot", "Run a simulated robot that picks objects seen by a simulated camera"},
     {"simulate", "Take captures with a simulated depth camera"},
-    {"eval", "Measure how often answers are right, on simulated and real frames"},
+    {"eval", "Measure recognition rates and pose errors on simulated and real frames"},
 }};
 
 // The first argument that is neither a flag nor a flag's value; empty without one.

@@ -1,4 +1,4 @@
-// Commands of the program `graspdb-lab`, which users type as commands of `graspdb`.
+// Commands of `graspdb` that the program `graspdb-lab` implements.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,8 +12,8 @@ std::vector<std::string> LabCommands();
 // Lists the commands in the help of `app`.
 void AddLabCommands(CLI::App& app);
 
-// Where the command line names one of them, runs graspdb-lab, which lies beside this program, in
-// this process's place, or exits with 1 and says what is missing. Else does nothing.
+// If the command line names one of them, replaces this process with graspdb-lab, which is beside
+// this program, or prints an error and exits with 1. Else does nothing.
 void RunLabCommand(const CLI::App& app, int argc, char** argv);
 
 }  // namespace graspdb::client

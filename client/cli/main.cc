@@ -16,20 +16,20 @@ namespace graspdb::client {
 namespace {
 
 constexpr char kFooter[] =
-    R"(A first round, without camera or robot:
+    R"(A first run, without camera or robot:
   graspdb-server --db /tmp/catalogue &
   graspdb simulate --out /tmp/teach                 # sample parts on a turntable
   graspdb import /tmp/teach                         # teach them
-  graspdb simulate --random 10 --seed 7 --out /tmp/ask
-  graspdb recognize /tmp/ask                        # what is it, where, how good
+  graspdb simulate --random 10 --seed 7 --out /tmp/query
+  graspdb recognize /tmp/query                      # objects, poses and scores
 
-Every flag is also a variable (--server is GRASPDB_SERVER) and a key of the file given to
---config. Exit status: 0 done, 1 understood but failed, 2 wrong usage, 3 no
-server there.)";
+Every flag is also an environment variable (--server is GRASPDB_SERVER) and a key of the file
+given to --config. Exit status: 0 done, 1 failed, 2 wrong usage, 3 no server reachable.)";
 
 int Run(int argc, char** argv) {
-  CLI::App app("graspdb teaches objects to a graspdb server and asks it what a camera sees.",
-               "graspdb");
+  CLI::App app(
+      "graspdb teaches objects to a graspdb server and recognises them in depth-camera frames.",
+      "graspdb");
   app.footer(kFooter);
   GlobalOptions global;
   Action action;

@@ -11,8 +11,8 @@
 namespace graspdb::client {
 namespace {
 
-// Calls that change nothing are made again when the connection breaks or was refused, four
-// times within about a second; of the others nobody would know whether they had been done.
+// Read-only calls are retried when the connection breaks or is refused, with four attempts within
+// about a second; the others are not, as it is unknown whether they were executed.
 constexpr char kRetries[] = R"({"methodConfig": [{
   "name": [
     {"service": "graspdb.v1.RecognitionService", "method": "Recognize"},
@@ -29,7 +29,7 @@ constexpr char kRetries[] = R"({"methodConfig": [{
   "retryPolicy": {"maxAttempts": 4, "initialBackoff": "0.15s", "maxBackoff": "1s",
                   "backoffMultiplier": 2, "retryableStatusCodes": ["UNAVAILABLE"]}}]})";
 constexpr int kReconnectMs = 100;
-// What is kept of a call to make it again, bytes; the largest frames fit.
+// Buffer of a call for its retries, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
 std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
@@ -55,10 +55,10 @@ Client::Client(Client&&) noexcept = default;
 
 absl::Status Client::ToStatus(const grpc::Status& status) const {
   if (status.ok()) return absl::OkStatus();
-  // gRPC's own UNAVAILABLE speaks of sockets; the server's never has no details.
+  // gRPC's own UNAVAILABLE describes sockets and has no details; the server's always has some.
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty()) {
     return absl::UnavailableError(absl::StrCat(
-        "no graspdb server answers at ", options_.server,
+        "no graspdb server is reachable at ", options_.server,
         "; start graspdb-server or give --server HOST:PORT (", status.error_message(), ")"));
   }
   return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
@@ -81,18 +81,18 @@ absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::str
                                           &v1::RecognitionService::Stub::FindLookAlikes, request);
 }
 
-absl::StatusOr<v1::ProposeThresholdsResponse> Client::ProposeThresholds(const std::string& object,
-                                                                        const HearProgress& heard) {
+absl::StatusOr<v1::ProposeThresholdsResponse> Client::ProposeThresholds(
+    const std::string& object, const OnProgress& on_progress) {
   v1::ProposeThresholdsRequest request;
   request.set_object(object);
   grpc::ClientContext context;
   const auto reader = stubs_->recognition->ProposeThresholds(&context, request);
   v1::ProposeThresholdsResponse message;
   while (reader->Read(&message)) {
-    absl::Status status = heard(message);
+    absl::Status status = on_progress(message);
     if (status.ok()) continue;
     context.TryCancel();
-    (void)reader->Finish();  // cancelled by us; the caller's error says why
+    (void)reader->Finish();  // cancelled here; the caller's error has the reason
     return status;
   }
   const grpc::Status status = reader->Finish();

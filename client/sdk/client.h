@@ -20,42 +20,43 @@ class Status;
 
 namespace graspdb::client {
 
-// How a server is reached.
+// How to connect to a server.
 struct ConnectionOptions {
   std::string server = "127.0.0.1:50051";      // HOST:PORT
   absl::Duration timeout = absl::Seconds(30);  // of every call, but not of uploads
-  // Whether calls that change nothing are made again after a loss of the connection.
+  // Whether read-only calls are retried after the connection is lost.
   bool retry = true;
-  // Whether the connection is this client's alone; else clients of one server share one.
+  // Whether this client has its own connection; by default, clients of one server share one.
   bool own_connection = false;
 };
 
-// A connection to a server. Connects with the first call and again after a loss;
-// a call that changes nothing outlives the loss, unless the options say otherwise. Thread-safe.
+// A connection to a server. Connects with the first call and reconnects when the connection is
+// lost; read-only calls are then retried unless the options disable it. Thread-safe.
 //
-// All methods answer the server's error, with its text; UNAVAILABLE, with a text
-// that says what to do, when no server can be reached.
+// All methods return the server's error, with its text; UNAVAILABLE, with advice in the text, when
+// no server can be reached.
 class Client {
  public:
   explicit Client(const ConnectionOptions& options);
-  // Over a channel that is there already, e.g. inside a process.
+  // Over an existing channel, e.g. inside a process.
   Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options);
   ~Client();
   Client(Client&&) noexcept;
 
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
-  // With a time limit of its own.
+  // With its own time limit.
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request,
                                                   absl::Duration timeout);
 
-  // Of the object of that resource name; of all for "".
+  // For the object with this resource name; for all objects if "".
   absl::StatusOr<v1::FindLookAlikesResponse> FindLookAlikes(const std::string& object);
 
-  // Of the stable poses of the object of that resource name; of all for "". Takes as long as it
-  // takes; `heard` is told how far it is, and stops it with an error, which is returned.
-  using HearProgress = std::function<absl::Status(const v1::ProposeThresholdsResponse&)>;
+  // For the stable poses of the object with this resource name; for all objects if "". Has no time
+  // limit; `on_progress` receives the progress, and cancels the call by returning an error, which
+  // is then returned.
+  using OnProgress = std::function<absl::Status(const v1::ProposeThresholdsResponse&)>;
   absl::StatusOr<v1::ProposeThresholdsResponse> ProposeThresholds(const std::string& object,
-                                                                  const HearProgress& heard);
+                                                                  const OnProgress& on_progress);
 
   absl::StatusOr<v1::CatalogStatus> GetCatalogStatus();
   absl::StatusOr<v1::Object> CreateObject(const v1::CreateObjectRequest& request);
@@ -65,7 +66,7 @@ class Client {
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);
   absl::StatusOr<v1::StablePose> UpdateStablePose(const v1::UpdateStablePoseRequest& request);
-  // Once, whatever becomes of the connection: an error may mean that it was counted.
+  // Never retried: after an error, the outcome may have been counted all the same.
   absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
       const v1::ReportGraspOutcomeRequest& request);
   // The view with its cloud.
@@ -77,9 +78,8 @@ class Client {
   absl::StatusOr<std::vector<v1::StablePose>> ListStablePoses(const std::string& object);
   absl::StatusOr<std::vector<v1::View>> ListViews(const std::string& stable_pose);
 
-  // Sends views until `next` has none left (it then returns false) or fails; its
-  // error ends the upload and is returned. Views that were sent before an error
-  // may have been taught.
+  // Sends views until `next` returns false (none left) or an error, which ends the upload and is
+  // returned. Views that were sent before an error may have been taught.
   using NextView = std::function<absl::StatusOr<bool>(v1::UploadViewsRequest*)>;
   absl::StatusOr<v1::UploadViewsResponse> UploadViews(const NextView& next);
 

@@ -1,4 +1,4 @@
-// How the client makes calls; for its own files only.
+// How the client makes calls; internal to the client library.
 #pragma once
 
 #include <grpcpp/channel.h>

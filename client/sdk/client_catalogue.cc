@@ -9,7 +9,7 @@ namespace {
 using Catalog = v1::CatalogService::Stub;
 using Cells = v1::CellService::Stub;
 
-// Lists all pages: `list(token)` gives one, `take(page)` keeps its records.
+// Lists all pages: `list(token)` returns one, `take(page)` stores its records.
 template <typename List, typename Take>
 absl::Status ForEachPage(List&& list, Take&& take) {
   std::string token;
@@ -142,7 +142,7 @@ absl::StatusOr<v1::UploadViewsResponse> Client::UploadViews(const NextView& next
     absl::StatusOr<bool> more = next(&request);
     if (!more.ok()) {
       context.TryCancel();
-      (void)writer->Finish();  // cancelled by us; the caller's error says why
+      (void)writer->Finish();  // cancelled here; the caller's error has the reason
       return more.status();
     }
     if (!*more || !writer->Write(request)) break;

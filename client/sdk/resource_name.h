@@ -1,4 +1,4 @@
-// Resource names from what people write.
+// Resource names from user input.
 #pragma once
 
 #include <string>

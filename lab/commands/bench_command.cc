@@ -29,19 +29,18 @@ constexpr double kUsualDurationS = 10;
 constexpr std::int64_t kMaxUsualWarmup = 100;
 
 constexpr char kBenchDescription[] =
-    "Measure how fast the server answers, under load.\n"
-    "Without --rate so many requests are in flight as --concurrency says, each asked as soon as "
-    "the "
-    "one before it is answered. With --rate requests are due at that rate, evenly spaced, whatever "
-    "became of those before, as frames of a camera are; their latency counts from when they were "
-    "due, so that a server that falls behind shows in the percentiles.";
+    "Measure latency and throughput of the server under load.\n"
+    "Without --rate (a closed loop), each of --concurrency callers sends the next request as soon "
+    "as it has its answer. With --rate (an open loop), requests are due at that rate, evenly "
+    "spaced like the frames of a camera, and latency is measured from the due time, so that a "
+    "server that falls behind shows in the percentiles.";
 
 constexpr char kBenchFooter[] =
-    R"(The frames take turns. Requests are not repeated when they fail. The steps are those
-that the server reports in its answers; "network and queue" is what is left of the time
-between sending and answer, and waiting for a free worker of the server is in it.
+    R"(The frames are sent in turn. Failed requests are not retried. The steps are those that
+the server reports in its answers; "network and queue" is the rest of the time between
+sending and answer, including the wait for a free worker of the server.
 
-With --json the whole report is one line. Ctrl-C ends early and reports what was measured.
+With --json the whole report is one line. Ctrl-C ends the run early and prints the report.
 Exit status: 0 when a request was answered, also if others failed.
 
 Examples:
@@ -64,7 +63,7 @@ LoadPlan PlanOf(const BenchOptions& options) {
   return plan;
 }
 
-// How far the run is, in requests or in seconds.
+// Progress in requests or in seconds.
 std::function<void(std::int64_t, std::chrono::nanoseconds)> ReportOn(const LoadPlan& plan,
                                                                      ProgressLine* line) {
   return [&plan, line](std::int64_t requests, std::chrono::nanoseconds elapsed) {
@@ -79,21 +78,21 @@ std::function<void(std::int64_t, std::chrono::nanoseconds)> ReportOn(const LoadP
   };
 }
 
-// Models are made and connections built when they are first needed, which is not measured.
+// The first requests create models and connections, which is not measured.
 std::int64_t WarmupOf(const BenchOptions& options, std::size_t frames) {
   if (options.warmup >= 0) return options.warmup;
   return std::min(static_cast<std::int64_t>(frames), kMaxUsualWarmup);
 }
 
-LoadResult Measure(const LoadReport& report, const Ask& ask) {
+LoadResult Measure(const LoadReport& report, const SendRequest& send) {
   if (report.warmup > 0) {
     LoadPlan warmup;
     warmup.concurrency = report.plan.concurrency;
     warmup.requests = report.warmup;
-    RunLoad(warmup, ask, {.report = {}, .cancelled = Interrupted});
+    RunLoad(warmup, send, {.report = {}, .cancelled = Interrupted});
   }
   ProgressLine line(report.plan.requests > 0 ? "requests" : "seconds");
-  return RunLoad(report.plan, ask,
+  return RunLoad(report.plan, send,
                  {.report = ReportOn(report.plan, &line), .cancelled = Interrupted});
 }
 
@@ -108,7 +107,7 @@ absl::Status PrintReport(const GlobalOptions& global, const LoadReport& report) 
   return absl::OkStatus();
 }
 
-// A run without an answer has failed, as its most frequent error says.
+// A run without an answer fails with its most frequent error.
 absl::Status Verdict(const LoadResult& result) {
   if (result.tally.answered() > 0) return absl::OkStatus();
   const auto& errors = result.tally.errors();
@@ -119,11 +118,11 @@ absl::Status Verdict(const LoadResult& result) {
   return {most->first, absl::StrCat("no request was answered: ", most->second.example)};
 }
 
-// One connection a worker, as of so many robots. Frames of half a megabyte also get in each other's
-// way on one connection: with two workers and answers of half a millisecond it gave 1310 answers a
-// second, and two connections 1410.
+// One connection per worker, like that many robots. Frames of half a megabyte also delay each other
+// on one connection: with two workers and answers of half a millisecond, one connection gave 1310
+// answers a second, and two gave 1410.
 absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) {
-  (void)Interrupted();  // begins to watch for Ctrl-C
+  (void)Interrupted();  // installs the handler for Ctrl-C
   ConnectionOptions connection{.server = global.server,
                                .timeout = absl::Seconds(global.timeout_s),
                                .retry = false,
@@ -133,7 +132,7 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
   for (int i = 0; i < options.concurrency; ++i) clients.emplace_back(connection);
 
   LoadReport report;
-  // A look at the server, with the usual deadline: that of the command line is the requests'.
+  // With the default deadline: --timeout applies to the requests.
   absl::StatusOr<v1::CatalogStatus> catalog = Connect({.server = global.server}).GetCatalogStatus();
   if (!catalog.ok()) return catalog.status();
   report.catalog = *std::move(catalog);
@@ -149,7 +148,7 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
     return clients[static_cast<std::size_t>(worker)].Recognize(
         (*requests)[static_cast<std::size_t>(request) % requests->size()]);
   });
-  // Where it is gone by now, the report says so by its errors.
+  // If the server is gone by now, the report lists the errors.
   const absl::StatusOr<v1::CatalogStatus> after =
       Connect({.server = global.server}).GetCatalogStatus();
   if (after.ok()) report.models = Between(report.catalog.model_cache(), after->model_cache());
@@ -159,28 +158,27 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
 }
 
 void AddLoadOptions(CLI::App& command, BenchOptions* o) {
-  command.add_option("--concurrency", o->concurrency, "Requests in flight, at most")
+  command.add_option("--concurrency", o->concurrency, "Maximum number of requests in flight")
       ->check(CLI::Range(1, 1000))
       ->type_name("N")
       ->capture_default_str();
   command
       .add_option("--rate", o->rate,
-                  "Requests a second, evenly spaced; without it each follows on an answer")
+                  "Requests a second, evenly spaced; default: each follows an answer")
       ->check(CLI::Range(0.001, 1e6))
       ->type_name("R");
-  command.add_option("--requests", o->requests, "End after so many")
+  command.add_option("--requests", o->requests, "End after this many requests")
       ->check(CLI::Range(1, 1'000'000'000))
       ->type_name("N");
   command
       .add_option("--duration", o->duration_s,
-                  "End after so many seconds; 10 when --requests is not given either. With both, "
-                  "the first ends the run")
+                  "End after this many seconds; default: 10 without --requests. With both, "
+                  "the first limit ends the run")
       ->check(CLI::Range(0.001, 1e6))
       ->type_name("S");
   command
       .add_option("--warmup", o->warmup,
-                  "Requests before the run that are not counted; every frame once, at most 100, "
-                  "without it")
+                  "Uncounted requests before the run; default: every frame once, at most 100")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("N");
 }

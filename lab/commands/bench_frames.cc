@@ -38,10 +38,10 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> Simulate(const BenchFrames& fr
 void AddSimulationOptions(CLI::App& command, BenchFrames* f) {
   CLI::Option* simulate = command.add_flag(
       "--simulate", f->simulate,
-      "Send depth images that a simulated Kinect takes of sample parts, in place of scans");
+      "Send depth images of sample parts from a simulated Kinect instead of scans");
   command
       .add_option("--parts", f->simulated.parts,
-                  "With --simulate: sample parts to show, by a comma list of ids; all without it")
+                  "With --simulate: comma-separated ids of sample parts; default: all")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(SamplePartIds()))
@@ -57,9 +57,7 @@ void AddSimulationOptions(CLI::App& command, BenchFrames* f) {
       ->check(CLI::Range(1, 8))
       ->capture_default_str()
       ->needs(simulate);
-  command
-      .add_option("--seed", f->simulated.seed,
-                  "With --simulate: another seed gives other scenes and noise")
+  command.add_option("--seed", f->simulated.seed, "With --simulate: seed of scenes and noise")
       ->capture_default_str()
       ->needs(simulate);
 }
@@ -72,23 +70,23 @@ void AddFrameOptions(CLI::App& command, BenchFrames* f) {
   AddSimulationOptions(command, f);
   command
       .add_option("--frames", f->limit,
-                  "Frames that take turns: the first of the scans (all without it), or simulated "
-                  "scenes (16 without it); they are kept in memory")
+                  "Number of frames to send in turn: the first scans (default: all), or simulated "
+                  "scenes (default: 16); they are kept in memory")
       ->check(CLI::Range(1, 100'000))
       ->type_name("N");
   command.add_option("--cell", f->cell, "Cell whose calibration and settings apply");
   command.add_flag("--segmented", f->segmented,
-                   "The scans have only one object's points, no table");
+                   "The scans contain only one object's points, no table");
   command
       .add_option_function<int>(
           "--verified-views", [f](int n) { f->pipeline.set_verified_view_count(n); },
-          "Nearest views that are verified; the server's choice without it")
+          "Nearest views to verify; default: set by the server")
       ->check(CLI::Range(1, 10'000))
       ->type_name("K");
   command
       .add_option_function<double>(
           "--min-score", [f](double score) { f->pipeline.set_min_score(score); },
-          "Answers that are less sure are UNKNOWN_OBJECT; the server's choice without it")
+          "Minimum score; answers below it are UNKNOWN_OBJECT; default: set by the server")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("SCORE");
 }

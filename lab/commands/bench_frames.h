@@ -1,4 +1,4 @@
-// What `bench` sends.
+// Requests of `bench`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,14 +11,14 @@
 
 namespace graspdb::client {
 
-// What the command line says of the frames.
+// Options of the frames.
 struct BenchFrames {
   std::vector<std::string> inputs;
   std::string split = "ALL";
   bool simulate = false;
   std::string camera = "v2";
   SimulatedFrames simulated;
-  int limit = 0;  // of the scans, the first so many; 0: all
+  int limit = 0;  // the first scans only; 0: all
   std::string cell;
   bool segmented = false;
   v1::PipelineParameters pipeline;

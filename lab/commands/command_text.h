@@ -1,4 +1,4 @@
-// A command as it could be typed again.
+// A command line that repeats a run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,8 +6,8 @@
 
 namespace graspdb::client {
 
-// "graspdb eval a.ply --trials 3": the options that were given, in the order in which the command
-// declares them, quoted for a shell. Wherever they came from: command line, environment or file.
+// "graspdb eval a.ply --trials 3": the options that are set on the command line, in the environment
+// or in a file, in the order in which the command declares them, quoted for a shell.
 std::string CommandText(const CLI::App& command);
 
 }  // namespace graspdb::client

@@ -9,7 +9,7 @@
 namespace graspdb::client {
 
 // Adds `eval MESH…` to `app`. When the command line chooses it, parsing sets `*action` (which
-// outlives the parsing) to what does the work: it prints a line for each case.
+// outlives the parsing) to a function that prints a line for each case.
 void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action);
 
 }  // namespace graspdb::client

@@ -9,16 +9,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/frames_run.h"
+#include "lab/commands/report_page.h"
 #include "lab/experiment/capture_trials.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/drop_poses.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/frames_file.h"
 #include "lab/experiment/gallery.h"
-#include "lab/experiment/report/match_drawing.h"
+#include "lab/experiment/report/answer_drawings.h"
 #include "lab/experiment/report/report_writer.h"
 
 namespace graspdb::client {
@@ -26,9 +26,7 @@ namespace {
 
 // The case that descriptors are compared on.
 constexpr char kDescriptorCase[] = "paper";
-// What a capture set is called as a case, and a folder in BigBIRD's layout.
 constexpr char kCaptureSetCase[] = "captures";
-constexpr char kBigBirdCase[] = "bigbird";
 
 void PrintParts(const PartSet& set) {
   for (std::size_t i = 0; i < set.parts.size(); ++i) {
@@ -41,8 +39,8 @@ void PrintParts(const PartSet& set) {
 
 void PrintSummary(const CaseResult& result) {
   const CaseSummary s = Summarize(result);
-  std::cout << absl::StrFormat("%-17s %5d asked  object %6.2f %%", result.experiment.name, s.known,
-                               100 * s.object_right);
+  std::cout << absl::StrFormat("%-17s %5d queries  object %6.2f %%", result.experiment.name,
+                               s.known, 100 * s.object_right);
   if (s.posed > 0) {
     std::cout << absl::StrFormat(
         "  pose %6.2f %%  strictly %6.2f %%  only listed %5.2f %%  turn %.3f deg  shift %.3f mm",
@@ -61,7 +59,7 @@ void PrintDescriptors(const std::vector<DescriptorFigures>& figures) {
   for (const DescriptorFigures& f : figures) {
     std::cout << absl::StrFormat(
         "%-9s %-11s turned over %6.2f %%  another object %6.2f %%  of %d\n", f.descriptor,
-        f.distance, 100 * MeanFalseRecognition(f), 100 * f.object_wrong, f.asked);
+        f.distance, 100 * MeanFalseRecognition(f), 100 * f.object_wrong, f.query_count);
   }
 }
 
@@ -127,7 +125,11 @@ class Runner {
   }
 
   void Finish() const {
-    if (writer_) std::cout << "report: " << writer_->page_path().string() << "\n";
+    if (!writer_) return;
+    const absl::Status made = MakeReportPage(writer_->folder());
+    if (!made.ok()) std::cerr << "graspdb: " << made.message() << "\n";
+    const std::string name = made.ok() ? "report.html" : "report.json";
+    std::cout << "report: " << (writer_->folder() / name).string() << "\n";
   }
 
  private:
@@ -152,42 +154,20 @@ class Runner {
   std::string running_;
 };
 
-absl::Status RunCaptures(const EvalArguments& arguments, const ExperimentCase& experiment,
-                         const CaptureTrials& captures) {
-  auto runner = Runner::Create(arguments);
-  if (!runner.ok()) return runner.status();
-  absl::Status status =
-      (*runner)->Run(experiment, captures.set, captures.trials, arguments.descriptors);
-  if (status.ok()) (*runner)->Finish();
-  return status;
-}
-
 absl::Status RunCaptureSet(const EvalArguments& arguments) {
   const auto loaded = LoadCaptureTrials(arguments.inputs.front(), arguments.leave_one_out);
   if (!loaded.ok()) return loaded.status();
   const std::string settings = absl::StrFormat(
       "Capture set %s: %d captures taught, %s.", arguments.inputs.front(),
       loaded->trials.teaching.count,
-      arguments.leave_one_out ? "each asked about while it is not taught"
-                              : absl::StrCat(loaded->trials.asking.count, " asked about"));
-  return RunCaptures(arguments, {.name = kCaptureSetCase, .settings = settings}, *loaded);
-}
-
-absl::Status RunBigBird(const EvalArguments& arguments) {
-  if (arguments.leave_one_out) {
-    return absl::InvalidArgumentError(
-        "--leave-one-out is for a capture set; of BigBIRD the turns between the taught ones are "
-        "asked about");
-  }
-  BigBirdOptions options = arguments.bigbird;
-  options.objects = arguments.choices.main;
-  const auto loaded = LoadBigBirdTrials(arguments.inputs.front(), options);
-  if (!loaded.ok()) return loaded.status();
-  const std::string settings = absl::StrFormat(
-      "%d objects of %s as %s saw them: %d views taught, %d° apart, the other %d asked about.",
-      loaded->set.parts.size(), arguments.inputs.front(), absl::StrJoin(options.cameras, ", "),
-      loaded->trials.teaching.count, options.teach_step_deg, loaded->trials.asking.count);
-  return RunCaptures(arguments, {.name = kBigBirdCase, .settings = settings}, *loaded);
+      arguments.leave_one_out ? "each recognized without its own view"
+                              : absl::StrCat(loaded->trials.queries.count, " recognized"));
+  auto runner = Runner::Create(arguments);
+  if (!runner.ok()) return runner.status();
+  absl::Status status = (*runner)->Run({.name = kCaptureSetCase, .settings = settings}, loaded->set,
+                                       loaded->trials, arguments.descriptors);
+  if (status.ok()) (*runner)->Finish();
+  return status;
 }
 
 absl::Status RunMeshes(const EvalArguments& arguments) {
@@ -220,18 +200,18 @@ absl::Status RunMeshes(const EvalArguments& arguments) {
 
 absl::Status RunEval(const EvalArguments& arguments) {
   const auto is_set = [](const std::string& input) {
-    std::error_code ignored;  // what cannot be looked at is read as a file, which says why
+    std::error_code ignored;  // an unreadable path is read as a file, which returns the error
     return std::filesystem::is_directory(input, ignored);
   };
   const auto sets = std::ranges::count_if(arguments.inputs, is_set);
   if (sets == 0 && !arguments.leave_one_out) return RunMeshes(arguments);
   if (sets == 1 && arguments.inputs.size() == 1) {
     if (HasFrames(arguments.inputs.front())) return RunFrames(arguments);
-    return IsBigBird(arguments.inputs.front()) ? RunBigBird(arguments) : RunCaptureSet(arguments);
+    return RunCaptureSet(arguments);
   }
-  return absl::InvalidArgumentError(sets == 0
-                                        ? "--leave-one-out is for a capture set; name its folder"
-                                        : "a folder is measured alone; name one, or mesh files");
+  return absl::InvalidArgumentError(
+      sets == 0 ? "--leave-one-out needs a capture set; give its folder"
+                : "a folder cannot be combined with other inputs; give one folder or mesh files");
 }
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// What `graspdb eval` does once its arguments are read.
+// Runs `graspdb eval`.
 #pragma once
 
 #include <cstdint>
@@ -6,17 +6,15 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "lab/experiment/bigbird_trials.h"
 #include "lab/experiment/part_set.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 
 namespace graspdb::client {
 
 struct EvalArguments {
-  // Mesh files, or one folder: a capture set or in BigBIRD's layout.
+  // Mesh files, or one folder: a capture set or frames of real cameras.
   std::vector<std::string> inputs;
   bool leave_one_out = false;  // of a capture set
-  BigBirdOptions bigbird;      // but the objects, which are those of `choices`
   Choices choices;
   std::vector<std::string> cases;
   double unit_m = 1;
@@ -28,11 +26,11 @@ struct EvalArguments {
   bool descriptors = false;
   bool list = false;
   std::string out;      // folder; empty: no report
-  std::string command;  // as it could be typed again
+  std::string command;  // to repeat the run
 };
 
-// Runs the cases, prints their figures, writes the report where one is wanted. INVALID_ARGUMENT for
-// inputs that do not go together; errors as those of the cases.
+// Runs the cases, prints their figures, writes the report if requested. INVALID_ARGUMENT for inputs
+// that cannot be combined; errors as those of the cases.
 absl::Status RunEval(const EvalArguments& arguments);
 
 }  // namespace graspdb::client

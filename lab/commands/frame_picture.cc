@@ -14,17 +14,17 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Pixels: fewer than the cameras have, so that no row or column stays without a measurement.
+// Pixels: fewer than the cameras have, so that every row and column has a measurement.
 constexpr int kWidth = 480;
 constexpr int kMaxHeight = 480;
-// Tangents that are farther out than this share of all are cut off: stray points.
+// This share of the tangents is cut off at either end, as stray points.
 constexpr double kStrayShare = 0.002;
 // Stride of the points of a model that are drawn: the scan shows between them.
 constexpr std::size_t kDrawnStride = 2;
 // Grey of the farthest and of the nearest point.
 constexpr float kFarGrey = 30;
 constexpr float kNearGrey = 230;
-// Grey for each mm by which the surface comes nearer from one pixel to the next.
+// Grey levels per mm of approach between neighbouring pixels.
 constexpr float kGreyPerMm = 6;
 
 bool IsInFront(const Vector3f& p) { return p.allFinite() && p.z() > 0; }

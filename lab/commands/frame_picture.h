@@ -6,10 +6,10 @@
 
 namespace graspdb::client {
 
-// The scan (sensor frame, m) as its camera saw it, darker where it is farther, and the visible
-// points of the posed models: of right answers green, of wrong ones red, of objects that were not
-// found, at their true pose, yellow. Measurements that are not finite or behind the camera are left
-// out; black where nothing was measured. O(n) in the points.
+// The scan (sensor frame, m) from its camera, darker where it is farther, and the visible points of
+// the posed models: of right answers green, of wrong ones red, of objects that were not found, at
+// their true pose, yellow. Measurements that are not finite or behind the camera are left out;
+// pixels without one are black. O(n) in the points.
 ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan);
 
 }  // namespace graspdb::client

@@ -42,7 +42,7 @@ void Print(const FrameResult& result, bool list) {
   std::cout << absl::StrFormat("%-10s %7.0f ms  %2d segments  %s  (%s)\n", result.frame->name,
                                result.milliseconds, result.segments, result.error,
                                result.frame->arrangement);
-  // Steps that several cores take at once add up to more than the whole.
+  // Steps on several cores add up to more than the total.
   for (const auto& stage : result.stages) {
     if (list) std::cout << absl::StrFormat("  %s %.0f ms", stage.stage, stage.duration_ms);
   }
@@ -117,7 +117,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   if (!catalogue.ok()) return catalogue.status();
   std::vector<FrameResult> results;
   for (const RealFrame& frame : *frames) {
-    auto result = AskFrame(frame, run, catalogue->get());
+    auto result = RecognizeFrame(frame, run, catalogue->get());
     if (!result.ok()) return result.status();
     Print(*result, arguments.list);
     if (absl::Status put = WritePicture(arguments, *result); !put.ok()) return put;

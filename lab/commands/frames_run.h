@@ -6,9 +6,9 @@
 
 namespace graspdb::client {
 
-// Teaches the meshes that the frames in `arguments.inputs` name, asks each frame, prints what was
-// found, what was accepted wrongly and, of what was not found, which step lost it. Errors as
-// LoadFrames, FramesCatalogue::Teach and AskFrame.
+// Teaches the meshes of the frames in `arguments.inputs`, recognizes each frame, prints found
+// objects, false detections and, for missed objects, the step that lost them. Errors as LoadFrames,
+// FramesCatalogue::Teach and RecognizeFrame.
 absl::Status RunFrames(const EvalArguments& arguments);
 
 }  // namespace graspdb::client

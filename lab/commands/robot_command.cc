@@ -25,14 +25,15 @@ struct RobotOptions {
   std::string agent = "127.0.0.1:7100";
   std::vector<std::string> parts;
   PickRunOptions run;
-  double least_percent = 0;
+  double min_percent = 0;
 };
 
 constexpr char kRobotFooter[] =
-    R"(For every pick it lays sample parts before the simulated camera of the cell's agent, asks for a
-grasp over the Generic Robot Interface, and says whether a gripper would have held: the tool
-within 3 mm and 2 degrees of a taught grasp, modulo the part's symmetry. Times are from the trigger
-to the pose, without the camera's own. With --json every pick is one line, and the summary the last.
+    R"(For every pick it places sample parts before the simulated camera of the cell's agent,
+requests a grasp over the Generic Robot Interface, and prints whether a gripper would have held:
+the tool within 3 mm and 2 degrees of a taught grasp, modulo the part's symmetry. Times are from
+the trigger to the pose, without the camera's time. With --json every pick is one line, the
+summary the last.
 
 Example:
   graspdb-cell --cell demo --sensor simulated:scene=/tmp/table &
@@ -45,7 +46,7 @@ std::string PickText(const Pick& pick) {
   return absl::StrFormat("%-16s %s: %s, %s, off by %.2f mm, %.2f deg; %.1f ms", pick.shown,
                          pick.held ? "held" : "LOST", pick.error.object, pick.error.grasp_id,
                          1000 * pick.error.shift_m, pick.error.turn_rad * 180 / std::numbers::pi,
-                         std::chrono::duration<double, std::milli>(pick.cycle).count());
+                         std::chrono::duration<double, std::milli>(pick.latency).count());
 }
 
 double Milliseconds(std::chrono::duration<double, std::milli> time) { return time.count(); }
@@ -65,12 +66,12 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
     object.Text("grasp", pick.error.grasp_id);
     object.Number("shift_mm", 1000 * pick.error.shift_m);
     object.Number("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi);
-    object.Number("cycle_ms", Milliseconds(pick.cycle));
+    object.Number("cycle_ms", Milliseconds(pick.latency));
   }
   return PrintJson(document);
 }
 
-// Where a cell's robot stands is known to its server.
+// The server knows the robot base of a cell.
 absl::Status TakeBase(const GlobalOptions& global, RobotOptions* options) {
   if (options->cell.empty()) return absl::OkStatus();
   absl::StatusOr<v1::Cell> cell = Connect(global).GetCell(ResourceName("cells", options->cell));
@@ -86,14 +87,14 @@ absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, dou
   const double p50_ms = Milliseconds(times.Percentile(50));
   const double p99_ms = Milliseconds(times.Percentile(99));
   if (!as_json) {
-    const std::string cycle = times.count() == 0
-                                  ? "no pose was given"
-                                  : absl::StrFormat(
-                                        "from trigger to pose, without the camera: p50 %.1f "
-                                        "ms, p99 %.1f ms",
-                                        p50_ms, p99_ms);
+    const std::string latency = times.count() == 0
+                                    ? "no pose was given"
+                                    : absl::StrFormat(
+                                          "from trigger to pose, without the camera: p50 %.1f "
+                                          "ms, p99 %.1f ms",
+                                          p50_ms, p99_ms);
     std::printf("%s\n", absl::StrFormat("%d of %d picks would have held (%.1f %%); %s", held, picks,
-                                        percent, cycle)
+                                        percent, latency)
                             .c_str());
     return absl::OkStatus();
   }
@@ -109,18 +110,18 @@ absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, dou
   return PrintJson(document);
 }
 
-absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double least_percent) {
+absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_percent) {
   LatencyHistogram times;
   std::size_t held = 0;
   for (const Pick& pick : picks) {
     if (pick.held) ++held;
     if (pick.code != GriCode::kNoError) continue;
-    times.Record(std::chrono::duration_cast<LatencyHistogram::Duration>(pick.cycle));
+    times.Record(std::chrono::duration_cast<LatencyHistogram::Duration>(pick.latency));
   }
   const double percent = 100.0 * static_cast<double>(held) / static_cast<double>(picks.size());
   absl::Status printed = PrintSummary(as_json, held, picks.size(), percent, times);
-  if (!printed.ok() || percent >= least_percent) return printed;
-  return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", least_percent));
+  if (!printed.ok() || percent >= min_percent) return printed;
+  return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", min_percent));
 }
 
 absl::Status Run(const GlobalOptions& global, RobotOptions options) {
@@ -138,37 +139,39 @@ absl::Status Run(const GlobalOptions& global, RobotOptions options) {
   });
   if (!picks.ok()) return NotOfServer(picks.status());
   if (!printed.ok()) return printed;
-  return Summarise(global.json, *picks, options.least_percent);
+  return Summarise(global.json, *picks, options.min_percent);
 }
 
 void AddFlags(CLI::App* command, RobotOptions* options) {
   command->add_option("--agent", options->agent, "HOST:PORT of the agent's GRI")
       ->capture_default_str();
-  command->add_option("--cell", options->cell, "Id of the cell, for where its robot stands");
+  command->add_option("--cell", options->cell, "Id of the cell, for its robot base pose");
   command
       ->add_option("--scene", options->run.scene,
-                   "Folder that the agent's camera looks at (--sensor simulated:scene=FOLDER)")
+                   "Folder that the agent's camera reads (--sensor simulated:scene=FOLDER)")
       ->required();
-  command->add_option("--picks", options->run.picks, "How many")
+  command->add_option("--picks", options->run.picks, "Number of picks")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--objects-per-scene", options->run.objects_per_scene, "Objects on the table")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  command->add_option("--parts", options->parts, "Sample parts, by a comma list of ids")
+  command->add_option("--parts", options->parts, "Comma-separated ids of sample parts")
       ->delimiter(',')
       ->type_name("ID,...");
-  command->add_option("--seed", options->run.seed, "Another seed lays objects out otherwise")
-      ->capture_default_str();
+  command->add_option("--seed", options->run.seed, "Seed of the scenes")->capture_default_str();
   const CLI::Range jobs(0, kMaxJob);
-  command->add_option("--job", options->run.job, "Job that gives grasps")
+  command->add_option("--job", options->run.job, "Job that returns grasps")
       ->check(jobs)
       ->capture_default_str();
-  command->add_option("--picked-job", options->run.picked_job, "Job that hears of picks that held")
+  command
+      ->add_option("--picked-job", options->run.picked_job, "Job to trigger after a pick that held")
       ->check(jobs);
-  command->add_option("--missed-job", options->run.missed_job, "Job that hears of the others")
+  command
+      ->add_option("--missed-job", options->run.missed_job, "Job to trigger after any other pick")
       ->check(jobs);
-  command->add_option("--least", options->least_percent, "Fail when fewer percent would have held")
+  command
+      ->add_option("--least", options->min_percent, "Fail below this percentage of picks that hold")
       ->check(CLI::Range(0, 100));
 }
 
@@ -177,7 +180,7 @@ void AddFlags(CLI::App* command, RobotOptions* options) {
 void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<RobotOptions>();
   CLI::App* command =
-      AddCommand(app, "robot", "A simulated robot picks what a simulated camera sees");
+      AddCommand(app, "robot", "Pick with a simulated robot before a simulated camera");
   AddFlags(command, options.get());
   command->footer(kRobotFooter);
   command->callback([=, &global] { *action = [=, &global] { return Run(global, *options); }; });

@@ -1,4 +1,4 @@
-// `graspdb robot`: a simulated robot picks what a simulated camera sees.
+// `graspdb robot`: a simulated robot picks objects before a simulated camera.
 #pragma once
 
 #include "client/cli/base/command.h"

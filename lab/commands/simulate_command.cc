@@ -19,7 +19,7 @@
 namespace graspdb::client {
 namespace {
 
-// What the command line says.
+// Values of the options.
 struct Arguments {
   std::vector<std::string> meshes;
   std::string unit = "m";
@@ -44,16 +44,16 @@ struct Arguments {
 
 constexpr char kSimulateDescription[] =
     "Take captures of workpieces with a simulated Kinect and write them as a capture set.\n"
-    "Without a mesh the built-in sample parts are taken. A mesh is used as it lies: its lowest "
-    "point comes to rest on the table, the middle of its bounding box at the origin.";
+    "Without a mesh the built-in sample parts are used. A mesh keeps its orientation: its lowest "
+    "point is put on the table, the middle of its bounding box at the origin.";
 
 constexpr char kSimulateFooter[] =
     "Examples:\n"
     "  graspdb simulate --out teach                           # turntable, all sample parts\n"
-    "  graspdb simulate --out ask --random 96                 # the same parts, anywhere\n"
+    "  graspdb simulate --out scenes --random 96              # the same parts, anywhere\n"
     "  graspdb simulate --out both --turntable --random 96    # both in one set\n"
     "  graspdb simulate bolt.stl --unit mm --out bolt --look-down 35,50\n"
-    "Then: graspdb import teach, and graspdb recognize ask.";
+    "Then: graspdb import teach, and graspdb recognize scenes.";
 
 void ListParts() {
   for (const Workpiece& part : SampleParts()) {
@@ -143,14 +143,14 @@ void AddObjectOptions(CLI::App& command, Arguments& a) {
   command.add_option("--unit", a.unit, "Unit of the meshes: mm, cm, m or inch")
       ->check(CLI::IsMember(LengthUnitNames()))
       ->capture_default_str();
-  command.add_option("--parts", a.parts, "Sample parts to capture, by a comma list of ids")
+  command.add_option("--parts", a.parts, "Comma-separated ids of sample parts")
       ->delimiter(',')
-      ->allow_extra_args(false)  // or it swallows the meshes
+      ->allow_extra_args(false)  // or it takes the meshes
       ->check(CLI::IsMember(SamplePartIds()))
       ->type_name("ID,...");
-  command.add_flag("--list-parts", a.list_parts, "List the sample parts and stop");
+  command.add_flag("--list-parts", a.list_parts, "List the sample parts and exit");
   command.add_option("--out", a.out, "Folder to write the capture set to")->type_name("SET");
-  command.add_flag("--overwrite", a.overwrite, "Replace a capture set that is there");
+  command.add_flag("--overwrite", a.overwrite, "Replace an existing capture set");
 }
 
 void AddPlanOptions(CLI::App& command, Arguments& a) {
@@ -171,14 +171,13 @@ void AddPlanOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
   command.add_option("--split", a.split, "Write all captures as TEACH or QUERY")
       ->check(CLI::IsMember({"TEACH", "QUERY"}));
-  command.add_option("--seed", a.seed, "Another seed gives other scenes and noise")
-      ->capture_default_str();
+  command.add_option("--seed", a.seed, "Seed of scenes and noise")->capture_default_str();
 }
 
 void AddCameraOptions(CLI::App& command, Arguments& a) {
   command
       .add_option("--camera", a.camera,
-                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
+                  "v1 or v2: a Kinect with per-pixel noise only; kinect-v1, kinect-v2, "
                   "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
       ->check(CLI::IsMember(SimulatedCameras()))
       ->capture_default_str();
@@ -201,8 +200,8 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
   command.add_option("--noise", a.noise, "Factor on the camera's noise; 0 is an ideal camera")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command.add_flag("--no-table", a.no_table, "Leave the table out");
-  command.add_flag("--segmented", a.segmented, "Write the object's points alone");
+  command.add_flag("--no-table", a.no_table, "Leave out the table");
+  command.add_flag("--segmented", a.segmented, "Write only the object's points");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Reading {
   Pose world_object = Pose::Identity();
 };
 
-// The answer itself first; the further readings where it says that it is ambiguous.
+// The answer itself first; the further readings if it is ambiguous.
 std::vector<Reading> ReadingsOf(const Detection& detection) {
   std::vector<Reading> out = {{detection.view.get(), detection.refined_pose}};
   if (detection.outcome != recognition::RecognitionOutcome::kAmbiguous) return out;
@@ -27,7 +27,7 @@ std::vector<Reading> ReadingsOf(const Detection& detection) {
   return out;
 }
 
-// The nearest to the camera where the true pose is unknown.
+// The nearest to the camera if the true pose is unknown.
 const Detection* DetectionOf(const recognition::Recognition& recognition, const Trial& trial,
                              std::size_t which) {
   if (recognition.detections.empty()) return nullptr;

@@ -1,4 +1,4 @@
-// Answers of the recognition, judged.
+// Judged answers of the recognition.
 #pragma once
 
 #include <optional>
@@ -13,41 +13,41 @@
 
 namespace graspdb::client {
 
-// What came of a question about one object in a scene.
+// Result of a query for one object in a scene.
 struct Answer {
-  std::size_t part = 0;   // that was asked about
-  std::size_t scene = 0;  // number of the question
+  std::size_t part = 0;   // the true part
+  std::size_t scene = 0;  // number of the query
   bool known = true;      // the part was taught
   bool posed = true;      // the answer's pose can be judged
   recognition::RecognitionOutcome outcome = recognition::RecognitionOutcome::kNoCluster;
-  std::string stable_pose = {};  // that was answered, of the first reading; empty: none
-  std::string view = {};         // taught view that the answer came from; empty: none
-  // An object that is not known is right when no object is named.
+  std::string stable_pose = {};  // of the answer, first reading; empty: none
+  std::string view = {};         // taught view of the answer; empty: none
+  // For an unknown object, no detection is right.
   bool object_right = false;
   bool pose_right = false;
   bool strictly_right = false;
-  // The answer said that it is ambiguous, and not its first reading but one of the further ones
-  // that it lists is strictly right: it counts, with its error.
+  // The answer is ambiguous, and one of its further readings, not the first, is strictly right: it
+  // counts, with its error.
   bool listed = false;
-  bool touching = false;  // the answer said that it touches something
-  PoseError error = {};   // where the object is right
+  bool touching = false;  // the answer is flagged as touching
+  PoseError error = {};   // if the object is right
   double score = 0;
   recognition::Evidence evidence = {};
   std::size_t voxels = 0;
-  recognition::ConfidenceFeatures features = {};  // of the answer, also of one that was rejected
+  recognition::ConfidenceFeatures features = {};  // of the answer, also if rejected
   double milliseconds = 0;                        // for the whole scene
-  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor of the question
+  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor of the query
   // T_world_object. `found` is of the first reading; while that names another object, it
   // is in the frame of the stable pose answered.
   recognition::Pose truth = recognition::Pose::Identity();
   recognition::Pose found = recognition::Pose::Identity();
   std::vector<recognition::Candidate> candidates = {};  // nearest first
-  // How the recognition judges the true pose; where wanted, of a known object whose pose is wrong.
+  // Scores of the true pose; optional, for a known object whose pose is wrong.
   std::optional<TruePose> true_pose = {};
 };
 
-// Judges what `recognition` says of object number `which` of the trial: the detection nearest to
-// what the camera sees of it.
+// Judges the answer of `recognition` for object number `which` of the trial: the detection nearest
+// to its visible points.
 Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& trial,
                    std::size_t which, const PartSet& set);
 

@@ -16,7 +16,7 @@ namespace {
 
 using recognition::Pose;
 
-// What a capture without an object shows.
+// Object of a capture without one.
 constexpr char kNoObject[] = "unnamed";
 
 struct Source {
@@ -51,7 +51,7 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
   return absl::OkStatus();
 }
 
-// The position of the part that the capture shows; it is added where it is new.
+// The position of the capture's part, which is added if it is new.
 absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::path& folder,
                                    const v1::CaptureSet& captures, PartSet* set) {
   if (capture.object_id().empty()) capture.set_object_id(kNoObject);
@@ -109,19 +109,19 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
   const auto loaded = LoadCaptureSet(folder);
   if (!loaded.ok()) return loaded.status();
   std::vector<const v1::Capture*> taught;
-  std::vector<const v1::Capture*> asked;
+  std::vector<const v1::Capture*> queried;
   for (const v1::Capture& capture : loaded->captures()) {
     if (capture.split() == v1::Capture::QUERY) {
-      asked.push_back(&capture);
+      queried.push_back(&capture);
     } else if (!capture.object_id().empty()) {
       taught.push_back(&capture);
     }
   }
-  if (taught.empty() || (asked.empty() && !leave_one_out)) {
+  if (taught.empty() || (queried.empty() && !leave_one_out)) {
     return absl::FailedPreconditionError(absl::StrCat(
-        folder.string(), " has no captures ", taught.empty() ? "to teach" : "to ask about",
+        folder.string(), " has no captures ", taught.empty() ? "to teach" : "to recognize",
         taught.empty() ? "; give some an object and the split TEACH"
-                       : "; give some the split QUERY, or take --leave-one-out"));
+                       : "; give some the split QUERY, or use --leave-one-out"));
   }
   CaptureTrials out;
   auto teaching = SourceOf(taught, folder, *loaded, &out.set);
@@ -130,12 +130,12 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
   out.trials.teaching = TrialsOf(*std::move(teaching));
   out.trials.leave_one_out = leave_one_out;
   if (leave_one_out) {
-    out.trials.asking = out.trials.teaching;
+    out.trials.queries = out.trials.teaching;
     return out;
   }
-  auto asking = SourceOf(asked, folder, *loaded, &out.set);
-  if (!asking.ok()) return asking.status();
-  out.trials.asking = TrialsOf(*std::move(asking));
+  auto queries = SourceOf(queried, folder, *loaded, &out.set);
+  if (!queries.ok()) return queries.status();
+  out.trials.queries = TrialsOf(*std::move(queries));
   return out;
 }
 

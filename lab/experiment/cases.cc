@@ -24,7 +24,7 @@ CameraStand StandOf(const Stand& stand) {
   return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
 }
 
-// All objects, taught without the errors of a real camera and seen with them.
+// All objects, taught without the errors of a real camera and recognized with them.
 void AddRealCameras(std::vector<ExperimentCase>* cases) {
   struct Camera {
     const char* name;
@@ -37,7 +37,7 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
                                {"carmine", Carmine(), 0.8}}) {
     ExperimentCase seen{.name = std::string("real-") + camera.name,
                         .teach_step_deg = 20,
-                        .asked = {.camera = camera.model, .distance_m = camera.distance_m},
+                        .queried = {.camera = camera.model, .distance_m = camera.distance_m},
                         .parts = PartChoice::kEverything,
                         .only_named = true};
     cases->push_back(seen);
@@ -61,10 +61,10 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
   }
 }
 
-// Every part at the centre, turned to azimuths between those that were taught.
+// Every part at the centre, at azimuths between the taught ones.
 absl::StatusOr<std::vector<PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
                                                         const PartSet& set) {
-  auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.asked),
+  auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
                                         .azimuth_step_deg = kAskStepDeg,
                                         .seed = experiment.seed + 1});
   if (!plan.ok()) return plan.status();
@@ -90,17 +90,17 @@ std::vector<ExperimentCase> ExperimentCases() {
   ExperimentCase& bigbird = add("paper-five-cameras");
   bigbird.between_taught_azimuths = true;
   bigbird.taught.look_down_deg = {15, 30, 45, 60, 75};
-  bigbird.asked = bigbird.taught;
+  bigbird.queried = bigbird.taught;
   add("anywhere");
-  add("noise").asked.camera.noise.scale = 2;
-  add("camera-higher").asked.look_down_deg = {45};
-  add("camera-lower").asked.look_down_deg = {35};
+  add("noise").queried.camera.noise.scale = 2;
+  add("camera-higher").queried.look_down_deg = {45};
+  add("camera-lower").queried.look_down_deg = {35};
   ExperimentCase& above = add("camera-above");
   above.taught.look_down_deg = {85};
-  above.asked = above.taught;
+  above.queried = above.taught;
   ExperimentCase& v1 = add("kinect-v1");
   v1.taught = {.camera = KinectV1(), .distance_m = 1.3};
-  v1.asked = v1.taught;
+  v1.queried = v1.taught;
   v1.teach_step_deg = 30;
   add("hidden-20").hidden_share = 0.2;
   add("hidden-40").hidden_share = 0.4;
@@ -157,7 +157,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
   const int count = experiment.trials_per_part * static_cast<int>(set.parts.size());
   const std::uint64_t seed = experiment.seed + 1;
   if (experiment.objects_per_scene > 1) {
-    return PlanCloseScenes(set.parts, {.stand = StandOf(experiment.asked),
+    return PlanCloseScenes(set.parts, {.stand = StandOf(experiment.queried),
                                        .count = (count + experiment.objects_per_scene - 1) /
                                                 experiment.objects_per_scene,
                                        .objects_per_scene = experiment.objects_per_scene,
@@ -166,13 +166,14 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
                                        .seed = seed});
   }
   auto plan = PlanRandomScenes(
-      set.parts, {.stand = StandOf(experiment.asked),
-                  .count = set.asked.empty() ? count : static_cast<int>(set.asked.size()),
-                  .area_half_width_m = experiment.area_half_width_m,
-                  .seed = seed});
+      set.parts,
+      {.stand = StandOf(experiment.queried),
+       .count = set.queried_parts.empty() ? count : static_cast<int>(set.queried_parts.size()),
+       .area_half_width_m = experiment.area_half_width_m,
+       .seed = seed});
   if (!plan.ok()) return plan;
-  for (std::size_t i = 0; i < set.asked.size(); ++i) {
-    (*plan)[i].placements.front().part = set.asked[i];
+  for (std::size_t i = 0; i < set.queried_parts.size(); ++i) {
+    (*plan)[i].placements.front().part = set.queried_parts[i];
   }
   return plan;
 }

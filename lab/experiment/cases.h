@@ -1,4 +1,4 @@
-// The cases of the experiment: what is taught, how it is asked.
+// The cases of the experiment: captures to teach and queries.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace graspdb::client {
 
-// How a camera stands.
+// Camera and its pose.
 struct Stand {
   DepthCameraModel camera = KinectV2();
-  std::vector<double> look_down_deg = {40};  // more than one: as many cameras, one after the other
+  std::vector<double> look_down_deg = {40};  // more than one: as many cameras, in turn
   double distance_m = 0.8;
   bool operator==(const Stand&) const = default;
 };
@@ -22,19 +22,19 @@ struct ExperimentCase {
   std::string name;
   Stand taught = {};
   double teach_step_deg = 15;
-  Stand asked = {};
+  Stand queried = {};
   // Azimuths between the taught ones, the object at the centre; otherwise anywhere in the area.
   bool between_taught_azimuths = false;
   double area_half_width_m = 0.15;
   double hidden_share = 0;
   bool cut_out = false;       // see Obstacle
-  int objects_per_scene = 1;  // more than one: close together, and asked about each
-  double gap_m = 0.03;        // between those
+  int objects_per_scene = 1;  // more than one: close together, each one queried
+  double gap_m = 0.03;        // between neighbours
   PartChoice parts = PartChoice::kMain;
   int trials_per_part = 24;
   std::uint64_t seed = 1;
-  bool only_named = false;  // run only when it is named, as one of many similar cases
-  // What was taught and asked, in words, where it is not what the members above say.
+  bool only_named = false;  // run only on request, as one of many similar cases
+  // Text for teaching and queries that differ from the members above.
   std::string settings = {};
 };
 
@@ -44,13 +44,13 @@ std::vector<ExperimentCase> ExperimentCases();
 // Whether two cases teach parts of the same names by the same captures.
 bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b);
 
-// The captures to teach and those to ask. Errors as PlanTurntable and PlanCloseScenes.
+// The captures to teach and the queries. Errors as PlanTurntable and PlanCloseScenes.
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
                                                          const PartSet& set);
 absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
                                                           const PartSet& set);
 
-// The obstacle of a question; none unless the case hides something.
+// The obstacle of a query; none unless the case hides something.
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question);
 
 }  // namespace graspdb::client

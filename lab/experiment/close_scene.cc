@@ -49,7 +49,7 @@ double DistanceBetween(const Footprint& a, const Footprint& b) {
   return std::sqrt(squared);
 }
 
-// One scene in the making.
+// A partial scene.
 class CloseScene {
  public:
   CloseScene(const std::vector<Footprint>& footprints, const CloseSceneOptions& options,
@@ -68,7 +68,7 @@ class CloseScene {
       const Footprint here = Placed(there, 0, walk * direction);
       for (const Footprint& other : placed_) clear = std::min(clear, DistanceBetween(here, other));
       if (clear <= options_.gap_m + kGapTolerance) break;
-      walk -= clear - options_.gap_m;  // nothing can come nearer than that on the way
+      walk -= clear - options_.gap_m;  // no object is nearer than this on the way
     }
     placed_.push_back(Placed(there, 0, walk * direction));
     Pose pose = Pose::Identity();
@@ -77,7 +77,7 @@ class CloseScene {
     placements_.push_back({.part = part, .world_object = pose});
   }
 
-  // Moves the scene into the area; empty when it reaches out of the region.
+  // Moves the scene into the area; empty if it exceeds the region.
   std::optional<std::vector<Placement>> Finish() {
     Eigen::AlignedBox2d box;
     for (const Footprint& footprint : placed_) {
@@ -145,7 +145,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanCloseScenes(const std::vector<Wo
     auto placements = PlaceClose(parts, footprints, options, i);
     if (!placements) {
       return absl::FailedPreconditionError(
-          absl::StrCat("scene ", i, " has no room for ", options.objects_per_scene, " of them"));
+          absl::StrCat("scene ", i, " has no space for ", options.objects_per_scene, " of them"));
     }
     plan.push_back({.path = absl::StrFormat("clouds/close_%05d.pcd", i),
                     .split = v1::Capture::QUERY,

@@ -1,4 +1,4 @@
-// Scenes in which objects stand close together.
+// Scenes with objects close together.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,9 @@ struct CloseSceneOptions {
   std::uint64_t seed = 1;
 };
 
-// Every scene shows workpieces of different objects, turned anyhow, each `gap_m` away from the
-// nearest of the others. All stand within the region of interest; objects that are too large for
-// that are passed over. The same arguments give the same plan. FAILED_PRECONDITION where no
-// place is found.
+// Every scene has workpieces of different objects at random azimuths, each `gap_m` away from its
+// nearest neighbour. All are within the region of interest; objects that are too large for it are
+// skipped. The same arguments give the same plan. FAILED_PRECONDITION if a scene has no space.
 absl::StatusOr<std::vector<PlannedCapture>> PlanCloseScenes(const std::vector<Workpiece>& parts,
                                                             const CloseSceneOptions& options);
 

@@ -23,7 +23,7 @@ constexpr std::array<Kind, 4> kKinds = {{{"VFH-263", DescriptorKind::kVfh263},
                                          {"MVFH-300", DescriptorKind::kMvfh300},
                                          {"GSH-288", DescriptorKind::kGsh288}}};
 
-// Terms that are summed over the bins; the order of sums is that of distances.
+// Terms that are summed over the bins; the sums are ordered like the distances.
 double Hellinger(float a, float b) {
   const double d = std::sqrt(static_cast<double>(a)) - std::sqrt(static_cast<double>(b));
   return d * d;
@@ -45,7 +45,7 @@ struct Distance {
 constexpr std::array<Distance, 4> kDistances = {
     {{"chi-square", ChiSquare}, {"Hellinger", Hellinger}, {"L1", L1}, {"L2", L2}}};
 
-// What the camera saw of a part.
+// Visible points of a part.
 struct Sample {
   std::size_t part = 0;
   double azimuth_rad = 0;
@@ -91,21 +91,21 @@ double DistanceOf(const Sample& a, const Sample& b, std::size_t kind, const Dist
   return sum;
 }
 
-// More than 15 degrees apart, whatever symmetric turn is between them.
-bool IsFalse(const Sample& asked, const Sample& view, const PartSet& set) {
-  const Workpiece& part = set.parts[asked.part];
-  const MeasuredShape* shape = set.shapes[asked.part].get();
+// More than 15 degrees apart, modulo symmetric turns.
+bool IsFalse(const Sample& query, const Sample& view, const PartSet& set) {
+  const Workpiece& part = set.parts[query.part];
+  const MeasuredShape* shape = set.shapes[query.part].get();
   if (shape == nullptr ? part.symmetry_order == 0 : shape->any_turn) return false;
   const std::vector<double> turns =
       shape == nullptr ? TurnsOf(part.symmetry_order) : shape->turns_rad;
   return std::ranges::all_of(turns, [&](double turn) {
     const double apart =
-        std::remainder(asked.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);
+        std::remainder(query.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);
     return std::abs(apart) > kFalseRad;
   });
 }
 
-// The views that are nearest to a question.
+// The views nearest to a query.
 struct NearestSamples {
   const Sample* own = nullptr;
   double own_distance = 1e9;
@@ -132,21 +132,21 @@ DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sa
                           bool leave_one_out, std::size_t kind, const Distance& distance,
                           const PartSet& set) {
   DescriptorFigures out{.descriptor = kKinds[kind].shown, .distance = distance.name};
-  std::map<std::string, double> asked;
+  std::map<std::string, double> queries;
   for (std::size_t i = 0; i < questions.size(); ++i) {
     const Sample& question = questions[i];
     if (question.part >= set.taught_count) continue;
     const NearestSamples nearest =
         NearestTo(question, views, leave_one_out ? &views[i] : nullptr, kind, distance);
-    ++out.asked;
+    ++out.query_count;
     out.object_wrong += nearest.other_distance < nearest.own_distance;
     if (!question.posed || (nearest.own != nullptr && !nearest.own->posed)) continue;
     const std::string& object = set.parts[question.part].object_id;
-    asked[object] += 1;
+    queries[object] += 1;
     out.false_recognition[object] += nearest.own == nullptr || IsFalse(question, *nearest.own, set);
   }
-  for (auto& [object, share] : out.false_recognition) share /= asked[object];
-  out.object_wrong /= std::max(1.0, static_cast<double>(out.asked));
+  for (auto& [object, share] : out.false_recognition) share /= queries[object];
+  out.object_wrong /= std::max(1.0, static_cast<double>(out.query_count));
   return out;
 }
 
@@ -164,7 +164,7 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
   const auto views = Samples(trials.teaching, "descriptors: teaching", run);
   if (!views.ok()) return views.status();
   const auto questions =
-      trials.leave_one_out ? views : Samples(trials.asking, "descriptors: asking", run);
+      trials.leave_one_out ? views : Samples(trials.queries, "descriptors: queries", run);
   if (!questions.ok()) return questions.status();
   std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {

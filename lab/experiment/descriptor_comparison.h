@@ -10,9 +10,9 @@
 
 namespace graspdb::client {
 
-// Every descriptor with every distance over `trials`, which show one object at a time. What was not
-// taught is left out. Descriptors in the order VFH-263, VFH-308,
-// MVFH-300, GSH-288; distances chi-square, Hellinger, L1, L2. Errors as RunCase.
+// Every descriptor with every distance over `trials`, which show one object at a time. Objects that
+// are not taught are left out. Descriptors in the order VFH-263, VFH-308, MVFH-300, GSH-288;
+// distances chi-square, Hellinger, L1, L2. Errors as RunCase.
 absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet& set,
                                                                   const ExperimentTrials& trials,
                                                                   const ExperimentRun& run);

@@ -1,4 +1,4 @@
-// What a descriptor alone recognises.
+// Recognition by descriptors alone.
 #pragma once
 
 #include <cstddef>
@@ -7,16 +7,16 @@
 
 namespace graspdb::client {
 
-// What the nearest view by one descriptor and one distance shows.
+// Results of the nearest view by one descriptor and one distance.
 struct DescriptorFigures {
-  std::string descriptor;  // as it is shown, e.g. "MVFH-300"
-  std::string distance;    // as it is shown, e.g. "chi-square"
-  // How often the nearest of the object's own views was taken from a side that is more than 15
-  // degrees off, modulo its symmetry: the paper's false recognition of mirrored poses (figure
-  // 12). By object id; share of its questions, 0 to 1.
+  std::string descriptor;  // display name, e.g. "MVFH-300"
+  std::string distance;    // display name, e.g. "chi-square"
+  // How often the nearest of the object's own views is from a viewpoint more than 15 degrees off,
+  // modulo its symmetry: the paper's false recognition of mirrored poses (figure 12). By object id;
+  // share of its queries, 0 to 1.
   std::map<std::string, double> false_recognition = {};
-  double object_wrong = 0;  // share of all questions whose nearest view is another object's
-  std::size_t asked = 0;    // questions in all
+  double object_wrong = 0;      // share of all queries whose nearest view is of another object
+  std::size_t query_count = 0;  // number of queries
 };
 
 // Every object counts the same.

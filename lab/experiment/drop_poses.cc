@@ -19,7 +19,7 @@ struct Mesh {
   std::vector<RestingFacet> facets;
 };
 
-// Adds what is taught of it to `out`.
+// Adds its taught stable poses to `out`.
 absl::StatusOr<Mesh> Teach(Workpiece as_it_lies, PartSet* out) {
   auto taught = ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
   if (!taught.ok()) return taught.status();
@@ -50,7 +50,7 @@ void AddFalls(const Mesh& mesh, std::uint64_t number, const DropPoseSelection& s
         RandomUniform(selection.seed, RandomBits(0, kFalls, number), static_cast<std::uint64_t>(i));
     const RestingFacet& facet = Drawn(mesh.facets, share);
     const auto [found, is_new] = of_facet.emplace(facet.facet, out->parts.size());
-    out->asked.push_back(found->second);
+    out->queried_parts.push_back(found->second);
     if (!is_new) continue;
     Workpiece part = mesh.as_it_lies;
     part.stable_pose_id = absl::StrCat("fallen-", of_facet.size());
@@ -76,7 +76,7 @@ absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& path
     if (!mesh.ok()) return mesh.status();
     meshes.push_back(*std::move(mesh));
   }
-  if (meshes.empty()) return absl::FailedPreconditionError("no mesh is left; name some");
+  if (meshes.empty()) return absl::FailedPreconditionError("no mesh is left; give some");
   out.taught_count = out.parts.size();
   for (std::size_t i = 0; i < meshes.size(); ++i) AddFalls(meshes[i], i, selection, &out);
   return out;

@@ -1,4 +1,4 @@
-// Objects that were taught from their meshes, and fell on the table as they do.
+// Objects taught from their meshes and recognized in drop poses.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ struct DropPoseSelection {
   std::uint64_t seed = 1;
 };
 
-// The mesh files `paths` (one unit is `unit_scale_m` metres). Taught is what `graspdb teach --mesh`
-// proposes: stable poses with the symmetries that it finds. Asked about is each mesh on a facet on
-// which it comes to rest, drawn by its probability among all of them (RestingFacets), rare ones and
-// those that were grouped under another one too; these are called "fallen-1", "fallen-2", …
-// FAILED_PRECONDITION when no mesh is left; errors as LoadPartMesh and ProposeCadPart.
+// The mesh files `paths` (one unit is `unit_scale_m` metres). The taught stable poses and
+// symmetries are those that `graspdb teach --mesh` proposes. The queries show each mesh on a facet
+// on which it comes to rest, drawn by its probability among all of them (RestingFacets), including
+// rare ones and those that were grouped under another one; these are called "fallen-1", "fallen-2",
+// … FAILED_PRECONDITION when no mesh is left; errors as LoadPartMesh and ProposeCadPart.
 absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& paths,
                                   double unit_scale_m, const DropPoseSelection& selection);
 

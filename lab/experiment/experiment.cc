@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-// Answers are measured with what was taught where there is no mesh.
+// Without a mesh, answers are measured against the taught model.
 void MeasureTaught(Gallery* gallery, PartSet* set) {
   for (std::size_t i = 0; i < set->parts.size(); ++i) {
     if (set->shapes[i]) continue;
@@ -21,8 +21,7 @@ void MeasureTaught(Gallery* gallery, PartSet* set) {
   }
 }
 
-// What is asked: what was taught, with the thresholds that the run wants. A step without a name is
-// not reported.
+// The taught catalogue with the thresholds of the run. A step without a name is not reported.
 absl::StatusOr<recognition::CatalogueSnapshot> Known(recognition::CatalogueSnapshot taught,
                                                      const std::string& step,
                                                      const ExperimentRun& run, Gallery* gallery) {
@@ -34,7 +33,7 @@ absl::StatusOr<recognition::CatalogueSnapshot> Known(recognition::CatalogueSnaps
   return WithOwnThresholds(std::move(taught), run.parameters, report, gallery);
 }
 
-// What the recognition thinks of the true poses of what it did not find rightly.
+// Scores the true poses of objects without a right answer.
 void JudgeTruth(const recognition::Scan& scan, const PartSet& set, const ExperimentRun& run,
                 Gallery* gallery, std::vector<Answer>* answers) {
   recognition::StageLog log;
@@ -48,11 +47,11 @@ void JudgeTruth(const recognition::Scan& scan, const PartSet& set, const Experim
   }
 }
 
-absl::StatusOr<std::vector<Answer>> Ask(const ExperimentTrials& trials, std::size_t question,
-                                        const recognition::CatalogueSnapshot& taught,
-                                        const PartSet& set, const ExperimentRun& run,
-                                        Gallery* gallery) {
-  auto trial = trials.asking.make(question);
+absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std::size_t question,
+                                             const recognition::CatalogueSnapshot& taught,
+                                             const PartSet& set, const ExperimentRun& run,
+                                             Gallery* gallery) {
+  auto trial = trials.queries.make(question);
   if (!trial.ok()) return trial.status();
   const auto known = trials.leave_one_out ? Known(gallery->Snapshot(question), "", run, gallery)
                                           : absl::StatusOr<recognition::CatalogueSnapshot>(taught);
@@ -85,25 +84,25 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
   if (!taught.ok()) return taught.status();
   Gallery& gallery = **taught;
   MeasureTaught(&gallery, &out.set);
-  // Where each question leaves a view out, what is known follows with the question.
+  // If each query leaves a view out, the snapshot is made with the query.
   const auto snapshot =
       trials.leave_one_out
           ? absl::StatusOr<recognition::CatalogueSnapshot>(gallery.Snapshot())
           : Known(gallery.Snapshot(), experiment.name + ": thresholds", run, &gallery);
   if (!snapshot.ok()) return snapshot.status();
-  std::vector<std::vector<Answer>> answers(trials.asking.count);
-  const auto ask = [&](std::size_t i) -> absl::Status {
-    auto of_scene = Ask(trials, i, *snapshot, out.set, run, &gallery);
+  std::vector<std::vector<Answer>> answers(trials.queries.count);
+  const auto query = [&](std::size_t i) -> absl::Status {
+    auto of_scene = RunQuery(trials, i, *snapshot, out.set, run, &gallery);
     if (!of_scene.ok()) return of_scene.status();
     answers[i] = *std::move(of_scene);
     return absl::OkStatus();
   };
-  absl::Status asked = ForEach(answers.size(), experiment.name + ": asking", run, ask);
-  if (!asked.ok()) return asked;
+  absl::Status status = ForEach(answers.size(), experiment.name + ": queries", run, query);
+  if (!status.ok()) return status;
   for (std::vector<Answer>& of_scene : answers) {
     std::ranges::move(of_scene, std::back_inserter(out.answers));
   }
-  if (absl::Status s = KeepScans(run.kept_scans, trials.asking, &out); !s.ok()) return s;
+  if (absl::Status s = KeepScans(run.kept_scans, trials.queries, &out); !s.ok()) return s;
   return out;
 }
 

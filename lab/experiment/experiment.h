@@ -1,4 +1,4 @@
-// Runs a case: teaches, asks, judges.
+// Runs a case: teaches, recognizes, judges.
 #pragma once
 
 #include <map>
@@ -18,31 +18,31 @@ namespace graspdb::client {
 struct CaseResult {
   ExperimentCase experiment;
   PartSet set;
-  std::vector<Answer> answers = {};  // in the order of the questions
-  // What the camera saw of the objects in some answers, by the answer's position; world frame, m.
+  std::vector<Answer> answers = {};  // in the order of the queries
+  // Visible points of the objects in some answers, by the answer's position; world frame, m.
   std::map<std::size_t, recognition::Points> scans = {};
 };
 
-// Errors as those of the trials, Gallery::Teach and Recognize. Where `last` is given and holds what
-// this case teaches, nothing is taught again.
+// Errors as those of the trials, Gallery::Teach and Recognize. If `last` has the views of this
+// case, nothing is taught again.
 absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartSet& set,
                                    const ExperimentTrials& trials, const ExperimentRun& run,
                                    LastGallery* last = nullptr);
 
 // Shares and means over a case's answers.
 struct CaseSummary {
-  std::size_t known = 0;  // questions about objects that were taught; the shares are of these
-  std::size_t posed = 0;  // those whose answer's pose can be judged; shares of poses are of these
+  std::size_t known = 0;  // queries for taught objects; the shares are of these
+  std::size_t posed = 0;  // those whose pose can be judged; shares of poses are of these
   double object_right = 0;
   double pose_right = 0;
   double strictly_right = 0;
-  double ambiguous = 0;          // of those that were said to be
-  double listed = 0;             // of those where one of the further readings was the right one
+  double ambiguous = 0;          // marked as ambiguous
+  double listed = 0;             // only a further reading is right
   double mean_rotation_deg = 0;  // of right poses, modulo symmetry
   double mean_translation_mm = 0;
   double mean_ms = 0;
-  std::size_t unknown = 0;      // questions about others
-  double unknown_rejected = 0;  // share of those
+  std::size_t unknown = 0;      // queries for other objects
+  double unknown_rejected = 0;  // share of these
 };
 CaseSummary Summarize(const CaseResult& result);
 

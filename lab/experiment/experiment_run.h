@@ -1,4 +1,4 @@
-// How an experiment is run.
+// Options and workers of an experiment.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace graspdb::client {
 
-// Workers run questions side by side; the result does not depend on how many there are.
+// Workers run queries in parallel; the result does not depend on their number.
 struct ExperimentRun {
   recognition::RecognitionParameters parameters;
   int workers = 2;
-  // Each stable pose is held to the threshold that the taught views propose for it.
+  // Each stable pose has the threshold that its taught views propose.
   bool own_thresholds = false;
-  // Answers that are not strictly right say how the true pose is judged (Answer::true_pose).
+  // Answers that are not strictly right have the scores of the true pose (Answer::true_pose).
   bool judge_truth = false;
   std::size_t kept_scans = 0;  // of the worst answers, for pictures; each is rendered once more
   std::function<void(const std::string& step, std::size_t done, std::size_t total)> report;
@@ -24,7 +24,7 @@ struct ExperimentRun {
 };
 
 // Calls `work` for 0 … count - 1 on the run's workers, in any order, and reports after each; the
-// first error ends it. CANCELLED when the run is.
+// first error ends it. CANCELLED if the run is.
 absl::Status ForEach(std::size_t count, const std::string& step, const ExperimentRun& run,
                      const std::function<absl::Status(std::size_t)>& work);
 

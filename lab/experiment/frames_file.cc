@@ -20,9 +20,9 @@ using google::protobuf::Struct;
 using google::protobuf::Value;
 
 constexpr char kFile[] = "frames.json";
-// Larger files list more frames than anybody labels; bytes.
+// Maximum file size, bytes.
 constexpr std::uintmax_t kLargest = 64U << 20U;
-// Rows of a rotation that differ more from unit length and from right angles are none.
+// Maximum deviation of a rotation's rows from unit length and right angles.
 constexpr double kRotationTolerance = 1e-3;
 
 const Value& FieldOf(const Struct& from, const std::string& name) {

@@ -1,4 +1,4 @@
-// A catalogue in memory, taught with the code that the server teaches with.
+// A catalogue in memory, taught with the server's code.
 #pragma once
 
 #include <memory>
@@ -14,19 +14,19 @@
 
 namespace graspdb::client {
 
-// Views that were taught. Teaching is not thread-safe; asking is.
+// Taught views. Teaching is not thread-safe; recognition is.
 class Gallery : public recognition::CloudsInMemory {
  public:
   Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters);
 
-  // Teaches what each trial shows, as a view of its first object, in their order. Errors as the
-  // trials and SegmentScan, with the stable pose.
+  // Teaches each trial as a view of its first object, in order. Errors as the trials and
+  // SegmentScan, with the stable pose.
   absl::Status Teach(const TrialSource& trials, const std::string& step, const ExperimentRun& run);
 
-  // What is taught; without view number `left_out` where one is given.
+  // The taught views, without view number `left_out` if given.
   recognition::CatalogueSnapshot Snapshot(std::optional<std::size_t> left_out = std::nullopt) const;
 
-  // What the first view of a part shows with all that share its frame; null where there is none.
+  // Model of the first view of a part and all views that share its frame; null if there is none.
   std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
 
  private:

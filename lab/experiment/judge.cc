@@ -13,7 +13,7 @@ using recognition::Pose;
 
 constexpr int kMeasuredPoints = 1000;
 constexpr int kSearchedPoints = 50'000;
-// Turned shapes that differ less, as a share of the diameter, are the same.
+// Turned shapes that differ less than this share of the diameter are equal.
 constexpr double kSameShape = 0.02;
 constexpr int kTurns = 72;
 
@@ -113,8 +113,8 @@ PoseError ErrorOf(const MeasuredShape& shape, const Pose& truth, const Pose& fou
   return out;
 }
 
-Pose AsIn(const Pose& asked_mesh, const Pose& answered_mesh, const Pose& world_answered) {
-  return world_answered * answered_mesh * asked_mesh.inverse();
+Pose AsIn(const Pose& true_mesh, const Pose& answered_mesh, const Pose& world_answered) {
+  return world_answered * answered_mesh * true_mesh.inverse();
 }
 
 bool IsRight(const MeasuredShape& shape, const PoseError& error) {

@@ -1,4 +1,4 @@
-// Answers held against the truth.
+// Compares answers to the ground truth.
 #pragma once
 
 #include <memory>
@@ -10,24 +10,23 @@
 
 namespace graspdb::client {
 
-// What poses of a workpiece are measured with.
+// Points and symmetries to measure poses of a workpiece.
 struct MeasuredShape {
   recognition::Points points;  // on the surface, object frame, m
   recognition::PointSearch search;
   double diameter_m = 0;
-  // Turns about z that bring the shape onto itself, rad; always with 0. Any turn does when
-  // `any_turn`.
+  // Turns about z that map the shape to itself, rad; always with 0. Any turn if `any_turn`.
   std::vector<double> turns_rad;
   bool any_turn = false;
-  bool is_round = false;  // after any turn every point would still be strictly right
+  bool is_round = false;  // after any turn every point is still strictly right
 };
 
 MeasuredShape Measure(const Workpiece& part);
 
-// Turns about z of a declared symmetry that has some, rad; see TaughtStablePose.
+// Turns about z of a declared discrete symmetry, rad; see TaughtStablePose.
 std::vector<double> TurnsOf(int symmetry_order);
 
-// What was taught of an object, in place of its mesh; its turns are the declared ones, see
+// The taught model of an object, in place of its mesh, with the declared turns, see
 // TaughtStablePose.
 MeasuredShape Measure(const recognition::SurfaceModel& model, int symmetry_order);
 
@@ -43,9 +42,9 @@ PoseError ErrorOf(const MeasuredShape& shape, const recognition::Pose& truth,
 
 // ADD-S under 5 % of the diameter.
 bool IsRight(const MeasuredShape& shape, const PoseError& error);
-// A pose of one stable pose of an object, told as one of another: both are the same mesh at rest.
-// `answered_mesh` and `asked_mesh` are their T_object_mesh.
-recognition::Pose AsIn(const recognition::Pose& asked_mesh, const recognition::Pose& answered_mesh,
+// Converts a pose of one stable pose of an object to another one: both are the same mesh at rest.
+// `answered_mesh` and `true_mesh` are their T_object_mesh.
+recognition::Pose AsIn(const recognition::Pose& true_mesh, const recognition::Pose& answered_mesh,
                        const recognition::Pose& world_answered);
 
 // No point farther off than 8 mm, or 6 % of the diameter for larger objects.

@@ -1,4 +1,4 @@
-// What the camera saw where an answer went wrong.
+// Scans of wrong answers.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,12 @@
 
 namespace graspdb::client {
 
-// Positions in `result.answers`, the worst first: what was named wrongly, then by the farthest
-// point. Objects that are not known and were rejected are left out, since there is nothing to show.
+// Positions in `result.answers`, the worst first: wrong objects, then by the farthest point.
+// Rejected unknown objects are left out, since there is nothing to show.
 std::vector<std::size_t> WorstFirst(const CaseResult& result);
 
 // Fills `result->scans` for the `count` worst answers: the points above the table around the
-// object, at most 1500; all points of a scan that shows nothing else. Errors as those of
-// `questions`.
+// object, at most 1500; all points of a segmented scan. Errors as those of `questions`.
 absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result);
 
 }  // namespace graspdb::client

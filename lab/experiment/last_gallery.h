@@ -1,4 +1,4 @@
-// What was taught last, for cases that ask the same catalogue.
+// Caches the last gallery, for cases with the same catalogue.
 #pragma once
 
 #include <memory>
@@ -11,10 +11,10 @@
 
 namespace graspdb::client {
 
-// One gallery. For rendered trials of one run, where a name means one mesh.
+// One gallery. For rendered trials of one run, in which names of meshes are unique.
 class LastGallery {
  public:
-  // What `teaching` teaches; kept until another is asked for. Errors as Gallery::Teach.
+  // The gallery of `teaching`; kept until another one is requested. Errors as Gallery::Teach.
   absl::StatusOr<Gallery*> Teach(const ExperimentCase& experiment, const PartSet& set,
                                  const TrialSource& teaching, const ExperimentRun& run);
 

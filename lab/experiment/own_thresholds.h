@@ -1,4 +1,4 @@
-// Thresholds that a catalogue's views propose, in force.
+// Applies the thresholds that a catalogue's views propose.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -7,8 +7,8 @@
 
 namespace graspdb::client {
 
-// `taught` with the threshold of each stable pose as recognition::ProposeThresholds finds it.
-// Errors as there.
+// `taught` with the threshold of each stable pose from recognition::ProposeThresholds. Errors as
+// there.
 absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
     recognition::CatalogueSnapshot taught, const recognition::RecognitionParameters& parameters,
     const recognition::ThresholdProgress& report, Gallery* gallery);

@@ -19,8 +19,8 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 absl::Status CheckNames(const PartSet& all, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (std::ranges::find(all.parts, name, &Workpiece::object_id) == all.parts.end()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("none of the meshes is called ", name, "; name a file without its ending"));
+      return absl::InvalidArgumentError(absl::StrCat("none of the meshes is called ", name,
+                                                     "; give a file name without extension"));
     }
   }
   return absl::OkStatus();
@@ -105,7 +105,7 @@ absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choi
   if (out.parts.empty()) {
     return absl::FailedPreconditionError(choice == PartChoice::kRound
                                              ? "none of the meshes is round; leave this case out"
-                                             : "no mesh is left; name some");
+                                             : "no mesh is left; give some");
   }
   out.taught_count = out.parts.size();
   for (std::size_t i = 0; i < others.parts.size(); ++i) out.Add(others, i);

@@ -1,4 +1,4 @@
-// The workpieces that an experiment is about.
+// Workpieces of an experiment.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,26 @@
 
 namespace graspdb::client {
 
-// Workpieces with what answers about them are measured with; position by position.
+// Workpieces and their shapes for measuring answers, by position.
 struct PartSet {
   std::vector<Workpiece> parts;
-  std::vector<std::shared_ptr<const MeasuredShape>> shapes;  // null: that of what is taught
-  // T_object_mesh: from the mesh as it was given into the frame of the stable pose. All stable
-  // poses of an object are one mesh.
+  std::vector<std::shared_ptr<const MeasuredShape>> shapes;  // null: from the taught model
+  // T_object_mesh: from the mesh file to the frame of the stable pose. All stable poses of an
+  // object have one mesh.
   std::vector<recognition::Pose> object_mesh;
-  // The first so many are taught; the others are only shown.
+  // The first ones are taught; the others are only shown.
   std::size_t taught_count = 0;
-  // Parts that questions are about, by their position, one question each; empty: all parts in turn.
-  std::vector<std::size_t> asked;
+  // Parts of the queries, by their position, one query each; empty: all parts in turn.
+  std::vector<std::size_t> queried_parts;
 
   void Add(const PartSet& other, std::size_t position);
-  // Measures the part with its mesh, where it has one.
+  // Measures the part by its mesh, if it has one.
   void Add(Workpiece part, const recognition::Pose& mesh_pose);
-  // Whether the part's object was taught, in whatever stable pose.
+  // Whether the part's object was taught, in any stable pose.
   bool Knows(std::size_t position) const;
 };
 
-// Which meshes and orientations an experiment takes.
+// Meshes and orientations of an experiment.
 struct MeshSelection {
   int orientations = 1;           // at most, the most probable first
   double min_probability = 0.05;  // of an orientation, see MeshStablePose
@@ -46,7 +46,7 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
 // Sample parts that are each other's mirror images, among others.
 PartSet TwinParts();
 
-// Which of the parts at hand a case is about.
+// Parts of a case.
 enum class PartChoice {
   kMain,        // those named, in the orientation in which they most often rest
   kEverything,  // all of them, in every orientation
@@ -57,15 +57,15 @@ enum class PartChoice {
 };
 
 struct Choices {
-  // Objects of the main cases; empty stands for all that are not round.
+  // Objects of the main cases; empty: all that are not round.
   std::vector<std::string> main = {};
   // Of objects in kEverything: the diameter.
   double min_length_m = 0.04;
   double max_length_m = 0.30;
 };
 
-// Not for kDropPoses. INVALID_ARGUMENT when a named object is not there, FAILED_PRECONDITION when
-// nothing is left.
+// Not for kDropPoses. INVALID_ARGUMENT when a named object is missing, FAILED_PRECONDITION when no
+// part is left.
 absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices);
 
 }  // namespace graspdb::client

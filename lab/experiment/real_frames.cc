@@ -17,7 +17,7 @@ namespace {
 using recognition::Detection;
 using recognition::Pose;
 
-// As graspdb teach --mesh turns a part.
+// Like graspdb teach --mesh.
 constexpr double kTeachStepDeg = 20;
 
 absl::Status AddMesh(const FrameObject& object, PartSet* set) {
@@ -36,7 +36,7 @@ std::size_t PartOf(const PartSet& set, const std::string& stable_pose) {
                                   set.parts.begin());
 }
 
-// The stable pose of `object` in which the mesh stands most upright.
+// The stable pose of `object` with the most upright mesh.
 std::size_t PoseAtRest(const PartSet& set, const std::string& object, const Pose& world_mesh) {
   std::size_t best = set.parts.size();
   double upright = -2;
@@ -94,7 +94,7 @@ std::vector<FrameDetection> JudgeAll(const PartSet& set, const recognition::Reco
   return out;
 }
 
-// Those of the detections, which `judged` has in the same order without what was not accepted.
+// Those of the detections; `judged` has the accepted ones in the same order.
 std::vector<PosedModel> PosesOf(const recognition::Recognition& answer,
                                 const std::vector<FrameDetection>& judged) {
   const Pose sensor_world = answer.world_sensor.inverse();
@@ -110,15 +110,15 @@ std::vector<PosedModel> PosesOf(const recognition::Recognition& answer,
 }
 
 LostBy WhereLost(const FrameInstance& instance) {
-  // Less than that of a segment is something else's.
-  constexpr double kMostly = 0.5;
+  // Minimum share of an object in its segment.
+  constexpr double kMinOwnShare = 0.5;
   if (instance.best_is_right) return LostBy::kConfidence;
-  if (instance.truth.own_share() < kMostly) return LostBy::kSegmentation;
+  if (instance.truth.own_share() < kMinOwnShare) return LostBy::kSegmentation;
   return instance.best_explains < instance.truth.whole.evidence.score ? LostBy::kSearch
                                                                       : LostBy::kRanking;
 }
 
-// What the recognition has at the place of `instance`.
+// The detection at the place of `instance`.
 void AddBest(const recognition::Recognition& recognition, const FramesCatalogue& catalogue,
              const Pose& world_mesh, FrameInstance* instance) {
   if (recognition.detections.empty() || instance->truth.own_points == 0) return;
@@ -153,7 +153,7 @@ const char* TextOf(LostBy lost_by) {
     case LostBy::kRanking:
       return "something explains more";
     case LostBy::kConfidence:
-      return "not believed";
+      return "score below the minimum";
   }
   return "";
 }
@@ -178,15 +178,15 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   absl::Status taught = out->gallery_->Teach(trials->teaching, "teaching", run);
   if (!taught.ok()) return taught;
   out->snapshot_ = out->gallery_->Snapshot();
-  // A server makes models before robots ask.
+  // A server makes models before the first request.
   for (const Workpiece& part : out->set_.parts) {
     out->models_.push_back(out->gallery_->ModelOf(part));
   }
   return out;
 }
 
-absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
-                                     FramesCatalogue* catalogue) {
+absl::StatusOr<FrameResult> RecognizeFrame(const RealFrame& frame, const ExperimentRun& run,
+                                           FramesCatalogue* catalogue) {
   auto file = ReadPointFile(frame.path);
   if (!file.ok()) return file.status();
   const recognition::Scan scan{

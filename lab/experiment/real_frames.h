@@ -1,4 +1,4 @@
-// Frames of real cameras, asked about what was taught from meshes.
+// Recognition of objects taught from meshes in frames of real cameras.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,7 @@ namespace graspdb::client {
 // A pose is right when its ADD-S is under this share of the diameter (Hinterstoisser et al. 2012).
 inline constexpr double kFoundShare = 0.10;
 
-// What is taught: the stable poses of each mesh that the frames name, as `graspdb teach --mesh`
-// does.
+// Teaches the stable poses of each mesh in the frames, like `graspdb teach --mesh`.
 class FramesCatalogue {
  public:
   // Errors as LoadPartMesh, ProposeCadPart and Gallery::Teach.
@@ -42,26 +41,26 @@ class FramesCatalogue {
       .revision = 0, .index = recognition::DescriptorIndex(1), .stable_poses = {}};
 };
 
-// An accepted detection, held against what stands in the frame.
+// An accepted detection, compared to the ground truth of the frame.
 struct FrameDetection {
   std::string object;
   double score = 0;
-  std::optional<std::size_t> instance = {};  // that it poses rightly
-  double add_s_share = 0;     // from that, or from the nearest of its name; of the diameter
-  bool pose_unknown = false;  // the object is in the frame in a pose that is not known
-  bool again = false;         // another detection poses that instance already
+  std::optional<std::size_t> instance = {};  // whose pose is right
+  double add_s_share = 0;  // from `instance`, or from the nearest one of that name; of the diameter
+  bool pose_unknown = false;  // the true pose is unknown
+  bool again = false;         // another detection already has that instance
   std::size_t voxels = 0;
   recognition::Evidence evidence = {};
   recognition::ConfidenceFeatures features = {};
-  // Not an object of the frame, or not where it is.
+  // Not an object of the frame, or at a wrong pose.
   bool IsWrong() const { return !instance && !pose_unknown; }
 };
 
 // The recognition's step that lost an instance, in their order.
 enum class LostBy {
-  kSegmentation,  // most of its segment is something else, or it has none
+  kSegmentation,  // most of its segment is another object, or it has none
   kSearch,        // at the true pose it would explain more than the best hypothesis
-  kRanking,       // something else explains the segment better
+  kRanking,       // another hypothesis explains the segment better
   kConfidence,    // the best hypothesis is right, and was rejected
 };
 
@@ -73,17 +72,17 @@ struct FrameInstance {
   bool found = false;
   TruePose truth = {};
   // The best explanation of the detection nearest to it, accepted or not.
-  std::string best_object = {};  // empty: there is none
-  bool best_is_right = false;    // it is found by that
+  std::string best_object = {};  // empty: none
+  bool best_is_right = false;    // that finds it
   double best_explains = 0;      // Evidence::score
   double best_score = 0;
   int rank = 0;  // of the first of its views among the candidates; 0: not among them
-  LostBy lost_by = LostBy::kConfidence;  // where it is not found
+  LostBy lost_by = LostBy::kConfidence;  // if it is not found
 };
 
-// A model as it is drawn into the frame.
+// A model to draw into the frame.
 struct PosedModel {
-  enum class Verdict { kRight, kWrong, kLost };  // kLost: at the true pose of what was not found
+  enum class Verdict { kRight, kWrong, kLost };  // kLost: the true pose of a missed object
   std::shared_ptr<const recognition::SurfaceModel> model;           // not null
   recognition::Pose sensor_object = recognition::Pose::Identity();  // T_sensor_object
   Verdict verdict = Verdict::kRight;
@@ -91,7 +90,7 @@ struct PosedModel {
 
 struct FrameResult {
   const RealFrame* frame = nullptr;
-  std::string error = {};  // why there was no answer; empty: there was one
+  std::string error = {};  // why there is no answer; empty: there is one
   double milliseconds = 0;
   std::size_t segments = 0;
   std::vector<recognition::StageReport> stages = {};
@@ -100,9 +99,9 @@ struct FrameResult {
   std::vector<PosedModel> posed = {};
 };
 
-// Recognises one frame and judges the answer. Errors as ReadPointFile; what the recognition refuses
-// is part of the result.
-absl::StatusOr<FrameResult> AskFrame(const RealFrame& frame, const ExperimentRun& run,
-                                     FramesCatalogue* catalogue);
+// Recognises one frame and judges the answer. Errors as ReadPointFile; errors of the recognition
+// are part of the result.
+absl::StatusOr<FrameResult> RecognizeFrame(const RealFrame& frame, const ExperimentRun& run,
+                                           FramesCatalogue* catalogue);
 
 }  // namespace graspdb::client

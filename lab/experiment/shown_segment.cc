@@ -22,7 +22,7 @@ absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
   if (!trial.posed && segmentation->segments.size() > 1) {
     return absl::FailedPreconditionError(
         absl::StrCat("it shows ", segmentation->segments.size(),
-                     " objects and no object pose says which one is meant; give one"));
+                     " objects without an object pose; give one to select the object"));
   }
   Segment& nearest = *std::ranges::min_element(segmentation->segments, {}, [&](const Segment& s) {
     return (s.centroid - trial.seen.front()).head<2>().norm();

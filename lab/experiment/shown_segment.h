@@ -1,4 +1,4 @@
-// What is seen of the object that a trial is about.
+// The segment of a trial's object.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -13,8 +13,8 @@ struct ShownSegment {
   recognition::WorldFrame world_frame = recognition::WorldFrame::kGiven;
 };
 
-// The segment of the trial's first object. FAILED_PRECONDITION where nothing is seen of it; errors
-// as SegmentScan.
+// The segment of the trial's first object. FAILED_PRECONDITION if it is not visible; errors as
+// SegmentScan.
 absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
                                           const recognition::RecognitionParameters& parameters);
 

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Where the obstacle is, as a share of the camera's distance from the origin: outside of the
+// Position of the obstacle, as a share of the camera's distance from the origin: outside of the
 // region of interest.
 constexpr double kPlateNearness = 0.4;
 
@@ -83,13 +83,13 @@ absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const Plan
     along.push_back(direction.dot(Vector2d((static_cast<double>(column) - k.cx) / k.fx,
                                            (static_cast<double>(row) - k.cy) / k.fy)));
   }
-  if (along.empty()) return absl::FailedPreconditionError("the object is out of sight");
+  if (along.empty()) return absl::FailedPreconditionError("the object is not visible");
   const auto rank = static_cast<std::ptrdiff_t>(static_cast<double>(along.size() - 1) *
                                                 (1 - obstacle.hidden_share));
   std::nth_element(along.begin(), along.begin() + rank, along.end());
   const double distance = capture.world_sensor.translation().norm();
   const double depth = kPlateNearness * distance;
-  // The projector's shadow of the plate hides the object too, to the right of the plate.
+  // The projector's shadow of the plate also hides the object, to the right of the plate.
   const double shadow = camera_.model().effects.shadow_baseline_m * (1 / depth - 1 / distance);
   const double shadowed = shadow * std::max(0.0, -direction.x());
   return PlateMesh(direction, along[static_cast<std::size_t>(rank)] + shadowed, depth);

@@ -1,4 +1,4 @@
-// Questions with known answers, rendered as they are needed.
+// Frames with known ground truth, rendered on demand.
 #pragma once
 
 #include <string>
@@ -12,20 +12,20 @@
 
 namespace graspdb::client {
 
-// A frame to be taught or to be asked about.
+// A frame to teach or to recognize.
 struct Trial {
   recognition::Scan scan;
-  std::vector<Placement> truth;  // what stands in it; the first is asked about
-  // Mean of what the camera sees of each, world frame, m; its place where that is not known.
+  std::vector<Placement> truth;  // objects in it; the first is queried
+  // Mean of the visible points of each, world frame, m; its position if they are unknown.
   std::vector<Eigen::Vector3d> seen;
-  bool posed = true;      // where it stands is known; otherwise the poses in `truth` say nothing
-  std::string file = {};  // that it was read from; empty: none
+  bool posed = true;      // the poses in `truth` are known
+  std::string file = {};  // source; empty: none
 };
 
-// An obstacle before the lens that hides a share of the first object's pixels, from one side of
-// the image: the side to which `direction_rad` points (0: right, pi/2: down).
+// An obstacle before the lens that hides a share of the first object's pixels, from the side of the
+// image to which `direction_rad` points (0: right, pi/2: down).
 struct Obstacle {
-  double hidden_share = 0;  // 0: there is none
+  double hidden_share = 0;  // 0: none
   double direction_rad = 0;
   // The scan is a segmented cloud: the visible points of the first object alone.
   bool cut_out = false;

@@ -7,7 +7,7 @@
 namespace graspdb::client {
 namespace {
 
-// Obstacles are those of `questions`, where it is one's.
+// With the obstacles of `questions` if it is not null.
 absl::StatusOr<TrialSource> Rendered(std::vector<PlannedCapture> plan, const PartSet& set,
                                      const DepthCameraModel& camera,
                                      const ExperimentCase* questions) {
@@ -34,13 +34,13 @@ absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment
                                                 const PartSet& set) {
   auto teaching = PlanTeaching(experiment, set);
   if (!teaching.ok()) return teaching.status();
-  auto asking = PlanQuestions(experiment, set);
-  if (!asking.ok()) return asking.status();
+  auto questions = PlanQuestions(experiment, set);
+  if (!questions.ok()) return questions.status();
   auto taught = Rendered(*std::move(teaching), set, experiment.taught.camera, nullptr);
   if (!taught.ok()) return taught.status();
-  auto asked = Rendered(*std::move(asking), set, experiment.asked.camera, &experiment);
-  if (!asked.ok()) return asked.status();
-  return ExperimentTrials{*std::move(taught), *std::move(asked), false};
+  auto queries = Rendered(*std::move(questions), set, experiment.queried.camera, &experiment);
+  if (!queries.ok()) return queries.status();
+  return ExperimentTrials{*std::move(taught), *std::move(queries), false};
 }
 
 }  // namespace graspdb::client

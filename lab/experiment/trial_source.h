@@ -1,4 +1,4 @@
-// Where an experiment's trials come from.
+// Sources of an experiment's trials.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,18 @@
 
 namespace graspdb::client {
 
-// Trials that are made as they are needed, since together they do not fit into memory.
+// Trials that are made on demand, since together they do not fit into memory.
 struct TrialSource {
   std::size_t count = 0;
   // Of 0 … count - 1; thread-safe, and always the same.
   std::function<absl::StatusOr<Trial>(std::size_t)> make;
 };
 
-// What an experiment teaches and asks.
+// Trials to teach and queries of an experiment.
 struct ExperimentTrials {
   TrialSource teaching;
-  TrialSource asking;
-  // Trial i of `asking` is trial i of `teaching`, and is asked while that is not taught.
+  TrialSource queries;
+  // Trial i of `queries` is trial i of `teaching`, and is recognized without that view.
   bool leave_one_out = false;
 };
 

@@ -58,8 +58,8 @@ PoseScore Score(const Inputs& in, const Segment& segment, const Pose& initial) {
 
 std::string TextOf(const recognition::Evidence& e, const recognition::ConfidenceFeatures& d) {
   return absl::StrFormat(
-      "explained %.3f, confirmed %.3f, contradicted %.3f, unmeasured %.3f, rms %.2f mm; doubts: "
-      "scan %.3f, contradicted %.3f, residual %.2f, unseen %.2f, little %.2f",
+      "explained %.3f, confirmed %.3f, contradicted %.3f, unmeasured %.3f, rms %.2f mm; "
+      "confidence features: scan %.3f, contradicted %.3f, residual %.2f, unseen %.2f, little %.2f",
       e.scan_explained, e.confirmed, e.contradicted, e.unmeasured, e.rms_m * 1e3, d.scan,
       d.contradicted, d.residual, d.unseen, d.little);
 }

@@ -1,4 +1,4 @@
-// The recognition's scores for a pose that is known to be right: why it was not the answer.
+// The recognition's scores of the true pose: why it was not the answer.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct PoseScore {
 
 struct TruePose {
   std::size_t own_points = 0;      // voxels of the segment that lie on it
-  std::size_t segment_points = 0;  // voxels of the segment that most of its own are in; 0: none
+  std::size_t segment_points = 0;  // voxels of the segment with most of them; 0: none
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // of its own, world frame, m
   PoseScore whole;                                     // against all of the segment
   double own_score = 0;                                // against its own points alone
@@ -31,13 +31,13 @@ struct TruePose {
   }
 };
 
-// What was seen of a pose and what is doubted, for a person.
+// Evidence and confidence features of a pose as text.
 std::string TextOf(const recognition::Evidence& evidence,
                    const recognition::ConfidenceFeatures& features);
 std::string TextOf(const TruePose& truth);
 
-// Scores `model` at `world_object` (T_world_object) in the segment that has most of its points.
-// O(n) look-ups for n points of the scan. Thread-safe.
+// Scores `model` at `world_object` (T_world_object) in the segment with most of its points. O(n)
+// look-ups for n points of the scan. Thread-safe.
 TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentation& segmentation,
                     const recognition::SurfaceModel& model, const recognition::Pose& world_object,
                     const recognition::RecognitionParameters& parameters);

@@ -54,7 +54,7 @@ void FillErrors(const Tally& tally, Value* value) {
   }
 }
 
-// The keys of one histogram; of nothing there is no time.
+// The keys of one histogram; no times if it is empty.
 void FillTimes(const LatencyHistogram& times, JsonObject* out) {
   out->Number("count", static_cast<double>(times.count()));
   if (times.count() == 0) return;

@@ -21,10 +21,11 @@ constexpr double kNs = 1e9;  // in a second
 // The workers of one run and the thread that watches them.
 class Run {
  public:
-  Run(const LoadPlan& plan, const Ask& ask) : plan_(plan), ask_(ask), running_(plan.concurrency) {}
+  Run(const LoadPlan& plan, const SendRequest& send)
+      : plan_(plan), send_(send), running_(plan.concurrency) {}
 
   void Work(int worker);
-  // Waits for a moment; false once all workers are done.
+  // Waits for a short time; false once all workers are done.
   bool Wait();
   void Stop();
   std::int64_t finished() const { return finished_.load(); }
@@ -40,12 +41,12 @@ class Run {
   bool Next(std::int64_t* request, RequestTimes* times);
 
   const LoadPlan& plan_;
-  const Ask& ask_;
+  const SendRequest& send_;
   const Clock::time_point start_ = Clock::now();
   std::atomic<std::int64_t> next_ = 0;
   std::atomic<std::int64_t> finished_ = 0;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   int running_;
   bool stopped_ = false;
@@ -63,7 +64,7 @@ nanoseconds Run::DueAfter(std::int64_t request) const {
   return nanoseconds(std::llround(static_cast<double>(request) / plan_.rate * kNs));
 }
 
-// How many requests are due before `time` has passed.
+// Number of requests that are due before `time` has passed.
 std::int64_t Run::DueWithin(nanoseconds time) const {
   const double due = std::ceil(static_cast<double>(time.count()) / kNs * plan_.rate);
   const auto count = static_cast<std::int64_t>(due);
@@ -96,7 +97,7 @@ void Run::Work(int worker) {
   RequestTimes times;
   RequestTimes last = {start_, start_, start_};
   while (Next(&request, &times)) {
-    const auto response = ask_(worker, request);
+    const auto response = send_(worker, request);
     times.finished = Clock::now();
     last = times;
     ++finished_;
@@ -163,8 +164,8 @@ bool KeptRate(const LoadPlan& plan, const LoadResult& result) {
   return static_cast<double>(result.backlog) <= std::max(2.0, 0.02 * sent);
 }
 
-LoadResult RunLoad(const LoadPlan& plan, const Ask& ask, const LoadWatch& watch) {
-  Run run(plan, ask);
+LoadResult RunLoad(const LoadPlan& plan, const SendRequest& send, const LoadWatch& watch) {
+  Run run(plan, send);
   std::vector<std::thread> workers;
   workers.reserve(static_cast<std::size_t>(plan.concurrency));
   for (int i = 0; i < plan.concurrency; ++i) {

@@ -52,12 +52,11 @@ std::string ScheduleText(const LoadPlan& plan, const LoadResult& result) {
       "  sent more than %d ms late: %d, the latest by %.1f ms; due and not sent at the end: %d\n",
       kLate.count(), late, Milliseconds(lateness.Max()), result.backlog);
   if (!KeptRate(plan, result)) {
-    absl::StrAppendFormat(
-        &out,
-        "  THE RATE OF %g/s WAS NOT KEPT: all %d in flight were busy and requests "
-        "piled up, so that\n  latencies grow with the length of the run; raise "
-        "--concurrency or lower --rate\n",
-        plan.rate, plan.concurrency);
+    absl::StrAppendFormat(&out,
+                          "  THE RATE OF %g/s WAS NOT KEPT: all %d callers were busy and requests "
+                          "queued, so that\n  latencies grow with the length of the run; raise "
+                          "--concurrency or lower --rate\n",
+                          plan.rate, plan.concurrency);
   }
   return out;
 }
@@ -103,7 +102,7 @@ std::string StepsText(const LoadPlan& plan, const Tally& tally) {
   return out;
 }
 
-// Nothing where the server was not asked for models, or did not tell.
+// Empty if the server needed no models or did not report them.
 std::string ModelsText(const v1::CacheStatus& models) {
   if (models.hit_count() + models.miss_count() == 0) return "";
   const std::string advice = CacheAdvice(models);

@@ -19,9 +19,9 @@ struct SimulatedFrames {
   std::uint64_t seed = 1;
 };
 
-// What a simulated camera sees of random scenes, as a robot's program would ask about it: depth
-// images in whole millimetres, with the camera's intrinsics and pose and the region of interest.
-// Errors as PlanRandomScenes and DepthCamera.
+// Requests with frames of a simulated camera on random scenes, as a robot's program sends them:
+// depth images in whole millimetres, with the camera's intrinsics and pose and the region of
+// interest. Errors as PlanRandomScenes and DepthCamera.
 absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const SimulatedFrames& frames);
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// What a load test counts.
+// Counts of a load test.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@ namespace graspdb::client {
 struct RequestTimes {
   using Time = std::chrono::steady_clock::time_point;
   Time due;       // when it should have been sent
-  Time sent;      // when it was
-  Time finished;  // when its answer or its error was there
+  Time sent;      // when it was sent
+  Time finished;  // when its answer or error arrived
 };
 
 // The step between when a request is due and when it is sent.
@@ -27,7 +27,7 @@ inline constexpr char kBeforeSending[] = "before sending";
 // A part of the time between a request and its answer.
 struct Step {
   std::string name;
-  // Whether it is a part of what the server says of its own time.
+  // Whether it is part of the server's time.
   bool in_server = false;
   LatencyHistogram times;  // of the answers that had this step
 };
@@ -39,7 +39,7 @@ struct FailedRequests {
   std::chrono::nanoseconds longest{0};  // from when it was due to its error
 };
 
-// Requests and what became of them. Not thread-safe: count apart and merge.
+// Requests and their results. Not thread-safe: use one per thread and merge.
 class Tally {
  public:
   void AddAnswer(const RequestTimes& times, const v1::RecognizeResponse& response);
@@ -53,8 +53,8 @@ class Tally {
   // Answers by the name of their status, e.g. "OK", "UNKNOWN_OBJECT".
   const std::map<std::string, std::int64_t>& outcomes() const { return outcomes_; }
   const std::map<absl::StatusCode, FailedRequests>& errors() const { return errors_; }
-  // Where the time of the answered requests went, in the order in which it passed: before
-  // sending, network and queue, the server in total, and then the steps that it names.
+  // Steps of the answered requests, in order: before sending, network and queue, the server in
+  // total, and then the steps that the server reports.
   const std::vector<Step>& steps() const { return steps_; }
 
   std::int64_t answered() const { return latency_.count(); }

@@ -1,4 +1,4 @@
-// Whether a simulated robot would have held what it reached for.
+// Whether a pick of a simulated robot would have held.
 #pragma once
 
 #include <numbers>
@@ -11,7 +11,7 @@
 
 namespace graspdb::client {
 
-// A tool pose against the taught grasp that it is nearest to, of all objects in a scene.
+// Error of a tool pose from the nearest taught grasp of all objects in a scene.
 struct PickError {
   std::string object;  // id; empty where there is no grasp in the scene
   std::string grasp_id;
@@ -19,14 +19,14 @@ struct PickError {
   double turn_rad = 0;
 };
 
-// A gripper forgives so much.
+// Tolerances of a gripper.
 inline constexpr double kHoldShiftM = 0.003;
 inline constexpr double kHoldTurnRad = 2 * std::numbers::pi / 180;
 
 bool WouldHold(const PickError& error);
 
-// `world_tcp` (T_world_tcp) against the grasps of what `scene` has placed, modulo the symmetry of
-// each workpiece about its z axis.
+// Compares `world_tcp` (T_world_tcp) to the grasps of the objects in `scene`, modulo the symmetry
+// of each workpiece about its z axis.
 PickError JudgePick(const std::vector<Workpiece>& parts, const PlannedCapture& scene,
                     const recognition::Pose& world_tcp);
 

@@ -23,33 +23,33 @@ GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) 
 absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) {
   const std::optional<int>& job = held ? options.picked_job : options.missed_job;
   if (!job) return absl::OkStatus();
-  const auto answer = agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, *job));
+  const auto answer = agent.Call(RequestFor(options, GriAction::kTriggerJobSync, *job));
   if (!answer.ok()) return answer.status();
   if (answer->code == GriCode::kNoError || answer->code == GriCode::kNoReturnSpecified) {
     return absl::OkStatus();
   }
-  return absl::FailedPreconditionError(absl::StrCat(
-      "job ", *job, ", which is to hear of picks that ", held ? "held" : "did not hold",
-      ", answers ", GriCodeName(answer->code), "; see the agent's jobs"));
+  return absl::FailedPreconditionError(
+      absl::StrCat("job ", *job, ", which reports picks that ", held ? "held" : "did not hold",
+                   ", returned ", GriCodeName(answer->code), "; see the agent's jobs"));
 }
 
 absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& parts,
                               const PickRunOptions& options, const PlannedCapture& scene) {
   Pick out;
   out.shown = parts[scene.placements.front().part].object_id;
-  const Clock::time_point asked = Clock::now();
-  const auto answer = agent.Ask(RequestFor(options, GriAction::kTriggerJobSync, options.job));
-  const Clock::duration spent = Clock::now() - asked;
+  const Clock::time_point sent = Clock::now();
+  const auto answer = agent.Call(RequestFor(options, GriAction::kTriggerJobSync, options.job));
+  const Clock::duration spent = Clock::now() - sent;
   if (!answer.ok()) return answer.status();
   out.code = answer->code;
-  out.cycle = spent - std::chrono::microseconds(answer->data[gri_data::kCameraTime]);
+  out.latency = spent - std::chrono::microseconds(answer->data[gri_data::kCameraTime]);
   if (answer->code != GriCode::kNoError) return out;
   const absl::StatusOr<Pose> base_tcp = FromGriPose(answer->pose, answer->pose_format);
   if (!base_tcp.ok()) return absl::InternalError(base_tcp.status().message());
   out.error = JudgePick(parts, scene, options.world_base * *base_tcp);
   out.held = WouldHold(out.error);
-  absl::Status told = Report(agent, options, out.held);
-  if (!told.ok()) return told;
+  absl::Status reported = Report(agent, options, out.held);
+  if (!reported.ok()) return reported;
   return out;
 }
 
@@ -57,7 +57,7 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& pa
 
 absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
                                            const PickRunOptions& options,
-                                           const std::function<void(const Pick&)>& heard) {
+                                           const std::function<void(const Pick&)>& on_pick) {
   RandomSceneOptions random;
   random.count = options.picks;
   random.objects_per_scene = options.objects_per_scene;
@@ -71,7 +71,7 @@ absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<W
     if (!laid.ok()) return laid;
     absl::StatusOr<Pick> pick = PickFrom(agent, parts, options, scene);
     if (!pick.ok()) return pick.status();
-    heard(*pick);
+    on_pick(*pick);
     out.push_back(*std::move(pick));
   }
   return out;

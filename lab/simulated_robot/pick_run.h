@@ -1,5 +1,4 @@
-// A simulated robot at work: it lays objects out, asks its cell's agent, and judges what it is
-// told.
+// A simulated robot: places objects, requests grasps from its cell's agent, and judges them.
 #pragma once
 
 #include <chrono>
@@ -17,14 +16,14 @@
 namespace graspdb::client {
 
 struct PickRunOptions {
-  std::filesystem::path scene;  // the folder that the agent's simulated camera looks at
+  std::filesystem::path scene;  // the folder that the agent's simulated camera reads
   int picks = 20;
   int objects_per_scene = 1;
   std::uint64_t seed = 1;
   int job = 1;
   int pose_format = 4;
   recognition::Pose world_base = recognition::Pose::Identity();  // T_world_base
-  // Jobs by which the agent is told how it went.
+  // Jobs that report the result of a pick to the agent.
   std::optional<int> picked_job = {};
   std::optional<int> missed_job = {};
 };
@@ -32,19 +31,18 @@ struct PickRunOptions {
 struct Pick {
   std::string shown;  // id of the object that the scene is about
   GriCode code = GriCode::kUnknownError;
-  PickError error;  // where a pose was given
+  PickError error;  // if a pose was returned
   bool held = false;
-  // From the trigger to the answer, also where that is no pose, without the camera's frame.
-  std::chrono::duration<double> cycle{};
+  // From the trigger to the answer, also without a pose, without the camera's time.
+  std::chrono::duration<double> latency{};
 };
 
-// Picks; `heard` is told of each. Scenes that show each of `parts` in turn. A request without a
-// pose is no error, and nobody is told of it. Errors of PlanRandomScenes, WriteScenes and
-// GriClient; INTERNAL when the agent answers what is no pose; FAILED_PRECONDITION when a job that
-// is to hear of picks answers with an error. Nothing is shared: threads with a client and a folder
-// each may run it.
+// Picks and calls `on_pick` for each. The scenes show each of `parts` in turn. A request without a
+// pose is no error and is not reported to the agent. Errors of PlanRandomScenes, WriteScenes and
+// GriClient; INTERNAL when the agent returns an invalid pose; FAILED_PRECONDITION when a job that
+// reports picks returns an error. Thread-safe if every thread has its own client and folder.
 absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
                                            const PickRunOptions& options,
-                                           const std::function<void(const Pick&)>& heard);
+                                           const std::function<void(const Pick&)>& on_pick);
 
 }  // namespace graspdb::client

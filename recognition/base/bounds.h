@@ -1,4 +1,4 @@
-// The box around points.
+// Bounding box of points.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,7 +7,7 @@
 
 namespace graspdb::recognition {
 
-// The smallest box along the axes of the points' frame that holds them all; empty without points.
+// Axis-aligned bounding box in the points' frame; empty without points.
 inline Eigen::AlignedBox3f BoundsOf(const Points& points) {
   Eigen::AlignedBox3f out;
   for (const Eigen::Vector3f& p : points) out.extend(p);

@@ -1,4 +1,4 @@
-// Work that ends early when nobody waits for its result.
+// Cancellation of work whose result is no longer needed.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace graspdb::recognition {
 
-// Whether nobody waits for the result any more. Once true, it stays true.
+// Whether the caller no longer needs the result. Once true, it stays true.
 using IsCancelled = std::function<bool()>;
 
-// Does not call `is_cancelled`, which must outlive it, again once that was true. Thread-safe, and
+// Does not call `is_cancelled`, which must outlive it, again after it returned true. Thread-safe;
 // calls it from one thread at a time.
 inline IsCancelled Latched(const IsCancelled& is_cancelled) {
   struct State {
@@ -24,7 +24,7 @@ inline IsCancelled Latched(const IsCancelled& is_cancelled) {
   };
 }
 
-// Counts the steps of a loop and calls IsCancelled after every so many. Not thread-safe; the
+// Counts the steps of a loop and polls IsCancelled every kInterval of them. Not thread-safe; the
 // function must outlive it.
 class CancellationPoll {
  public:
@@ -35,7 +35,7 @@ class CancellationPoll {
     steps_ += steps;
     return steps_ < kInterval ? cancelled_ : Now();
   }
-  // Calls it now.
+  // Polls now.
   bool Now() {
     if (cancelled_) return true;
     steps_ = 0;
@@ -45,7 +45,7 @@ class CancellationPoll {
   bool cancelled() const { return cancelled_; }
 
  private:
-  // About 1 ms; a caller is free within 20 ms even where a step takes ten times as long.
+  // About 1 ms; a call returns within 20 ms even where a step takes ten times as long.
   static constexpr std::size_t kInterval = 1'000'000;
 
   const IsCancelled& is_cancelled_;

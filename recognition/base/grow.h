@@ -1,4 +1,4 @@
-// Large vectors in memory that is new to the process.
+// Cancellable growth of large vectors.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace graspdb::recognition {
 
-// Appends zeros until there are `size` elements, in blocks between which it polls: each new page of
-// 4 KB costs a page fault, 0.2 us on a machine and 10 us on some virtual ones, 0.1 s for 2 million
+// Appends zeros until there are `size` elements, and polls between blocks: each new page of 4 KB
+// costs a page fault, 0.2 us on a machine and 10 us on some virtual ones, 0.1 s for 2 million
 // points. False once cancelled.
 template <typename T>
 bool GrowTo(std::size_t size, CancellationPoll* poll, std::vector<T>* out) {

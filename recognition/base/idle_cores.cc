@@ -11,7 +11,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// Jobs that are begun one after the other, by any thread.
+// Jobs that any thread may start, in order.
 struct Batch {
   const std::function<void(std::size_t)>& job;
   std::size_t count;
@@ -54,7 +54,7 @@ class Helpers {
     return open == batches_.end() ? nullptr : *open;
   }
 
-  // Does what is left of a batch.
+  // Runs the remaining jobs of a batch.
   void Work(Batch& batch, std::unique_lock<std::mutex>& lock) {
     const bool was_at_work = std::exchange(is_at_work, true);
     at_work_ += !was_at_work;

@@ -1,4 +1,4 @@
-// How much may be tried for one frame.
+// Search budget of one frame.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 namespace graspdb::recognition {
 
-// Hypotheses that the search for what the nearest views do not explain may still screen, for one
-// cluster of a frame, and the time until it ends in any case. What the count stops is the same for
-// the same frame and catalogue; what the clock stops is not. Not thread-safe.
+// Hypotheses that a search may still screen for one cluster that its nearest views do not explain,
+// and the deadline of the search. The count is deterministic for a frame and catalogue; the
+// deadline is not. Not thread-safe.
 class SearchBudget {
  public:
   using Clock = std::chrono::steady_clock;
@@ -18,14 +18,14 @@ class SearchBudget {
       : SearchBudget(hypotheses, kRefined,
                      Clock::now() + std::chrono::duration_cast<Clock::duration>(ceiling)) {}
 
-  // For half of a cluster, whose answer is only where its partition begins. Of 288 objects that
-  // touch 97.2 % were right with 20 views refined and 60 screened ones, and 95.8 % without these;
-  // since the confidence was fitted on real frames 96.5 % are, with 60 screened ones alone as well.
-  // With all views no more are. Four times as many refined ones find no more either, and cost
-  // frames of unknown objects 7 of 50 ms.
+  // For half of a cluster, whose answer only initialises its partition. Of 288 touching objects
+  // 97.2 % were right with 20 refined and 60 screened views, and 95.8 % without these; since the
+  // confidence was fitted on real frames 96.5 % are, also with 60 screened views alone. All views
+  // give no more. Four times as many refined ones give no more either, and cost frames of unknown
+  // objects 7 of 50 ms.
   SearchBudget ForHalf() const { return {kHalfHypotheses, kHalfRefined, end_}; }
 
-  // False when nothing is left; `count` are then counted as not tried.
+  // False when nothing is left; `count` is then added to the untried views.
   bool Take(std::size_t count) {
     if (!out_of_time_ && count <= left_) {
       left_ -= count;
@@ -35,27 +35,27 @@ class SearchBudget {
     return false;
   }
 
-  // Whether the ceiling has been reached; from then on nothing is left.
+  // Whether the deadline has passed; from then on nothing is left.
   bool OutOfTime() {
     out_of_time_ = out_of_time_ || Clock::now() > end_;
     return out_of_time_;
   }
 
-  // One of `count` equal shares of what is left.
+  // One of `count` equal shares of the rest.
   SearchBudget Share(std::size_t count) const {
     return {left_ / std::max<std::size_t>(1, count), refined_, end_};
   }
 
-  // Those of one search that are refined after the screening.
+  // Hypotheses that one search refines after the screening.
   std::size_t refined() const { return refined_; }
   std::size_t left() const { return left_; }
   std::size_t untried() const { return untried_; }
   bool out_of_time() const { return out_of_time_; }
 
  private:
-  // In 96 scenes with 40 % hidden, whose descriptors say little, what won in the end was mostly one
-  // of the first ten after its screening, and at most the 41st of up to 640. Doubled, unknown
-  // objects take half as long again, and none more is found there.
+  // In 96 scenes with 40 % hidden, where descriptors are not distinctive, the final best was mostly
+  // among the first ten after screening, and at most the 41st of up to 640. Doubled, unknown
+  // objects take half as long again, and no more are found there.
   static constexpr std::size_t kRefined = 24;
   static constexpr std::size_t kHalfHypotheses = 60;
   static constexpr std::size_t kHalfRefined = 4;

@@ -1,4 +1,4 @@
-// What each step of the pipeline did and how long it took.
+// Results and durations of the pipeline's steps.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace graspdb::recognition {
 
-// One step; one that runs for every cluster is summed, also where clusters are looked at at once.
+// One step; steps that run for every cluster are summed, also over parallel clusters.
 struct StageReport {
   std::string stage;
   std::size_t input_points = 0;
@@ -19,7 +19,7 @@ struct StageReport {
 // Collects the reports in the order in which the steps first ran. Not thread-safe.
 class StageLog {
  public:
-  // Runs `step`, which returns the number of points that came out of it.
+  // Runs `step`, which returns its number of output points.
   template <typename Step>
   void Measure(std::string_view stage, std::size_t input_points, Step&& step) {
     const auto start = std::chrono::steady_clock::now();
@@ -32,7 +32,7 @@ class StageLog {
     report.duration_ms += spent.count();
   }
 
-  // What another log has of the same steps, or of further ones.
+  // Adds the reports of another log, of the same or further steps.
   void Add(const StageLog& other) {
     for (const StageReport& report : other.reports_) {
       StageReport& sum = Find(report.stage);

@@ -8,12 +8,12 @@
 
 namespace graspdb::recognition {
 
-// Which scores can still be among the `count` largest, and at least `share` of the largest one.
+// The minimum score to be among the `count` largest and at least `share` of the largest one.
 class TopScores {
  public:
   TopScores(std::size_t count, double share) : count_(count), share_(share) {}
 
-  // A lower score is not among them any more. Never falls.
+  // Lower scores are excluded. Never falls.
   double min() const {
     return std::max(share_ * largest_, heap_.size() < count_ ? 0 : heap_.front());
   }

@@ -10,7 +10,7 @@ namespace graspdb::recognition {
 // T_a_b, the pose of frame b in frame a: p_a = T_a_b * p_b. Metres.
 using Pose = Eigen::Isometry3d;
 
-// Points in metres, in the frame that the function taking or giving them names.
+// Points in metres, in the frame that the function documents.
 using Points = std::vector<Eigen::Vector3f>;
 
 // Unit vectors.

@@ -16,9 +16,9 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
-// Coordinates of about a metre are rounded to 6e-8 m. What is shorter than the first of
-// these has a direction that rounding decides, and two directions with a smaller sine
-// between them span no frame that survives a rigid motion.
+// Coordinates of about a metre are rounded to 6e-8 m. Rounding determines the direction of vectors
+// shorter than kNoDirection, and directions with a smaller sine between them than kNoFrame span no
+// frame that is stable under a rigid motion.
 constexpr double kNoDirection = 1e-5;  // m
 constexpr double kNoFrame = 1e-4;
 // Clouds that are smaller than this are one place, m; mean normals that are shorter have
@@ -61,7 +61,7 @@ absl::StatusOr<Center> FindCenter(const OrientedCloud& cloud, const Vector3d& vi
   }
   if (farthest < kSamePlace) {
     return absl::FailedPreconditionError(
-        "all points lie in one place, which has no shape to describe; check the scan");
+        "all points coincide and have no shape to describe; check the scan");
   }
   if (center.normal.norm() < kSamePlace) center.normal = viewpoint - center.position;
   if (center.normal.norm() < kSamePlace) center.normal = Vector3d::UnitZ();

@@ -27,7 +27,7 @@ enum class DescriptorKind {
 // "vfh263", "mvfh300", "vfh308", "gsh288".
 std::string_view DescriptorName(DescriptorKind kind);
 std::optional<DescriptorKind> DescriptorFromName(std::string_view name);
-// All of them.
+// Names of all descriptors.
 std::vector<std::string> DescriptorNames();
 
 // Number of bins.
@@ -37,23 +37,21 @@ int DescriptorSize(DescriptorKind kind);
 // mass 1. VFH-308: as PCL scales it, 100 a part.
 using Descriptor = std::vector<float>;
 
-// Fewer points than this have no descriptor.
+// Minimum number of points of a descriptor.
 inline constexpr std::size_t kMinDescriptorPoints = 10;
 
 // Describes `cloud` (metres, any frame, unit normals) as seen by a sensor at `sensor`
 // (T_cloud_sensor, metres). Does not depend on the order of the points nor on a
 // rigid motion of cloud and sensor together; GSH-288 only on one that leaves z up.
 //
-// INVALID_ARGUMENT for numbers that are not finite and for a point without a
-// normal; FAILED_PRECONDITION for fewer than 10 points and for points that all lie
-// in one place. Where the mean normal has no length, the direction from the
-// centroid to the viewpoint takes its place, since normals are turned towards
-// the sensor. A point on the centroid, or one whose Darboux frame is not
-// defined, is left out of the parts concerned.
+// INVALID_ARGUMENT for non-finite values and for a point without a normal; FAILED_PRECONDITION for
+// fewer than 10 points and for coincident points. Where the mean normal is zero, the direction from
+// the centroid to the viewpoint replaces it, since normals are turned towards the sensor. A point
+// on the centroid, or one with an undefined Darboux frame, is left out of the parts concerned.
 absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sensor,
                                     DescriptorKind kind);
 
-// The same where only the sensor's position is known. That is all, but for GSH-288 of something
+// The same from the sensor's position alone, which suffices except for GSH-288 of an object
 // straight below the sensor.
 absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Eigen::Vector3d& viewpoint,
                                     DescriptorKind kind);

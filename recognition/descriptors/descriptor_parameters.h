@@ -1,4 +1,4 @@
-// What a descriptor depends on besides the points.
+// Parameters of a descriptor.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace graspdb::recognition {
 
-// What shapes a stored cloud and its descriptor. One for the whole catalogue:
-// descriptors that were made with different values do not compare.
+// Parameters of stored clouds and their descriptors, the same for the whole catalogue: descriptors
+// with different values are not comparable.
 struct DescriptorParameters {
   DescriptorKind kind = DescriptorKind::kGsh288;
   // Edge of a voxel, m (paper, section 3.1: 0.3 cm).
@@ -16,7 +16,7 @@ struct DescriptorParameters {
   // Radius of the neighbourhood that a normal is fitted to, m.
   double normal_radius_m = 0.010;
 
-  // Names all values; equal texts mean that descriptors compare.
+  // All values as text; descriptors with equal fingerprints are comparable.
   std::string Fingerprint() const;
 };
 

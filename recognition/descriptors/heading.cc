@@ -7,14 +7,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Sine of the angle between line of sight and vertical up to which the image gives the direction,
-// and from which on the line of sight does alone.
+// Sine of the angle between line of sight and vertical: up to kSteep the image alone gives the
+// direction, from kOblique on the line of sight.
 constexpr double kSteep = 0.2;
 constexpr double kOblique = 0.4;
 // Shorter vectors have no direction.
 constexpr double kMinHorizontal = 1e-5;
 
-// Without its height, of length one; zero where nothing is left.
+// The horizontal unit vector; zero for a vertical `v`.
 Vector3d Level(const Vector3d& v) {
   const Vector3d level(v.x(), v.y(), 0);
   return level.norm() < kMinHorizontal ? Vector3d::Zero() : Vector3d(level.normalized());

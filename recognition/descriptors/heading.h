@@ -1,4 +1,4 @@
-// From which side something on the table is seen.
+// The side from which a sensor sees an object on the table.
 #pragma once
 
 #include "recognition/base/types.h"
@@ -6,10 +6,10 @@
 namespace graspdb::recognition {
 
 // The horizontal unit vector towards the side from which a sensor at `world_sensor`
-// (T_world_sensor) sees `point` (world frame, m). Where it looks obliquely, the direction to the
-// sensor. Where it looks straight down, or along z because nobody knows where down is, that
-// direction is little more than noise, and turning the object turns its image alike: there it is
-// the lower side of the image; in between, a mixture. Thread-safe.
+// (T_world_sensor) sees `point` (world frame, m). For an oblique view, the direction to the sensor.
+// For a view straight down, or along z because gravity is unknown, that direction is mostly noise,
+// and turning the object turns its image alike: the lower side of the image replaces it; in
+// between, a mixture. Thread-safe.
 Eigen::Vector3d SideSeen(const Pose& world_sensor, const Eigen::Vector3d& point);
 
 }  // namespace graspdb::recognition

@@ -39,30 +39,30 @@ std::vector<double> TurnsOf(const TaughtGrasp& grasp, int symmetry_order) {
   return out;
 }
 
-constexpr std::int64_t kImaginedPicks = 20;
-constexpr std::int64_t kImaginedSuccesses = 18;
+constexpr std::int64_t kPriorPicks = 20;
+constexpr std::int64_t kPriorSuccesses = 18;
 
 struct Picks {
   std::int64_t succeeded = 0;
   std::int64_t tried = 0;
 };
 
-Picks WithImagined(const PickCounts& told) {
-  return {.succeeded = told.picked + kImaginedSuccesses,
-          .tried = told.picked + told.missed + told.slipped + kImaginedPicks};
+Picks WithPrior(const PickCounts& reported) {
+  return {.succeeded = reported.picked + kPriorSuccesses,
+          .tried = reported.picked + reported.missed + reported.slipped + kPriorPicks};
 }
 
-// Tenths, so that grasps change places for what is no chance: two failures without a success, or
+// Tenths, so that only significant outcomes change the order: two failures without a success, or
 // twenty successes without a failure.
-std::int64_t SuccessClass(const PickCounts& told) {
-  const Picks picks = WithImagined(told);
+std::int64_t SuccessClass(const PickCounts& reported) {
+  const Picks picks = WithPrior(reported);
   return (20 * picks.succeeded + picks.tried) / (2 * picks.tried);  // rounded, without a float
 }
 
 }  // namespace
 
 double SuccessRate(const PickCounts& picks) {
-  const Picks all = WithImagined(picks);
+  const Picks all = WithPrior(picks);
   return static_cast<double>(all.succeeded) / static_cast<double>(all.tried);
 }
 

@@ -23,7 +23,7 @@ constexpr int kBranching = 32;
 constexpr int kRounds = 7;
 // Views that the projection is fitted to.
 constexpr std::size_t kSample = 2048;
-// Limits of what a file may ask for; both are far above what calibration chooses.
+// Limits of the search parameters in a file, far above calibrated values.
 constexpr int kMaxChecks = 1'000'000;
 constexpr int kMaxCandidates = 10'000;
 
@@ -93,7 +93,7 @@ class ApproximateIndex::Tree {
 
   absl::Status Load(std::string bytes) {
     const File file(fmemopen(bytes.data(), bytes.size(), "rb"));
-    if (file == nullptr) return absl::InternalError("no memory to load the index with");
+    if (file == nullptr) return absl::InternalError("out of memory while loading the index");
     index_.loadIndex(file.get());
     return absl::OkStatus();
   }
@@ -102,7 +102,7 @@ class ApproximateIndex::Tree {
     char* bytes = nullptr;
     std::size_t size = 0;
     File file(open_memstream(&bytes, &size));
-    if (file == nullptr) return absl::InternalError("no memory to save the index with");
+    if (file == nullptr) return absl::InternalError("out of memory while saving the index");
     // FLANN writes and reads with one function, which is not const.
     const_cast<Index&>(index_).saveIndex(file.get());
     file.reset();

@@ -32,13 +32,13 @@ class ApproximateIndex {
   // The largest k that is searched for in the tree; for more the exact search is as fast.
   static constexpr std::size_t kMaxNeighbors = 50;
 
-  // Where the descriptor of a view in the tree is; null for a view that was deleted.
+  // Location of a view's descriptor; null for a deleted view.
   struct Place {
     const DescriptorChunk* chunk = nullptr;
     std::size_t row = 0;
   };
 
-  // What a file keeps of an index, besides the names of its views in the order of their numbers.
+  // Stored content of an index, besides the names of its views in the order of their numbers.
   struct Saved {
     std::string library;  // and its version
     RootProjection::Numbers projection;
@@ -55,17 +55,16 @@ class ApproximateIndex {
   static absl::StatusOr<std::shared_ptr<ApproximateIndex>> Build(std::span<const Chunk> chunks,
                                                                  const SearchParameters& search);
 
-  // The index that was saved, of the same views in the same order; `chunks` hold those that are
-  // not deleted. FAILED_PRECONDITION for another library's, other views' or search parameters
-  // outside of their limits; DATA_LOSS for a projection that is damaged; INTERNAL when FLANN fails.
+  // The saved index of the same views in the same order; `chunks` contain those that are not
+  // deleted. FAILED_PRECONDITION for another library, other views or search parameters outside of
+  // their limits; DATA_LOSS for a projection that is damaged; INTERNAL when FLANN fails.
   static absl::StatusOr<std::shared_ptr<const ApproximateIndex>> Load(const Saved& saved,
                                                                       std::vector<Place> places,
                                                                       std::vector<Chunk> chunks);
   // INTERNAL when FLANN fails.
   absl::StatusOr<Saved> Save() const;
 
-  // Sets the search parameters, and the recall that was measured with them. Not while another
-  // thread uses the index.
+  // Sets the search parameters and their measured recall. Not while another thread uses the index.
   void Calibrate(const SearchParameters& search, double recall_at_10) {
     search_ = search;
     recall_at_10_ = recall_at_10;
@@ -75,8 +74,8 @@ class ApproximateIndex {
   ApproximateIndex(const ApproximateIndex&) = delete;
   ApproximateIndex& operator=(const ApproximateIndex&) = delete;
 
-  // Numbers of views that are near, in no order, without the `deleted` ones (one flag a view;
-  // empty: none is). INTERNAL when FLANN fails.
+  // Numbers of near views, unordered, without the `deleted` ones (one flag a view; empty: none is).
+  // INTERNAL when FLANN fails.
   absl::StatusOr<std::vector<std::size_t>> FindCandidates(const Descriptor& query,
                                                           const std::vector<bool>& deleted) const;
 

@@ -11,7 +11,7 @@
 
 namespace graspdb::recognition {
 
-// Everything that was taught, as of one revision. Immutable.
+// All taught data as of one revision. Immutable.
 struct CatalogueSnapshot {
   std::int64_t revision = 0;
   DescriptorIndex index;

@@ -25,12 +25,12 @@ struct Steps {
   float scale;
 };
 
-// Writes the bytes of some numbers; returns how far these are from what the numbers stand for.
+// Writes numbers as bytes; returns the distance of these from the exact numbers.
 float Encode(const CodedNumbers& numbers, const Steps& steps, std::uint8_t* out) {
   double squares = 0;
   for (std::size_t i = 0; i < numbers.values.size(); ++i) {
     const float at = numbers.values[i] - steps.lowest;
-    // Not a number becomes 0 and makes the sum one, which bounds nothing.
+    // NaN becomes 0 and makes the sum NaN, which bounds nothing.
     const float code = std::floor(std::min(kLargestCode, std::max(0.0F, at * steps.scale + 0.5F)));
     out[i] = static_cast<std::uint8_t>(code);
     const auto off = static_cast<double>(at) - static_cast<double>(code) / steps.scale;
@@ -104,8 +104,8 @@ void DescriptorChunk::Bound(const CodedNumbers& coded, std::span<float> out) con
   const float step = (1 - kRounding) / scale_;
   for (std::size_t i = 0; i < size(); ++i) {
     const float between = std::sqrt(static_cast<float>(squares[i])) * step;
-    const float least = std::max(0.0F, between - query_off - rounded_off_[i]);
-    out[i] = (1 - kRounding) * least * least;
+    const float bound = std::max(0.0F, between - query_off - rounded_off_[i]);
+    out[i] = (1 - kRounding) * bound * bound;
   }
 }
 

@@ -18,30 +18,30 @@ struct IndexedView {
   Descriptor descriptor;
 };
 
-// A descriptor that is looked for.
+// The descriptor of a query.
 struct DescriptorQuery {
   explicit DescriptorQuery(const Descriptor& descriptor);
 
   std::vector<float> bins;  // padded with zeros
 };
 
-// Numbers that become bytes.
+// Numbers to encode as bytes.
 struct CodedNumbers {
   std::vector<float> values;
-  float rounding = 0;  // their distance from what they stand for is not above this
+  float rounding = 0;  // upper bound of their distance from the exact numbers
 };
 
-// Those of a histogram: its roots, or the components of these.
+// Of a histogram: its roots, or their projected components.
 CodedNumbers NumbersToCode(const Descriptor& descriptor, const RootProjection* projection);
 
-// Rows of bins, and bytes, from which a bound of each distance is had for a fraction of the memory
-// traffic and arithmetic.
+// Rows of bins, and bytes that bound each distance from below for a fraction of the memory traffic
+// and arithmetic.
 //
 // With H the Euclidean distance of the roots of two histograms (Hellinger's, but for a factor),
-// chi-square = sum (a - b)^2 / (a + b) = sum (sqrt a - sqrt b)^2 (sqrt a + sqrt b)^2 / (a + b)
-// lies between H^2 and 2 H^2, since (sqrt a + sqrt b)^2 lies between a + b and 2 (a + b). The bytes
-// are rounded roots, or with a projection its components, whose distance is not above H either;
-// what rounding moved every row by is known, so that the triangle inequality bounds H from below.
+// chi-square = sum (a - b)^2 / (a + b) = sum (sqrt a - sqrt b)^2 (sqrt a + sqrt b)^2 / (a + b) lies
+// between H^2 and 2 H^2, since (sqrt a + sqrt b)^2 lies between a + b and 2 (a + b). The bytes are
+// rounded roots, or with a projection its components, whose distance is not above H either; the
+// rounding error of every row is known, so that the triangle inequality bounds H from below.
 // Immutable; safe for concurrent reads.
 class DescriptorChunk {
  public:
@@ -53,11 +53,11 @@ class DescriptorChunk {
   std::size_t bins() const { return bins_; }
   const std::vector<std::shared_ptr<const TaughtView>>& views() const { return views_; }
   Descriptor DescriptorOf(std::size_t i) const;
-  // Null: there is none.
+  // Null when there is none.
   const std::shared_ptr<const RootProjection>& projection() const { return projection_; }
 
-  // Writes for each row what its chi-square distance is not smaller than; `out` has size().
-  // `coded` is the query's projection where there is one, else its roots.
+  // Writes a lower bound of each row's chi-square distance; `out` has size(). `coded` is the
+  // query's projection where there is one, else its roots.
   void Bound(const CodedNumbers& coded, std::span<float> out) const;
 
   // Chi-square distance of row `i`.
@@ -72,7 +72,7 @@ class DescriptorChunk {
   float scale_ = 1;
   std::vector<float> rows_;
   std::vector<std::uint8_t> codes_;
-  std::vector<float> rounded_off_;  // a row: distance of the numbers from what the bytes say
+  std::vector<float> rounded_off_;  // a row: rounding error of its bytes
   std::shared_ptr<const RootProjection> projection_;
 };
 

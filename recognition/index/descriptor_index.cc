@@ -9,15 +9,15 @@ namespace graspdb::recognition {
 namespace {
 
 constexpr std::size_t kChunkViews = 512;
-// So many views for each that is wanted say how far the nearest are at most: the lowest bounds
-// mostly belong to the nearest.
+// Views measured first for each requested one, to limit the distance of the nearest: the lowest
+// bounds mostly belong to the nearest.
 constexpr std::size_t kTriedFirst = 3;
 
-// From so many views on, bytes of fewer numbers than bins are worth their fitting (50 ms). Fewer
+// From this many views on, a projection to fewer numbers than bins is worth its fit (50 ms). Fewer
 // views are searched in 0.1 ms without.
 constexpr std::size_t kFirstFit = 4096;
-// Views that were not there when it was fitted are bounded less well, so that it is fitted again
-// when there are so many times as many; what is packed already stays as it is.
+// Views added after the fit are bounded less well, so that the projection is refitted when their
+// number has grown by this factor; packed views stay as they are.
 constexpr std::size_t kFitAgain = 4;
 constexpr std::size_t kFitSample = 2048;
 
@@ -34,7 +34,7 @@ class BestMatches {
 
   void Lower(float limit) { limit_ = std::min(limit_, limit); }
 
-  // What is farther away than this is none of them.
+  // Views farther away are no matches.
   float worst() const {
     const float known =
         matches_.size() < count_ ? kAnything : static_cast<float>(matches_.front().distance);
@@ -61,7 +61,7 @@ class BestMatches {
   std::vector<Match> matches_;  // a heap, the worst in front
 };
 
-// A view's place, and what its distance is not smaller than.
+// A view's location and the lower bound of its distance.
 struct Bounded {
   float bound;
   std::size_t chunk;
@@ -100,7 +100,7 @@ float Smallest(std::size_t count, std::vector<float> values) {
   return *at;
 }
 
-// The query's numbers for each projection that chunks have.
+// The query's numbers for each projection of the chunks.
 class CodedQuery {
  public:
   explicit CodedQuery(const Descriptor& descriptor) : descriptor_(descriptor) {}

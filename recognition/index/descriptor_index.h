@@ -14,17 +14,16 @@
 
 namespace graspdb::recognition {
 
-// A view that was found.
+// A view found by a search.
 struct Match {
   std::shared_ptr<const TaughtView> view;
   double distance = 0;  // chi-square, see ChiSquareDistance
 };
 
-// An immutable index; copies share their content, and With/Without share what
-// does not change, so that a write costs one chunk and not the whole. Searches
-// are exact: bytes say which views may be among the nearest (see DescriptorChunk),
-// and these are measured. The result of a search does not depend on the order in which the
-// views came. Thread-safe.
+// An immutable index; copies share their content, and With/Without share unchanged chunks, so that
+// a write costs one chunk and not the whole. Searches are exact: bytes select the views that may be
+// among the nearest (see DescriptorChunk), whose distances are then computed. Results do not depend
+// on the insertion order. Thread-safe.
 class DescriptorIndex {
  public:
   // `size` bins a descriptor.
@@ -49,7 +48,7 @@ class DescriptorIndex {
   // With and Without keep it. O(views).
   DescriptorIndex WithApproximate(std::shared_ptr<const ApproximateIndex> approximate) const;
 
-  // Null: there is none.
+  // Null when there is none.
   const std::shared_ptr<const ApproximateIndex>& approximate() const { return approximate_; }
   // Views that are not in the approximate index, and deleted views that are in it.
   std::size_t newer_view_count() const;
@@ -60,8 +59,8 @@ class DescriptorIndex {
   // All views, some hundreds at a time.
   std::span<const std::shared_ptr<const DescriptorChunk>> chunks() const { return chunks_; }
 
-  // No views, which will be packed as those of this index: for parts of it that are made on other
-  // threads. Not needed for the answers to be right.
+  // An empty index that packs views as this one does, for parts that are built on other threads.
+  // Not required for correctness.
   DescriptorIndex Empty() const;
 
  private:
@@ -74,7 +73,7 @@ class DescriptorIndex {
   std::size_t bins_;
   std::size_t view_count_ = 0;
   std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
-  std::size_t next_fit_;                              // at so many views
+  std::size_t next_fit_;                              // at this many views
   std::shared_ptr<const ApproximateIndex> approximate_;
   std::shared_ptr<const std::vector<bool>> deleted_;  // a flag for each view in it
   std::size_t covered_ = 0;                           // chunks, the first ones, that are in it

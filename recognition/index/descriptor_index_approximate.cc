@@ -1,4 +1,4 @@
-// Which views of a DescriptorIndex its approximate index has.
+// The views of a DescriptorIndex that its approximate index contains.
 #include <algorithm>
 #include <unordered_map>
 #include <utility>

@@ -1,4 +1,4 @@
-// How much an approximate index finds of what the exact search finds.
+// Recall of an approximate index.
 #pragma once
 
 #include "absl/status/statusor.h"

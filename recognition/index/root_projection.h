@@ -9,8 +9,7 @@ namespace graspdb::recognition {
 
 // An orthonormal projection of the roots of histograms onto their principal components. The
 // distance of two projections is never larger than that of the roots (Bessel's inequality),
-// whatever the projection was fitted to: what it was fitted to decides how much of the distance is
-// left.
+// whatever the projection was fitted to: the fit determines how much of the distance remains.
 //
 // The components are turned by a Hadamard matrix, so that all have the same variance and rounding
 // them in equal steps loses the least. Immutable; safe for concurrent reads.
@@ -26,7 +25,7 @@ class RootProjection {
   // bins than components, or numbers that are not finite.
   static std::shared_ptr<const RootProjection> Fit(const std::vector<std::vector<float>>& sample);
 
-  // What a projection consists of, to be kept.
+  // The numbers of a projection, to store it.
   struct Numbers {
     std::vector<float> means;  // of the sample, one a bin
     std::vector<float> axes;   // kComponents values for each bin
@@ -40,7 +39,7 @@ class RootProjection {
 
   struct Projection {
     std::vector<float> components;
-    float rounding = 0;  // an upper bound of how far floats moved them
+    float rounding = 0;  // upper bound of their floating-point error
   };
 
   // Of `roots`, which have as many values as those of the sample; some 5 microseconds for 288.

@@ -1,4 +1,4 @@
-// What was recognised in one segment.
+// The detection in one segment.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace graspdb::recognition {
 
-// Why there is or is no answer; see the public contract.
+// Outcome of a recognition; see the public contract.
 enum class RecognitionOutcome {
   kOk,
   kEmptyRegion,
@@ -50,11 +50,11 @@ struct Detection {
   // symmetry (DeclaredTurns) or else those that were found, and others where the detection is
   // ambiguous.
   std::vector<Pose> equivalent_poses;
-  // Something else explains the scan as well: another place, orientation or object.
+  // Another place, orientation or object explains the scan as well.
   bool ambiguous = false;
   std::vector<Alternative> alternatives;  // that are not of the same stable pose
-  bool touching = false;                  // the camera saw it and other objects as one
-  std::optional<Gate> rejected_by;        // of an object that is unknown
+  bool touching = false;                  // the camera saw it and other objects as one cluster
+  std::optional<Gate> rejected_by;        // for an unknown object
   Registration registration;
   std::shared_ptr<const SurfaceModel> model;  // that was aligned; null in the single-view baseline
   Evidence evidence;  // of the best explanation; all zero where models were not aligned

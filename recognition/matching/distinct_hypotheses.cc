@@ -22,7 +22,7 @@ bool IsSamePlace(const SurfaceModel& model, const Pose& a, const Pose& b) {
 }  // namespace
 
 bool IsThere(const PoseHypothesis& a, const Pose& pose, const PoseHypothesis& b) {
-  // Not by the pointers: what is dropped from a cache comes back as another one.
+  // Not by pointers: a model dropped from a cache is loaded again at another address.
   return HaveSameModel(*a.view, *b.view) && IsSamePlace(*a.model, pose, b.refined);
 }
 

@@ -3,7 +3,7 @@
 
 namespace graspdb::recognition {
 
-// Which error the alignment makes small.
+// Error that the alignment minimises.
 enum class IcpMetric {
   kPointToPoint,  // Besl and McKay, as the paper cites it.
   kPointToPlane,  // Chen and Medioni; fewer iterations, the same minimum.
@@ -11,7 +11,7 @@ enum class IcpMetric {
 
 // How the nearest views are aligned and judged.
 struct MatchingParameters {
-  // Candidates that an answer lists.
+  // Number of candidates in an answer.
   int candidate_count = 10;
   // Nearest views whose stable poses are aligned first; the hypothesis that explains the scan
   // best wins. 1 trusts the descriptor alone and aligns that view's cloud, as the paper does.
@@ -19,12 +19,11 @@ struct MatchingParameters {
   // Views evaluated in all for a segment that these do not explain: among 2,040 views no
   // more was found with all of them (ADR 15). Doubled, unknown objects take up to twice as long.
   int further_view_count = 300;
-  // Of those the views that are looked at for all segments of a frame together; what is left is
-  // counted as not tried. Four segments that nothing explains; doubled, the worst frame takes twice
-  // as long.
+  // Of those, the views evaluated for all segments of a frame together; the rest is counted as
+  // untried. Enough for four unexplained segments; doubled, the worst frame takes twice as long.
   int further_view_budget = 1200;
-  // When the search for what nothing explains ends in any case, s from the frame's beginning. Far
-  // more than the budget takes, for a machine that is too busy.
+  // Deadline of the search for unexplained segments, s from the frame's beginning. Far more than
+  // the budget takes, for an overloaded machine.
   double search_ceiling_s = 2;
   IcpMetric metric = IcpMetric::kPointToPlane;
   int icp_iteration_count = 50;
@@ -36,7 +35,7 @@ struct MatchingParameters {
   double min_inlier_fraction = 0.3;
   // A detection that scores lower is unknown, 0 to 1.
   double min_score = 0.5;
-  // A stable pose that has a threshold of its own is held to that in place of min_score.
+  // Whether a stable pose's own threshold replaces min_score.
   bool use_own_min_scores = true;
 };
 

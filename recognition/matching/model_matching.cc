@@ -8,9 +8,9 @@
 namespace graspdb::recognition {
 namespace {
 
-constexpr std::size_t kGrowth = 4;  // so many times more views each time, until one explains it
-// Factor of the number of views where a side is not seen, since the descriptor says little then. Of
-// 81 objects with 40 % hidden from a Carmine 91 % were found and not 88 (ADR 23).
+constexpr std::size_t kGrowth = 4;  // of the number of views each time, until one explains it
+// Factor of the number of views where a side is not seen, since the descriptor is not distinctive
+// then. Of 81 objects with 40 % hidden from a Carmine 91 % were found instead of 88 (ADR 23).
 constexpr int kCutOffViews = 4;
 
 }  // namespace
@@ -40,13 +40,13 @@ absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
   Views further = FurtherViews(unseen);
   Views tried = nearest_;
   if (IsCutOff()) {
-    // The descriptor of a part says little, and a part of one object is explained by others too.
+    // The descriptor of a part is not distinctive, and other objects explain a part as well.
     if (auto status = matcher_.ProposeBest(further, hidden_, budget); !status.ok()) return status;
     if (matcher_.IsExplained()) return absl::OkStatus();
     std::ranges::move(further, std::back_inserter(tried));
     further.clear();
   }
-  // What was tried already is tried again, first, only where it could stand elsewhere.
+  // Tried views are tried again, first, only where their objects could stand elsewhere.
   if (unseen != hidden_) further.insert(further.begin(), tried.begin(), tried.end());
   if (further.empty()) return absl::OkStatus();
   std::size_t portion = kGrowth * tried.size();
@@ -59,8 +59,7 @@ absl::Status ModelSearch::TryFurther(SearchBudget& budget) {
   if (parameters_.min_score > 0 || IsCutOff() || !matcher_.ExplainsNothing()) {
     return absl::OkStatus();
   }
-  // An answer is wanted all the same: what the segment looks like says more than which of the
-  // failures is the smallest.
+  // An answer is required: the nearest descriptor is more reliable than the best failed hypothesis.
   matcher_.Forget();
   return matcher_.Propose({nearest_.data(), 1}, hidden_);
 }

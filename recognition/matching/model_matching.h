@@ -1,4 +1,4 @@
-// Which taught stable pose, where: the views that are tried for one segment, and in which order.
+// Search for the stable pose and pose of one segment: the views it tries, and in which order.
 #pragma once
 
 #include <span>
@@ -9,37 +9,37 @@
 
 namespace graspdb::recognition {
 
-// What is searched for: one segment of a scan.
+// Input of a search: one segment of a scan.
 struct MatchingInput {
   const Scan& scan;
   const Segmentation& segmentation;
   const Segment& segment;
 };
 
-// The search for the hypotheses that explain a segment best. It can end after the nearest views and
-// go on later: nothing is done twice. Stable poses without a model are left out. Deterministic but
-// for the budget's clock. Not thread-safe; all references must outlive it.
+// The search for the hypotheses that explain a segment best. It can stop after the nearest views
+// and continue later without repeated work. Stable poses without a model are left out.
+// Deterministic but for the budget's clock. Not thread-safe; all references must outlive it.
 class ModelSearch {
  public:
-  // `nearest` is not empty and holds the views with the descriptors most similar to `descriptor`,
-  // that of the segment.
+  // `nearest` is not empty and contains the views with the descriptors most similar to
+  // `descriptor`, that of the segment.
   ModelSearch(const MatchingInput& input, const ScanDepths& depths, Descriptor descriptor,
               std::span<const Match> nearest, const CatalogueSnapshot& catalogue,
               ViewClouds& clouds, const MatchingParameters& parameters,
               const IsCancelled& is_cancelled);
 
-  // The stable poses and azimuths of the nearest views; whether they explain the segment. Errors as
-  // LoadModel; CANCELLED.
+  // Tries the stable poses and azimuths of the nearest views; returns whether they explain the
+  // segment. Errors as LoadModel; CANCELLED.
   absl::StatusOr<bool> TryNearest();
 
-  // Where they do not, or something hides a part of the segment so that its descriptor says little:
-  // further views, the most similar first, MatchingParameters::further_view_count at most (of what
-  // is not seen whole kCutOffViews times as many) and as many as the budget allows. Where none of
-  // these explains anything and an answer is wanted all the same (min_score 0), the nearest view
-  // alone.
+  // Where they do not, or a part of the segment is hidden so that its descriptor is not
+  // distinctive, tries further views, the most similar first: at most
+  // MatchingParameters::further_view_count (kCutOffViews times as many for a partly hidden segment)
+  // and as many as the budget allows. Where none of these explains anything and an answer is
+  // required (min_score 0), the nearest view alone.
   absl::Status TryFurther(SearchBudget& budget);
 
-  // The nearest views alone, all of them screened, in place of both: of as many as the budget
+  // Tries the nearest views only, all of them screened, in place of both: as many as the budget
   // allows.
   absl::Status TryScreened(SearchBudget& budget) {
     matcher_.SeekBeginning();

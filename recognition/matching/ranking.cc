@@ -10,13 +10,13 @@
 namespace graspdb::recognition {
 namespace {
 
-// A surface is met by a measurement up to so many deviations away; the deviation that a good
-// alignment leaves is that of the sensor and of the voxels.
+// A measurement matches a surface up to this many deviations away; a good alignment leaves the
+// deviation of the sensor and of the voxels.
 constexpr double kDeviations = 4.5;
 constexpr double kFinestM = 0.0035;
-// What a model's grid does not know is farther away than this, m.
+// Points outside a model's grid are farther away than this, m.
 constexpr double kFarM = 0.02;
-// Surfaces that are nowhere farther apart are one, m, or as a share of the size.
+// Surfaces that are nowhere farther apart are the same, m, or as a share of the size.
 constexpr double kSameSurfaceM = 0.006;
 constexpr double kSameSurfaceShare = 0.04;
 // Scores that differ less are equal.

@@ -26,17 +26,17 @@ ReachableShare::ReachableShare(const Points& points, std::size_t stride) {
 
 double ReachableShare::Within(float radius_m) const {
   if (heights_.empty()) return 1;
-  // What is as wide reaches into one cell more.
+  // An interval of n cells overlaps one cell more.
   const float width = std::min(std::floor(2 * radius_m / cell_m_), static_cast<float>(kCells));
   const int cells = std::min(kCells, static_cast<int>(width) + 2);
-  int most = 0;
+  int max_count = 0;
   for (int y = cells; y <= kCells; ++y) {
     for (int x = cells; x <= kCells; ++x) {
-      most = std::max(most, sums_(x, y) - sums_(x - cells, y) - sums_(x, y - cells) +
-                                sums_(x - cells, y - cells));
+      max_count = std::max(max_count, sums_(x, y) - sums_(x - cells, y) - sums_(x, y - cells) +
+                                          sums_(x - cells, y - cells));
     }
   }
-  return static_cast<double>(most) / static_cast<double>(heights_.size());
+  return static_cast<double>(max_count) / static_cast<double>(heights_.size());
 }
 
 double ReachableShare::NotHigher(float z_m) const {

@@ -1,4 +1,4 @@
-// How much of a segment an object of a given size can be.
+// Share of a segment that an object of a given size can cover.
 #pragma once
 
 #include <cstddef>

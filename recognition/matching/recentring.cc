@@ -9,37 +9,36 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-// Standard deviation of what a residual of weight 1 says, m. Points err together, so that it is
-// some times that of one point.
+// Standard deviation of a residual of weight 1, m. Errors of points are correlated, so that it is
+// several times that of one point.
 constexpr double kDeviationM = 0.0066;
-// What deviates less is held, m.
+// Axes with a smaller deviation are firmly constrained, m.
 constexpr double kFirmM = 0.0006;
 // Steps along the direction, m at the model's rim, and how many there are at most to each side.
 constexpr double kStepM = 0.001;
 constexpr int kMaxSteps = 10;
-// A score that is so much higher is better; poses whose score is less than this below the best one
-// are as good.
+// Scores are better from kBetter more on; poses are as good up to kAsGood below the best score.
 constexpr double kBetter = 3e-4;
 constexpr double kAsGood = 2e-3;
 
-// The least held direction: a turn about the model's center and a move, world frame, for each metre
-// at the model's rim.
+// The weakest axis: a turn about the model's center and a move, world frame, per metre at the
+// model's rim.
 struct Direction {
   Vector6d motion = Vector6d::Zero();
   double deviation_m = 0;
 };
 
-Direction WeakestDirection(const SurfaceModel& model, const InformationMatrix& held) {
+Direction WeakestDirection(const SurfaceModel& model, const InformationMatrix& information) {
   Vector6d scale = Vector6d::Ones();
   // A single point has no rim.
   scale.head<3>() /= std::max(static_cast<double>(model.radius_m), kStepM);
-  const Eigen::SelfAdjointEigenSolver<InformationMatrix> solver(scale.asDiagonal() * held *
+  const Eigen::SelfAdjointEigenSolver<InformationMatrix> solver(scale.asDiagonal() * information *
                                                                 scale.asDiagonal());
-  const double least = std::max(solver.eigenvalues()[0], 1e-6);
-  return {scale.asDiagonal() * solver.eigenvectors().col(0), kDeviationM / std::sqrt(least)};
+  const double smallest = std::max(solver.eigenvalues()[0], 1e-6);
+  return {scale.asDiagonal() * solver.eigenvectors().col(0), kDeviationM / std::sqrt(smallest)};
 }
 
-// Poses along a direction, m from where it began.
+// Poses along a direction, m from the first one.
 class Line {
  public:
   Line(const SurfaceModel& model, const Recentred& begin, const Vector6d& motion,
@@ -56,7 +55,7 @@ class Line {
   }
   double ScoreAt(double along_m) const { return At(along_m).evidence.score; }
 
-  // From the beginning as far as steps to either side lead to better scores.
+  // Climbs from the first pose while steps to either side lead to better scores.
   double Top(double* score) const {
     double top = 0;
     *score = begin_.evidence.score;
@@ -72,13 +71,13 @@ class Line {
     return top;
   }
 
-  // How far from `top` the scores are as good, in steps of `step`.
+  // Distance from `top` up to which scores are as good, in steps of `step`.
   double End(double top, double top_score, double step) const {
-    const double least = top_score - kAsGood;
+    const double min_score = top_score - kAsGood;
     double last = top_score;
     for (int n = 0; n < kMaxSteps; ++n) {
       const double next = ScoreAt(top + (n + 1) * step);
-      if (next < least) return (n + (last - least) / (last - next)) * step;
+      if (next < min_score) return (n + (last - min_score) / (last - next)) * step;
       last = next;
     }
     return kMaxSteps * step;
@@ -94,8 +93,8 @@ class Line {
 }  // namespace
 
 Recentred Recentre(const SurfaceModel& model, const Recentred& refined,
-                   const InformationMatrix& held, const Judge& judge) {
-  const Direction direction = WeakestDirection(model, held);
+                   const InformationMatrix& information, const Judge& judge) {
+  const Direction direction = WeakestDirection(model, information);
   if (direction.deviation_m < kFirmM) return refined;
   const Line line(model, refined, direction.motion, judge);
   double score = 0;
@@ -104,7 +103,7 @@ Recentred Recentre(const SurfaceModel& model, const Recentred& refined,
   const double high = line.End(top, score, kStepM);
   const double spread = (high - low) / 2;
   const double middle = top + (low + high) / 2;
-  // The mean of that and of 0, where the refinement has come to, weighted by their variances.
+  // The mean of that and of 0, the refined pose, weighted by their variances.
   const double variance = direction.deviation_m * direction.deviation_m;
   return line.At(middle * variance / (variance + spread * spread));
 }

@@ -1,4 +1,4 @@
-// The last step to a pose: along what its refinement leaves loose (docs/adr/0019).
+// Recentring of a refined pose along its weakest axis (docs/adr/0019).
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace graspdb::recognition {
 
-// What a pose is judged by.
+// Computes the evidence for a pose.
 using Judge = std::function<Evidence(const Pose& world_object)>;
 
 struct Recentred {
@@ -16,14 +16,13 @@ struct Recentred {
   Evidence evidence;
 };
 
-// Residuals say little of how far an object may slide along its faces or turn about its posts, and
-// what they say there is mostly noise; where its ends are, and what the camera looked through,
-// says more. So the pose that `refined` has come to is moved along the one direction in which it is
-// held the least, towards the middle of the poses that `judge` likes best there, as far as the
-// variances of both tell. The best is looked for up to 10 mm away (at the model's rim, where it
-// turns), and where the scores fall up to 10 mm from there. `held` is what holds it
-// (InformationMatrixOf). Unchanged where it is held firmly. Deterministic.
+// Residuals constrain sliding along an object's faces and turns about its posts weakly, and are
+// mostly noise there; its ends and the free space constrain them better. Moves the pose of
+// `refined` along its weakest axis towards the middle of the poses with the best scores of `judge`,
+// weighted by the variances of both. Searches the best score up to 10 mm away (at the model's rim
+// for a turn), and the ends of the range that scores as well up to 10 mm from there. `information`:
+// see InformationMatrixOf. Returns `refined` where the axis is firmly constrained. Deterministic.
 Recentred Recentre(const SurfaceModel& model, const Recentred& refined,
-                   const InformationMatrix& held, const Judge& judge);
+                   const InformationMatrix& information, const Judge& judge);
 
 }  // namespace graspdb::recognition

@@ -14,9 +14,10 @@ using Eigen::Vector3f;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Standard deviation of a voxel's place across the surface, m; what the priors are held against.
+// Standard deviation of a voxel's place across the surface, m, relative to which the priors are
+// weighted.
 constexpr double kPointDeviationM = 0.0012;
-// Points of a scan err together: so many count as one against a prior.
+// Errors of scan points are correlated: this many count as one against a prior.
 constexpr double kPointsThatErrTogether = 30;
 // Surfaces that face each other less than this do not correspond.
 constexpr float kMinAgreement = 0.5F;
@@ -24,7 +25,7 @@ constexpr float kMinAgreement = 0.5F;
 constexpr float kEdgeWeight = 0.3F;
 constexpr float kMinFacing = 0.2F;
 constexpr double kNegligibleMoveM = 2e-5;
-// A measured table says more than a calibration: its deviations are so much smaller.
+// A measured table is more accurate than a calibration: share of its deviations.
 constexpr double kMeasuredTableShare = 0.25;
 
 // The normal equations of one step: a turn about `center` and then a move, world frame.
@@ -77,7 +78,7 @@ void AddScan(const SurfaceModel& model, const RefinementTarget& target, const Po
   residuals.reach = reach;
   residuals.spacing = kSurfaceSpacingM;
   residuals.edge_weight = kEdgeWeight;
-  residuals.least_agreement = kMinAgreement;
+  residuals.min_agreement = kMinAgreement;
   step->Add(simd::Best().accumulate_point_to_plane(residuals), world_object.linear(), 1);
 }
 
@@ -95,8 +96,8 @@ void AddEdges(const Surface& surface, const RefinementTarget& target, const Pose
   Eigen::Map<Vector3f>(residuals.center) = center;
   residuals.reach = reach;
   residuals.spacing = kSurfaceSpacingM;
-  residuals.least_facing = kMinFacing;
-  residuals.least_agreement = kMinAgreement;
+  residuals.min_facing = kMinFacing;
+  residuals.min_agreement = kMinAgreement;
   step->Add(simd::Best().accumulate_edges(residuals), Eigen::Matrix3d::Identity(),
             static_cast<double>(kEdgeWeight) * share);
 }

@@ -1,4 +1,4 @@
-// From a rough pose to the pose in which a model and a scan lie on each other.
+// Refinement of a rough pose of a model against a scan.
 #pragma once
 
 #include <functional>
@@ -11,10 +11,10 @@
 
 namespace graspdb::recognition {
 
-// What a model is refined against: voxels of one segment, world frame, and look-ups over them.
+// Target of a refinement: voxels of one segment, world frame, and look-ups over them.
 struct RefinementTarget {
   const OrientedCloud& cloud;
-  const SoaCloud& columns;  // of all its points, or of every so many, which are pulled
+  const SoaCloud& columns;  // of all its points or a sample, for the residuals
   const NearestGrid& grid;  // over cloud.points
   const DepthBuffer& depth_buffer;
   bool on_table = true;  // the object stands on a table: `table` where it was measured, else z = 0
@@ -23,27 +23,27 @@ struct RefinementTarget {
 
 struct RefinementOptions {
   int iterations = 10;
-  // Correspondences may be so far apart at the first and at the last iteration, m.
+  // Maximum distance of correspondences at the first and at the last iteration, m.
   double first_reach_m = 0.02;
   double last_reach_m = 0.005;
   bool coarse = false;  // the model's coarse surface, for its edges
-  // Whether the model's edges are pulled as well; without them it takes a third of the time, and
+  // Whether to use residuals of the model's edges; without them it takes a third of the time, and
   // flat objects may slide.
   bool edges = true;
-  // How firmly the object stands on the table: the deviations in height and tilt that a
-  // calibration leaves; half of them where the table was measured. Small: only place and turn on
-  // the table are refined.
+  // How firmly the object stands on the table: the deviations in height and tilt that a calibration
+  // leaves; a quarter of them where the table was measured. Small: only place and turn on the table
+  // are refined.
   double height_deviation_m = 0.002;
   double tilt_deviation_rad = 0.01;
 };
 
 // Gauss and Newton's method on distances to tangent planes (Y. Chen, G. Medioni, 1992) from the
-// scan to the model; past the end of a surface on distances to its edge, from either to the
-// other, which keeps flat objects from sliding, but not where something hides the rest. Tukey's
-// weights. Returns T_world_object; the initial one where nothing corresponds. Deterministic.
+// scan to the model; past the end of a surface on distances to its edge, from either to the other,
+// which keeps flat objects from sliding, but not where something hides the rest. Tukey's weights.
+// Returns T_world_object; the initial one without correspondences. Deterministic.
 //
-// `is_known` is asked after every iteration but the last for the T_world_object that it has come
-// to: whether what lies there is known, and the rest of the way not worth its time.
+// Calls `is_known` with T_world_object after every iteration but the last, and stops where it
+// returns true: the pose there is known already.
 struct Refinement {
   Pose world_object = Pose::Identity();
   int iterations = 0;
@@ -53,9 +53,9 @@ using IsKnown = std::function<bool(const Pose& world_object)>;
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
                   const RefinementOptions& options, const IsKnown& is_known = nullptr);
 
-// What holds a pose where it is: the Hessian of Refine's last step there, half the second
+// How firmly a pose is determined: the Hessian of Refine's last step there, half the second
 // derivatives of the sum of weighted squares (m^2) by a turn about the model's center (radians) and
-// then a move (m), world frame; the table's hold is part of it. Zero where nothing corresponds.
+// then a move (m), world frame; including the prior of the table. Zero without correspondences.
 using InformationMatrix = Eigen::Matrix<double, 6, 6>;
 InformationMatrix InformationMatrixOf(const SurfaceModel& model, const RefinementTarget& target,
                                       const Pose& world_object, const RefinementOptions& options);

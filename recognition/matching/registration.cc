@@ -15,8 +15,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr double kNegligibleTurn = 1e-5;   // rad
 constexpr double kNegligibleShift = 1e-6;  // m
 constexpr std::size_t kMinCorrespondences = 6;
-// Correspondences up to so many times the median distance are used next: parts without
-// a counterpart are far away, and must not widen the reach by which they are judged.
+// Reach of the next correspondences as a multiple of the median distance: parts without a
+// counterpart are far away and must not extend their own reach.
 constexpr double kTrim = 4.0;
 // ... but never less than this, m: neighbouring voxels are 3 mm apart.
 constexpr double kSmallestReach = 0.006;
@@ -58,7 +58,7 @@ double MedianDistance(const std::vector<Correspondence>& pairs) {
   return std::sqrt(*middle);
 }
 
-// The rotation and shift that make the squared distances least, in closed form.
+// The rotation and shift with the least squared distances, in closed form.
 Pose PointToPointStep(const std::vector<Correspondence>& pairs) {
   Eigen::Matrix3Xd from(3, pairs.size());
   Eigen::Matrix3Xd to(3, pairs.size());
@@ -71,9 +71,8 @@ Pose PointToPointStep(const std::vector<Correspondence>& pairs) {
   return step;
 }
 
-// One Gauss-Newton step on the distances to the tangent planes, about the mean
-// of the points. Directions that the points do not fix (a plane's slide, a
-// sphere's turn) are held by a weak pull to no motion.
+// One Gauss-Newton step on the distances to the tangent planes, about the mean of the points.
+// Directions that the points do not constrain (a plane's slide, a sphere's turn) are damped.
 Pose PointToPlaneStep(const std::vector<Correspondence>& pairs) {
   Vector3d center = Vector3d::Zero();
   for (const Correspondence& c : pairs) center += c.source;
@@ -91,9 +90,10 @@ Pose PointToPlaneStep(const std::vector<Correspondence>& pairs) {
     gradient += residual * jacobian;
     size += arm.squaredNorm();
   }
-  const double hold = 1e-3;
-  hessian.topLeftCorner<3, 3>().diagonal().array() += hold * size;
-  hessian.bottomRightCorner<3, 3>().diagonal().array() += hold * static_cast<double>(pairs.size());
+  const double damping = 1e-3;
+  hessian.topLeftCorner<3, 3>().diagonal().array() += damping * size;
+  hessian.bottomRightCorner<3, 3>().diagonal().array() +=
+      damping * static_cast<double>(pairs.size());
   const Vector6d motion = -hessian.ldlt().solve(gradient);
 
   const Vector3d turn = motion.head<3>();
@@ -125,7 +125,7 @@ Registration Align(const Points& source, const RegistrationTarget& target, const
     out.iterations = i + 1;
     reach = std::clamp(kTrim * MedianDistance(pairs), kSmallestReach, reach);
   }
-  // Rounding in many products must not bend the rotation.
+  // Rounding in many products must not skew the rotation.
   out.target_source.linear() =
       Eigen::Quaterniond(out.target_source.linear()).normalized().toRotationMatrix();
   const auto pairs = Correspond(source, target, out.target_source, kSmallestReach);

@@ -7,13 +7,13 @@
 
 namespace graspdb::recognition {
 
-// A cloud that others are aligned with.
+// Target cloud of an alignment.
 struct RegistrationTarget {
   const OrientedCloud& cloud;
   const PointSearch& search;  // over cloud.points
 };
 
-// How an alignment ended.
+// Result of an alignment.
 struct Registration {
   Pose target_source = Pose::Identity();  // moves source points onto the target
   bool converged = false;                 // the last step was negligible
@@ -22,12 +22,11 @@ struct Registration {
   double inlier_fraction = 0;  // share of the source's points with a correspondence
 };
 
-// Aligns `source` with the target, beginning at `initial`. Correspondences are
-// nearest points, at first up to max_correspondence_m apart and nearer and nearer
-// as the alignment improves. Point to point (P. J. Besl, N. D. McKay, "A method
-// for registration of 3-D shapes", 1992) or point to plane (Y. Chen, G. Medioni,
-// "Object modelling by registration of multiple range images", 1992). Without
-// correspondences the initial pose comes back, not converged.
+// Aligns `source` with the target, beginning at `initial`. Correspondences are nearest points, at
+// first up to max_correspondence_m apart and nearer and nearer as the alignment improves. Point to
+// point (P. J. Besl, N. D. McKay, "A method for registration of 3-D shapes", 1992) or point to
+// plane (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992).
+// Without correspondences returns the initial pose, not converged.
 Registration Align(const Points& source, const RegistrationTarget& target, const Pose& initial,
                    const MatchingParameters& parameters);
 

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 // A step over the table moves objects less in the image of a camera that looks along it.
 constexpr double kMinClimb = 0.2;
-// A part as low as this, in what was removed with the table, may have gone with it: noise lifts and
-// lowers. Where what is left has its mean so far from that of all, m, it makes a place of its own.
+// A part up to this multiple of the removed height may have been removed with the table, because of
+// noise. Where the mean of the rest is this far from that of all, m, it gives a pose of its own.
 constexpr double kGoneWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
 // Initial poses that are nearer, m, lead to the same place: correspondences reach 0.02 m.
@@ -62,7 +62,7 @@ Pose TurnedAsSeen(const TaughtView& view, const SurfaceModel& model, const SeenS
   return out;
 }
 
-// How a model that shows itself as `model` must move over the table to lie on the segment.
+// The shift over the table that moves a model of visible extent `model` onto the segment.
 Vector3d ShiftOnTable(const Extent& model, const Extent& segment, const DepthBuffer::Sides& hidden,
                       const Pose& world_sensor) {
   Eigen::Vector3f image = segment.mean - model.mean;
@@ -79,9 +79,9 @@ Vector3d ShiftOnTable(const Extent& model, const Extent& segment, const DepthBuf
   return static_cast<double>(image.x()) * right + step * ahead;
 }
 
-// What may be hidden: `hidden`, or where that is every side, as around a segmented scan, any one or
-// two neighbouring ones. To do the same where two opposite sides may be hidden finds one more of
-// 648 objects in full frames, and names one more piece of clutter in 15 real ones.
+// Sides that may be hidden: `hidden`, or where that is every side, as around a segmented scan, any
+// one or two neighbouring ones. Doing the same where two opposite sides may be hidden finds one
+// more of 648 objects in full frames, and names one more piece of clutter in 15 real ones.
 std::vector<DepthBuffer::Sides> SidesToTry(const DepthBuffer::Sides& hidden) {
   const DepthBuffer::Sides every = {.left = true, .right = true, .top = true, .bottom = true};
   if (hidden != every) return {hidden};
@@ -95,15 +95,15 @@ std::vector<DepthBuffer::Sides> SidesToTry(const DepthBuffer::Sides& hidden) {
           {.right = true, .bottom = true}};
 }
 
-// Of the visible points that are at least `lowest` m above the table, where the object stands at
-// `world_object`; none where there are none.
+// Of the visible points at least `lowest` m above the table, with the object at
+// `world_object`; nullopt without any.
 std::optional<Extent> VisibleExtent(const VisibleSurface& visible, const Points& points,
                                     const Pose& world_object, double lowest) {
   const Eigen::RowVector3f up = world_object.linear().row(2).cast<float>();
-  const auto least = static_cast<float>(lowest - world_object.translation().z());
+  const auto min_height = static_cast<float>(lowest - world_object.translation().z());
   ExtentSum sum;
   for (const std::size_t i : visible.points()) {
-    if (up.dot(points[i]) >= least) sum.Add(visible.At(i));
+    if (up.dot(points[i]) >= min_height) sum.Add(visible.At(i));
   }
   return sum.Take();
 }
@@ -148,10 +148,10 @@ InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
   };
   for (const DepthBuffer::Sides& sides : SidesToTry(hidden)) add(shifted(*whole, sides));
   if (segment.table_reach_m <= 0) return out;
-  // Without what may have gone with the table.
-  const std::optional<Extent> standing = extent_above(kGoneWithTable * segment.table_reach_m);
-  if (standing && (standing->mean - whole->mean).norm() > kStandsElsewhereM) {
-    add(shifted(*standing, {}));
+  // Without parts that may have been removed with the table.
+  const std::optional<Extent> above_table = extent_above(kGoneWithTable * segment.table_reach_m);
+  if (above_table && (above_table->mean - whole->mean).norm() > kStandsElsewhereM) {
+    add(shifted(*above_table, {}));
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// Where a stable pose may stand, before anything is aligned.
+// Initial poses of a stable pose, before any alignment.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace graspdb::recognition {
 
-// Mean and extent of what the camera sees, sensor frame, m.
+// Mean and extent of the visible points, sensor frame, m.
 struct Extent {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   Eigen::Vector3f low = Eigen::Vector3f::Zero();
@@ -32,18 +32,18 @@ struct SeenSegment {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // world frame, m
   Extent extent = {};
   bool on_table = true;      // z is up, and objects stand as high as they were taught
-  double table_reach_m = 0;  // what is no higher was removed as table; 0: nothing was
+  double table_reach_m = 0;  // height up to which points were removed as table; 0: none
 };
 
-// About the turn of those poses over the table, from what the view's stable pose calls zero, rad:
-// for comparing views of one model.
+// Approximate turn of those poses about the vertical, from the stable pose's zero, rad: for
+// comparing views of one model.
 double TurnOf(const TaughtView& view, const SeenSegment& segment);
 
-// T_world_object of the stable pose of `view`, seen from the side that the view shows: turned as
-// the side has turned since it was taught (SideSeen), what the camera sees of `model` with its
-// mean on that of the segment. Where sides of the segment are `hidden`, another one, with
-// the edges on each other that are not. Where a thin part of it may have gone with the table, as a
-// plate from which a leg stands up, one with the mean of the rest on that of the segment.
+// T_world_object of the stable pose of `view`, seen from the side that the view shows: turned by
+// the change of SideSeen since teaching, with the mean of the visible points of `model` on that of
+// the segment. Where sides of the segment are `hidden`, another one that aligns the other edges.
+// Where a thin part of the model may have been removed with the table, as a plate with an upright
+// leg, one with the mean of the rest on that of the segment.
 InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
                         const SeenSegment& segment, const DepthBuffer::Sides& hidden);
 

@@ -12,41 +12,40 @@
 namespace graspdb::recognition {
 namespace {
 
-// Points of the segment that first looks are taken with.
+// Points of the segment for first looks.
 constexpr std::size_t kRoughPoints = 200;
-// Points that hypotheses are refined with; larger segments, of parts of half a metre and more, are
+// Points for refinements in full; larger segments, of parts of half a metre and more, are
 // subsampled. Doubled, a finalist of such a part takes twice as long; the 40,000 points below which
 // nothing is subsampled are more than any part of 0.3 m has.
 constexpr std::size_t kFullPoints = 20'000;
 // Hypotheses that are refined in full.
 constexpr std::size_t kFinalists = 8;
-// And where only a beginning is sought: of 288 objects that touch as many are right as with all of
+// And where only a beginning is needed: of 288 touching objects as many are right as with all of
 // them, polished.
 constexpr std::size_t kBeginnings = 2;
-// A hypothesis with this score needs no other to be asked for.
+// With a hypothesis of this score and of confidence kSure no other view is tried.
 constexpr double kExplained = 0.94;
-// Nor one with less confidence.
 constexpr double kSure = 0.9;
-// So much of its surface is in sight of what stands free; the rest is the sensor's noise at edges.
+// Visible share of an unoccluded object's surface; the rest is the sensor's noise at edges.
 constexpr double kWhole = 0.97;
-// Where no first look is better than this, nothing is refined in full before further views were
-// looked at: of 2,130 searches with no better first look, simulated and real, such views ended 14.
-// With 0.7 it is 22 of 2,650.
+// Where no first look scores higher, nothing is refined in full before further views are tried: of
+// 2,130 such searches, simulated and real, these views ended 14. With 0.7 it is 22 of 2,650.
 constexpr double kWorthFinishing = 0.6;
-// What is worse after all first looks is not refined in full: of 396 searches that ended with an
-// answer, on real frames and of objects that touch or have 40 % hidden, one had no better glance.
+// Hypotheses that score lower after all first looks are not refined in full: of 396 searches with
+// an answer, on real frames and of objects that touch or have 40 % hidden, one had no better
+// glance.
 constexpr double kExplainsLittle = 0.4;
-// The best hypothesis is refined again at most so often, while its score grows by more than this.
+// Maximum number of further refinements of the best hypothesis, while its score grows.
 constexpr int kPolishRounds = 5;
-// A score that changes by no more than this has not changed.
+// Scores that differ by no more than this are equal.
 constexpr double kPolished = 2e-4;
-// A first look that is worse than the best of what was refined by more than this does not become
+// A first look that scores lower than the best refined hypothesis by more than this does not become
 // the best.
 constexpr double kCatchesUp = 0.25;
-// What has a lower score after a first look is finished only where nothing has a higher one: in 96
-// scenes with 40 % hidden what won in the end had at least 0.76.
+// Hypotheses that score lower after a first look are finished only where none scores higher: in 96
+// scenes with 40 % hidden the final best had at least 0.76.
 constexpr double kHopeless = 0.5;
-// The same of one that was refined with thinned edges.
+// The same after a refinement with thinned edges.
 constexpr double kCatchesUpClosely = 0.1;
 // A first look: place and turn on the table.
 constexpr RefinementOptions kRoughSteps = {.iterations = 6,
@@ -55,7 +54,7 @@ constexpr RefinementOptions kRoughSteps = {.iterations = 6,
                                            .coarse = true,
                                            .height_deviation_m = 1e-4,
                                            .tilt_deviation_rad = 1e-3};
-// What a hypothesis is refined with in full: edges thinned, until little is left to go.
+// Refinement in full: with thinned edges until nearly converged, then with all.
 constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
 // So that about `wanted` points are left.
@@ -105,7 +104,7 @@ bool SegmentMatcher::IsExplained() const {
 }
 
 bool SegmentMatcher::IsExplainedWhole() const {
-  return IsExplained() && hypotheses_.front().evidence.in_sight >= kWhole;
+  return IsExplained() && hypotheses_.front().evidence.unoccluded >= kWhole;
 }
 
 bool SegmentMatcher::ExplainsNothing() const {
@@ -166,7 +165,7 @@ absl::Status SegmentMatcher::FinishBest() {
 }
 
 absl::Status SegmentMatcher::CheckNotCancelled() const {
-  return is_cancelled_() ? absl::CancelledError("cancelled while models were aligned")
+  return is_cancelled_() ? absl::CancelledError("cancelled while aligning models")
                          : absl::OkStatus();
 }
 
@@ -180,9 +179,8 @@ Evidence SegmentMatcher::VerifyClosely(const SurfaceModel& model, const Pose& wo
                 {.tolerance_m = parameters_.support_distance_m});
 }
 
-// Refines the hypotheses in full, the most promising first: not those that are so much worse
-// than what is finished that they will not catch up, nor any that is on its way to a place where
-// one of the same model is already.
+// Refines the hypotheses in full, the most promising first. Skips those that score too low to catch
+// up with the finished ones, and those that converge to a finished one of the same model.
 absl::Status SegmentMatcher::FinishAll() {
   std::vector<PoseHypothesis> finished;
   double best = 0;
@@ -201,7 +199,7 @@ absl::Status SegmentMatcher::FinishAll() {
   return absl::OkStatus();
 }
 
-// Refines with the model's edges thinned; false where that leads to what is finished.
+// Refines with the model's edges thinned; false where that leads to a finished one.
 bool SegmentMatcher::Approach(const std::vector<PoseHypothesis>& finished,
                               PoseHypothesis* h) const {
   const IsKnown is_finished = [&](const Pose& pose) {
@@ -224,15 +222,15 @@ void SegmentMatcher::Finish(const RefinementOptions& options, PoseHypothesis* h)
   h->finished = true;
 }
 
-// Long objects slide along themselves, and end a little short of their place: the best hypothesis
-// is refined again from where it is, as long as that makes it better.
+// Refinements of long objects stop a little short along their axis: the best hypothesis is refined
+// again while its score improves.
 void SegmentMatcher::Polish() {
   for (int round = 0; round < kPolishRounds && !hypotheses_.empty(); ++round) {
     if (is_cancelled_() || hypotheses_.front().polished) return;
     PoseHypothesis again = hypotheses_.front();
     Finish({}, &again);
     const double gain = again.evidence.score - hypotheses_.front().evidence.score;
-    // What is as good has recentred farther.
+    // An equally good pose has converged further.
     if (gain >= -kPolished) hypotheses_.front() = std::move(again);
     hypotheses_.front().polished = gain <= kPolished;
   }

@@ -23,63 +23,61 @@
 
 namespace graspdb::recognition {
 
-// An explanation that is not surer than this is none.
+// Confidence up to which a hypothesis explains nothing.
 inline constexpr double kExplainsNothing = 0.01;
 
 // Cells of the look-ups over a segment, and how far they reach, m: no farther than the first
-// correspondences of a refinement. Halved, they take eight times as long to make, and as many
-// answers are right.
+// correspondences of a refinement. Halved, they take eight times as long to make, with as many
+// right answers.
 inline constexpr float kSegmentCellM = 0.006F;
 inline constexpr float kSegmentReachM = 0.021F;
 
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
 
-// Aligns models with one segment and keeps the best hypotheses. What it looks objects up in is made
-// once for a segment, however often more views are proposed. Not thread-safe; all references must
-// outlive it.
+// Aligns models with one segment and keeps the best hypotheses. The look-ups are made once for a
+// segment, however often views are proposed. Not thread-safe; all references must outlive it.
 class SegmentMatcher {
  public:
   SegmentMatcher(const ScanDepths& scan, const Segmentation& segmentation, const Segment& segment,
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                  const MatchingParameters& parameters, const IsCancelled& is_cancelled);
 
-  // Hypotheses from these views, the best of them and of those before kept, and refined in full
-  // where one is promising. `hidden`: sides on which the segment may go on. CANCELLED; errors of
+  // Makes hypotheses from these views, keeps the best of all so far, and refines them in full where
+  // one is promising. `hidden`: sides on which the segment may continue. CANCELLED; errors of
   // LoadModel.
   absl::Status Propose(std::span<const Views::value_type> views, const DepthBuffer::Sides& hidden);
 
-  // Those of the views whose model may explain enough of the segment to be worth a hypothesis, by
-  // its size, and those whose turn comes when the budget's time is over. CANCELLED; errors of
-  // LoadModel.
+  // The views whose model is large enough to explain a share of the segment that is worth a
+  // hypothesis, and those not checked before the budget's deadline. CANCELLED; errors of LoadModel.
   absl::StatusOr<Views> LargeEnough(std::span<const Views::value_type> views,
                                     SearchBudget* budget = nullptr);
 
-  // As Propose, of those views only that are large enough and look best after a glance, which takes
-  // a quarter of the time; of as many as the budget allows, the first ones.
+  // As Propose, but only of views that are large enough and score best after a glance, which takes
+  // a quarter of the time; of the first ones that the budget allows.
   absl::Status ProposeBest(std::span<const Views::value_type> views,
                            const DepthBuffer::Sides& hidden, SearchBudget& budget);
 
   // No other view needs to be tried.
   bool IsExplained() const;
-  // And nothing of what explains it is hidden: then nothing larger would do so as well.
+  // And no part of the best model is hidden: then no larger one would explain it as well.
   bool IsExplainedWhole() const;
   bool ExplainsNothing() const;
 
-  // From now on little is refined in full: the answer is only where another search begins.
+  // From now on refines fewer hypotheses in full: the answer only initialises another search.
   void SeekBeginning() { only_beginning_ = true; }
 
   void Forget() { hypotheses_.clear(); }
 
   const DepthBuffer& depth_buffer() const { return depth_buffer_; }
 
-  // Refined in full. What ranks first has recentred. Not before: what is far from its place would
-  // be explained well enough to end the search, and have no good pose. CANCELLED.
+  // Refined in full, the first one recentred. Not earlier: displaced hypotheses would explain
+  // enough to end the search, without a good pose. CANCELLED.
   absl::StatusOr<std::vector<PoseHypothesis>> TakeRanked();
 
  private:
   using Model = std::shared_ptr<const SurfaceModel>;
 
-  // Made when the first hypothesis needs them.
+  // Made for the first hypothesis.
   struct LookUps {
     explicit LookUps(const SegmentMatcher& matcher);
 
@@ -88,9 +86,9 @@ class SegmentMatcher {
     const RefinementTarget rough_target;
   };
 
-  double ConfidenceOfBest() const;  // of one that is there
+  double ConfidenceOfBest() const;  // there must be one
 
-  // A view's model where it may stand.
+  // A view's model at an initial pose.
   struct Start {
     std::shared_ptr<const TaughtView> view;
     int symmetry_order = 1;
@@ -103,15 +101,15 @@ class SegmentMatcher {
 
   // An upper bound of the share of the segment that the model of `view` explains.
   double Reachable(const TaughtView& view, const SurfaceModel& model) const;
-  // Without those that show a model as one before them does.
+  // Without those that show a model as an earlier one does.
   Views DistinctTurns(std::span<const Views::value_type> views) const;
-  // Without a pose; without a model where the view is not taught any more or has none.
+  // Without a pose; without a model where the view is no longer taught or has none.
   absl::StatusOr<Start> StartOf(const Views::value_type& view);
-  // Of all views, in their order; none of one that is not taught any more.
+  // Of all views, in their order, except those that are no longer taught.
   absl::StatusOr<std::vector<Start>> StartsOf(std::span<const Views::value_type> views,
                                               const DepthBuffer::Sides& hidden);
   absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose);
-  // Those whose initial pose already explains much less than the best one, `best` and these.
+  // Drops those whose initial pose explains much less than the best of `best` and these.
   void DropHopeless(std::vector<Start>* starts, double* best) const;
   double Glance(const Start& start, double min_score) const;
   absl::Status TryAll(const std::vector<Start>& starts);

@@ -12,9 +12,9 @@
 
 namespace graspdb::recognition {
 
-// Views that show a model in turns less apart than this are looked at once: those from other
-// heights. With 20 degrees, every other one of views that are taught every 15, two of 96 scenes in
-// which objects touch were lost.
+// Of views that show a model in turns less apart than this, as from other heights, one is tried.
+// With 20 degrees, every other one of views that are taught every 15, two of 96 scenes with
+// touching objects were lost.
 inline constexpr double kTriedTurnRad = 14 * std::numbers::pi / 180;
 
 class TriedTurns {

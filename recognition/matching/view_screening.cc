@@ -1,4 +1,4 @@
-// Which views a search looks at, and where it begins with each.
+// Screening of views and their initial poses.
 #include <algorithm>
 #include <functional>
 
@@ -10,10 +10,10 @@
 namespace graspdb::recognition {
 namespace {
 
-// Views that are screened before cancellation and the clock are polled again; 2 ms.
+// Views screened between polls of cancellation and the clock; 2 ms.
 constexpr std::size_t kScreenedAtOnce = 64;
-// A glance: whether a model may come to lie on the segment at all. Without edges, which flat
-// objects need only at the end.
+// A glance: whether a model may fit the segment at all. Without edges, which flat objects need only
+// at the end.
 constexpr RefinementOptions kGlanceSteps = {.iterations = 2,
                                             .first_reach_m = 0.02,
                                             .last_reach_m = 0.0167,
@@ -21,19 +21,19 @@ constexpr RefinementOptions kGlanceSteps = {.iterations = 2,
                                             .edges = false,
                                             .height_deviation_m = 1e-4,
                                             .tilt_deviation_rad = 1e-3};
-// Before anything is refined, surfaces may be so far apart, m: as far as correspondences reach.
+// Tolerance before any refinement, m: as far as correspondences reach.
 constexpr double kUnrefinedToleranceM = 0.02;
-// Initial poses that explain so much less than the best one do not get a glance: 55 % of them on
-// real frames, where 3 % of those that would have been refined after it are among them. With 0.5 it
-// is 64 and 5 %, with 0.3 45 and 1 %.
+// Initial poses that explain less than this share of the best one get no glance: 55 % of them on
+// real frames, with 3 % of those that would have been refined after it. With 0.5 it is 64 and 5 %,
+// with 0.3 45 and 1 %.
 constexpr double kUnrefinedShare = 0.4;
-// Starts that look so much worse than the best after a glance are not tried; in 96 scenes with 40 %
-// hidden what won in the end had at least 0.69.
+// Starts below this share of the best score after a glance are not tried; in 96 scenes with 40 %
+// hidden the final best had at least 0.69.
 constexpr double kTriedShare = 0.6;
-// Nor those that look worse than this: see kExplainsLittle.
+// Nor those that score lower than this: see kExplainsLittle.
 constexpr double kMinGlance = 0.35;
-// A model that can explain no more of the segment has a score below 0.5, with which nothing won in
-// the scenes with 40 % hidden.
+// A model that can explain no more of the segment has a score below 0.5, which never was the best
+// in the scenes with 40 % hidden.
 constexpr double kMinReachable = 1.0 / 3;
 
 }  // namespace
@@ -46,7 +46,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
   std::vector<Start> all;
   TopScores top(budget.refined(), kTriedShare);
   double best_unrefined = 0;
-  const auto least = [&] { return std::max(top.min(), kMinGlance); };
+  const auto min_score = [&] { return std::max(top.min(), kMinGlance); };
   for (std::span<const Views::value_type> left(distinct); !left.empty();) {
     const auto block = left.first(std::min({left.size(), kScreenedAtOnce, budget.left()}));
     if (budget.OutOfTime() || !budget.Take(block.size()) || block.empty()) {
@@ -57,7 +57,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
     auto starts = StartsOf(block, hidden);
     if (!starts.ok()) return starts.status();
     DropHopeless(&*starts, &best_unrefined);
-    ForEachIndex(starts->size(), [&, min = least()](std::size_t i) {
+    ForEachIndex(starts->size(), [&, min = min_score()](std::size_t i) {
       (*starts)[i].score = Glance((*starts)[i], min);
     });
     for (Start& start : *starts) {
@@ -67,7 +67,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
   }
   std::ranges::stable_sort(all, std::greater(), &Start::score);
   if (all.size() > budget.refined()) all.resize(budget.refined());
-  std::erase_if(all, [&](const Start& start) { return start.score < least(); });
+  std::erase_if(all, [&](const Start& start) { return start.score < min_score(); });
   if (absl::Status status = TryAll(all); !status.ok()) return status;
   return KeepBestAndFinish();
 }
@@ -154,7 +154,7 @@ absl::StatusOr<SegmentMatcher::Start> SegmentMatcher::StartOf(const Views::value
   return out;
 }
 
-// Asks for a model once, and not for each of the views that it is fused from.
+// Loads a model once, not for each of the views that it is fused from.
 absl::StatusOr<SegmentMatcher::Model> SegmentMatcher::ModelOf(const TaughtView& view,
                                                               const TaughtStablePose& stable_pose) {
   Model& known = models_[view.shares_frame ? static_cast<const void*>(&stable_pose) : &view];

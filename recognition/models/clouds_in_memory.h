@@ -11,13 +11,13 @@
 
 namespace graspdb::recognition {
 
-// Keeps all that it is given and makes each model once. Adding is not thread-safe; asking is.
+// Keeps all added clouds and fuses each model once. Adding is not thread-safe; loading is.
 class CloudsInMemory : public ViewClouds {
  public:
-  // The cloud of the view of that resource name, which is given once.
+  // Adds the cloud of the view of that resource name, once.
   void Add(const std::string& name, std::shared_ptr<const OrientedCloud> cloud);
 
-  // NOT_FOUND for a view whose cloud was not given.
+  // NOT_FOUND for a view whose cloud was not added.
   absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override;
   absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) override;

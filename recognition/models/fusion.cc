@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3f;
 
-// With so many views a surface is seen by more than one.
+// From this many views on, more than one sees each surface.
 constexpr std::size_t kViewsThatOverlap = 6;
 
-// What a point is laid on: the deviation of the weights around it, and how far it looks, m.
+// Projection of a point: deviation of its neighbours' weights, and their radius, m.
 constexpr float kDeviationM = 0.003F;
 constexpr float kReachM = 2 * kDeviationM;
 // Cosine between normals of one face.
@@ -82,9 +82,9 @@ Means MeansOf(const std::vector<Surfel>& surfels, int needed_views) {
   return out;
 }
 
-// Lays one point on the surface that those around it make. What joins two points of a circle is
-// perpendicular to the mean of their normals: what is left of that tells how far off a point is, of
-// a round object too, into which the plane of the neighbours would sink it.
+// Projects one point onto the surface of its neighbours. The chord of two points of a circle is
+// perpendicular to the mean of their normals: the deviation from that gives the distance of a
+// point, also on a round object, into which the neighbours' plane would move it.
 void Lay(const Means& means, const CellGrid& grid, Vector3f* point, Vector3f* normal) {
   float off = 0;
   float weights = 0;
@@ -103,7 +103,7 @@ void Lay(const Means& means, const CellGrid& grid, Vector3f* point, Vector3f* no
   *normal = direction.normalized();
 }
 
-// The means, laid on their surface.
+// The means, projected onto their surface.
 OrientedCloud Laid(const Means& means) {
   OrientedCloud out = means.cloud;
   const CellGrid grid(out.points, kReachM);
@@ -113,7 +113,7 @@ OrientedCloud Laid(const Means& means) {
   return out;
 }
 
-// Without what two layers have doubled: where points have come together, the first remains.
+// Without duplicates of two layers: of coincident points the first remains.
 OrientedCloud WithoutDoubles(const OrientedCloud& laid) {
   const CellGrid grid(laid.points, kMinSpacingM);
   std::vector<char> is_double(laid.points.size());

@@ -1,4 +1,4 @@
-// One surface from what several views have seen of it (docs/adr/0018).
+// Fusion of several views into one surface (docs/adr/0018).
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace graspdb::recognition {
 
-// Edge of the cells; points of a fused surface are about so far apart, m.
+// Edge of the cells and approximate spacing of a fused surface, m.
 inline constexpr float kFusionCellM = 0.0025F;
 
 // One view to fuse.
@@ -17,11 +17,11 @@ struct PosedCloud {
   Pose world_object = Pose::Identity();        // T_world_object of its capture
 };
 
-// The points of all views within a cell become one, their mean; surfaces that look into
-// opposite directions stay apart, and what only one of many views has seen is left out as noise.
-// Each mean is then laid on the surface that those around it make: else, where noise carries points
-// of one face over the edge of a cell, there are two layers. What has come together by that is one
-// point. Object frame, metres; empty where nothing is left. Deterministic.
+// The points of all views within a cell become one, their mean; surfaces that look into opposite
+// directions stay apart, and points that only one of many views has seen are left out as noise.
+// Each mean is then projected onto the surface of its neighbours: otherwise noise that moves points
+// of one face over the edge of a cell makes two layers. Points that coincide after that are merged.
+// Object frame, metres; empty where nothing is left. Deterministic.
 OrientedCloud Fused(std::span<const PosedCloud> views);
 
 }  // namespace graspdb::recognition

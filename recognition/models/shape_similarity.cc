@@ -17,12 +17,12 @@ constexpr double kAlikeM = 0.0025;
 constexpr double kAlikeShare = 0.02;  // of the diameter
 constexpr double kNearly = 2;         // times as much
 constexpr double kGapShare = 0.95;
-// What a model's grid does not know is so far away, m.
+// Distance of points outside a model's grid, m.
 constexpr float kFarM = 0.02F;
 constexpr int kIterations = 12;
 constexpr int kMaxFold = 12;
-constexpr int kAnyTurns = 36;      // that are tried of something round
-constexpr int kPairTurns = 24;     // that one object is laid on another in
+constexpr int kAnyTurns = 36;      // tried for a round object
+constexpr int kPairTurns = 24;     // tried for two objects
 constexpr double kSameSize = 0.9;  // of the radius; others are not compared
 
 // About the vertical through the centre of `a`, which goes to that of `b`; both stand on z = 0.

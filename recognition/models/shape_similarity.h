@@ -1,4 +1,4 @@
-// How alike two objects look, and one and the same object turned about the vertical.
+// Similarity of two objects, and of one object to itself turned about the vertical.
 #pragma once
 
 #include <optional>
@@ -19,20 +19,20 @@ struct Gap {
 double AlikeM(const SurfaceModel& model);
 double NearlyAlikeM(const SurfaceModel& model);
 
-// What turns about z bring an object onto itself, seen from all sides that it was taught from.
+// Turns about z that map an object onto itself, seen from all taught sides.
 struct FoundSymmetry {
   int order = 1;        // 1 none, n for n-fold up to 12, 0 for any turn
   bool nearly = false;  // only NearlyAlikeM
-  Gap gap;              // the largest of its turns; of order 1: of no meaning
+  Gap gap;              // the largest of its turns; meaningless for order 1
 };
 FoundSymmetry FindSymmetry(const SurfaceModel& model);
 
-// `a` on `b`, both standing on the table, in the turn that fits best: T_b_a and the gap.
+// `a` on `b`, both on the table, in the turn that fits best: T_b_a and the gap.
 struct ShapeSimilarity {
   Pose b_a = Pose::Identity();
   Gap gap;
 };
-// Nothing where they differ by more than NearlyAlikeM. Deterministic.
+// nullopt where they differ by more than NearlyAlikeM. Deterministic.
 std::optional<ShapeSimilarity> FindShapeSimilarity(const SurfaceModel& a, const SurfaceModel& b);
 
 }  // namespace graspdb::recognition

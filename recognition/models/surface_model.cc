@@ -17,9 +17,9 @@ constexpr float kCoarsePoints = 350;
 // The grid for look-ups: its cells, and how far from the surface it reaches, m.
 constexpr float kGridCellM = 0.003F;
 constexpr float kGridReachM = 0.021F;
-// What lies farther from the surface is another one's, m.
+// Points farther from the surface belong to another one, m.
 constexpr float kDeviationReachM = 0.008F;
-// Every so many points are measured.
+// Stride of the measured points.
 constexpr std::size_t kDeviationStride = 4;
 
 // One point of each cell, and of each side that the surface has there.

@@ -1,4 +1,4 @@
-// What a stable pose looks like from all around: its views, fused.
+// The fused model of a stable pose.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace graspdb::recognition {
 
-// Neighbours on one surface are about so far apart, in scans as in models, m.
+// Approximate spacing of neighbours on one surface, in scans as in models, m.
 inline constexpr float kSurfaceSpacingM = 0.003F;
 
 // Points with normals that cover a surface, about `spacing_m` metres apart.
@@ -31,8 +31,8 @@ struct SurfaceModel {
 
   std::size_t bytes() const;
 
-  // Distance of `p` (object frame, m) from the surface: across it, and along it where the
-  // surface has ended. 1 m where the grid knows nothing.
+  // Distance of `p` (object frame, m) from the surface: across it, and along it where the surface
+  // has ended. 1 m outside of the grid.
   float DistanceTo(const Eigen::Vector3f& p) const;
 
   // For SIMD code.
@@ -44,13 +44,13 @@ struct SurfaceModel {
   int view_count = 0;
   Eigen::Vector3f center = Eigen::Vector3f::Zero();  // of the bounding box
   float radius_m = 0;                                // of the sphere around the center
-  // Root mean square distance of the fused views' points from the surface: the noise of the
-  // camera, and what the views were taught apart from each other. 0 where it is not known.
+  // Root mean square distance of the fused views' points from the surface: the noise of the camera
+  // and the misalignment of the taught views. 0 where unknown.
   float deviation_m = 0;
 };
 
-// What the views of one stable pose make, fused (fusion.h), with its deviation. Null without
-// points. Deterministic.
+// Fuses the views of one stable pose (fusion.h) and computes the deviation. Null without points.
+// Deterministic.
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views);
 
 }  // namespace graspdb::recognition

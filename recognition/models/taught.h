@@ -1,4 +1,4 @@
-// What was taught, as the recognition needs it.
+// The taught data, as the recognition needs them.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct FreeTurn {
   double max_rad = 0;
 };
 
-// How often robots told what became of a grasp.
+// Outcomes of a grasp that robots reported.
 struct PickCounts {
   std::int64_t picked = 0;
   std::int64_t missed = 0;
@@ -45,7 +45,7 @@ struct TaughtView {
   std::string stable_pose;               // resource name
   Pose world_object = Pose::Identity();  // T_world_object of the capture
   Pose world_sensor = Pose::Identity();  // T_world_sensor of the capture
-  // The teacher said where the object was: the frame is that of the stable pose's other views.
+  // The teacher specified the object's pose: the frame is that of the stable pose's other views.
   bool shares_frame = false;
 };
 
@@ -62,23 +62,23 @@ struct TaughtStablePose {
 // Whether both are fused into the same model: views of one stable pose that share a frame.
 bool HaveSameModel(const TaughtView& a, const TaughtView& b);
 
-// Views that are fused into one model, at most. A turntable's steps of 5 degrees from five heights
-// are 360; what more add is below the camera's noise, and each takes a millisecond or two.
+// Maximum number of views fused into one model. A turntable's steps of 5 degrees from five heights
+// are 360; more add less than the camera's noise, and each takes a millisecond or two.
 inline constexpr std::size_t kMaxFusedViews = 400;
 
-// The views of `stable_pose` that have the same model as `view`, one of them; of more than
-// kMaxFusedViews so many, evenly chosen by name.
+// The views of `stable_pose` that have the same model as `view`, one of them; at most
+// kMaxFusedViews, evenly chosen by name.
 std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
                                             const TaughtStablePose& stable_pose);
 
-// Gives the prepared clouds of views. Implementations are thread-safe.
+// Provides the prepared clouds of views. Implementations are thread-safe.
 class ViewClouds {
  public:
   virtual ~ViewClouds() = default;
   // The view's voxels and normals in the world frame of its capture.
   virtual absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) = 0;
-  // What the object in `view`, one of `stable_pose`, looks like in its frame: all views fused that
-  // share it. Null when nothing is known of it.
+  // The model of the object in `view`, one of `stable_pose`, in its frame: all views fused that
+  // share it. Null when there is none.
   virtual absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) = 0;
 };

@@ -11,9 +11,9 @@
 namespace graspdb::recognition {
 namespace {
 
-// A table of more cells than this, four bytes each, is not made.
+// Maximum number of cells of a table, four bytes each.
 constexpr double kMaxTable = 4e6;
-// With so many along each axis, keys fit 63 bits; 1 km in cells of 1 mm has half as many.
+// With this many along each axis, keys fit 63 bits; 1 km in cells of 1 mm has half as many.
 constexpr double kMaxCellsPerAxis = 2e6;
 // Time to sort a point into its cell, and to list a cell in new memory, ns.
 constexpr std::size_t kStepsPerPoint = 20;
@@ -99,7 +99,7 @@ bool CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled,
   return true;
 }
 
-// About one bucket for each occupied cell, so that most hold few keys.
+// About one bucket for each occupied cell, so that most contain few keys.
 void CellGrid::MakeBuckets() {
   const std::uint64_t largest = KeyOf(last_);
   while ((largest >> bucket_bits_) > keys_.size()) ++bucket_bits_;

@@ -1,4 +1,4 @@
-// Cells of a surface: which one a point is in, and which of the surfaces there.
+// Cells of points, and the sides of surfaces in them.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace graspdb::recognition {
 
-// Cosine between normals of one side of what a cell holds; less, and they look into opposite
+// Minimum cosine between normals of one side of a surface in a cell; with less they face opposite
 // directions, as the two sides of a sheet.
 inline constexpr float kSameSide = 0.3F;
 

@@ -8,8 +8,8 @@
 
 namespace graspdb::recognition {
 
-// What a depth camera gives: width x height counts of `unit_m` metres along the sensor's z axis,
-// row by row; 0 where nothing was measured.
+// A depth camera's image: width x height counts of `unit_m` metres along the sensor's z axis, row
+// by row; 0 where nothing was measured.
 struct DepthImage {
   std::vector<std::uint16_t> depth;
   CameraIntrinsics camera;

@@ -20,7 +20,7 @@ constexpr std::size_t kStepsPerStoredPoint = 500;
 // Time to find the blocks that a point meets, or its cell, ns.
 constexpr std::size_t kStepsPerLookUp = 50;
 
-// The most cells between a point's and one whose centre is within reach.
+// Maximum number of cells between a point's and one whose centre is within reach.
 int LayersWithin(float reach_m, float cell_m) {
   return static_cast<int>(std::ceil((reach_m + std::sqrt(0.75F) * cell_m) / cell_m));
 }
@@ -76,7 +76,7 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
   const Eigen::Vector3f cells = bounds.sizes() * inverse_cell_;
   const int reach = LayersWithin(reach_m, cell_m);
   const int margin = reach + 1;  // rounding may put a point into the cell beside its own
-  // Also false where an integer has no room for them.
+  // Also false where they do not fit an integer.
   if (!(cells.maxCoeff() < static_cast<float>(kMaxBlocksCellsPerAxis))) return false;
   size_ = cells.array().floor().cast<int>() + 2 * margin + 1;
   block_count_.x() = (size_.x() >> simd::kBlockXBits) + 1;

@@ -10,21 +10,21 @@
 
 namespace graspdb::recognition {
 
-// Cells around `points`, each of which knows the point nearest to its centre: small ones near the
+// Cells around `points`, each of which stores the point nearest to its centre: small ones near the
 // points, and twice as large ones as far as the grid reaches. A query costs one or two look-ups;
-// the point that it gives may be farther than the nearest by up to a cell's diagonal. Exact enough
-// where residuals are measured against the tangent plane there. Metres, any frame. Deterministic;
-// safe for concurrent queries.
+// the result may be farther than the nearest point by up to a cell's diagonal. Exact enough where
+// residuals are measured against the tangent plane there. Metres, any frame. Deterministic; safe
+// for concurrent queries.
 //
 // Cells are kept in blocks, and only blocks that a point reaches: memory and time to build grow
 // with the points, not with the volume between them. 64 MB at most while it is built, 36 MB after
 // that for each size of cells: points that are so scattered that they would need more get cells
-// twice as large, as often as it takes. Points must be finite. Once cancelled, some cells know no
+// twice as large, as often as it takes. Points must be finite. Once cancelled, some cells store no
 // point.
 class NearestGrid {
  public:
-  // Small cells of `cell_m` metres whose centres are up to twice as far from a point know one, and
-  // large ones whose centres are up to `reach_m` metres away (and half a cell's diagonal).
+  // Small cells of `cell_m` metres store a point up to twice as far from their centres, and large
+  // ones one up to `reach_m` metres away (and half a cell's diagonal).
   NearestGrid(const Points& points, float cell_m, float reach_m,
               const IsCancelled& is_cancelled = {});
 
@@ -34,7 +34,7 @@ class NearestGrid {
     return near >= 0 ? near : far_.Nearest(query);
   }
 
-  // For SIMD code: this grid, which must be over `cloud`; both must outlive what is returned.
+  // For SIMD code: this grid, which must be over `cloud`; both must outlive the result.
   simd::LookUp LookUpIn(const OrientedCloud& cloud) const;
 
   std::size_t bytes() const { return near_.bytes() + far_.bytes(); }
@@ -47,7 +47,7 @@ class NearestGrid {
 
     int Nearest(const Eigen::Vector3f& query) const {
       const Eigen::Array3f at = Place(query);
-      // False for what is not a number.
+      // False for NaN.
       const bool inside = (at >= 0).all() && (at < size_.cast<float>().array()).all();
       return inside ? cells_[CellOf(at)] : -1;
     }
@@ -73,8 +73,8 @@ class NearestGrid {
     Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  // cells
     Eigen::Vector3i block_count_ = Eigen::Vector3i::Ones();
     float inverse_cell_;
-    // Where in cells_ each block begins. That at 0 is empty; it stands for all that no point
-    // reaches.
+    // Where in cells_ each block begins. That at 0 is empty; all blocks that no point reaches refer
+    // to it.
     std::vector<std::int32_t> blocks_ = {0};
     std::vector<std::int32_t> cells_;
   };

@@ -9,10 +9,10 @@
 namespace graspdb::recognition {
 namespace {
 
-// So much larger are cells than the radius, lest rounding moves a neighbour two cells away.
+// Ratio of cell to radius, so that rounding does not move a neighbour two cells away.
 constexpr float kRoundingMargin = 1.001F;
 
-// Cells whose points one thread takes at once; an estimated 0.3 ms.
+// Cells per job of a thread; an estimated 0.3 ms.
 constexpr std::size_t kCellsAtOnce = 256;
 
 // Time to gather a cell's neighbours, and to find a point's normal besides, ns.

@@ -1,4 +1,4 @@
-// Directions of a surface.
+// Normals of a surface.
 #pragma once
 
 #include "recognition/base/cancellation.h"

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 // on the plane.
 constexpr int kMaxIterations = 7000;
 constexpr double kConfidence = 0.999;
-constexpr std::size_t kScoredPoints = 4000;  // hypotheses are counted on so many points
+constexpr std::size_t kScoredPoints = 4000;  // points that hypotheses are scored on
 constexpr std::uint64_t kSeed = 20160311;
 constexpr int kRefinements = 3;
 constexpr double kThinnest = 1e-3;  // sine of the angle in a triangle of three samples
@@ -29,7 +29,7 @@ class Sample {
   explicit Sample(const Points& points) {
     const std::size_t step = std::max<std::size_t>(1, points.size() / kScoredPoints);
     size_ = (points.size() + step - 1) / step;
-    // What is not a number is near no plane.
+    // NaN is near no plane.
     const std::size_t padded = simd::Padded(size_);
     for (auto* axis : {&x_, &y_, &z_})
       axis->assign(padded, std::numeric_limits<float>::quiet_NaN());

@@ -17,7 +17,7 @@ struct Plane {
   double Height(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
 };
 
-// Where a plane is looked for.
+// Constraints of a plane search.
 struct PlaneConstraint {
   // Points nearer than this support a plane, m.
   double distance_m = 0.006;

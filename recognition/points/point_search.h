@@ -15,9 +15,8 @@ struct Neighbor {
   float squared_distance = std::numeric_limits<float>::infinity();  // m^2
 };
 
-// A search structure over a copy of `points`, which must be finite. Exact and
-// deterministic; safe for concurrent searches. This is the only place that knows
-// FLANN's kd-tree.
+// A search structure over a copy of `points`, which must be finite. Exact and deterministic; safe
+// for concurrent searches. The only user of FLANN's kd-tree.
 class PointSearch {
  public:
   explicit PointSearch(const Points& points);

@@ -1,4 +1,4 @@
-// What a sensor saw.
+// A frame of a sensor.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace graspdb::recognition {
 
-// A frame: points, or the depth image that they would be made from.
+// Points, or the depth image to make them from.
 struct Scan {
   Points points;                     // sensor frame, m; NaN or zero: no measurement
   std::optional<Pose> world_sensor;  // T_world_sensor, where known

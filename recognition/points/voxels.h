@@ -12,10 +12,10 @@ struct VoxelCloud {
   std::vector<std::int32_t> voxel_of;  // for each input point the position of its voxel
 };
 
-// Voxel grid: cubes of edge `voxel_size_m`, aligned with the origin, each
-// replaced by the centroid of its points (paper, section 3.1). The voxels come
-// out in the order of their coordinates (z, y, x), whatever the order of the
-// input. Points must be finite and within 1 km of the origin. None once cancelled.
+// Voxel grid: cubes of edge `voxel_size_m`, aligned with the origin, each replaced by the centroid
+// of its points (paper, section 3.1). The voxels are in the order of their coordinates (z, y, x),
+// whatever the order of the input. Points must be finite and within 1 km of the origin. None once
+// cancelled.
 VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
                               const IsCancelled& is_cancelled = {});
 

@@ -14,11 +14,11 @@ namespace {
 
 // Cells of this share of the tolerance are so small that any two points in one are within it.
 constexpr double kCellShare = 0.577;
-// Cells within the tolerance of each other are at most so many apart along an axis.
+// Maximum distance along an axis of cells within the tolerance of each other, in cells.
 constexpr int kReach = 2;
-// What looking at the cells around one takes, about, in distances.
+// Approximate cost of visiting the cells around one, in distances.
 constexpr std::size_t kStepsPerCell = 2000;
-// What finding the set of a point takes.
+// Cost of finding the set of a point.
 constexpr std::size_t kStepsPerPoint = 50;
 // Distances that joining computes in all, about 1 s; a frame of a million voxels takes a tenth.
 constexpr std::size_t kMaxJoinWork = 1'000'000'000;
@@ -52,7 +52,7 @@ bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
   return false;
 }
 
-// The sets of points that steps of at most the tolerance lead between.
+// The sets of points connected by steps of at most the tolerance.
 DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float squared_tolerance,
                             const IsCancelled& is_cancelled, CancellationPoll& poll) {
   const std::vector<CellGrid::Cell> groups = grid.OccupiedCells(is_cancelled);
@@ -91,7 +91,7 @@ DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float sq
   return sets;
 }
 
-// Looks for the cluster that holds another one.
+// Finds the cluster that supports another one.
 class SupportSearch {
  public:
   SupportSearch(const Points& points, const std::vector<Indices>& clusters, double max_gap_m,

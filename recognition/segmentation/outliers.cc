@@ -18,23 +18,23 @@ namespace {
 constexpr float kProbeCellM = 0.008F;
 // A cell's edge, as a multiple of the radius within which the neighbours probably are.
 constexpr double kCellsPerRadius = 1.15;
-// Cells around a point that are gathered; for what is farther away larger cells are cheaper.
+// Gathered cells to each side of a point; for farther points larger cells are cheaper.
 constexpr int kMaxReach = 4;
 constexpr float kCoarser = 8;
 // Distances that are computed in all, about 0.5 s: a frame of two million points on surfaces takes
 // nine tenths of them.
 constexpr std::size_t kMaxWork = 750'000'000;
-// To find a row of cells takes as long as so many distances.
+// Cost of finding a row of cells, in distances.
 constexpr std::size_t kWorkPerRow = 32;
-// Cells are summed in so many portions, by as many threads as are idle.
+// Portions in which idle threads sum the cells.
 constexpr std::size_t kChunks = 16;
-// No camera measures what is nearer, m.
+// No camera measures nearer points, m.
 constexpr float kNearestM = 0.01F;
 // Guesses of a distance before all are sorted.
 constexpr int kGuesses = 24;
 
-// Edge of cells of which 27 mostly hold the `count` nearest neighbours, were the points evenly
-// spread over a surface.
+// Edge of cells of which 27 mostly contain the `count` nearest neighbours, for points evenly spread
+// over a surface.
 float CellSizeFor(const Points& points, std::size_t count, const IsCancelled& is_cancelled) {
   const CellGrid probe(points, kProbeCellM, is_cancelled);
   const double occupied =
@@ -48,12 +48,12 @@ float CellSizeFor(const Points& points, std::size_t count, const IsCancelled& is
 // Sums the roots of the smallest of some values.
 class RootsOfSmallest {
  public:
-  // Of the `wanted` smallest of `values` (padded with huge ones), of which `known` are not
-  // larger than `most`; wanted <= known.
-  float Sum(const std::vector<float>& values, std::size_t wanted, float most, std::size_t known) {
+  // Of the `wanted` smallest of `values` (padded with huge ones), of which `known` are not larger
+  // than `limit`; wanted <= known.
+  float Sum(const std::vector<float>& values, std::size_t wanted, float limit, std::size_t known) {
     float low = 0;  // fewer than `wanted` are not larger
     std::size_t below = 0;
-    float high = most;
+    float high = limit;
     std::size_t within = known;
     float guess = guess_;
     for (int i = 0; i < kGuesses && within > wanted; ++i) {
@@ -71,7 +71,7 @@ class RootsOfSmallest {
   }
 
  private:
-  // Where several have the distance that decides.
+  // For ties of the deciding distance.
   float SumSorted(const std::vector<float>& values, std::size_t wanted) {
     sorted_ = values;
     const auto end = sorted_.begin() + static_cast<std::ptrdiff_t>(wanted);
@@ -82,11 +82,11 @@ class RootsOfSmallest {
   }
 
   const simd::Functions& kernels_ = simd::Best();
-  float guess_ = -1;  // what the last one ended with: neighbours resemble each other
+  float guess_ = -1;  // result of the last call: neighbours resemble each other
   std::vector<float> sorted_;
 };
 
-// For some of the points the sum of the distances to their `count` nearest, of which they are one.
+// Sums of the distances of some points to their `count` nearest, including themselves.
 class SumsOfNearest {
  public:
   SumsOfNearest(const Points& points, std::size_t count, const IsCancelled& is_cancelled)
@@ -100,7 +100,7 @@ class SumsOfNearest {
       return std::nullopt;
     }
     std::iota(open.begin(), open.end(), 0);
-    // What a grid's cells are too small for is left to one with larger cells.
+    // Points for which a grid's cells are too small are left to one with larger cells.
     float cell_m = CellSizeFor(points_, count_, is_cancelled_);
     for (; !open.empty(); cell_m *= kCoarser) {
       if (is_cancelled_() || !SumWith(CellGrid(points_, cell_m, is_cancelled_), &open)) {
@@ -111,7 +111,7 @@ class SumsOfNearest {
   }
 
  private:
-  // What one thread works with.
+  // Buffers of one thread.
   struct Scratch {
     explicit Scratch(const IsCancelled& is_cancelled) : poll(is_cancelled) {}
 
@@ -174,10 +174,10 @@ class SumsOfNearest {
     std::vector<float>& squared = scratch->squared;
     kernels_.squared_distances(scratch->block.coordinates(), p.data(), squared.data());
     const float coverage = std::clamp(scratch->block.Coverage(p), 0.0F, 0.1F * simd::kFar);
-    const float most = coverage * coverage;
-    const std::size_t known = kernels_.count_up_to(squared.data(), squared.size(), most);
+    const float limit = coverage * coverage;
+    const std::size_t known = kernels_.count_up_to(squared.data(), squared.size(), limit);
     if (known < count_) return false;
-    sums_[point] = scratch->roots.Sum(squared, count_, most, known);
+    sums_[point] = scratch->roots.Sum(squared, count_, limit, known);
     return true;
   }
 
@@ -185,7 +185,7 @@ class SumsOfNearest {
   const Points& points_;
   const std::size_t count_;
   const IsCancelled& is_cancelled_;
-  // Of all threads: whether it becomes too much does not depend on which is the first.
+  // Of all threads: whether it exceeds the limit does not depend on their order.
   std::atomic<std::size_t> work_ = 0;
   std::vector<char> is_open_;
   std::vector<float> sums_;

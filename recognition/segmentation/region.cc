@@ -14,7 +14,7 @@ namespace {
 // Time to crop a point, ns.
 constexpr std::size_t kStepsPerCrop = 40;
 
-// The region's corners; without one nothing bounds it.
+// The region's corners; unbounded without a region.
 struct Bounds {
   explicit Bounds(const std::optional<Box>& region) {
     if (!region) return;
@@ -49,7 +49,7 @@ Box DefaultRegion(const Pose& world_sensor) {
 
 bool IsMeasurement(const Eigen::Vector3f& p) {
   constexpr auto kFarthest = static_cast<float>(kSensorRangeM * kSensorRangeM);
-  return !p.isZero(0) && p.squaredNorm() <= kFarthest;  // false for what is not a number
+  return !p.isZero(0) && p.squaredNorm() <= kFarthest;  // false for NaN
 }
 
 bool HasMeasurement(const Scan& scan) {
@@ -69,13 +69,13 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
   out.indices.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (poll.After(kStepsPerCrop)) break;
-    if (scan[i].squaredNorm() > farthest) {  // false for what is not a number
+    if (scan[i].squaredNorm() > farthest) {  // false for NaN
       out.beyond_range_count += scan[i].allFinite();
       continue;
     }
     // In the order in which images are unprojected, for the same bits.
     const Eigen::Vector3f p = motion.Point(scan[i]);
-    // False for what is not a number.
+    // False for NaN.
     const bool inside = p.x() >= bounds.low.x() && p.x() <= bounds.high.x() &&
                         p.y() >= bounds.low.y() && p.y() <= bounds.high.y() &&
                         p.z() >= bounds.low.z() && p.z() <= bounds.high.z();
@@ -114,7 +114,7 @@ RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
     row.row = RowOf(image.camera, static_cast<std::size_t>(v));
     kernels.unproject(row, world[0].data(), world[1].data(), world[2].data(), inside.data());
     out.beyond_range_count += CountBeyond(row);
-    // Without a branch: which pixels are inside is hard to foretell.
+    // Without a branch: which pixels are inside is hard to predict.
     std::size_t count = 0;
     for (std::size_t u = 0; u < width; ++u) {
       found[count] = static_cast<std::int32_t>(u);

@@ -12,7 +12,7 @@ namespace graspdb::recognition {
 // Some points of a scan, moved to another frame.
 struct RegionPoints {
   Points points;    // in frame a
-  Indices indices;  // where each of them stands in the scan
+  Indices indices;  // position of each in the scan
   // Measurements that were left out since they are too far from the sensor.
   std::size_t beyond_range_count = 0;
 };
@@ -30,11 +30,11 @@ bool IsMeasurement(const Eigen::Vector3f& p);
 RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
                           const std::optional<Box>& region, double max_range_m = kSensorRangeM,
                           const IsCancelled& is_cancelled = {});
-// The same of an image, in one pass: no other point is ever made. Bit by bit what comes of the
+// The same of an image, in one pass without making other points. Bit by bit the result of the
 // image's points.
 RegionPoints CropImage(const DepthImage& image, const Pose& a_sensor,
                        const std::optional<Box>& region, double max_range_m = kSensorRangeM);
-// Either, as the scan has it.
+// Either, depending on the scan.
 RegionPoints CropScan(const Scan& scan, const Pose& a_sensor, const std::optional<Box>& region,
                       double max_range_m = kSensorRangeM, const IsCancelled& is_cancelled = {});
 

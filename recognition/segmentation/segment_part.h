@@ -16,8 +16,8 @@ using IsPartOf = std::function<bool(const Eigen::Vector3f& world)>;
 // Which part a point (world frame, m) belongs to, from 0; negative: to none.
 using PartNumber = std::function<int(const Eigen::Vector3f& world)>;
 
-// The voxels and the scan's points of `whole` for which `is_part` holds, in their order; the
-// centroid is theirs. O(n) calls for n points. Where cancelled, the result means nothing.
+// The voxels and the scan's points of `whole` for which `is_part` is true, in their order; the
+// centroid is theirs. O(n) calls for n points. Where cancelled, the result is meaningless.
 Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
                const IsPartOf& is_part, const IsCancelled& is_cancelled = {});
 

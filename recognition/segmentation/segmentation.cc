@@ -18,10 +18,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The table that makes the world frame is looked for within this range, m.
+// Search range of the table that defines the world frame, m.
 constexpr double kTableRange = 1.5;
-// Parts of one object with unseen space between them may be so many cluster
-// tolerances apart.
+// Maximum gap between parts of one object with unseen space between them, in cluster tolerances.
 constexpr double kJoinReach = 2;
 
 template <typename T>
@@ -90,7 +89,7 @@ absl::Status FindWorldFrame(const Scan& scan, const SegmentationParameters& para
   return absl::OkStatus();
 }
 
-// Removes the table and what is below it. Keeps all when there is no table.
+// Removes the table and points below it. Keeps all when there is no table.
 void RemoveTable(const SegmentationParameters& parameters, RegionPoints* cloud, Segmentation* out) {
   PlaneConstraint constraint;
   constraint.distance_m = parameters.plane_distance_m;
@@ -179,7 +178,7 @@ absl::Status TooManyVoxels(std::size_t count, double voxel_size_m) {
       count, voxel_size_m * 1e3, kMaxVoxels));
 }
 
-// Outliers, voxels, clusters and normals of what stands on the table.
+// Outliers, voxels, clusters and normals of the points above the table.
 absl::Status FindSegments(RegionPoints cloud, bool segmented,
                           const SegmentationParameters& parameters,
                           const DescriptorParameters& descriptor, const IsCancelled& is_cancelled,
@@ -190,7 +189,7 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
     return voxels.points.size();
   };
   if (!segmented) {
-    // What is refused anyway is not worth the outliers, which take longest.
+    // Rejected scans skip the outlier removal, which takes longest.
     if (cloud.points.size() > kMaxVoxels && downsample() > kMaxVoxels) {
       return TooManyVoxels(voxels.points.size(), descriptor.voxel_size_m);
     }

@@ -17,7 +17,7 @@
 
 namespace graspdb::recognition {
 
-// Where the world frame came from.
+// Source of the world frame.
 enum class WorldFrame {
   kGiven,          // Scan::world_sensor.
   kDominantPlane,  // The table before the sensor, see WorldFromPlane.
@@ -32,11 +32,10 @@ struct Segment {
   bool too_large = false;                              // to be one object, see IsTooLarge
 };
 
-// T_world_object of what is taught where nobody gave one: the centroid, on the table where there
-// may be one.
+// Default T_world_object of a taught object: the centroid, on the table where there may be one.
 Pose DefaultObjectPose(WorldFrame frame, const Segment& segment);
 
-// What there is if there is no segment.
+// Outcome of a segmentation.
 enum class SegmentationOutcome { kFound, kEmptyRegion, kNoCluster };
 
 struct Segmentation {
@@ -45,7 +44,7 @@ struct Segmentation {
   WorldFrame world_frame = WorldFrame::kGiven;
   std::optional<Plane> table;     // world frame; absent when no plane was found
   double table_noise_m = 0;       // root mean square distance of its points from it; 0: no table
-  double table_reach_m = 0;       // what is no higher above it went with it; 0: no table
+  double table_reach_m = 0;       // height above it up to which points were removed; 0: no table
   double voxel_size_m = 0.003;    // of the segments' clouds
   std::vector<Segment> segments;  // the nearest to the sensor first
   // Points of a segmented scan that are too far from the others to be of one object; left out.
@@ -56,24 +55,23 @@ struct Segmentation {
 // 3 mm, several times those of a tabletop full of objects. Doubled, a scan takes up to 3 s.
 inline constexpr std::size_t kMaxVoxels = 300'000;
 
-// Finds the objects in a scan and appends what each step did to `log`. Steps "range" and "extent"
-// are there where points were left out: those beyond max_range_m, and those of a segmented scan
-// that are farther than max_object_size_m from the median. Where outliers would take too long to
-// find (outliers.h), their step removes none.
+// Finds the objects in a scan and appends a report of each step to `log`. Steps "range" and
+// "extent" are logged where points were left out: those beyond max_range_m, and those of a
+// segmented scan that are farther than max_object_size_m from the median. Where outliers would take
+// too long to find (outliers.h), their step removes none.
 //
 // O(n log n) in the points of the scan; cancelled within some milliseconds.
 //
-// Without a plane in the region nothing is removed as table. A scan that is
-// `segmented` is one segment, whatever it holds, as long as it has
-// min_cluster_point_count voxels. FAILED_PRECONDITION when the sensor pose is not
-// known and there is no plane that could stand in for it; INVALID_ARGUMENT when there are more than
-// kMaxVoxels; CANCELLED.
+// Without a plane in the region nothing is removed as table. A scan that is `segmented` is one
+// segment, whatever it contains, as long as it has min_cluster_point_count voxels.
+// FAILED_PRECONDITION when the sensor pose is not known and there is no plane that could replace
+// it; INVALID_ARGUMENT when there are more than kMaxVoxels; CANCELLED.
 absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
                                          const DescriptorParameters& descriptor,
                                          const IsCancelled& is_cancelled, StageLog* log);
 
-// Voxels and normals of one object's points (world frame, m) as SegmentScan makes
-// them; the way a stored cloud is made ready again.
+// Voxels and normals of one object's points (world frame, m) as SegmentScan makes them; also for
+// stored clouds.
 OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoint,
                            const DescriptorParameters& parameters);
 

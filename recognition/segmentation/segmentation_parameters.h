@@ -6,10 +6,10 @@ namespace graspdb::recognition {
 // How an object's points are found in a frame. May differ from cell to cell.
 struct SegmentationParameters {
   // Points farther from the sensor are left out, m: cells are smaller, and depth cameras for them
-  // measure up to 6 m. Doubled, more of the room behind a cell costs time.
+  // measure up to 6 m. Doubled, more of the space behind a cell costs time.
   double max_range_m = 10;
-  // The longest side of what can be one object, m: what a robot lifts off a table. Doubled, a
-  // segmented scan with stray points takes up to four times the memory.
+  // Maximum side of one object, m, of those that a robot lifts off a table. Doubled, a segmented
+  // scan with stray points takes up to four times the memory.
   double max_object_size_m = 1;
   // Points nearer to the table plane than this belong to the table, m.
   double plane_distance_m = 0.006;
@@ -22,12 +22,12 @@ struct SegmentationParameters {
   double plane_min_share = 0.10;
   // Neighbours in the statistical outlier removal; 0 turns it off.
   int outlier_neighbor_count = 50;
-  // Points whose mean neighbour distance lies more than so many standard
-  // deviations above the mean are outliers.
+  // Points whose mean neighbour distance lies more than this many standard deviations above the
+  // mean are outliers.
   double outlier_deviation_factor = 2.0;
   // Clusters are farther apart than this, m.
   double cluster_tolerance_m = 0.015;
-  // Clusters with fewer voxels than this are dirt; at least 10.
+  // Clusters with fewer voxels than this are left out; at least 10.
   int min_cluster_point_count = 50;
 };
 

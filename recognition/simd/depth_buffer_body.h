@@ -1,5 +1,5 @@
-// The functions of kernels.h that ask what a camera saw where a surface is claimed to be, as
-// kernel_bodies.h has the others.
+// The functions of kernels.h that compare a posed surface with a camera's measurements;
+// kernel_bodies.h contains the others.
 #pragma once
 
 #include <cstddef>
@@ -74,18 +74,18 @@ inline Floats Off(const Floats& depth, const Floats& z) {
   return Where(measured, Absolute(z - Absolute(depth))) + Where(~measured, All(kNothing));
 }
 
-// What is known of such places. At most one of the masks is set.
+// Classification of points of a posed surface. At most one of the masks is set.
 struct Finding {
   Ints there;       // a surface was measured there
   Ints hidden;      // something else stands before it
   Ints denied;      // the camera looked through it, or saw the segment's surface before it
-  Ints unmeasured;  // nothing was
+  Ints unmeasured;  // nothing was measured
   Ints missing;     // the same in a scan that shows the object alone
   Floats off;       // between claimed and measured surface, across the surface, m
 };
 
-// `slant` is the cosine between normal and line of sight: across a surface, what is measured is so
-// much nearer than along the line of sight.
+// `slant` is the cosine between normal and line of sight: ratio of a distance across a surface to
+// the one along the line of sight.
 inline Finding Find(const DepthWindow& window, const Floats3& p, const Floats& slant,
                     float tolerance) {
   const Pixels pixels = PixelsOf(window, p);
@@ -112,7 +112,7 @@ inline NormalEquations AccumulateEdges(const EdgeResiduals& in) {
   Equations sums;
   if (in.window.depth == nullptr) return {};
   const Floats per_reach = All(1 / (in.reach * in.reach));
-  const Floats facing = All(in.least_facing * in.least_facing);
+  const Floats facing = All(in.min_facing * in.min_facing);
   const Floats3 center = All3(in.center);
   for (std::size_t i = 0; i < in.surface.points.count; i += kLanes) {
     const Floats3 place = Load3(in.surface.points, i);
@@ -120,30 +120,30 @@ inline NormalEquations AccumulateEdges(const EdgeResiduals& in) {
     const Floats3 seen = Point(in.sensor_surface, place);
     const Floats towards = -Dot(Direction(in.sensor_surface, direction), seen);
     const Floats squared = Dot(seen, seen);
-    Ints pulled = (towards > All(0)) & (towards * towards >= facing * squared);
-    if (!Any(pulled)) continue;
+    Ints used = (towards > All(0)) & (towards * towards >= facing * squared);
+    if (!Any(used)) continue;
     const Floats3 q = Point(in.scan_surface, place);
     Ints known;
     const Ints at = NearestOf(in.scan, q, &known);
-    pulled &= known;
-    if (!Any(pulled)) continue;
+    used &= known;
+    if (!Any(used)) continue;
     const Floats3 d = Minus(Gather3(in.scan.points, at), q);
     const Floats distance = Dot(d, d);
     const Floats rest = All(1) - distance * per_reach;
-    pulled &= (distance >= All(in.spacing * in.spacing)) & (rest > All(0));
-    if (!Any(pulled)) continue;
+    used &= (distance >= All(in.spacing * in.spacing)) & (rest > All(0));
+    if (!Any(used)) continue;
     const Floats3 normal = Direction(in.scan_surface, direction);
-    pulled &= Dot(normal, Gather3(in.scan.normals, at)) >= All(in.least_agreement);
-    if (!Any(pulled)) continue;
+    used &= Dot(normal, Gather3(in.scan.normals, at)) >= All(in.min_agreement);
+    if (!Any(used)) continue;
     const Floats slant = towards / Roots(squared);
-    // Mostly the pixel itself shows the surface, and its neighbours need not be asked.
+    // Mostly the pixel itself shows the surface, and its neighbours need no check.
     const Floats shown = DepthsAt(in.window, PixelsOf(in.window, seen), 0);
-    pulled &= Off(shown, seen.z) * slant >= All(in.spacing);
-    if (!Any(pulled)) continue;
+    used &= Off(shown, seen.z) * slant >= All(in.spacing);
+    if (!Any(used)) continue;
     const Finding finding = Find(in.window, seen, slant, in.spacing);
-    pulled &= finding.denied | finding.missing;
+    used &= finding.denied | finding.missing;
     const Floats3 along = Minus(d, Times(normal, Dot(d, normal)));
-    AddAlong(along, in.spacing, Minus(q, center), rest * rest, pulled, &sums);
+    AddAlong(along, in.spacing, Minus(q, center), rest * rest, used, &sums);
   }
   return Added(sums);
 }

@@ -191,6 +191,6 @@ inline void Unproject(const DepthRow& row, float* x, float* y, float* z, std::ui
 }  // namespace graspdb::recognition::simd
 
 // All of them, as Functions has them behind its name.
-#define GRASPDB_WIDE_FUNCTIONS                                                                    \
+#define GRASPDB_SIMD_FUNCTIONS                                                                    \
   SquaredDistances, CountUpTo, SumRootsUpTo, MomentsOf, CountNearPlane, ByteDistances, ChiSquare, \
       Spread, Unproject, Locate, AccumulatePointToPlane, AccumulateEdges, SupportOf, Face, Look

@@ -1,4 +1,4 @@
-// Arithmetic on many numbers at once, as wide as the processor allows.
+// SIMD arithmetic, with the longest vectors of the processor.
 //
 // Every function exists twice: built for any processor, and for those with AVX2. Both do the same
 // operations in the same order (eight sums side by side, added up at the end, no fused
@@ -12,19 +12,19 @@
 
 namespace graspdb::recognition::simd {
 
-// Arrays of floats are read in steps of so many; their lengths are multiples of it.
+// Arrays of floats are read in steps of this many; their lengths are multiples of it.
 inline constexpr std::size_t kLanes = 8;
 
-// `count` rounded up to what the functions take.
+// `count` rounded up to a multiple of kLanes.
 constexpr std::size_t Padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-// Arrays of bytes are read in steps of so many.
+// Arrays of bytes are read in steps of this many.
 inline constexpr std::size_t kByteLanes = 32;
 constexpr std::size_t PaddedBytes(std::size_t count) {
   return (count + kByteLanes - 1) / kByteLanes * kByteLanes;
 }
 
-// What pads coordinates: far from everything, m.
+// Padding of coordinates: far from everything, m.
 inline constexpr float kFar = 1e15F;
 
 // Sums over the points within a radius of one, relative to it, along the axes of their frame.
@@ -41,7 +41,7 @@ struct DepthRow {
   const float* column = nullptr;  // x at a depth of 1 m, a value a pixel
   float row = 0;                  // y at a depth of 1 m
   float unit = 0;                 // m
-  float farthest = 0;             // what is farther from the sensor is left out, m
+  float farthest = 0;             // maximum distance from the sensor, m
   Rigid world_sensor = {};
   float min[3] = {};  // of the region, world frame, m
   float max[3] = {};
@@ -52,10 +52,10 @@ struct DepthRow {
 struct BallRow {
   int z;
   int y;
-  int half;  // so many cells to either side
+  int half;  // cells to either side
 };
 
-// Cubic cells in blocks, and the nearest point of each. Blocks that a row meets must be there.
+// Cubic cells in blocks, and the nearest point of each. Blocks that a row meets must exist.
 struct Cells {
   BlockTable blocks;
   float cell_m;
@@ -82,9 +82,8 @@ struct Functions {
                          const std::uint8_t* query, std::int32_t* out);
   // sum (a - b)^2 / (a + b); nothing where a + b is 0.
   float (*chi_square)(const float* a, const float* b, std::size_t count);
-  // Tells the cells in the rows around the cell of `at` (in cells) of a point: those that it is
-  // nearer to than best says take its squared distance, and `index`. All that a row meets are at 0
-  // or more.
+  // Updates the cells in the rows around the cell of `at` (in cells) with a point: those whose
+  // `best` is larger take its squared distance, and `index`. All that a row meets are at 0 or more.
   void (*spread)(const BallRow* rows, std::size_t row_count, const float* at, std::int32_t index,
                  const Cells& cells);
   // Writes the world coordinates of the row's pixels and whether each was measured and lies in
@@ -94,27 +93,27 @@ struct Functions {
   // (0, 0), and its depth in metres; -1 where it lies on none or was not measured.
   void (*locate)(const DepthRow& row, const DepthWindow& window, std::int32_t* at, float* depth);
 
-  // Each point pulls the nearest of the surface to itself, where their normals agree: across the
-  // surface, and along it where that has ended; Tukey's weights.
+  // Residuals of each point to the nearest of the surface, where their normals agree: across the
+  // surface, and along it past its end; Tukey's weights.
   NormalEquations (*accumulate_point_to_plane)(const PointToPlaneResiduals& residuals);
-  // Each such edge is pulled along its surface to the scan's nearest point, where their normals
+  // Residuals of each such edge along its surface to the scan's nearest point, where their normals
   // agree; Tukey's weights.
   NormalEquations (*accumulate_edges)(const EdgeResiduals& residuals);
   // `to_from` moves the points into the surface's frame; `spacing` is that of its points.
   Support (*support)(const Coordinates& points, const Rigid& to_from, const LookUp& surface,
                      float spacing, float tolerance);
-  // Moves a surface into the sensor frame, and says (1 or 0) what faces the sensor: where the
-  // cosine between normal and line of sight is at least `least_facing`, more than 0.
-  void (*face)(const OrientedCoordinates& surface, const Rigid& sensor_surface, float least_facing,
+  // Moves a surface into the sensor frame, and flags (1 or 0) the points that face the sensor:
+  // where the cosine between normal and line of sight is at least `min_facing`, more than 0.
+  void (*face)(const OrientedCoordinates& surface, const Rigid& sensor_surface, float min_facing,
                float* x, float* y, float* z, std::uint8_t* facing);
-  // Looks at those points of a surface whose byte in `visible` is not 0. What is missing in a scan
-  // of the object alone is expected with `missing_weight`.
+  // Compares the points of a surface whose byte in `visible` is not 0 with the window. Points
+  // missing in a scan of the object alone are expected with `missing_weight`.
   Seen (*look)(const OrientedCoordinates& surface, const Rigid& sensor_surface,
                const std::uint8_t* visible, const DepthWindow& window, float tolerance,
                float missing_weight);
 };
 
-// The widest functions that this processor has.
+// The fastest functions that this processor supports.
 const Functions& Best();
 
 // Those for any processor.

@@ -3,7 +3,7 @@
 namespace graspdb::recognition::simd {
 
 const Functions& Portable() {
-  static constexpr Functions kFunctions = {"portable", GRASPDB_WIDE_FUNCTIONS};
+  static constexpr Functions kFunctions = {"portable", GRASPDB_SIMD_FUNCTIONS};
   return kFunctions;
 }
 

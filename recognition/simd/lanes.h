@@ -1,5 +1,5 @@
-// Eight numbers side by side, for the bodies of kernels. Everything here is local to the
-// file that includes it: see kernel_bodies.h.
+// Vectors of eight numbers, for the bodies of kernels. Everything here is local to the file that
+// includes it: see kernel_bodies.h.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace graspdb::recognition::simd {
 namespace {
 
-// Eight numbers; gcc and clang make of them what the processor has.
+// Eight numbers; gcc and clang compile them for the processor.
 using Floats [[gnu::vector_size(32)]] = float;
 using Ints [[gnu::vector_size(32)]] = std::int32_t;
 using Counts [[gnu::vector_size(16)]] = std::uint16_t;

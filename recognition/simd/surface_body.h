@@ -1,4 +1,5 @@
-// The functions of kernels.h that lay points on surfaces, as kernel_bodies.h has the others.
+// The functions of kernels.h that compare points with surfaces; kernel_bodies.h contains the
+// others.
 #pragma once
 
 #include <cstddef>
@@ -74,7 +75,7 @@ inline NormalEquations Added(const Equations& sums) {
   return out;
 }
 
-// Adds pulls along a surface from `q`, by how much `along` is longer than the spacing.
+// Adds residuals along a surface from `q`: the length of `along` beyond the spacing.
 [[gnu::always_inline]] inline void AddAlong(const Floats3& along, float spacing, const Floats3& arm,
                                             const Floats& weight, const Ints& which,
                                             Equations* sums) {
@@ -99,8 +100,7 @@ inline NormalEquations AccumulatePointToPlane(const PointToPlaneResiduals& in) {
     const Floats3 d = Minus(p, q);
     const Floats rest = All(1) - Dot(d, d) * per_reach;
     known &= rest > All(0);
-    known &=
-        Dot(normal, Direction(in.to_from, Load3(in.from.normals, i))) >= All(in.least_agreement);
+    known &= Dot(normal, Direction(in.to_from, Load3(in.from.normals, i))) >= All(in.min_agreement);
     if (!Any(known)) continue;
     const Floats weight = Where(known, rest * rest);
     const Floats3 arm = Minus(q, center);
@@ -137,17 +137,17 @@ inline Support SupportOf(const Coordinates& points, const Rigid& to_from, const 
   return {Sum(explained), Sum(squares), Sum(near)};
 }
 
-inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface,
-                 float least_facing, float* x, float* y, float* z, std::uint8_t* facing) {
-  const Floats least = All(least_facing * least_facing);
-  // What is nearer to the lens has no place in an image that a float holds, m.
+inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface, float min_facing,
+                 float* x, float* y, float* z, std::uint8_t* facing) {
+  const Floats threshold = All(min_facing * min_facing);
+  // Nearer to the lens, image coordinates do not fit a float, m.
   const Floats nearest = All(1e-6F);
   for (std::size_t i = 0; i < surface.points.count; i += kLanes) {
     const Floats3 p = Point(sensor_surface, Load3(surface.points, i));
     const Floats3 normal = Direction(sensor_surface, Load3(surface.normals, i));
     const Floats towards = -Dot(normal, p);
     const Ints faces =
-        (p.z > nearest) & (towards > All(0)) & (towards * towards >= least * Dot(p, p));
+        (p.z > nearest) & (towards > All(0)) & (towards * towards >= threshold * Dot(p, p));
     std::memcpy(x + i, &p.x, sizeof(p.x));
     std::memcpy(y + i, &p.y, sizeof(p.y));
     std::memcpy(z + i, &p.z, sizeof(p.z));

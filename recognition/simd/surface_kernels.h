@@ -1,5 +1,4 @@
-// What the functions of kernels.h need to know of surfaces: oriented points, look-ups, lines of
-// sight.
+// Surfaces as the functions of kernels.h take them: oriented points, look-ups, lines of sight.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +6,7 @@
 
 namespace graspdb::recognition::simd {
 
-// Coordinates of points, apart from each other: metres, any frame, that of what they are compared
-// with.
+// Coordinates of points, apart from each other: metres, any common frame.
 struct Coordinates {
   const float* x = nullptr;
   const float* y = nullptr;
@@ -28,8 +26,8 @@ struct Rigid {
   float translation[3] = {};
 };
 
-// Cells are kept in blocks of so many along x, y and z, as powers of two: a row of a block is what
-// SIMD code reads at once.
+// Sizes of blocks of cells along x, y and z, as powers of two: SIMD code reads a row of a block at
+// once.
 inline constexpr int kBlockXBits = 3;
 inline constexpr int kBlockYzBits = 2;
 inline constexpr int kBlockCells = 1 << (kBlockXBits + 2 * kBlockYzBits);
@@ -67,67 +65,67 @@ struct NearestCells {
 // A cloud with a NearestGrid over it, in one frame; metres.
 struct LookUp {
   NearestCells near;
-  NearestCells far;               // asked where the others know nothing
+  NearestCells far;               // used where `near` has no point
   const float* points = nullptr;  // three floats each, at least one point
   const float* normals = nullptr;
 };
 
-// Oriented points that are pulled onto a surface.
+// Point-to-plane residuals of oriented points to a surface.
 struct PointToPlaneResiduals {
   OrientedCoordinates from;
   Rigid to_from;
   LookUp to;
-  float center[3] = {};       // turns are about it, frame of `to`
-  float reach = 0;            // what is farther away is not pulled, m
-  float spacing = 0;          // of the surface's points, m
-  float edge_weight = 0;      // of pulls along a surface that has ended, against those across it
-  float least_agreement = 0;  // cosine between normals that correspond
+  float center[3] = {};     // turns are about it, frame of `to`
+  float reach = 0;          // maximum distance, m
+  float spacing = 0;        // of the surface's points, m
+  float edge_weight = 0;    // of residuals along a surface past its end, against those across it
+  float min_agreement = 0;  // cosine between normals that correspond
 };
 
-// Sums over rows J = [(q - center) x d, d] of pulls by r along d at q, with weights w.
+// Sums over rows J = [(q - center) x d, d] of residuals r along d at q, with weights w.
 struct NormalEquations {
   float hessian[21] = {};  // w J J^T, its upper triangle row by row
   float gradient[6] = {};  // w r J
   float weight = 0;
 };
 
-// What a camera measured, see DepthBuffer: a window of pixels. Three more to every side of it can
-// be read and hold nothing.
+// Depths of a camera, see DepthBuffer: a window of pixels. Three more to every side of it can be
+// read and are empty.
 struct DepthWindow {
   const float* depth = nullptr;  // of pixel (0, 0): m along z, negative: of something else, 0: none
   std::ptrdiff_t row = 0;        // pixels between the beginnings of rows
   float low[2] = {};             // x/z and y/z where the first pixel begins
   float pixels_per_unit = 0;     // of x/z
   float size[2] = {};            // in pixels
-  bool alone = false;            // the scan shows one object alone: what it lacks was not there
+  bool alone = false;            // the scan shows one object alone: missing points did not exist
 };
 
-// The edges of a surface that a camera would see and did not, and that the scan comes near to.
+// Edges of a surface that the camera should see and did not, near the scan.
 struct EdgeResiduals {
   OrientedCoordinates surface;
   Rigid scan_surface;    // from the surface's frame to that of the scan
   Rigid sensor_surface;  // and to that of the sensor
   LookUp scan;
   DepthWindow window;
-  float center[3] = {};       // turns are about it, frame of the scan
-  float reach = 0;            // what is farther away does not pull, m
-  float spacing = 0;          // what is nearer is there, m
-  float least_facing = 0;     // cosine between normal and line of sight
-  float least_agreement = 0;  // cosine between normals that correspond
+  float center[3] = {};     // turns are about it, frame of the scan
+  float reach = 0;          // maximum distance, m
+  float spacing = 0;        // nearer points count as seen, m
+  float min_facing = 0;     // cosine between normal and line of sight
+  float min_agreement = 0;  // cosine between normals that correspond
 };
 
 // How well points lie on a surface.
 struct Support {
   float explained = 0;  // sum of 1 - (d / tolerance)^2 over distances d below the tolerance
   float squares = 0;    // of those distances, m^2
-  float near = 0;       // how many they are
+  float near = 0;       // number of those points
 };
 
 // How much of a surface was measured where it should be; areas as the camera sees them, in points.
 struct Seen {
   float all = 0;
-  float expected = 0;      // in sight, nothing else before it
-  float found = 0;         // of that, less what is off
+  float expected = 0;      // visible, nothing else before it
+  float found = 0;         // of that, reduced by the distance
   float confirmed = 0;     // measured there
   float contradicted = 0;  // the camera saw through it, or the segment's surface before it
   float unmeasured = 0;    // nothing was measured

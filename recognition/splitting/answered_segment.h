@@ -1,4 +1,4 @@
-// A segment and what was recognised in it.
+// A segment and its detection.
 #pragma once
 
 #include "recognition/matching/detection.h"

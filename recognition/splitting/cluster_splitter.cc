@@ -16,29 +16,28 @@
 namespace graspdb::recognition {
 namespace {
 
-// Objects within objects that are looked for, and how often one cluster is asked about in all.
+// Depth of objects within objects, and maximum number of recognitions for one cluster.
 constexpr int kDepth = 3;
-constexpr int kMaxQuestions = 24;
-// Voxels of all questions about one cluster together: 24 questions about 20,000 voxels, which few
-// parts of 0.3 m have. Doubled, a scan of noise takes as much longer.
+constexpr int kMaxRecognitions = 24;
+// Voxels of all recognitions for one cluster together: 24 of 20,000 voxels, which few parts of 0.3
+// m have. Doubled, a scan of noise takes as much longer.
 constexpr std::size_t kMaxVoxels = 480'000;
-// Where no score is too low for an answer (minScore 0), one that is mostly wrong parts nothing.
+// Where every score is accepted (minScore 0), an answer that is mostly wrong splits nothing.
 constexpr double kKnown = 0.1;
-// An object that is one of several must be surer than one alone: parts of what was never taught
-// resemble something with scores up to 0.7, objects that touch have 0.95 and more (ADR 12).
+// One object of several needs a higher score than one alone: parts of unknown objects resemble
+// known ones with scores up to 0.7, touching objects have 0.95 and more (ADR 12).
 constexpr double kSure = 0.9;
-// Parts that gaps separate and whose answers explain this share of all are not doubted; with less
-// something between them may have been left out.
+// Parts separated by gaps are accepted where their answers explain this share of all; with less, an
+// object between them may have been left out.
 constexpr double kNearlyAll = 0.9;
-// A half that is explained worse than this is no beginning.
+// Minimum score of the answer for a half as a beginning.
 constexpr double kPromising = 0.02;
-// How often the object that was taken first is asked about anew.
+// Recognitions of the object that is taken first.
 constexpr int kRounds = 2;
-// An object's own points are so many deviations from its model, and at least this far, m.
+// Maximum distance of an object's own points from its model, in deviations, and its lower limit, m.
 constexpr float kDeviations = 3;
 constexpr float kFinestM = 0.0035F;
-// What an object that is taken away leaves behind is one piece unless gaps are wider than this, m,
-// and than so many voxels.
+// Minimum gap between the pieces that a removed object leaves over, m, and in voxels.
 constexpr double kPieceGapM = 0.01;
 constexpr double kPieceGapVoxels = 3.3;
 
@@ -58,8 +57,8 @@ class ClusterSplitter {
         glance_(glance),
         is_cancelled_(is_cancelled) {}
 
-  // Puts what `whole` consists of behind `out`, where that is known; says whether it is. Parts that
-  // gaps separate are the answer where theirs explain more than any for the whole.
+  // Appends the objects of `whole` to `out`, where these are known; returns whether they are. Parts
+  // separated by gaps are the answer where their answers explain more than any for the whole.
   absl::StatusOr<bool> TakeCluster(AnsweredSegment whole, Answers* out) {
     Answers separated;
     if (!Scores(whole.detection, kKnown) || !LeftOver(whole.segment, whole.detection).empty()) {
@@ -79,10 +78,10 @@ class ClusterSplitter {
   }
 
  private:
-  // The same without gaps. An answer that is not as sure as `least` is none.
-  absl::StatusOr<bool> Take(AnsweredSegment whole, double least, int depth, Answers* out) {
-    if (!Scores(whole.detection, least)) {
-      // Halves of parts are not asked about: in no scene of objects that touch do they say more.
+  // The same without gaps, with answers that score at least `min_score`.
+  absl::StatusOr<bool> Take(AnsweredSegment whole, double min_score, int depth, Answers* out) {
+    if (!Scores(whole.detection, min_score)) {
+      // Halves of parts are not recognised: they improve no scene of touching objects.
       if (depth == kDepth) return TakeUnknown(std::move(whole), out);
       return false;
     }
@@ -95,8 +94,8 @@ class ClusterSplitter {
     return true;
   }
 
-  // Whether an answer for `count` voxels at `segment` can be as sure as that of one object of
-  // several.
+  // Whether an answer for `count` voxels at `segment` can score as high as one object of several
+  // needs.
   bool MayBeSure(const Segment& segment, std::size_t count) const {
     return MaxConfidence(count, NoiseAt(input_.segmentation, segment)) >= kSure;
   }
@@ -104,11 +103,11 @@ class ClusterSplitter {
     return MayBeSure(segment, segment.cloud.points.size());
   }
 
-  static bool Scores(const Detection& detection, double least) {
-    return detection.view && detection.score >= least;
+  static bool Scores(const Detection& detection, double min_score) {
+    return detection.view && detection.score >= min_score;
   }
 
-  // Voxels that answers which were not rejected explain.
+  // Voxels that accepted answers explain.
   static double Explained(const Answers& answers) {
     double sum = 0;
     for (const auto& [segment, detection, seen] : answers) {
@@ -118,11 +117,11 @@ class ClusterSplitter {
     return sum;
   }
 
-  // Puts the parts of `whole` that narrow gaps separate behind `out`, known or not.
+  // Appends the parts of `whole` that narrow gaps separate to `out`, known or not.
   absl::Status Separate(const Segment& whole, Answers* out) {
     for (Segment& part : SplitAtGaps({input_.scan, input_.segmentation, whole}, voxel_size_,
                                      min_count_, is_cancelled_)) {
-      auto answer = Ask(part);
+      auto answer = RecognizeWithinLimits(part);
       if (!answer.ok()) return answer.status();
       AnsweredSegment alone{std::move(part), *std::move(answer)};
       auto known = Take(alone, kKnown, kDepth - 1, out);
@@ -133,11 +132,12 @@ class ClusterSplitter {
     return absl::OkStatus();
   }
 
-  // Where `whole` as one object has no answer. What it is like may still be the greater part of it.
+  // For a `whole` without an answer as one object. The object that it resembles may still be its
+  // greater part.
   absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, Answers* out) {
     // The smaller of two parts has half of the voxels at the most.
     const std::size_t half = whole.segment.cloud.points.size() / 2;
-    if (half < min_count_ || IsAskedEnough() || !MayBeSure(whole.segment, half)) return false;
+    if (half < min_count_ || IsAtLimit() || !MayBeSure(whole.segment, half)) return false;
     auto beginnings = Halves(whole.segment);
     if (!beginnings.ok()) return beginnings.status();
     beginnings->push_back(std::move(whole.detection));
@@ -155,20 +155,20 @@ class ClusterSplitter {
                                 Answers* out) {
     AnsweredSegment object{{}, std::move(beginning)};
     std::vector<Segment> rest;
-    // What a half explains is not all of the object: it is asked about once more.
+    // The answer for a half does not explain all of the object, which is recognised once more.
     for (int round = 0; round < kRounds; ++round) {
       object.segment = PartOf(input_.scan, input_.segmentation, whole,
                               Within(object.detection, OwnM(object.detection)), is_cancelled_);
       rest = LeftOver(whole, object.detection);
       if (object.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
-      // What will be rejected for its size is not asked about; `rest` is final in the last round
-      // only.
+      // Segments that will be rejected for their size are not recognised; `rest` is final in the
+      // last round only.
       if (!MayBeSure(object.segment)) return false;
       const bool is_last = round + 1 == kRounds;
       if (is_last && !std::ranges::all_of(rest, [&](const Segment& s) { return MayBeSure(s); })) {
         return false;
       }
-      auto again = Ask(object.segment);
+      auto again = RecognizeWithinLimits(object.segment);
       if (!again.ok()) return again.status();
       if (!Scores(*again, kSure)) return false;
       object.detection = *std::move(again);
@@ -176,7 +176,7 @@ class ClusterSplitter {
     const std::size_t before = out->size();
     out->push_back(std::move(object));
     for (Segment& piece : rest) {
-      auto answer = Ask(piece);
+      auto answer = RecognizeWithinLimits(piece);
       if (!answer.ok()) return answer.status();
       auto known = Take({std::move(piece), *std::move(answer)}, kSure, depth - 1, out);
       if (known.ok() && *known) continue;
@@ -187,25 +187,27 @@ class ClusterSplitter {
     return true;
   }
 
-  // Nothing more is known of a cluster that was asked about too often.
-  absl::StatusOr<Detection> Ask(const Segment& segment) {
-    if (IsAskedEnough()) return Detection();
-    ++questions_;
-    asked_voxels_ += segment.cloud.points.size();
+  // Unknown once the cluster has reached its limits.
+  absl::StatusOr<Detection> RecognizeWithinLimits(const Segment& segment) {
+    if (IsAtLimit()) return Detection();
+    ++recognitions_;
+    recognized_voxels_ += segment.cloud.points.size();
     return recognize_(segment);
   }
 
-  bool IsAskedEnough() const { return questions_ >= kMaxQuestions || asked_voxels_ >= kMaxVoxels; }
+  bool IsAtLimit() const {
+    return recognitions_ >= kMaxRecognitions || recognized_voxels_ >= kMaxVoxels;
+  }
 
   // The answers for both halves of `whole`.
   absl::StatusOr<std::vector<Detection>> Halves(const Segment& whole) {
     const std::vector<Segment> halves =
         SplitInHalves({input_.scan, input_.segmentation, whole}, is_cancelled_);
     std::vector<absl::StatusOr<Detection>> answers(halves.size(), Detection());
-    questions_ += static_cast<int>(halves.size());
-    asked_voxels_ += whole.cloud.points.size();
+    recognitions_ += static_cast<int>(halves.size());
+    recognized_voxels_ += whole.cloud.points.size();
     ForEachIndex(halves.size(), [&](std::size_t i) {
-      // It is only where to begin: not worth a long search.
+      // Only a beginning: not worth a long search.
       if (halves[i].cloud.points.size() >= min_count_) answers[i] = glance_(halves[i]);
     });
     std::vector<Detection> out;
@@ -216,8 +218,8 @@ class ClusterSplitter {
     return out;
   }
 
-  // How far from its model an object's own points are, m; between that and the support distance
-  // they are of either.
+  // Distance of an object's own points from its model, m; points between that and the support
+  // distance belong to either.
   float OwnM(const Detection& detection) const {
     return std::clamp(kDeviations * static_cast<float>(detection.evidence.rms_m),
                       std::min(kFinestM, support_), support_);
@@ -237,7 +239,7 @@ class ClusterSplitter {
         [&](const Eigen::Vector3f& p) { return !is_its(p); }, is_cancelled_));
   }
 
-  // What hangs together; smaller than an object is left out.
+  // Connected pieces, without those smaller than an object.
   std::vector<Segment> Pieces(const Segment& rest) const {
     std::vector<Segment> out;
     if (rest.cloud.points.size() < min_count_) return out;
@@ -266,8 +268,8 @@ class ClusterSplitter {
   const RecognizeAlone& recognize_;
   const RecognizeAlone& glance_;
   const IsCancelled& is_cancelled_;
-  int questions_ = 0;
-  std::size_t asked_voxels_ = 0;
+  int recognitions_ = 0;
+  std::size_t recognized_voxels_ = 0;
 };
 
 }  // namespace
@@ -280,7 +282,7 @@ absl::StatusOr<Answers> PartTouching(const MatchingInput& whole, Detection answe
   const auto known = ClusterSplitter(whole, options, recognize, glance, is_cancelled)
                          .TakeCluster({whole.segment, answer}, &out);
   if (!known.ok()) return known.status();
-  if (is_cancelled()) return absl::CancelledError("cancelled while what touches was parted");
+  if (is_cancelled()) return absl::CancelledError("cancelled while splitting touching objects");
   if (!*known) out.push_back({whole.segment, std::move(answer)});
   return out;
 }

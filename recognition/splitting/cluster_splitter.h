@@ -1,4 +1,4 @@
-// Objects that touch, which the camera sees as one cluster.
+// Touching objects, which the camera sees as one cluster.
 #pragma once
 
 #include <functional>
@@ -19,16 +19,14 @@ struct SplittingOptions {
   double voxel_size_m = 0.003;
 };
 
-// Parts `whole` into the objects that it consists of, where these are known; what touches something
-// is marked.
+// Splits `whole` into its objects, where these are known, and marks touching ones.
 //
-// What the answer explains, or where there is none the answer for half of the segment, is taken
-// away, and the rest is asked about. An object with an answer that leaves over as much as the
-// smallest object touches something, known or not. A segment without an answer is parted only
-// where all of it gets one: what was never taught must not be named for a part that resembles
-// something. Halves are only looked at with `glance`, which may know less than `recognize` and is
-// called from several threads.
-// Deterministic. Errors as `recognize`; CANCELLED.
+// Removes the points that the answer explains, or without one those of the answer for half of the
+// segment, and recognises the rest. An object whose answer leaves over as much as the smallest
+// object touches another one, known or not. A segment without an answer is split only where all of
+// it gets one: an unknown object must not be named for a part that resembles a known one.
+// Recognises halves with `glance` only, which may be less accurate than `recognize` and is called
+// from several threads. Deterministic. Errors as `recognize`; CANCELLED.
 absl::StatusOr<std::vector<AnsweredSegment>> PartTouching(
     const MatchingInput& whole, Detection answer, const SplittingOptions& options,
     const RecognizeAlone& recognize, const RecognizeAlone& glance, const IsCancelled& is_cancelled);

@@ -8,7 +8,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// Of a segment's points, so many must lie on the model.
+// Minimum share of a segment's points on the model.
 constexpr double kShare = 0.8;
 
 void Take(const Detection& piece, Detection* whole) {
@@ -19,7 +19,7 @@ void Take(const Detection& piece, Detection* whole) {
   whole->point_count += piece.point_count;
 }
 
-// Of two detections of one object the surer one is the whole.
+// Of two detections of one object the one with the higher score is the whole.
 bool MayBePieceOf(const Detection& piece, const Detection& whole) {
   if (!whole.view || !whole.model) return false;
   if (!piece.view) return true;

@@ -1,4 +1,4 @@
-// Pieces of one object that the camera saw apart.
+// Pieces of one object in several segments.
 #pragma once
 
 #include <vector>

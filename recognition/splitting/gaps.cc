@@ -10,18 +10,18 @@
 namespace graspdb::recognition {
 namespace {
 
-// Width of a gap, m, and at least so many voxels. On frames of a RealSense objects 10 mm apart are
-// joined by what it smooths from 10 mm on; half of it would split surfaces at holes.
+// Minimum width of a gap, m, and in voxels. On frames of a RealSense objects 10 mm apart are joined
+// by its smoothing from 10 mm on; half of it would split surfaces at holes.
 constexpr double kGapM = 0.008;
 constexpr double kGapVoxels = 2.7;
-// Voxels lower than this over what was removed as table hold nothing together, m: twice the bumps
-// of a RealSense at 0.8 m. Doubled, flat objects have no voxels left.
+// Voxels lower than this over the removed table connect nothing, m: twice the bumps of a RealSense
+// at 0.8 m. Doubled, flat objects have no voxels left.
 constexpr double kLowM = 0.004;
-// Low voxels go with a part that is no farther than this, m; what leads away from it is the
-// table's.
+// Low voxels go with a part that is no farther than this, m; those farther away belong to the
+// table.
 constexpr float kReachM = 0.008F;
-// Cells of the look-up of the nearest part, m: what it gives may be 5 mm farther than the nearest
-// voxel, which is less than what separates parts.
+// Cells of the look-up of the nearest part, m: the result may be 5 mm farther than the nearest
+// voxel, which is less than the gap between parts.
 constexpr float kCellM = 0.003F;
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace graspdb::recognition {
 namespace {
 
-// Steps in which the middles of two halves settle.
-constexpr int kSettling = 8;
+// Iterations of k-means for two halves.
+constexpr int kHalvingSteps = 8;
 
 // Two points over the table, one in the middle of either half (k-means, from the ends).
 std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
@@ -22,7 +22,7 @@ std::array<Eigen::Vector2f, 2> MiddlesOfHalves(const Points& points) {
           return (p.head<2>() - from).squaredNorm();
         })->head<2>();
   }
-  for (int step = 0; step < kSettling; ++step) {
+  for (int step = 0; step < kHalvingSteps; ++step) {
     std::array<Eigen::Vector2f, 2> sums = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
     std::array<float, 2> counts = {};
     for (const Eigen::Vector3f& p : points) {

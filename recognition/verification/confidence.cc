@@ -12,14 +12,14 @@ namespace {
 // time of flight by less than the distance, triangulation by its square.
 constexpr double kUnknownNoiseM = 0.0015;
 constexpr double kUnknownNoiseAtM = 0.8;
-// A segment's points are voxels: their deviation is so many times that of single pixels.
+// A segment's points are voxels: ratio of their deviation to that of single pixels.
 constexpr double kVoxelNoise = 0.8;
-// So much of the facing surface is enough to tell what it is: answers are expected with 40 %
-// hidden. Doubled, all that is not seen whole is doubted.
+// Sufficient share of the facing surface: answers are expected with 40 % hidden. Doubled, partly
+// hidden objects lose confidence.
 constexpr double kEnoughSeen = 0.6;
-// So many voxels are enough at this noise, m: 27 cm2 at 3 mm. What points tell of a shape grows
-// with their number and falls with the variance of their noise (Fisher information). Doubled, small
-// objects are doubted; halved, pieces of clutter are taken for them.
+// Sufficient number of voxels at this noise, m: 27 cm2 at 3 mm. The information on a shape grows
+// with the number of points and falls with the variance of their noise (Fisher information).
+// Doubled, small objects lose confidence; halved, pieces of clutter are taken for them.
 constexpr double kEnoughPoints = 300;
 constexpr double kAtNoiseM = 0.002;
 
@@ -31,9 +31,9 @@ constexpr double kResidual = 4.8;
 constexpr double kUnseen = 7;
 constexpr double kLittle = 3.9;
 
-// How many times less than `enough`, as a natural logarithm; 0 where there is enough.
+// Natural logarithm of `enough` / `there`; 0 where there is enough.
 double Lack(double there, double enough) {
-  constexpr double kMin = 0.01;  // of what is enough
+  constexpr double kMin = 0.01;  // of `enough`
   return std::max(0.0, -std::log(std::max(there / enough, kMin)));
 }
 

@@ -6,7 +6,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// What stands before an edge of the segment is at most so many pixels from it, and nearer by this.
+// Occluders of an edge of the segment are at most this many pixels from it, and nearer by this.
 constexpr int kEdgePixels = 3;
 constexpr float kBeforeM = 0.02F;
 // Share of all the segment's edges that must be cut off for a side to be hidden.

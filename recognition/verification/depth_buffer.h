@@ -1,4 +1,4 @@
-// What the camera saw along each line of sight around a segment.
+// Depths along the lines of sight around a segment.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace graspdb::recognition {
 // Immutable; safe for concurrent reads.
 class DepthBuffer {
  public:
-  // The scan is in the sensor frame of `segment`'s capture. Where the scan holds nothing but the
-  // segment, a pixel without a point was free, or the sensor failed there, or whoever cut the
-  // object out has lost it.
+  // The scan is in the sensor frame of `segment`'s capture. Where the scan contains only the
+  // segment, a pixel without a point was free, or the sensor failed there, or it was lost when the
+  // object was cut out.
   DepthBuffer(const ScanDepths& depths, const Pose& world_sensor, const Segment& segment);
   DepthBuffer(const Scan& scan, const Pose& world_sensor, const Segment& segment)
       : DepthBuffer(ScanDepths(scan), world_sensor, segment) {}
@@ -30,8 +30,8 @@ class DepthBuffer {
     bool operator==(const Sides&) const = default;
   };
   Sides HiddenSides() const { return SidesWhere(/*unmeasured_too=*/false); }
-  // Those, and sides beyond which nothing was measured: it may be something too near for the
-  // sensor.
+  // Those, and sides beyond which nothing was measured: an object too near for the sensor may be
+  // there.
   Sides UnseenSides() const { return SidesWhere(/*unmeasured_too=*/true); }
 
   // For SIMD code, while this lives.
@@ -42,13 +42,13 @@ class DepthBuffer {
  private:
   static constexpr int kBorder = 3;
 
-  // Where a pixel's depth is kept; up to kBorder beyond the window there is a place that stays 0.
+  // Position of a pixel's depth; up to kBorder beyond the window it stays 0.
   std::size_t PlaceOf(const Eigen::Vector2i& at) const {
     return static_cast<std::size_t>(at.y() + kBorder) * row_ +
            static_cast<std::size_t>(at.x() + kBorder);
   }
   float DepthAt(const Eigen::Vector2i& at) const { return depths_[PlaceOf(at)]; }
-  // Whether the segment's pixel `at` ends, a `step` on, because something else hides what follows.
+  // Whether something else hides the segment a `step` beyond its pixel `at`.
   bool IsCut(const Eigen::Vector2i& at, const Eigen::Vector2i& step, bool unmeasured_too) const;
   Sides SidesWhere(bool unmeasured_too) const;
 

@@ -12,12 +12,12 @@ namespace {
 constexpr float kMarginM = 0.12F;
 // Pixels to a side.
 constexpr int kMaxPixelsPerSide = 2000;
-// Pixels farther than this from the optical axis have no number.
+// Pixels farther than this from the optical axis have no index.
 constexpr float kFarthestPixel = 1e6F;
 
 constexpr float kPitch = PixelWindow::kPitch;
 
-// The nearest is seen.
+// Keeps the nearest.
 void PutBehind(float depth_m, float* known) {
   if (*known == 0 || -*known > depth_m) *known = -depth_m;
 }
@@ -51,7 +51,7 @@ PixelWindow Union(const PixelWindow& a, const PixelWindow& b) {
 
 Eigen::Vector2i PixelWindow::PixelOf(const Eigen::Vector3f& p) const {
   const Eigen::Array2f at = (p.head<2>().array() / p.z() - origin()) * (1 / kPitch);
-  // Before it becomes an integer, which may have no room for it; false for what is not a number.
+  // Before the conversion to an integer, which may overflow; false for NaN.
   const bool inside = (at >= 0).all() && (at < size.cast<float>().array()).all();
   if (!inside) return {-1, -1};
   return at.cast<int>().matrix();
@@ -67,7 +67,7 @@ simd::DepthWindow PixelWindow::Of(const float* depths, std::size_t row) const {
 
 ScanDepths::ScanDepths(const Scan& scan, std::span<const Segment> segments) : scan_(scan) {
   PixelWindow all;
-  // No object is looked for in what is too large.
+  // Segments that are too large are not searched.
   for (const Segment& segment : segments) {
     if (!segment.too_large) all = Union(all, WindowAround(segment));
   }
@@ -109,7 +109,7 @@ void ScanDepths::Fill(const PixelWindow& window) {
 
 void ScanDepths::Copy(const PixelWindow& window, std::size_t begin, std::size_t row,
                       std::vector<float>* depths) const {
-  if (!window_.Holds(window)) return ScanDepths(scan_, window).Copy(window, begin, row, depths);
+  if (!window_.Contains(window)) return ScanDepths(scan_, window).Copy(window, begin, row, depths);
   const Eigen::Vector2i from = window.low - window_.low;
   const auto own_row = static_cast<std::size_t>(window_.size.x());
   const float* source =

@@ -19,7 +19,7 @@ struct PixelWindow {
   Eigen::Vector2i size = Eigen::Vector2i::Zero();
 
   bool is_empty() const { return (size.array() <= 0).any(); }
-  bool Holds(const PixelWindow& other) const {
+  bool Contains(const PixelWindow& other) const {
     return (other.low.array() >= low.array()).all() &&
            (other.high().array() <= high().array()).all();
   }
@@ -39,14 +39,14 @@ struct PixelWindow {
 // The scan must outlive it.
 class ScanDepths {
  public:
-  // Of what is around `segments`. Nothing where they are too far apart; then each window is made
-  // when it is asked for.
+  // Of the surroundings of `segments`. Nothing where they are too far apart; then each window is
+  // made on demand.
   explicit ScanDepths(const Scan& scan, std::span<const Segment> segments = {});
 
-  // What is around a segment; empty where no camera could have measured it.
+  // The window around a segment; empty where no camera could have measured it.
   PixelWindow WindowAround(const Segment& segment) const;
 
-  // Puts the depths of `window` from `depths[begin]` on, in rows that begin `row` places apart: m
+  // Writes the depths of `window` from `depths[begin]` on, in rows that begin `row` places apart: m
   // along z, negative; 0 where there is none.
   void Copy(const PixelWindow& window, std::size_t begin, std::size_t row,
             std::vector<float>* depths) const;
@@ -66,7 +66,7 @@ class ScanDepths {
 };
 
 // No depth camera measures nearer, m: such a point is nearly beside the lens, and one of them would
-// make a window as wide as it can be.
+// make a window of maximum width.
 inline constexpr float kNearestM = 0.01F;
 inline bool IsMeasured(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > kNearestM; }
 

@@ -10,7 +10,7 @@
 namespace graspdb::recognition {
 namespace {
 
-// What a scan of one object alone does not show speaks less against it than free sight through it.
+// Missing points in a scan of one object alone count less against a pose than free space.
 constexpr float kMissingWeight = 0.3F;
 
 }  // namespace
@@ -39,7 +39,7 @@ Evidence Verify(const SurfaceModel& model, const Pose& world_object, const SoaCl
       simd::Best().look(surface.columns.coordinates(), RigidTransform(sensor_object).rigid(),
                         (options.visible != nullptr ? *options.visible : visible->mask()).data(),
                         depth_buffer.window(), tolerance, kMissingWeight);
-  out.in_sight = seen.all > 0 ? static_cast<double>(seen.expected / seen.all) : 0;
+  out.unoccluded = seen.all > 0 ? static_cast<double>(seen.expected / seen.all) : 0;
   if (seen.all > 0) {
     out.confirmed = static_cast<double>(seen.confirmed / seen.all);
     out.contradicted = static_cast<double>(seen.contradicted / seen.all);

@@ -12,12 +12,12 @@ namespace graspdb::recognition {
 
 struct Evidence {
   double scan_explained = 0;  // how well the segment's points lie on the model, 0 to 1
-  double model_seen = 0;      // how much of what must be in sight was measured there, 0 to 1
-  double in_sight = 0;        // share of the facing surface that nothing else hides, 0 to 1
-  double rms_m = 0;           // of the explained points, across the surface
-  double score = 0;           // both directions together, 0 to 1
-  // Shares of the facing surface by what the camera saw there: it, something else, nothing. The
-  // rest is hidden by what stands before it.
+  double model_seen = 0;  // share of the expected visible surface that was measured there, 0 to 1
+  double unoccluded = 0;  // share of the facing surface that nothing else hides, 0 to 1
+  double rms_m = 0;       // of the explained points, across the surface
+  double score = 0;       // both directions together, 0 to 1
+  // Shares of the facing surface where the camera saw it, something else, or nothing. The rest is
+  // occluded.
   double confirmed = 0;
   double contradicted = 0;
   double unmeasured = 0;

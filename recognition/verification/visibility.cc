@@ -12,7 +12,7 @@ namespace {
 constexpr float kMinFacing = 0.2F;
 // Size of the cells of the depth buffer, in units of the distance between points.
 constexpr float kCellsPerSpacing = 2.5F;
-// A surface hides what lies farther behind it than this, m, or than a cell is large.
+// A surface hides points that lie farther behind it than this, m, or than a cell's size.
 constexpr float kHidesBehindM = 0.008F;
 constexpr int kMaxCellsPerSide = 512;
 constexpr float kFar = 1e9F;

@@ -1,4 +1,4 @@
-// What of a surface a camera sees if nothing else is in the way.
+// Points of an unoccluded surface that a camera sees.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace graspdb::recognition {
 
-// Of one surface, from one place: what faces the sensor and is not hidden by the surface itself, by
-// a depth buffer whose cells are 2.5 times as large as its points are apart. O(n) in the points.
+// Points of one surface that face the sensor and are not hidden by the surface itself, by a depth
+// buffer whose cells are 2.5 times the points' spacing. O(n) in the points.
 class VisibleSurface {
  public:
   // `sensor_object`: T_sensor_object, where `surface` is in the object frame.
@@ -24,7 +24,7 @@ class VisibleSurface {
   const std::vector<std::uint8_t>& mask() const { return mask_; }
 
  private:
-  // Takes away what others of the surface hide.
+  // Removes points that others of the surface hide.
   void Hide(float spacing_m);
 
   std::vector<float> x_;

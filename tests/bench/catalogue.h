@@ -9,15 +9,15 @@
 
 namespace graspdb::bench {
 
-// One view in both programs' terms.
+// One view in the types of both programs.
 struct TaughtCloud {
   std::shared_ptr<const recognition::TaughtView> view;
   std::shared_ptr<const recognition::OrientedCloud> cloud;  // world frame of its capture
   recognition::Descriptor descriptor;
 };
 
-// Sample parts seen by a simulated Kinect v2 from all around, and as many parts stretched and
-// squeezed along their axes as it takes to have `view_count` views. The same on every run.
+// Sample parts captured by a simulated Kinect v2 from all around, and variants of them scaled along
+// their axes, up to `view_count` views. The same on every run.
 class Catalogue : public recognition::CloudsInMemory {
  public:
   explicit Catalogue(std::size_t view_count);

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# counts.sh BIN: how many instructions each step takes, as callgrind counts them, ours and the
-# peer's, as a Markdown table. Unlike times they are the same on every run and on a busy machine, so
-# that small changes show. What needs thousands of views is left out: seeing them would take a
-# quarter of an hour under callgrind.
+# counts.sh BIN: instructions of each step, counted by callgrind, ours and the peer's, as a Markdown
+# table. Unlike times they are the same on every run and on a busy machine, so that small changes
+# show. Steps with thousands of views are left out: rendering them would take a quarter of an hour
+# under callgrind.
 set -euo pipefail
 bin=$(realpath "$1")
 works=("frame to descriptor, kinect-v2-one" "frame to descriptor, kinect-v2-five"
@@ -11,7 +11,7 @@ works=("frame to descriptor, kinect-v2-one" "frame to descriptor, kinect-v2-five
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# count WORK WHO: millions of instructions of one round.
+# count WORK PROGRAM: millions of instructions of one round.
 count() {
   valgrind --tool=callgrind --collect-atstart=no --callgrind-out-file=/dev/null "$bin/graspdb_bench" \
     --benchmark_filter="^$1 [|] $2\$" --benchmark_repetitions=1 --benchmark_min_time=0 \

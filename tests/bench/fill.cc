@@ -22,11 +22,11 @@ namespace {
 
 constexpr int kWorkers = 2;
 
-// One variant of all parts, as it comes into the database.
+// One variant of all parts in the database.
 struct Variant {
   std::size_t number = 0;
   std::vector<Eigen::Vector3f> factors;  // a part
-  bool object_poses = true;              // views say where the object is
+  bool object_poses = true;              // views have object poses
 };
 
 std::string ObjectId(const client::Workpiece& part, const Variant& variant) {
@@ -37,7 +37,7 @@ std::string StablePoseName(const client::Workpiece& part, const Variant& variant
   return absl::StrFormat("objects/%s/stablePoses/%s", ObjectId(part, variant), part.stable_pose_id);
 }
 
-// As server/teacher.cc makes a view of what it found in a capture.
+// Makes a view like server/teacher.cc.
 absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vector3f& factors,
                                           const std::string& name, bool object_poses) {
   const recognition::DescriptorParameters parameters;
@@ -133,16 +133,17 @@ absl::Status Fill(const std::string& directory, int view_count, bool object_pose
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "graspdb_fill makes a database of sample parts, and of the same parts stretched and squeezed "
-      "along their axes, for measurements of graspdb-server.",
+      "graspdb_fill makes a database of sample parts, and of variants scaled along their axes, for "
+      "measurements of graspdb-server.",
       "graspdb_fill");
   std::string directory;
   int views = 0;
-  app.add_option("DATA_DIR", directory, "Folder of the database; none may be there")->required();
-  app.add_option("VIEWS", views, "How many views")->required()->check(CLI::Range(1, 10'000'000));
+  app.add_option("DATA_DIR", directory, "Folder of the new database; it must not contain one")
+      ->required();
+  app.add_option("VIEWS", views, "Number of views")->required()->check(CLI::Range(1, 10'000'000));
   bool no_object_poses = false;
   app.add_flag("--no-object-poses", no_object_poses,
-               "Views do not say where the object is, so that each is a model of its own");
+               "Views without object poses, so that each is a separate model");
   app.footer("Example: graspdb_fill /tmp/big 100000 && graspdb-server --db /tmp/big");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = graspdb::bench::Fill(directory, views, !no_object_poses);

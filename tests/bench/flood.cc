@@ -68,8 +68,8 @@ class Outcomes {
   std::map<std::string, std::string> messages_;  // one of each kind
 };
 
-void Ask(client::Client& server, const v1::RecognizeRequest& request, absl::Duration timeout,
-         Outcomes* outcomes) {
+void SendTimed(client::Client& server, const v1::RecognizeRequest& request, absl::Duration timeout,
+               Outcomes* outcomes) {
   const auto start = Clock::now();
   const absl::Status status = server.Recognize(request, timeout).status();
   outcomes->Add(status, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
@@ -81,12 +81,12 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
   Outcomes floods;
   Outcomes frames;
   std::atomic<bool> done = false;
-  std::int64_t most_bytes = 0;
+  std::int64_t max_bytes = 0;
   std::thread watch([&] {
     client::Client client = Connect(server);
     while (!done) {
       if (const auto status = client.GetCatalogStatus(); status.ok()) {
-        most_bytes = std::max(most_bytes, status->memory().resident_byte_count());
+        max_bytes = std::max(max_bytes, status->memory().resident_byte_count());
       }
       std::this_thread::sleep_for(kBetweenFrames);
     }
@@ -94,7 +94,7 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
   std::thread robot([&] {
     client::Client client = Connect(server);
     while (!done) {
-      Ask(client, frame, kFrameTimeout, &frames);
+      SendTimed(client, frame, kFrameTimeout, &frames);
       std::this_thread::sleep_for(kBetweenFrames);
     }
   });
@@ -103,7 +103,7 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
   for (int i = 0; i < clients; ++i) {
     flood.emplace_back([&] {
       client::Client client = Connect(server);
-      for (int round = 0; round < rounds; ++round) Ask(client, large, kFloodTimeout, &floods);
+      for (int round = 0; round < rounds; ++round) SendTimed(client, large, kFloodTimeout, &floods);
     });
   }
   for (std::thread& client : flood) client.join();
@@ -114,7 +114,7 @@ void Flood(const std::string& server, int clients, std::size_t bytes, int rounds
       "| call | ended with | calls | ms, median | longest |\n| --- | --- | --- | --- | --- |\n");
   floods.Print("large");
   frames.Print("robot's frame");
-  std::printf("\nResident, at most: %.0f MiB.\n", static_cast<double>(most_bytes) / (1 << 20));
+  std::printf("\nResident, at most: %.0f MiB.\n", static_cast<double>(max_bytes) / (1 << 20));
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
   std::string server;
   app.add_option("SERVER", server, "HOST:PORT")->required();
   int clients = 64;
-  app.add_option("--clients", clients, "How many, each with a connection of its own")
+  app.add_option("--clients", clients, "Number of clients, each with its own connection")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   int mb = 60;
@@ -136,7 +136,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   int rounds = 1;
-  app.add_option("--rounds", rounds, "Messages that each client sends, one after the other")
+  app.add_option("--rounds", rounds, "Messages per client, sent in turn")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);

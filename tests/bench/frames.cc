@@ -22,9 +22,9 @@ using recognition::Pose;
 
 constexpr double kDistanceM = 0.8;
 constexpr double kLookDownDeg = 40;
-constexpr double kCircleM = 0.17;  // on which five objects stand
+constexpr double kCircleM = 0.17;  // of the circle of five objects
 
-// The benchmarks need their frames: without them there is nothing to measure.
+// The benchmarks require their frames.
 template <typename T>
 T OrDie(absl::StatusOr<T> value) {
   if (value.ok()) return *std::move(value);
@@ -54,7 +54,7 @@ client::DepthCameraModel Megapixel() {
   return out;
 }
 
-// The first sample parts, on a circle where they are several.
+// The first sample parts, on a circle if there are several.
 Frame RenderObjects(const std::string& name, const client::DepthCameraModel& model,
                     std::size_t objects) {
   const std::vector<client::Workpiece> parts = client::SampleParts();
@@ -69,8 +69,7 @@ Frame RenderObjects(const std::string& name, const client::DepthCameraModel& mod
   return Render(name, model, scene);
 }
 
-// The pose that the segmentation finds stands in for a calibration, so that both programs are
-// told the same.
+// The pose from the segmentation replaces a calibration, so that both programs have the same input.
 std::optional<Frame> ReadFrame(const std::filesystem::path& path) {
   auto file = client::ReadPointFile(path);
   if (!file.ok()) return std::nullopt;

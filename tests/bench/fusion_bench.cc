@@ -1,5 +1,4 @@
-// One surface from 24 views of an object on a turntable, as it is made when a stable pose is first
-// asked about.
+// Fusion of 24 views of an object on a turntable, as in the first request for a stable pose.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -18,7 +17,7 @@
 namespace graspdb::bench {
 namespace {
 
-// How far PCL's surface looks for neighbours, as ours does, m.
+// Neighbour radius of PCL's surface, equal to ours, m.
 constexpr double kReachM = 0.006;
 
 struct Views {

@@ -1,5 +1,5 @@
-// graspdb_hostile HOST:PORT: sends scans that no camera should send and measures how long a server
-// takes for each, how soon it is free once the caller has left, and what it has in memory.
+// graspdb_hostile HOST:PORT: sends malicious scans and measures a server's time for each, the delay
+// until it is free after the caller has cancelled, and its resident memory.
 #include <grpcpp/grpcpp.h>
 
 #include <CLI/CLI.hpp>
@@ -165,7 +165,7 @@ class Prober {
     };
     recognition_ = v1::RecognitionService::NewStub(connect());
     catalog_ = v1::CatalogService::NewStub(connect());
-    // On a connection of its own: what is left of a large message on its way does not count.
+    // On a separate connection, so that the rest of a large message in transit does not count.
     other_ = v1::RecognitionService::NewStub(connect());
     small_ = Cloud(Points(60, {0.1F, 0.1F, 0.6F}), true);
   }
@@ -198,7 +198,7 @@ class Prober {
     return ms;
   }
 
-  // How long after the call was cancelled a server with one worker answers the next, ms.
+  // Time from the cancellation of the call until a server with one worker answers the next one, ms.
   double FreeAfterCancel(const v1::RecognizeRequest& request, double after_ms) {
     grpc::ClientContext context;
     std::thread call([&] {
@@ -255,11 +255,10 @@ void Run(const std::string& server) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "graspdb_hostile sends scans that no camera should send to a server (start it with --workers "
-      "1) "
-      "and prints how long it took for each, how soon it was free for the next call after a "
-      "cancelled "
-      "one, and what it had in memory.",
+      "graspdb_hostile sends malicious scans to a server (start it with --workers 1) and prints "
+      "the "
+      "time for each, the delay until it is free for the next call after a cancelled one, and its "
+      "resident memory.",
       "graspdb_hostile");
   std::string server;
   app.add_option("SERVER", server, "HOST:PORT")->required();

@@ -24,13 +24,14 @@ using recognition::DescriptorIndex;
 constexpr int kCount = 10;
 constexpr std::size_t kQueries = 64;
 constexpr std::size_t kBins = 288;
-// Building a graph of more takes minutes.
+// Building a larger graph takes minutes.
 constexpr std::size_t kMaxForGraph = 10'000;
-// Copies of what others search take too much memory for more.
+// For more views, the copies for other libraries take too much memory.
 constexpr std::size_t kMaxForPeers = 100'000;
 constexpr std::size_t kMaxWithClouds = 100'000;
 
-// Descriptors of the catalogue, and queries: some of them, a part of whose mass went elsewhere.
+// Descriptors of the catalogue, and queries: some of them with a part of the mass moved to other
+// bins.
 struct Rows {
   std::vector<float> values;
   std::vector<Descriptor> queries;
@@ -38,7 +39,7 @@ struct Rows {
   std::size_t count = 0;
 };
 
-// The same, a part of whose mass went elsewhere.
+// The same with a part of the mass moved to other bins.
 Descriptor Blurred(Descriptor descriptor, std::mt19937_64* random) {
   for (float& bin : descriptor) {
     bin *= 0.7F + 0.6F * static_cast<float>((*random)() % 1000) / 1000.0F;
@@ -48,8 +49,8 @@ Descriptor Blurred(Descriptor descriptor, std::mt19937_64* random) {
   return descriptor;
 }
 
-// Descriptors of the catalogue of so many views; of more than can be made with their clouds, those
-// of a smaller one, blurred.
+// Descriptors of a catalogue of this many views; beyond the limit with clouds, those of a smaller
+// one, blurred.
 Rows RowsOf(std::size_t count) {
   Rows out;
   const Catalogue catalogue(std::min(count, kMaxWithClouds));
@@ -75,7 +76,7 @@ Rows RowsOf(std::size_t count) {
   return out;
 }
 
-// Share of the truly nearest that `found` has, for one query.
+// Recall of the true nearest in `found`, for one query.
 double Recall(const Rows& rows, const Descriptor& query, const std::set<std::size_t>& found) {
   std::vector<std::pair<double, std::size_t>> all(rows.count);
   Descriptor row(kBins);
@@ -89,12 +90,12 @@ double Recall(const Rows& rows, const Descriptor& query, const std::set<std::siz
   return hits / kCount;
 }
 
-// Gives the positions of the nearest.
+// Returns the positions of the nearest.
 using SearchFor = std::function<std::set<std::size_t>(const Descriptor&)>;
 
-void Add(const std::string& work, const std::string& who, const Lazy<Rows>& rows,
+void Add(const std::string& work, const std::string& program, const Lazy<Rows>& rows,
          const Lazy<SearchFor>& search) {
-  Compare(work, who, [=](benchmark::State& state) {
+  Compare(work, program, [=](benchmark::State& state) {
     const SearchFor& nearest = *search;
     std::size_t next = 0;
     {
@@ -145,8 +146,8 @@ SearchFor Flann(const Rows& rows, const flann::IndexParams& kind, int checks) {
   };
 }
 
-// faiss and hnswlib know Euclidean distance; of roots of histograms it is Hellinger's, which is
-// near to chi-square.
+// faiss and hnswlib use Euclidean distance; on square roots of histograms it is Hellinger's, which
+// is close to chi-square.
 std::vector<float> Roots(std::vector<float> bins) {
   for (float& bin : bins) bin = std::sqrt(bin);
   return bins;
@@ -180,8 +181,9 @@ SearchFor Hnsw(const Rows& rows) {
 void AddSize(std::size_t count) {
   const Lazy<Rows> rows([=] { return RowsOf(count); });
   const std::string work = "nearest 10 of " + std::to_string(count) + " views";
-  const auto add = [&](const std::string& who, const std::function<SearchFor(const Rows&)>& make) {
-    Add(work, who, rows, Lazy<SearchFor>([=] { return make(*rows); }));
+  const auto add = [&](const std::string& program,
+                       const std::function<SearchFor(const Rows&)>& make) {
+    Add(work, program, rows, Lazy<SearchFor>([=] { return make(*rows); }));
   };
   add("graspdb", OursExact);
   add("graspdb, --index flann", Approximate);

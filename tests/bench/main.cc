@@ -11,7 +11,7 @@
 #include "tests/bench/suite.h"
 
 int main(int argc, char** argv) {
-  // Everybody's repetitions are mixed, so that what slows the machine down slows everybody down.
+  // The repetitions of all programs are interleaved, so that other load affects them equally.
   std::vector<std::string> words = {argv[0], "--benchmark_repetitions=5",
                                     "--benchmark_enable_random_interleaving=true",
                                     "--benchmark_min_time=0.2"};

@@ -1,5 +1,5 @@
-// What a competent user of the Point Cloud Library writes in an afternoon from its public classes:
-// the same steps with the same parameters as ours, for comparison and nothing else.
+// A straightforward pipeline from public classes of the Point Cloud Library: the same steps with
+// the same parameters as ours, only for comparison.
 #pragma once
 
 #include <pcl/features/vfh.h>
@@ -41,10 +41,10 @@ std::vector<Object> Describe(const Cloud::ConstPtr& frame, const Eigen::Isometry
                              const recognition::SegmentationParameters& segmentation,
                              const recognition::DescriptorParameters& descriptor);
 
-// The signature of points and normals that are there already.
+// The signature of given points and normals.
 Signature DescribeCloud(const recognition::OrientedCloud& cloud, const Eigen::Vector3d& viewpoint);
 
-// How one cloud was laid on another.
+// Result of a registration.
 struct Alignment {
   Eigen::Matrix4f target_source = Eigen::Matrix4f::Identity();
   double mean_squared_m2 = 0;  // getFitnessScore
@@ -69,7 +69,7 @@ class Forest {
   std::unique_ptr<Index> index_;
 };
 
-// What was taught of one view.
+// A taught view.
 struct View {
   OrientedCloud::Ptr cloud;  // world frame of its capture
   Eigen::Vector4f centroid = Eigen::Vector4f::Zero();
@@ -82,8 +82,8 @@ struct Answer {
   Eigen::Matrix4f moved = Eigen::Matrix4f::Identity();  // from the view's capture to the scene
   Eigen::Matrix4f world_grasp = Eigen::Matrix4f::Identity();
 };
-// The `count` nearest views, each moved to the object's centroid and aligned with normals; the one
-// that fits best.
+// The `count` nearest views, each moved to the object's centroid and aligned with normals; returns
+// the best fit.
 Answer Recognize(const Object& object, const Forest& forest, const std::vector<View>& views,
                  int count, double max_correspondence_m);
 

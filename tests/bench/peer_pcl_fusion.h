@@ -1,4 +1,4 @@
-// What a user of the Point Cloud Library would make one surface of several views with.
+// Fusion of several views with the Point Cloud Library.
 #pragma once
 
 #include <pcl/point_cloud.h>

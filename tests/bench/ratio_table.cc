@@ -41,10 +41,10 @@ void RatioTable::ReportRuns(const std::vector<Run>& runs) {
     const std::size_t at = name.rfind(kSeparator);
     if (at == std::string::npos) continue;
     const std::string work = name.substr(0, at);
-    const std::string who = name.substr(at + sizeof(kSeparator) - 1);
+    const std::string program = name.substr(at + sizeof(kSeparator) - 1);
     auto& rows = by_work_[work];
-    auto row = std::ranges::find(rows, who, [](const auto& r) { return r.first; });
-    if (row == rows.end()) row = rows.insert(rows.end(), {who, {}});
+    auto row = std::ranges::find(rows, program, [](const auto& r) { return r.first; });
+    if (row == rows.end()) row = rows.insert(rows.end(), {program, {}});
     row->second.milliseconds.push_back(run.GetAdjustedRealTime());
     row->second.figures = FiguresOf(run.counters);
   }
@@ -59,11 +59,11 @@ void RatioTable::Write(std::ostream& out) const {
       return std::pair(r.first != kOurs, Median(r.second.milliseconds));
     });
     const auto ours = std::ranges::find(rows, kOurs, [](const auto& r) { return r.first; });
-    for (const auto& [who, times] : rows) {
-      out << "| " << work << " | " << who << " | "
+    for (const auto& [program, times] : rows) {
+      out << "| " << work << " | " << program << " | "
           << absl::StrFormat("%.3g", Median(times.milliseconds)) << " | "
           << Range(times.milliseconds) << " | ";
-      if (ours != rows.end() && who != kOurs) {
+      if (ours != rows.end() && program != kOurs) {
         const auto [our_least, our_most] = std::ranges::minmax(ours->second.milliseconds);
         const auto [least, most] = std::ranges::minmax(times.milliseconds);
         out << absl::StrFormat("**%.1f** | %.1f to %.1f",

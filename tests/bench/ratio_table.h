@@ -10,20 +10,20 @@
 
 namespace graspdb::bench {
 
-// Prints what Google Benchmark's console prints and keeps every repetition's time.
+// Prints like Google Benchmark's console reporter and keeps every repetition's time.
 class RatioTable : public benchmark::ConsoleReporter {
  public:
   RatioTable() : ConsoleReporter(OO_Tabular) {}
   void ReportRuns(const std::vector<Run>& runs) override;
 
-  // A Markdown table by the works' names, a row a program, ours first: median time and its range,
-  // how often our time fits into it, and the range of that from the repetitions' extremes.
+  // A Markdown table by benchmark, with one row per program, ours first: median time and its range,
+  // the ratio to our time, and its range from the extreme repetitions.
   void Write(std::ostream& out) const;
 
  private:
   struct Times {
     std::vector<double> milliseconds;
-    std::string figures;  // counters, as the last repetition had them
+    std::string figures;  // counters of the last repetition
   };
   std::map<std::string, std::vector<std::pair<std::string, Times>>> by_work_;
 };

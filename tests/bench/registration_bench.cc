@@ -1,5 +1,5 @@
-// Laying what was taught on what is seen: an object that has turned by half a step of the
-// turntable, and was moved.
+// Registration of a taught view to a scan: an object turned by half a step of the turntable and
+// moved.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 using recognition::OrientedCloud;
 using recognition::Pose;
 
-// What one sees of an object alone.
+// Visible points of a single object.
 struct Look {
   recognition::Scan scan;
   recognition::Pose world_sensor = Pose::Identity();
@@ -38,7 +38,7 @@ Look LookAt(const std::string& part, const client::DepthCameraModel& camera,
   return out;
 }
 
-// What is looked up in the scan, made once a segment.
+// Lookup structures of the scan, made once per segment.
 struct ScanLookUps {
   explicit ScanLookUps(const Look& look)
       : grid(look.segment.cloud.points, 0.003F, 0.021F),
@@ -65,13 +65,13 @@ struct Pair {
 
   Look taught;
   Look seen;
-  Pose moved = Pose::Identity();  // from where it was taught to where it is
-  Pose guess = Pose::Identity();  // of that, as both programs begin
+  Pose moved = Pose::Identity();  // from the taught to the true pose
+  Pose guess = Pose::Identity();  // initial value for both programs
   std::shared_ptr<const recognition::SurfaceModel> model;
   std::unique_ptr<const ScanLookUps> look_ups;
 };
 
-// How far what was taught, moved by `found`, is from where it should be, and from the tangent
+// Errors of the taught points moved by `found`: from their true positions, and from the tangent
 // planes of the scan.
 void Report(const Pair& pair, const Pose& found, benchmark::State* state) {
   const recognition::Points& points = pair.taught.segment.cloud.points;
@@ -93,7 +93,7 @@ void Report(const Pair& pair, const Pose& found, benchmark::State* state) {
 
 void Ours(benchmark::State& state, const Pair& pair) {
   const ScanLookUps& at = *pair.look_ups;
-  // Without the knowledge that objects stand on a table, which the others do not have.
+  // Without the table constraint, which the others do not have.
   const recognition::RefinementTarget target{pair.seen.segment.cloud, at.columns, at.grid,
                                              at.depth_buffer,
                                              /*on_table=*/false};

@@ -1,4 +1,4 @@
-// What a simulated camera sees of the sample parts, and of the same parts made longer or shorter.
+// Views of the sample parts by a simulated camera, and of scaled variants.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,27 +10,27 @@
 
 namespace graspdb::bench {
 
-// What was seen of one part from one side.
+// A view of one part.
 struct SeenPart {
-  std::size_t part = 0;  // its place among the parts
+  std::size_t part = 0;  // position among the parts
   recognition::Pose world_object = recognition::Pose::Identity();
   recognition::Pose world_sensor = recognition::Pose::Identity();
   recognition::Points points;        // as measured, world frame
   recognition::OrientedCloud cloud;  // their voxels, world frame
 };
 
-// The parts seen by a simulated Kinect v2 from all around; nothing where it shows no part.
+// The parts captured by a simulated Kinect v2 from all around; views without a part are left out.
 std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts);
 
-// A point of the object in `seen`, world frame, if the object were stretched along its axes.
+// A point of the object in `seen`, world frame, with the object scaled along its axes.
 Eigen::Vector3f StretchedPoint(const SeenPart& seen, const Eigen::Vector3f& factors,
                                const Eigen::Vector3f& point);
 
-// The cloud if the object were stretched so.
+// The cloud of the scaled object.
 recognition::OrientedCloud StretchedCloud(const SeenPart& seen, const Eigen::Vector3f& factors);
 
-// By how much each part is stretched along its axes, one variant after the other; the first one
-// is not. The same on every run.
+// Scale factors of each part along its axes, by variant; the first one is not scaled. The same on
+// every run.
 class Stretches {
  public:
   explicit Stretches(std::size_t parts) : parts_(parts) {}

@@ -1,4 +1,4 @@
-// From a frame to the descriptors of what stands in it.
+// From a frame to the descriptors of its objects.
 #include <benchmark/benchmark.h>
 
 #include "recognition/descriptors/descriptor.h"

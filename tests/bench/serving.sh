@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# serving.sh BIN OUT: how fast a server answers over gRPC among 10,000 views, how much a second core
-# adds, what a bulk import costs its callers, and how it starts with 100,000 views. Client and
-# server share the machine. Prints a Markdown table, and leaves it in OUT/serving.md.
+# serving.sh BIN OUT: throughput and latency of a server over gRPC with 10,000 views, the gain of a
+# second core, the cost of a bulk import for other callers, and the start with 100,000 views. Client
+# and server share the machine. Prints a Markdown table and writes it to OUT/serving.md.
 set -euo pipefail
 bin=$(realpath "$1")
 mkdir -p "$2" && out=$(realpath "$2")
@@ -9,8 +9,8 @@ requests=${REQUESTS:-400}
 load=(bench --simulate --frames 32 --verified-views 10)
 source "$(dirname "$0")/../server_process/server.sh"
 
-# ask FLAG...: answers a second, what it said in OUT/load.txt.
-ask() {
+# run_load FLAG...: answers a second; the report of the load test is in OUT/load.txt.
+run_load() {
   ${CLIENT[@]+"${CLIENT[@]}"} "$bin/graspdb" "${load[@]}" "$@" 2>/dev/null >"$out/load.txt"
   awk '/ answered \(/ { match($0, /\([0-9.]+/); print substr($0, RSTART + 1, RLENGTH - 1) }' "$out/load.txt"
 }
@@ -18,7 +18,7 @@ ask() {
 # measure NAME FLAG...: a row of the table.
 measure() {
   local rate
-  rate=$(ask --requests "$requests" "${@:2}")
+  rate=$(run_load --requests "$requests" "${@:2}")
   awk -v name="$1" -v rate="$rate" '$1 == "min" && $2 == "mean" {
     getline
     printf "| %s | %.1f | %.1f | %.1f | %.1f | %.0f |\n", name, $3, $4, $5, $7, rate
@@ -33,9 +33,9 @@ scale() {
   : >"$out/one.txt" >"$out/two.txt" >"$out/ratio.txt"
   for round in 1 2 3 4 5; do
     taskset -acp 0 "$server" >/dev/null
-    one=$(CLIENT=(taskset -c 0) && ask --requests $((3 * requests)) --concurrency "$1")
+    one=$(CLIENT=(taskset -c 0) && run_load --requests $((3 * requests)) --concurrency "$1")
     taskset -acp 0,1 "$server" >/dev/null
-    two=$(ask --requests $((3 * requests)) --concurrency "$1")
+    two=$(run_load --requests $((3 * requests)) --concurrency "$1")
     echo "$one" >>"$out/one.txt"
     echo "$two" >>"$out/two.txt"
     awk "BEGIN { printf \"%.2f\\n\", $two / $one }" >>"$out/ratio.txt"
@@ -61,7 +61,7 @@ measure "one caller"
 measure "one caller, one part" --parts l-bracket
 measure "two callers" --concurrency 2
 measure "four callers" --concurrency 4
-# The teacher's own program, on a machine of its own otherwise, gives way.
+# The import usually runs on another machine; here it lowers its priority.
 nice "$bin/graspdb" import "$out/teach" >/dev/null 2>&1 &
 import=$!
 measure "one caller, while $(find "$out/teach" -name '*.pcd' | wc -l) views are taught"

@@ -1,4 +1,4 @@
-// What is measured, and how it is named.
+// The benchmarks and their names.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -11,10 +11,10 @@
 
 namespace graspdb::bench {
 
-// Measures `work` as `who` does it. Everybody's times of one work are compared with "graspdb"'s.
-inline void Compare(const std::string& work, const std::string& who,
+// Measures `work` by `program`. Times of the same work are compared to those of "graspdb".
+inline void Compare(const std::string& work, const std::string& program,
                     std::function<void(benchmark::State&)> run) {
-  benchmark::RegisterBenchmark((work + " | " + who).c_str(), std::move(run))
+  benchmark::RegisterBenchmark((work + " | " + program).c_str(), std::move(run))
       ->Unit(benchmark::kMillisecond);
 }
 
@@ -27,8 +27,8 @@ class Counted {
   Counted& operator=(const Counted&) = delete;
 };
 
-// What is expensive to make, made when it is first asked for: a run with a filter makes only what
-// it needs. For one thread.
+// An expensive value that is made on first use, so that a run with a filter makes only the values
+// that it needs. Not thread-safe.
 template <typename T>
 class Lazy {
  public:

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kViews = 10'000;
 constexpr int kCandidates = 10;
 
-// What the peer keeps of the catalogue.
+// The peer's catalogue.
 struct PeerCatalogue {
   std::vector<peer::View> views;
   std::unique_ptr<peer::Forest> forest;
@@ -40,12 +40,12 @@ PeerCatalogue PeerOf(const Catalogue& catalogue) {
   return out;
 }
 
-// Frames one after the other; `recognize` returns how many grasps it has found.
+// Recognizes frames in turn; `recognize` returns the number of grasps.
 void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
          const std::function<int(const Frame&)>& recognize) {
   client::LatencyHistogram times;
   int grasps = 0;
-  // Models are made when they are first asked for, and kept.
+  // Models are made on first use and kept.
   for (const Frame* frame : frames) benchmark::DoNotOptimize(recognize(*frame));
   for (auto _ : state) {
     grasps = 0;

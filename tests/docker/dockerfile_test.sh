@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# dockerfile_test.sh SOURCE SERVER: whether docker/Dockerfile copies what the server's build needs, and
-# installs the libraries that the program SERVER was linked with. Builds nothing.
+# dockerfile_test.sh SOURCE SERVER: checks that docker/Dockerfile copies the sources of the server's
+# build and installs the libraries that the program SERVER is linked with. Builds nothing.
 set -euo pipefail
 source=$1 server=$2
 dockerfile=$source/docker/Dockerfile
@@ -14,7 +14,7 @@ fail() {
 
 stage() { awk -v wanted="$1" '/^FROM/ { ++n } n == wanted' "$dockerfile"; }
 
-# What the first stage has: the operands of its COPY lines, but for the last, which is where to.
+# Contents of the first stage: the operands of its COPY lines, except the last, the target.
 stage 1 | sed -n 's/^COPY //p' | while read -ra operands; do
   for path in "${operands[@]:0:${#operands[@]}-1}"; do cp -r "$source/$path" "$context"; done
 done

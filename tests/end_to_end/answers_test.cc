@@ -1,4 +1,4 @@
-// What graspdb prints of a catalogue and of scans.
+// Output of graspdb for catalogues and scans.
 #include <gmock/gmock.h>
 
 #include <sstream>
@@ -22,7 +22,7 @@ class AnswersTest : public ProgramsTest {
   }
 };
 
-TEST_F(AnswersTest, EveryObjectOfTwelveScenesIsRightAndHasGrasps) {
+TEST_F(AnswersTest, RecognizesEveryObjectOfTwelveScenesWithGrasps) {
   StartServer();
   Succeed({"simulate", "--parts", "l-bracket,handle,wedge", "--turntable", "--step", "30",
            "--random", "12", "--seed", "2026", "--out", Path("set")});
@@ -41,11 +41,12 @@ TEST_F(AnswersTest, EveryObjectOfTwelveScenesIsRightAndHasGrasps) {
   }
 }
 
-TEST_F(AnswersTest, TheTableForPeopleHoldsAnswersAgainstTheTruth) {
+TEST_F(AnswersTest, PrintsErrorsFromTheGroundTruth) {
   Teach("wedge", 45);
-  Succeed({"simulate", "--parts", "wedge", "--random", "3", "--seed", "7", "--out", Path("ask")});
+  Succeed(
+      {"simulate", "--parts", "wedge", "--random", "3", "--seed", "7", "--out", Path("queries")});
   const std::string pictures = (folder_.path() / "pictures").string();
-  const Finished outcome = Succeed({"recognize", Path("ask"), "--pictures", pictures});
+  const Finished outcome = Succeed({"recognize", Path("queries"), "--pictures", pictures});
   EXPECT_THAT(outcome.out, HasSubstr("object right 100.0 % (3 of 3)"));
   EXPECT_THAT(outcome.out, HasSubstr("(ADD-S) 100.0 % (3 of 3)"));
   int count = 0;
@@ -56,7 +57,7 @@ TEST_F(AnswersTest, TheTableForPeopleHoldsAnswersAgainstTheTruth) {
   EXPECT_EQ(count, 3);
 }
 
-TEST_F(AnswersTest, ASingleFileIsRecognisedByItsOwnSensorPose) {
+TEST_F(AnswersTest, RecognizesASingleFileByItsSensorPose) {
   Teach("wedge", 45);
   const std::string file = Path("teach") + "/clouds/wedge_0001.pcd";
   const std::string line = Succeed({"recognize", file, "--json"}).out;
@@ -68,7 +69,7 @@ TEST_F(AnswersTest, ASingleFileIsRecognisedByItsOwnSensorPose) {
   EXPECT_EQ(response->detections(0).object(), "objects/wedge");
 }
 
-TEST_F(AnswersTest, ObjectsAreListedShownAndDeleted) {
+TEST_F(AnswersTest, ListsShowsAndDeletesObjects) {
   Teach("wedge", 180);
   EXPECT_THAT(Succeed({"objects", "list"}).out, HasSubstr("objects/wedge"));
   EXPECT_THAT(Succeed({"objects", "show", "wedge"}).out, HasSubstr("2 views"));
@@ -78,7 +79,7 @@ TEST_F(AnswersTest, ObjectsAreListedShownAndDeleted) {
   EXPECT_THAT(Succeed({"objects", "list"}).out, HasSubstr("the catalogue is empty"));
 }
 
-TEST_F(AnswersTest, CellsAreSetShownAndApplied) {
+TEST_F(AnswersTest, SetsShowsAndAppliesCells) {
   StartServer();
   Succeed({"cells", "set", "press", "--sensor-pose", "0,-0.5,0.6,-0.8,0,0,0.6", "--region",
            "-0.3,-0.3,-0.02,0.3,0.3,0.4", "--display-name", "Press 3"});

@@ -1,5 +1,5 @@
-// Rubbish given to the command line: one sentence, the right exit status, and a server
-// that still answers.
+// Invalid input of the command line: one sentence, the right exit status, and a server that still
+// answers.
 #include <gmock/gmock.h>
 
 #include "tests/end_to_end/programs_fixture.h"
@@ -23,9 +23,9 @@ std::string Cloud(int rows, const std::string& row) {
 
 struct BadFile {
   std::string name;     // of the case
-  std::string file;     // what it is called
-  std::string bytes;    // what is in it
-  std::string message;  // part of the answer
+  std::string file;     // name of the file
+  std::string bytes;    // content
+  std::string message;  // part of the message
 };
 
 std::vector<BadFile> BadFiles() {
@@ -56,7 +56,7 @@ std::vector<BadFile> BadFiles() {
 
 class BadFileTest : public ProgramsTest {};
 
-TEST_F(BadFileTest, EachIsRefusedInOneSentenceAndHarmsNothing) {
+TEST_F(BadFileTest, RejectsEachInOneSentenceWithoutEffects) {
   StartServer();
   for (const BadFile& bad : BadFiles()) {
     SCOPED_TRACE(bad.name);
@@ -69,12 +69,12 @@ TEST_F(BadFileTest, EachIsRefusedInOneSentenceAndHarmsNothing) {
   }
 }
 
-TEST_F(BadFileTest, WhatIsNotThereIsNamed) {
+TEST_F(BadFileTest, NamesMissingFilesAndObjects) {
   StartServer();
   for (const auto& command : std::vector<std::vector<std::string>>{{"recognize", Path("no.pcd")},
                                                                    {"import", Path("no-set")},
                                                                    {"recognize", Path("")},
-                                                                   {"objects", "show", "nobody"},
+                                                                   {"objects", "show", "missing"},
                                                                    {"cells", "show", "nowhere"},
                                                                    {"objects", "show", "../etc"},
                                                                    {"describe", Path("no.ply")}}) {
@@ -84,13 +84,13 @@ TEST_F(BadFileTest, WhatIsNotThereIsNamed) {
   }
 }
 
-TEST_F(BadFileTest, DescriptorOfTooFewPointsIsRefused) {
+TEST_F(BadFileTest, RejectsADescriptorOfTooFewPoints) {
   const Finished done = Graspdb({"describe", folder_.Write("a.pcd", Cloud(9, "0 0 1")).string()});
   EXPECT_EQ(done.exit_status, 1);
   EXPECT_THAT(done.err, HasSubstr("at least 10"));
 }
 
-TEST_F(BadFileTest, WrongUsageIsTwoAndNoServerIsThree) {
+TEST_F(BadFileTest, ExitsWithTwoForWrongUsageAndThreeWithoutAServer) {
   for (const auto& command :
        std::vector<std::vector<std::string>>{{"fly"},
                                              {"recognize"},

@@ -1,5 +1,5 @@
-// Files and command lines that are wrong: each gets its exit status and one sentence on
-// stderr, nothing on stdout, and changes nothing.
+// Invalid files and command lines: each has its exit status and one sentence on stderr, nothing on
+// stdout, and changes nothing.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -16,7 +16,7 @@ using Words = std::vector<std::string>;
 
 struct BadInput {
   std::string name;
-  // Writes what it needs and gives the arguments.
+  // Writes the files and returns the arguments.
   std::function<Words(const client::TemporaryFolder&)> make;
   std::string words;
 };

@@ -24,7 +24,7 @@ class BenchTest : public ProgramsTest {
     return words;
   }
 
-  // The report that was printed.
+  // The printed report.
   Fields ReportOf(const Finished& finished) {
     const auto status = google::protobuf::util::JsonStringToMessage(finished.out, &report_);
     EXPECT_TRUE(status.ok()) << finished.out << finished.err;
@@ -35,7 +35,7 @@ class BenchTest : public ProgramsTest {
     return fields.count(key) == 0 ? -1 : fields.at(key).number_value();
   }
 
-  // Waits until the server's log has so many calls.
+  // Waits until the server's log has this many calls.
   void WaitForCalls(int count) const {
     for (;;) {
       const std::string log = server_->Errors();
@@ -52,7 +52,7 @@ class BenchTest : public ProgramsTest {
   google::protobuf::Struct report_;
 };
 
-TEST_F(BenchTest, AClosedLoopReportsAsManyRequestsAsItWasTold) {
+TEST_F(BenchTest, ClosedLoopSendsTheGivenNumberOfRequests) {
   StartServer();
   Simulate("set", 60, 1);
   Succeed({"import", Path("set"), "--split", "TEACH"});
@@ -77,7 +77,7 @@ TEST_F(BenchTest, AClosedLoopReportsAsManyRequestsAsItWasTold) {
   EXPECT_LT(named, 1);
 }
 
-TEST_F(BenchTest, AnOpenLoopReportsItsSchedule) {
+TEST_F(BenchTest, OpenLoopReportsItsSchedule) {
   StartServer();
   const Finished done =
       Succeed(BenchWords({"--requests", "10", "--rate", "20", "--concurrency", "2"}));
@@ -88,7 +88,7 @@ TEST_F(BenchTest, AnOpenLoopReportsItsSchedule) {
   EXPECT_GE(Number(report.at("schedule").struct_value().fields(), "latest_ms"), 0);
 }
 
-TEST_F(BenchTest, TheReportIsReadable) {
+TEST_F(BenchTest, PrintsAReadableReport) {
   StartServer();
   Words words = BenchWords({"--requests", "5"});
   std::erase(words, "--json");
@@ -97,7 +97,7 @@ TEST_F(BenchTest, TheReportIsReadable) {
   EXPECT_THAT(done.out, HasSubstr("network and queue"));
 }
 
-TEST_F(BenchTest, ScansOfASetAreSentWithItsCell) {
+TEST_F(BenchTest, SendsScansOfASetWithTheirCell) {
   StartServer();
   Simulate("set", 90, 3);
   const Words bench = {"bench", Path("set"), "--split", "QUERY", "--json", "--requests", "6"};
@@ -113,7 +113,7 @@ TEST_F(BenchTest, ScansOfASetAreSentWithItsCell) {
   EXPECT_EQ(error.at("code").string_value(), "NOT_FOUND");
 }
 
-TEST_F(BenchTest, AServerThatGoesIsAnErrorForEachRequestAndNoHang) {
+TEST_F(BenchTest, CountsErrorsAndEndsWithoutTheServer) {
   StartServer();
   const auto bench =
       StartGraspdb(BenchWords({"--rate", "100", "--requests", "300", "--concurrency", "4"}));
@@ -131,7 +131,7 @@ TEST_F(BenchTest, AServerThatGoesIsAnErrorForEachRequestAndNoHang) {
   EXPECT_THAT(error.at("example").string_value(), HasSubstr("start graspdb-server"));
 }
 
-TEST_F(BenchTest, ControlCEndsARunWithWhatWasMeasured) {
+TEST_F(BenchTest, ControlCEndsARunWithAReport) {
   StartServer();
   const auto bench = StartGraspdb(BenchWords({"--duration", "100000"}));
   WaitForCalls(12);
@@ -143,7 +143,7 @@ TEST_F(BenchTest, ControlCEndsARunWithWhatWasMeasured) {
   EXPECT_GE(Number(report, "answered"), 1);
 }
 
-TEST_F(BenchTest, WhatIsTooSlowForTheDeadlineIsCounted) {
+TEST_F(BenchTest, CountsExceededDeadlines) {
   StartServer();
   const Fields report =
       ReportOf(Graspdb(BenchWords({"--requests", "20", "--timeout", "0.001", "--camera", "v1"})));

@@ -92,7 +92,7 @@ GriRequest CellProgramsTest::Request(GriAction action, int job) {
 }
 
 GriResponse CellProgramsTest::Trigger(client::GriClient& robot, int job) const {
-  const auto answer = robot.Ask(Request(GriAction::kTriggerJobSync, job));
+  const auto answer = robot.Call(Request(GriAction::kTriggerJobSync, job));
   EXPECT_THAT(answer, IsOk());
   return answer.value_or(GriResponse());
 }

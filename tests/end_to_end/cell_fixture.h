@@ -15,24 +15,24 @@ namespace graspdb::end_to_end {
 
 class CellProgramsTest : public ProgramsTest {
  protected:
-  // A server with the parts of Simulate, and the cell "press-3", whose robot stands aside and is
-  // turned.
+  // A server with the parts of Simulate, and the cell "press-3" with a rotated robot beside the
+  // table.
   void StartCell();
-  // An agent of it; more flags may follow. Its camera looks at the folder `scene_`.
+  // An agent of it; more flags may follow. Its camera reads the folder `scene_`.
   void StartAgent(const std::vector<std::string>& flags = {});
   // `environment` as NAME=VALUE.
   void StartAgentWith(const std::string& sensor, const std::vector<std::string>& flags = {},
                       const std::vector<std::string>& environment = {});
   const client::PlannedCapture& SceneNo(std::size_t scene) const { return scenes_.at(scene); }
-  // Lays the parts of a random scene before the camera.
+  // Places the parts of a random scene before the camera.
   const client::PlannedCapture& LayOut(std::size_t scene);
 
   client::GriClient Robot() const;
   static client::GriRequest Request(client::GriAction action, int job = 1);
   client::GriResponse Trigger(client::GriClient& robot, int job = 1) const;
-  // Asks again and again until that code comes; fails after half a minute.
+  // Polls until the agent returns the code; fails after half a minute.
   void AwaitCode(client::GriCode code, int job = 1) const;
-  // That the answer is a grasp that holds in the scene of LayOut.
+  // Expects a grasp that holds in the scene of LayOut.
   void ExpectHolds(const client::GriResponse& answer) const;
   void ExpectHolds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
   bool Holds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;

@@ -1,4 +1,4 @@
-// A robot cell end to end: camera, agent, server and robot as processes of their own.
+// A robot cell end to end: camera, agent, server and robot as separate processes.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -21,7 +21,7 @@ using client::GriResponse;
 using ::testing::HasSubstr;
 using testing::IsOk;
 
-TEST_F(CellProgramsTest, ARobotIsToldWhereToGraspWhatTheCameraSees) {
+TEST_F(CellProgramsTest, ReturnsGraspsOfVisibleObjects) {
   StartCell();
   StartAgent();
   client::GriClient robot = Robot();
@@ -31,13 +31,13 @@ TEST_F(CellProgramsTest, ARobotIsToldWhereToGraspWhatTheCameraSees) {
   }
 }
 
-TEST_F(CellProgramsTest, TheObjectsPoseBelongsToTheGrasp) {
+TEST_F(CellProgramsTest, ReturnsTheObjectPoseOfTheGrasp) {
   StartCell();
   StartAgent();
   client::GriClient robot = Robot();
   const client::PlannedCapture& scene = LayOut(0);
   ASSERT_EQ(Trigger(robot).code, GriCode::kNoError);
-  const auto related = robot.Ask(Request(GriAction::kGetRelatedPose));
+  const auto related = robot.Call(Request(GriAction::kGetRelatedPose));
   ASSERT_THAT(related, IsOk());
   const auto base_object = client::FromGriPose(related->pose, related->pose_format);
   ASSERT_THAT(base_object, IsOk());
@@ -46,7 +46,7 @@ TEST_F(CellProgramsTest, TheObjectsPoseBelongsToTheGrasp) {
   EXPECT_LT(off.norm(), 0.003);
 }
 
-TEST_F(CellProgramsTest, WithoutObjectsNoPoseIsFound) {
+TEST_F(CellProgramsTest, FindsNoPoseWithoutObjects) {
   StartCell();
   StartAgent();
   client::GriClient robot = Robot();
@@ -57,7 +57,7 @@ TEST_F(CellProgramsTest, WithoutObjectsNoPoseIsFound) {
   EXPECT_EQ(Trigger(robot).code, GriCode::kNoPosesFound);
 }
 
-TEST_F(CellProgramsTest, AServerThatIsKilledIsToldAndFoundAgain) {
+TEST_F(CellProgramsTest, LogsAKilledServerAndReconnects) {
   StartCell();
   LayOut(0);
   StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
@@ -67,18 +67,18 @@ TEST_F(CellProgramsTest, AServerThatIsKilledIsToldAndFoundAgain) {
   server_->Signal(SIGKILL);
   server_->Wait();
   EXPECT_EQ(Trigger(robot).code, GriCode::kApiNotReachable);
-  // A job with more time waits for the server, which starts meanwhile.
-  ASSERT_THAT(robot.Ask(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
+  // A job with a longer time limit waits for the server, which starts meanwhile.
+  ASSERT_THAT(robot.Call(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
   server_ = std::make_unique<Process>(folder_.path(), ServerCommand(Path("db"), address));
   ASSERT_NE(server_->WaitForLine("listening on "), "") << server_->Errors();
   GriResponse next;
   do {
-    next = *robot.Ask(Request(GriAction::kGetNextPose, 2));
+    next = *robot.Call(Request(GriAction::kGetNextPose, 2));
   } while (next.code == GriCode::kJobStillRunning);
   ExpectHolds(next);
 }
 
-TEST_F(CellProgramsTest, ACameraThatIsUnpluggedIsToldAndFoundAgain) {
+TEST_F(CellProgramsTest, LogsAnUnpluggedCameraAndReconnects) {
   StartCell();
   LayOut(0);
   StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
@@ -90,25 +90,25 @@ TEST_F(CellProgramsTest, ACameraThatIsUnpluggedIsToldAndFoundAgain) {
   ExpectHolds(Trigger(robot, 2));
 }
 
-TEST_F(CellProgramsTest, ARobotThatHangsUpInTheMiddleOfAJobDisturbsNobody) {
+TEST_F(CellProgramsTest, ToleratesARobotThatDisconnectsDuringAJob) {
   StartCell();
   StartAgent({"--job", "1 any", "--job", "2 any limit=1s"});
   {
     client::GriClient gone = Robot();  // no scene yet: the job waits for the camera
-    ASSERT_THAT(gone.Ask(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
+    ASSERT_THAT(gone.Call(Request(GriAction::kTriggerJobAsync, 2)), IsOk());
   }
   LayOut(2);
   client::GriClient robot = Robot();
   ExpectHolds(Trigger(robot));
 }
 
-TEST_F(CellProgramsTest, AnAgentStartsBeforeItsServerAndItsCamera) {
+TEST_F(CellProgramsTest, StartsBeforeItsServerAndCamera) {
   StartCell();
   server_->Signal(SIGTERM);
   server_->Wait();
   StartAgent({"--job", "1 any limit=300ms", "--job", "2 any limit=30s"});
   client::GriClient robot = Robot();
-  EXPECT_EQ(robot.Ask(Request(GriAction::kStatus))->data[1], 0);
+  EXPECT_EQ(robot.Call(Request(GriAction::kStatus))->data[1], 0);
   EXPECT_EQ(Trigger(robot).code, GriCode::kApiNotReachable);
   server_ = std::make_unique<Process>(folder_.path(), ServerCommand(Path("db"), address_));
   ASSERT_NE(server_->WaitForLine("listening on "), "") << server_->Errors();
@@ -117,7 +117,7 @@ TEST_F(CellProgramsTest, AnAgentStartsBeforeItsServerAndItsCamera) {
   AwaitCode(GriCode::kNoError, 2);
 }
 
-TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
+TEST_F(CellProgramsTest, SimulatedRobotJudgesTheGrasps) {
   StartCell();
   LayOut(0);
   StartAgent();
@@ -128,7 +128,7 @@ TEST_F(CellProgramsTest, ASimulatedRobotJudgesWhatItIsTold) {
   EXPECT_THAT(picks.out, HasSubstr(" of 6 picks would have held"));
 }
 
-TEST_F(CellProgramsTest, ASimulatedRobotTellsProgramsTooWhereNothingIsGiven) {
+TEST_F(CellProgramsTest, SimulatedRobotPrintsJsonWithoutPoses) {
   StartCell();
   LayOut(0);
   StartAgent({"--job", "1 object=no-such-object", "--job", "2 any"});
@@ -143,16 +143,16 @@ TEST_F(CellProgramsTest, ASimulatedRobotTellsProgramsTooWhereNothingIsGiven) {
   EXPECT_EQ(CountLines(json.out), 3);
   EXPECT_THAT(json.out, HasSubstr("\"code\":\"NO_ERROR\""));
   EXPECT_THAT(json.out, HasSubstr("\"picks\":2"));
-  std::vector<std::string> told = robot;
-  told.insert(told.end(), {"--job", "2", "--picked-job", "99", "--missed-job", "99"});
-  const Finished refused = Graspdb(told);
+  std::vector<std::string> report_jobs = robot;
+  report_jobs.insert(report_jobs.end(), {"--job", "2", "--picked-job", "99", "--missed-job", "99"});
+  const Finished refused = Graspdb(report_jobs);
   EXPECT_EQ(refused.exit_status, 1) << refused.out;
   EXPECT_THAT(refused.err, HasSubstr("JOB_DOES_NOT_EXIST"));
   agent_.reset();
-  EXPECT_EQ(Graspdb(robot).exit_status, 1) << "the server is there";
+  EXPECT_EQ(Graspdb(robot).exit_status, 1) << "the server is available";
 }
 
-TEST_F(CellProgramsTest, AStoppedAgentSaysWhatItCounted) {
+TEST_F(CellProgramsTest, LogsItsCountersOnStop) {
   StartCell();
   LayOut(0);
   StartAgent();
@@ -164,7 +164,7 @@ TEST_F(CellProgramsTest, AStoppedAgentSaysWhatItCounted) {
   EXPECT_THAT(done.err, HasSubstr("event=counters jobs=1 with_pose=1"));
 }
 
-TEST_F(CellProgramsTest, ARecordedKinectIsSeenThroughLibfreenect) {
+TEST_F(CellProgramsTest, ReadsARecordedKinectThroughLibfreenect) {
   const std::string library = GRASPDB_FAKENECT_LIBRARY;
   if (library.empty()) {
     GTEST_SKIP() << "libfreenect came without fakenect; install Debian's libfreenect-dev";
@@ -201,7 +201,7 @@ TEST_F(CellProgramsTest, ARecordedKinectIsSeenThroughLibfreenect) {
   ExpectHolds(answer, SceneNo(1));
 }
 
-TEST_F(CellProgramsTest, WhatCameToNoGoodEndIsKeptAndAskedAgain) {
+TEST_F(CellProgramsTest, KeepsAndReplaysFailedRequests) {
   StartCell();
   LayOut(0);
   StartAgent({"--black-box", Path("box"), "--job", "1 any", "--job", "2 object=no-such-object"});
@@ -216,7 +216,7 @@ TEST_F(CellProgramsTest, WhatCameToNoGoodEndIsKeptAndAskedAgain) {
   EXPECT_EQ(different.exit_status, 1) << different.out << different.err;
 }
 
-TEST_F(CellProgramsTest, WrongSettingsAreSaid) {
+TEST_F(CellProgramsTest, ReportsWrongSettings) {
   const auto run = [&](std::vector<std::string> words) {
     words.insert(words.begin(), GRASPDB_CELL_PROGRAM);
     return RunProgram(folder_.path(), words);

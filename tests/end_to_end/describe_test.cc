@@ -30,7 +30,7 @@ class DescribeTest : public ProgramsTest {
   const std::string cloud_ = folder_.Write("cloud.pcd", AsciiPcd(CurvedPatch(900))).string();
 };
 
-TEST_F(DescribeTest, EveryDescriptorHasItsSizeAndMass) {
+TEST_F(DescribeTest, DescriptorsHaveTheirSizeAndMass) {
   for (const auto& [name, size, mass] :
        {std::tuple("mvfh300", 300U, 1.0), std::tuple("vfh263", 263U, 1.0),
         std::tuple("gsh288", 288U, 1.0), std::tuple("vfh308", 308U, 400.0)}) {
@@ -47,7 +47,7 @@ TEST_F(DescribeTest, Mvfh300IsTheDefaultAndTheOutputIsTheSameEachTime) {
   EXPECT_EQ(Succeed({"describe", cloud_, "--descriptor", "mvfh300"}).out, out);
 }
 
-TEST_F(DescribeTest, TheViewpointCounts) {
+TEST_F(DescribeTest, DependsOnTheViewpoint) {
   const std::string out = Succeed({"describe", cloud_}).out;
   EXPECT_EQ(Succeed({"describe", cloud_, "--viewpoint", "0,0,0"}).out, out);
   EXPECT_NE(Succeed({"describe", cloud_, "--viewpoint", "0.5,-0.2,0"}).out, out);
@@ -68,13 +68,13 @@ TEST_F(DescribeTest, JsonHasTheSameBins) {
   }
 }
 
-TEST_F(DescribeTest, NormalsOfTheFileAreUsed) {
+TEST_F(DescribeTest, UsesNormalsOfTheFile) {
   const std::string with_normals =
       folder_.Write("normals.pcd", AsciiPcdWithNormals(CurvedPatch(900), {0, 0, -1})).string();
   EXPECT_NE(Succeed({"describe", with_normals}).out, Succeed({"describe", cloud_}).out);
 }
 
-TEST_F(DescribeTest, TenPointsAreEnoughAndNineAreNot) {
+TEST_F(DescribeTest, RequiresTenPoints) {
   const std::string ten = folder_.Write("ten.pcd", AsciiPcd(CurvedPatch(10))).string();
   Succeed({"describe", ten});
   const std::string nine = folder_.Write("nine.pcd", AsciiPcd(CurvedPatch(9))).string();

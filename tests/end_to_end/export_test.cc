@@ -1,4 +1,4 @@
-// Export, import into another server, and views that are taught again.
+// Export, import into another server, and replaced views.
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
 
@@ -35,7 +35,7 @@ class ExportTest : public ProgramsTest {
   }
 };
 
-// Poses are normalised on every arrival, which may turn their last bit.
+// Poses are normalised on every upload, which may change their last bit.
 TEST_F(ExportTest, AnImportedExportHasTheSameViewsAndGivesTheSameAnswers) {
   const std::set<std::string> names = ViewNames(address_);
   EXPECT_EQ(names.size(), 18U);
@@ -60,7 +60,7 @@ TEST_F(ExportTest, AnImportedExportHasTheSameViewsAndGivesTheSameAnswers) {
   }
 }
 
-TEST_F(ExportTest, ThresholdsThatTheViewsProposeArePrintedAndApplied) {
+TEST_F(ExportTest, PrintsAndAppliesProposedThresholds) {
   EXPECT_THAT(
       Succeed({"objects", "thresholds", "flange", "--apply"}).out,
       AllOf(HasSubstr("objects/flange/stablePoses/"), HasSubstr(": as all; 6 of 6 views named"),
@@ -68,7 +68,7 @@ TEST_F(ExportTest, ThresholdsThatTheViewsProposeArePrintedAndApplied) {
             Not(HasSubstr("nothing was changed"))));
 }
 
-TEST_F(ExportTest, AThresholdIsExportedAndImported) {
+TEST_F(ExportTest, ExportsAndImportsThresholds) {
   std::string json = client::BytesOf(Path("set/captures.json"));
   const std::string pose = "\"stablePoseId\":";
   json.insert(json.find(pose), "\"minScore\": 0.25, ");
@@ -83,17 +83,17 @@ TEST_F(ExportTest, AThresholdIsExportedAndImported) {
   const std::string first = json.substr(json.find("\"objectId\":"), 60);
   const std::size_t from = first.find('"', 11) + 1;
   const std::string id = first.substr(from, first.find('"', from) - from);
-  EXPECT_THAT(Succeed({"objects", "show", id}).out, HasSubstr("least score 0.25"));
+  EXPECT_THAT(Succeed({"objects", "show", id}).out, HasSubstr("minimum score 0.25"));
 }
 
-TEST_F(ExportTest, OnlyTheNamedObjectIsWritten) {
+TEST_F(ExportTest, WritesOnlyTheNamedObject) {
   Succeed({"export", Path("exported"), "--object", "flange"});
   const std::string json = client::BytesOf(Path("exported/captures.json"));
   EXPECT_THAT(json, HasSubstr("\"flange\""));
   EXPECT_THAT(json, Not(HasSubstr("l-bracket")));
 }
 
-TEST_F(ExportTest, ASetThatIsThereIsNotOverwritten) {
+TEST_F(ExportTest, DoesNotOverwriteAnExistingSet) {
   const std::string before = client::BytesOf(Path("set/captures.json"));
   const Finished done = Graspdb({"export", Path("set")});
   EXPECT_THAT(done, EndsWith(1));

@@ -1,5 +1,4 @@
-// What goes wrong in a plant: servers that are killed, imports that are broken off, two
-// servers where one belongs.
+// Failures in operation: killed servers, interrupted imports, two servers on one database or port.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -16,7 +15,7 @@ using ::testing::Not;
 
 class FailureTest : public ProgramsTest {
  protected:
-  // Waits until an import that runs has taught some views, but not all.
+  // Waits until a running import has taught some views, but not all.
   std::int64_t WaitForViews(std::int64_t at_least) {
     for (;;) {
       const std::int64_t views = Status().view_count();
@@ -45,7 +44,7 @@ TEST_F(FailureTest, ServerKilledDuringAnImportLosesNothingAcknowledged) {
   EXPECT_EQ(CountRight(Recognize("set")), 6);
 }
 
-TEST_F(FailureTest, InterruptedImportGoesOnWhereItWas) {
+TEST_F(FailureTest, ResumesAnInterruptedImport) {
   StartServer();
   Simulate("set", 15, 1);
   const auto import = StartGraspdb({"import", Path("set")});
@@ -58,7 +57,7 @@ TEST_F(FailureTest, InterruptedImportGoesOnWhereItWas) {
   EXPECT_EQ(Status().view_count(), 72);
 }
 
-TEST_F(FailureTest, SecondServerOnADatabaseIsToldSo) {
+TEST_F(FailureTest, RejectsASecondServerOnADatabase) {
   StartServer();
   const Finished second = RunProgram(folder_.path(), ServerCommand(Path("db"), "127.0.0.1:0"));
   EXPECT_EQ(second.exit_status, 1);
@@ -67,7 +66,7 @@ TEST_F(FailureTest, SecondServerOnADatabaseIsToldSo) {
   EXPECT_EQ(Graspdb({"status"}).exit_status, 0);
 }
 
-TEST_F(FailureTest, SecondServerOnAPortIsToldSo) {
+TEST_F(FailureTest, RejectsASecondServerOnAPort) {
   StartServer();
   const Finished second = RunProgram(folder_.path(), ServerCommand(Path("other"), address_));
   EXPECT_EQ(second.exit_status, 1);

@@ -36,7 +36,7 @@ class FloodTest : public ProgramsTest {
   }
 };
 
-TEST_F(FloodTest, TheServerLivesWithinItsMemoryAndRobotsAreAnswered) {
+TEST_F(FloodTest, StaysWithinTheMemoryBudgetAndAnswersRobots) {
   StartServer("db", {"--memory-mib", std::to_string(kMemoryMib)});
   const v1::RecognizeRequest large = CloudOf(kLargePoints);
   std::atomic<int> running = kClients;
@@ -51,13 +51,13 @@ TEST_F(FloodTest, TheServerLivesWithinItsMemoryAndRobotsAreAnswered) {
   }
   const v1::RecognizeRequest frame = CloudOf(1000);
   client::Client robot = Connect();
-  std::int64_t most_bytes = 0;
+  std::int64_t max_bytes = 0;
   while (running > 0) {
-    // gRPC may close a connection when memory is short; the server has room for a small frame.
+    // gRPC may close a connection when memory is short; the server has memory for a small frame.
     const absl::Status answer = robot.Recognize(frame).status();
     EXPECT_THAT(answer.message(), Not(HasSubstr("no memory left")));
     if (const auto status = robot.GetCatalogStatus(); status.ok()) {
-      most_bytes = std::max(most_bytes, status->memory().resident_byte_count());
+      max_bytes = std::max(max_bytes, status->memory().resident_byte_count());
     }
   }
   for (std::thread& client : flood) client.join();
@@ -67,7 +67,7 @@ TEST_F(FloodTest, TheServerLivesWithinItsMemoryAndRobotsAreAnswered) {
         << end;
   }
   EXPECT_THAT(robot.Recognize(frame), IsOk());
-  EXPECT_LT(most_bytes, std::int64_t{kMemoryMib + 256} << 20);
+  EXPECT_LT(max_bytes, std::int64_t{kMemoryMib + 256} << 20);
 }
 
 }  // namespace

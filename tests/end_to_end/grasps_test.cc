@@ -1,4 +1,4 @@
-// What robots tell of grasps, by the command line.
+// Grasp outcomes by the command line.
 #include <gmock/gmock.h>
 
 #include "tests/end_to_end/outcome_matchers.h"
@@ -31,7 +31,7 @@ class GraspsTest : public ProgramsTest {
   std::string grasp_;
 };
 
-TEST_F(GraspsTest, WhatIsToldIsListedAndSummedUpAndSurvivesARestart) {
+TEST_F(GraspsTest, ListsAndSumsOutcomesAlsoAfterARestart) {
   EXPECT_THAT(
       Succeed({"grasps", "list", "flange"}).out,
       AllOf(HasSubstr(pose_), ContainsRegex("picked +0 +missed +0 +slipped +0 +rate 0.90")));
@@ -45,7 +45,7 @@ TEST_F(GraspsTest, WhatIsToldIsListedAndSummedUpAndSurvivesARestart) {
   EXPECT_THAT(Succeed({"status"}).out, HasSubstr("7 picked, 1 missed, 0 slipped"));
 }
 
-TEST_F(GraspsTest, WrongReportsEndWith1AndWrongWordsWith2) {
+TEST_F(GraspsTest, ExitsWith1ForWrongReportsAnd2ForWrongUsage) {
   const Finished none = Graspdb({"grasps", "report", pose_, "no-such-grasp", "picked"});
   EXPECT_THAT(none, EndsWith(1));
   EXPECT_THAT(none, SaysOnly("graspdb", "no-such-grasp"));

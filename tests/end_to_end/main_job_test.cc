@@ -1,4 +1,4 @@
-// The main job with real processes: teach views, show scenes, get object and pose.
+// The main job with real processes: teach views, recognize scenes, get object and pose.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 using MainJobTest = ProgramsTest;
 
-TEST_F(MainJobTest, TaughtPartsAreRecognisedInNewScenes) {
+TEST_F(MainJobTest, RecognizesTaughtPartsInNewScenes) {
   StartServer();
   Simulate("set", 15, 12);
   const Finished taught = Graspdb({"import", Path("set"), "--json"});
@@ -34,7 +34,7 @@ TEST_F(MainJobTest, ImportingTwiceTeachesNothingTwice) {
   EXPECT_EQ(Status().catalog_revision(), before.catalog_revision());
 }
 
-TEST_F(MainJobTest, ExportedCatalogueAnswersTheSameElsewhere) {
+TEST_F(MainJobTest, ExportedCatalogueGivesTheSameAnswersElsewhere) {
   StartServer("first");
   Simulate("set", 30, 6);
   ASSERT_EQ(Graspdb({"import", Path("set")}).exit_status, 0);

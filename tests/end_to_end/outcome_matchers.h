@@ -1,4 +1,4 @@
-// Matchers for how a program ended.
+// Matchers for finished programs.
 #pragma once
 
 #include <gmock/gmock.h>

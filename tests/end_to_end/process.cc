@@ -71,7 +71,7 @@ Finished Process::Wait() {
 
 std::string Process::WaitForLine(const std::string& start) {
   for (;;) {
-    const bool ended = HasEnded();  // asked first: what was printed before the end counts
+    const bool ended = HasEnded();  // checked before reading, so that no output is missed
     std::istringstream printed(client::BytesOf(out_));
     std::string line;
     while (std::getline(printed, line)) {

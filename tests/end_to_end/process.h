@@ -1,4 +1,4 @@
-// Programs as a person runs them.
+// Programs as processes.
 #pragma once
 
 #include <sys/types.h>
@@ -9,15 +9,14 @@
 
 namespace graspdb::end_to_end {
 
-// How a program ended and what it printed.
+// Exit status and output of a program.
 struct Finished {
   int exit_status = -1;  // 128 + n when signal n ended it
   std::string out;
   std::string err;
 };
 
-// A program that runs; killed at the latest when this goes. Its output is kept in files
-// below `folder`.
+// A running program; killed by the destructor. Its output is in files below `folder`.
 class Process {
  public:
   Process(const std::filesystem::path& folder, const std::vector<std::string>& command);
@@ -28,10 +27,10 @@ class Process {
   void Signal(int signal) const;
   // Waits for its end.
   Finished Wait();
-  // Waits until its standard output has a line that begins with `start`, and gives the rest
-  // of the line; empty when the program ended first.
+  // Waits until its standard output has a line that begins with `start`, and returns the rest of
+  // the line; empty when the program ended first.
   std::string WaitForLine(const std::string& start);
-  // What it printed on standard error so far.
+  // Its standard error so far.
   std::string Errors() const;
 
  private:

@@ -20,13 +20,13 @@ class ProgramsTest : public ::testing::Test {
  protected:
   // Starts a server on the database `name`; its address in address_.
   void StartServer(const std::string& name = "db", const std::vector<std::string>& flags = {});
-  // `graspdb` with these words, to its end.
+  // Runs `graspdb` with these arguments to its end.
   Finished Graspdb(std::vector<std::string> words) const;
-  // The same, which must end with 0.
+  // The same, which must exit with 0.
   Finished Succeed(const std::vector<std::string>& words) const;
   // The same, running.
   std::unique_ptr<Process> StartGraspdb(std::vector<std::string> words) const;
-  // Words as a command line of the server.
+  // Arguments as a command line of the server.
   static std::vector<std::string> ServerCommand(const std::string& database,
                                                 const std::string& listen);
 
@@ -35,7 +35,7 @@ class ProgramsTest : public ::testing::Test {
   v1::CatalogStatus Status() const;
   // The answers of `recognize --json --omit-timings` to the QUERY scenes of a set: lines.
   std::string Recognize(const std::string& set) const;
-  // The words that ask for them.
+  // The arguments for them.
   std::vector<std::string> RecognizeWords(const std::string& set) const;
   std::string Path(const std::string& name) const { return (folder_.path() / name).string(); }
 
@@ -44,11 +44,11 @@ class ProgramsTest : public ::testing::Test {
   std::string address_;
 };
 
-// The response in a line of `recognize --json`; nothing for a line that holds none.
+// The response in a line of `recognize --json`; empty for a line without one.
 std::optional<v1::RecognizeResponse> ResponseOf(const std::string& line);
-// How many lines of `recognize --json` name the object that their path names.
+// Number of lines of `recognize --json` with the object in their path.
 int CountRight(const std::string& lines);
-// How many lines there are.
+// Number of lines.
 int CountLines(const std::string& text);
 
 }  // namespace graspdb::end_to_end

@@ -1,4 +1,4 @@
-// Real frames without calibration: what was taught is named, what was not is refused.
+// Real frames without calibration: taught objects are recognized, others rejected.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -27,8 +27,8 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
     Teach();
   }
 
-  // What stands in front in the full frame of that object.
-  v1::RecognizeResponse Ask(const std::string& object) {
+  // Recognizes the front object in the full frame of that object.
+  v1::RecognizeResponse RecognizeFront(const std::string& object) {
     const std::string line =
         Succeed({"recognize", (frames_ / (object + ".pcd")).string(), "--json"}).out;
     const auto response = ResponseOf(line.substr(0, line.find('\n')));
@@ -39,7 +39,7 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
   std::filesystem::path frames_;
 
  private:
-  // The segmented clouds, with the sensor poses that the tables of the full frames give.
+  // The segmented clouds, with sensor poses from the tables of the full frames.
   void Teach() {
     v1::CaptureSet set;
     std::filesystem::create_directories(Path("set"));
@@ -54,7 +54,7 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
       capture->set_object_id(object);
       capture->set_stable_pose_id("upright");
       capture->set_segmented(true);
-      *capture->mutable_sensor_pose() = Ask(object).sensor_pose();
+      *capture->mutable_sensor_pose() = RecognizeFront(object).sensor_pose();
       std::filesystem::copy_file(frames_ / (object + "_object.pcd"),
                                  Path("set/" + object + ".pcd"));
     }
@@ -63,9 +63,9 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
   }
 };
 
-TEST_P(RealsenseTest, TheFrontObjectIsNamedOrRefused) {
+TEST_P(RealsenseTest, RecognizesOrRejectsTheFrontObject) {
   for (const std::string object : kObjects) {
-    const v1::RecognizeResponse answer = Ask(object);
+    const v1::RecognizeResponse answer = RecognizeFront(object);
     ASSERT_GT(answer.detections_size(), 0) << object;
     const v1::Detection& front = answer.detections(0);
     if (object == GetParam()) {

@@ -1,4 +1,4 @@
-// Requests that were kept, asked again by the command line.
+// Replay of kept requests by the command line.
 #include <gmock/gmock.h>
 
 #include "client/cell/blackbox/black_box.h"
@@ -25,10 +25,10 @@ class ReplayTest : public ProgramsTest {
     KeepAll();
   }
 
-  // Asks about the scenes, as a cell would, timings and all, and keeps it.
+  // Recognizes the scenes like a cell, with timings, and keeps the requests.
   void KeepAll() {
     client::Client client({.server = address_});
-    auto box = client::BlackBox::Open({.ring = {.folder = Path("bundles"), .least_free_bytes = 0}});
+    auto box = client::BlackBox::Open({.ring = {.folder = Path("bundles"), .min_free_bytes = 0}});
     ASSERT_THAT(box, IsOk());
     const auto scans = client::ListScans({Path("set")}, "QUERY");
     ASSERT_THAT(scans, IsOk());
@@ -49,7 +49,7 @@ class ReplayTest : public ProgramsTest {
   }
 };
 
-TEST_F(ReplayTest, TheSameServerAnswersTheSameAlsoAfterARestart) {
+TEST_F(ReplayTest, GivesTheSameAnswersAlsoAfterARestart) {
   EXPECT_THAT(Succeed({"replay", Path("bundles")}).out, HasSubstr("3 same, 0 different"));
   server_.reset();
   StartServer();
@@ -57,13 +57,13 @@ TEST_F(ReplayTest, TheSameServerAnswersTheSameAlsoAfterARestart) {
               AllOf(HasSubstr("3 same, 0 different"), Not(HasSubstr("revision"))));
 }
 
-TEST_F(ReplayTest, AnotherRevisionWithTheSameAnswersIsTheSame) {
+TEST_F(ReplayTest, IgnoresAnotherRevisionWithTheSameAnswers) {
   Succeed({"objects", "set", "flange", "--display-name", "Flange 3"});
   EXPECT_THAT(Succeed({"replay", Path("bundles")}).out,
               AllOf(HasSubstr("3 same"), HasSubstr("(revision ")));
 }
 
-TEST_F(ReplayTest, WhatDiffersIsSaidAndTheExitStatusIs1) {
+TEST_F(ReplayTest, ReportsDifferencesWithExitStatus1) {
   for (const char* object : {"flange", "handle", "l-bracket"}) {
     Succeed({"objects", "delete", object, "--force"});
   }
@@ -78,7 +78,7 @@ TEST_F(ReplayTest, WhatDiffersIsSaidAndTheExitStatusIs1) {
   EXPECT_THAT(json.out, AllOf(HasSubstr("\"same\":false"), HasSubstr("\"differences\":[")));
 }
 
-TEST_F(ReplayTest, WhatCannotBeReadIsToldAndTheOthersAreAsked) {
+TEST_F(ReplayTest, ReportsUnreadableBundlesAndReplaysTheOthers) {
   folder_.Write("bundles/0000000000-x.bundle", "no bundle");
   const Finished done = Replay();
   EXPECT_THAT(done, EndsWith(1));
@@ -86,7 +86,7 @@ TEST_F(ReplayTest, WhatCannotBeReadIsToldAndTheOthersAreAsked) {
   EXPECT_THAT(done.out, HasSubstr("unreadable"));
 }
 
-TEST_F(ReplayTest, WithoutAServerNothingIsSaidOfTheBundles) {
+TEST_F(ReplayTest, ReportsNoDifferencesWithoutAServer) {
   server_.reset();
   const Finished done = Replay({"--timeout", "2"});
   EXPECT_THAT(done, EndsWith(3));

@@ -1,4 +1,4 @@
-// Commands with a depth camera, as processes: cameras that are there, play files, or are not there.
+// Commands with a depth camera, as processes: connected cameras, recordings, and missing cameras.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 using testing::IsOk;
 using ::testing::Not;
 
-// No machine has so many.
+// More cameras than any machine has.
 constexpr char kNoCamera[] = "freenect:77";
 
 class SensorsTest : public ProgramsTest {
@@ -50,8 +50,8 @@ class CalibrationProgramsTest : public SensorsTest {
   }
 };
 
-// The simulated camera stands 0.8 m from the origin and looks down by 40 degrees.
-TEST_F(CalibrationProgramsTest, ACameraIsLevelledAndChecked) {
+// The simulated camera is 0.8 m from the origin and looks down by 40 degrees.
+TEST_F(CalibrationProgramsTest, LevelsAndChecksACamera) {
   const Finished levelled = Succeed({"cells", "level", "press", "--sensor", "simulated"});
   EXPECT_THAT(levelled.out, HasSubstr("camera 51"));
   EXPECT_THAT(Succeed({"cells", "show", "press", "--json"}).out, HasSubstr("\"sensorPose\""));
@@ -66,7 +66,7 @@ TEST_F(CalibrationProgramsTest, ACameraIsLevelledAndChecked) {
   EXPECT_GT(NumberOf(json.out, "share"), 0.5);
 }
 
-TEST_F(CalibrationProgramsTest, WhatCannotBeCheckedIsSaid) {
+TEST_F(CalibrationProgramsTest, ReportsFailedChecks) {
   Succeed({"cells", "set", "press"});
   const Finished fresh = Graspdb({"cells", "check", "press", "--sensor", "simulated"});
   EXPECT_THAT(fresh, EndsWith(1));
@@ -79,13 +79,13 @@ TEST_F(CalibrationProgramsTest, WhatCannotBeCheckedIsSaid) {
   EXPECT_THAT(Graspdb({"cells", "check", "press"}), SaysOnly("graspdb", "--frame"));
 }
 
-TEST_F(SensorsTest, KindsAreListed) {
+TEST_F(SensorsTest, ListsKinds) {
   const Finished text = Succeed({"sensors", "list"});
   EXPECT_THAT(text.out, AllOf(HasSubstr("files: "), HasSubstr("freenect: ")));
   EXPECT_THAT(Succeed({"sensors", "list", "--json"}).out, HasSubstr("\"kind\":\"freenect\""));
 }
 
-TEST_F(SensorsTest, WhatWasGrabbedIsPlayed) {
+TEST_F(SensorsTest, PlaysGrabbedFrames) {
   const Finished json = Succeed({"sensors", "grab", "simulated", "--out", Path("json"), "--json"});
   EXPECT_EQ(json.out,
             "{\"file\":\"" + Path("json/0000.png") + "\",\"sensor\":\"simulated camera\"}\n");
@@ -98,13 +98,13 @@ TEST_F(SensorsTest, WhatWasGrabbedIsPlayed) {
   EXPECT_EQ(client::BytesOf(Path("copy/0001.png")), client::BytesOf(Path("look/0001.png")));
 }
 
-TEST_F(SensorsTest, ARecordingForFakenectIsToldToPrograms) {
+TEST_F(SensorsTest, PrintsARecordingForFakenectAsJson) {
   const Finished written = Succeed(
       {"sensors", "fakenect", "--out", Path("kinect"), "--scenes", "1", "--hold", "0.1", "--json"});
   EXPECT_EQ(written.out, "{\"folder\":\"" + Path("kinect") + "\",\"hold_s\":0.1,\"scenes\":1}\n");
 }
 
-TEST_F(SensorsTest, NobodyWaitsForMoreThanARecordingHas) {
+TEST_F(SensorsTest, EndsAtTheEndOfARecording) {
   const Finished grabbed = Graspdb(
       {"sensors", "grab", WriteFrame(), "--frames", "2", "--wait", "3600", "--out", Path("look")});
   EXPECT_THAT(grabbed, EndsWith(1));
@@ -112,7 +112,7 @@ TEST_F(SensorsTest, NobodyWaitsForMoreThanARecordingHas) {
   EXPECT_THAT(grabbed, SaysOnly("graspdb", "add ?loop"));
 }
 
-TEST_F(SensorsTest, AGrabThatWasInterruptedIsNotDone) {
+TEST_F(SensorsTest, FailsAnInterruptedGrab) {
   const auto grab = StartGraspdb({"sensors", "grab", WriteFrame() + "?loop&rate=20", "--frames",
                                   "1000000", "--out", Path("look")});
   while (!std::filesystem::exists(Path("look/0001.pcd")) && grab->Errors().empty()) {
@@ -124,7 +124,7 @@ TEST_F(SensorsTest, AGrabThatWasInterruptedIsNotDone) {
   EXPECT_THAT(ended, SaysOnly("graspdb", "of 1000000 frames"));
 }
 
-TEST_F(SensorsTest, ACameraThatIsNotThereIsNoMissingServer) {
+TEST_F(SensorsTest, DoesNotReportAMissingCameraAsAMissingServer) {
   const Finished grab =
       Graspdb({"sensors", "grab", kNoCamera, "--wait", "0.1", "--out", Path("look")});
   EXPECT_THAT(grab, EndsWith(1));
@@ -140,7 +140,7 @@ TEST_F(SensorsTest, ACameraThatIsNotThereIsNoMissingServer) {
                                  "--json"}}) {
     const Finished none = Graspdb(words);
     EXPECT_THAT(none, EndsWith(1)) << words[0];
-    EXPECT_THAT(none.out, IsEmpty()) << "nothing but answers belongs there";
+    EXPECT_THAT(none.out, IsEmpty()) << "stdout is for answers only";
     EXPECT_THAT(none.err, HasSubstr("no. 77"));
     EXPECT_THAT(none.err, Not(HasSubstr("start graspdb-server")));
   }

@@ -1,4 +1,4 @@
-// graspdb-server as a process: start, stop, and what it refuses.
+// graspdb-server as a process: start, stop, and rejected settings.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -23,7 +23,7 @@ class ServerProcessTest : public ProgramsTest {
   }
 };
 
-TEST_F(ServerProcessTest, ItSaysWhereItListensAndSigtermEndsItWithZero) {
+TEST_F(ServerProcessTest, LogsItsAddressAndExitsWithZeroOnSigterm) {
   for (const int signal : {SIGTERM, SIGINT}) {
     StartServer();
     EXPECT_EQ(Status().view_count(), 0);
@@ -35,7 +35,7 @@ TEST_F(ServerProcessTest, ItSaysWhereItListensAndSigtermEndsItWithZero) {
   }
 }
 
-TEST_F(ServerProcessTest, WhatItRefusesIsToldInOneSentence) {
+TEST_F(ServerProcessTest, ReportsErrorsInOneSentence) {
   StartServer();
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "127.0.0.1:0"}),
               SaysOnly(kServer, "in use by another process"));
@@ -43,27 +43,27 @@ TEST_F(ServerProcessTest, WhatItRefusesIsToldInOneSentence) {
               SaysOnly(kServer, "cannot listen on " + address_));
 }
 
-TEST_F(ServerProcessTest, ItListensOnlyToThisMachineUnlessToldOtherwise) {
+TEST_F(ServerProcessTest, ListensOnLocalhostByDefault) {
   const Finished outcome = Serve({"--db", Path("db"), "--listen", "0.0.0.0:0"});
   EXPECT_THAT(outcome, EndsWith(1));
   EXPECT_THAT(outcome, SaysOnly(kServer, "--allow-remote-without-tls"));
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "here"}), EndsWith(2));
 }
 
-TEST_F(ServerProcessTest, AFolderWithOtherObjectsIsNotMadeADatabase) {
+TEST_F(ServerProcessTest, DoesNotUseAFolderWithOtherFiles) {
   folder_.Write("diary.txt", "Dear diary");
   const Finished outcome = Serve({"--db", folder_.path().string(), "--listen", "127.0.0.1:0"});
   EXPECT_THAT(outcome, EndsWith(1));
   EXPECT_THAT(outcome, SaysOnly(kServer, folder_.path().string()));
 }
 
-TEST_F(ServerProcessTest, WrongUsageEndsWithTwo) {
+TEST_F(ServerProcessTest, ExitsWithTwoForWrongUsage) {
   EXPECT_THAT(Serve({}), EndsWith(2));
   EXPECT_THAT(Serve({"--db", Path("db"), "--queue", "-3"}), EndsWith(2));
   EXPECT_THAT(Serve({"--db", Path("db"), "--colour", "red"}), EndsWith(2));
 }
 
-TEST_F(ServerProcessTest, WhatACallerSendsCannotForgeALineOfTheLog) {
+TEST_F(ServerProcessTest, EscapesClientTextInTheLog) {
   StartServer();
   EXPECT_THAT(Graspdb({"objects", "show", "x\nlevel=error forged=\"1\""}), EndsWith(1));
   server_->Signal(SIGTERM);

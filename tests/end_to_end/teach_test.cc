@@ -37,31 +37,31 @@ class TeachTest : public ProgramsTest {
   }
 };
 
-TEST_F(TeachTest, WhatWasTaughtFromAMeshIsRecognised) {
+TEST_F(TeachTest, RecognizesObjectsTaughtFromAMesh) {
   WriteAngle();
   StartServer();
   const Finished taught = Graspdb(Teach({"--poses", "1,3"}));
   ASSERT_EQ(taught.exit_status, 0) << taught.err;
   EXPECT_THAT(taught.out, HasSubstr("taught 36 views, 0 were there already"));
-  // The mesh as it lies, on the longer leg, is one of them.
+  // The mesh in its own orientation, on the longer leg, is one of them.
   Succeed({"simulate", Path("angle.ply"), "--unit", "mm", "--random", "4", "--seed", "3", "--out",
-           Path("ask")});
-  EXPECT_EQ(CountRight(Recognize("ask")), 4);
+           Path("queries")});
+  EXPECT_EQ(CountRight(Recognize("queries")), 4);
 }
 
-// The vertices of the mesh are in the world where the simulation has put them.
-TEST_F(TeachTest, AnswersCarryTheFrameOfTheMesh) {
+// The vertices of the mesh are at their simulated positions in the world frame.
+TEST_F(TeachTest, AnswersHaveTheFrameOfTheMesh) {
   WriteAngle();
   StartServer();
   Succeed(Teach({}));
   Succeed({"simulate", Path("angle.ply"), "--unit", "mm", "--random", "4", "--seed", "3", "--out",
-           Path("ask")});
-  const auto set = client::LoadCaptureSet(Path("ask"));
+           Path("queries")});
+  const auto set = client::LoadCaptureSet(Path("queries"));
   ASSERT_THAT(set, IsOk());
-  // As it lies: the middle of its bounding box is put on the z axis.
+  // In its own orientation: the middle of its bounding box is put on the z axis.
   const Eigen::Vector3d shift(-0.05, -0.02, 0);
   int measured = 0;
-  std::istringstream lines(Recognize("ask"));
+  std::istringstream lines(Recognize("queries"));
   for (std::string line; std::getline(lines, line);) {
     const auto response = ResponseOf(line);
     ASSERT_TRUE(response && response->detections_size() == 1) << line;
@@ -82,11 +82,11 @@ TEST_F(TeachTest, AnswersCarryTheFrameOfTheMesh) {
   EXPECT_EQ(measured, 4);
 }
 
-TEST_F(TeachTest, AGraspOnTheMeshServesTheStablePosesInWhichItIsReached) {
+TEST_F(TeachTest, AppliesAGraspOnTheMeshToReachableStablePoses) {
   WriteAngle();
   StartServer();
   Succeed(Teach({"--step", "120"}));
-  // From the mesh's +z upon its upright leg; upside down nothing comes to it.
+  // From the mesh's +z onto its upright leg; it is not reached upside down.
   std::ofstream(Path("grasps.json"))
       << R"({"grasps":[{"graspId":"leg","approachDistanceM":0.1,"gripperOpeningM":0.06,"tcpPose":)"
       << R"({"position":{"x":0.0125,"y":0.02,"z":0.07},"orientation":{"x":1}}}]})";
@@ -128,7 +128,7 @@ TEST_F(TeachTest, TeachingTwiceChangesNothing) {
   EXPECT_THAT(finer.out, HasSubstr("taught 6 views, 6 were there already"));
 }
 
-TEST_F(TeachTest, AnotherMeshOfTheSameNameIsNotMixedIn) {
+TEST_F(TeachTest, RejectsAnotherMeshOfTheSameName) {
   WriteAngle();
   StartServer();
   ASSERT_EQ(Graspdb(Teach({"--step", "60", "--poses", "1"})).exit_status, 0);
@@ -142,9 +142,9 @@ TEST_F(TeachTest, AnotherMeshOfTheSameNameIsNotMixedIn) {
   EXPECT_EQ(Status().view_count(), 12);
 }
 
-// A turntable that turns on while its views are taken, by a recording: a frame to begin with, then
-// five of each view.
-TEST_F(TeachTest, NobodyNeedsToBeAtTheTerminal) {
+// A recording of a turntable that turns while its views are taken: one initial frame, then five of
+// each view.
+TEST_F(TeachTest, RunsUnattended) {
   StartServer();
   Succeed({"cells", "set", "press", "--region", "-0.3,-0.3,-0.02,0.3,0.3,0.4"});
   Succeed(
@@ -165,14 +165,14 @@ TEST_F(TeachTest, NobodyNeedsToBeAtTheTerminal) {
       "--yes",  "--settle",  "0.01"};
   const Finished taught = Succeed(teach);
   EXPECT_THAT(taught.out, HasSubstr("taught 6 views; the catalogue has 6 views of 1 objects\n"));
-  // Once more: another stable pose, for which nothing of the recording is left after five views.
+  // Again with another stable pose, for which the recording ends after five views.
   std::filesystem::remove(Path("frames/130.pcd"));
   const Finished broken = Graspdb(teach);
   EXPECT_EQ(broken.exit_status, 1) << broken.out;
   EXPECT_THAT(broken.out, HasSubstr("run the same command again to go on"));
 }
 
-TEST_F(TeachTest, ADryRunNeedsNoServer) {
+TEST_F(TeachTest, DryRunNeedsNoServer) {
   WriteAngle();
   const Finished table = Graspdb(Teach({"--dry-run", "--pictures", Path("pictures")}));
   EXPECT_EQ(table.exit_status, 0) << table.err;
@@ -184,7 +184,7 @@ TEST_F(TeachTest, ADryRunNeedsNoServer) {
   EXPECT_THAT(json.out, Not(HasSubstr("resting-2")));
 }
 
-TEST_F(TeachTest, TheCellsCameraTakesTheViews) {
+TEST_F(TeachTest, UsesTheCameraOfTheCell) {
   WriteAngle();
   StartServer();
   EXPECT_THAT(Graspdb(Teach({"--cell", "press"})).err, HasSubstr("press"));
@@ -199,7 +199,7 @@ TEST_F(TeachTest, TheCellsCameraTakesTheViews) {
   EXPECT_EQ(Status().view_count(), 4);
 }
 
-TEST_F(TeachTest, AWrongUnitIsToldWithTheOneThatFits) {
+TEST_F(TeachTest, SuggestsTheUnitThatFits) {
   WriteAngle();
   const Finished wrong =
       Graspdb({"teach", "angle", "--mesh", Path("angle.ply"), "--unit", "m", "--dry-run"});

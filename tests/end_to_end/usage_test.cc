@@ -1,4 +1,4 @@
-// Exit statuses of graspdb, its help, and where settings come from.
+// Exit statuses, help and settings of graspdb.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -14,12 +14,12 @@ namespace {
 using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
-// Nobody listens there.
-constexpr char kNobody[] = "127.0.0.1:1";
+// No server listens here.
+constexpr char kNoServer[] = "127.0.0.1:1";
 
 class UsageTest : public ProgramsTest {};
 
-TEST_F(UsageTest, WrongUsageEndsWithTwo) {
+TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
   const std::string cloud = folder_.Write("a.pcd", AsciiPcd(CurvedPatch(100))).string();
   const std::vector<std::pair<Words, std::string>> cases = {
       {{}, "subcommand"},
@@ -54,8 +54,8 @@ TEST_F(UsageTest, WrongUsageEndsWithTwo) {
   }
 }
 
-TEST_F(UsageTest, WithoutAServerTheStatusIsThree) {
-  address_ = kNobody;
+TEST_F(UsageTest, ExitsWithThreeWithoutAServer) {
+  address_ = kNoServer;
   const std::string cloud = folder_.Write("cloud.pcd", AsciiPcd(CurvedPatch(100))).string();
   folder_.Write("captures.json",
                 CaptureSetJson(R"("split": "TEACH", "objectId": "o", "stablePoseId": "p")"));
@@ -69,7 +69,7 @@ TEST_F(UsageTest, WithoutAServerTheStatusIsThree) {
   }
 }
 
-TEST_F(UsageTest, EveryFlagOfEveryCommandIsExplained) {
+TEST_F(UsageTest, DescribesEveryFlagOfEveryCommand) {
   for (const Words& command :
        {Words{}, Words{"import"}, Words{"recognize"}, Words{"bench"}, Words{"describe"},
         Words{"export"}, Words{"objects"}, Words{"objects", "list"}, Words{"objects", "show"},
@@ -93,10 +93,10 @@ TEST_F(UsageTest, EveryFlagOfEveryCommandIsExplained) {
   }
 }
 
-TEST_F(UsageTest, SettingsComeFromFlagsThenVariablesThenTheFile) {
+TEST_F(UsageTest, ReadsSettingsFromFlagsThenVariablesThenTheFile) {
   StartServer();
   const std::string file = folder_.Write("good.conf", "server=\"" + address_ + "\"\n").string();
-  const std::string bad = folder_.Write("bad.conf", std::string("server=\"") + kNobody + "\"\n");
+  const std::string bad = folder_.Write("bad.conf", std::string("server=\"") + kNoServer + "\"\n");
   const auto run = [&](const Words& environment, const Words& arguments) {
     Words command = {"/usr/bin/env"};
     command.insert(command.end(), environment.begin(), environment.end());
@@ -105,7 +105,7 @@ TEST_F(UsageTest, SettingsComeFromFlagsThenVariablesThenTheFile) {
     return RunProgram(folder_.path(), command);
   };
   const std::string good_variable = "GRASPDB_SERVER=" + address_;
-  const std::string bad_variable = std::string("GRASPDB_SERVER=") + kNobody;
+  const std::string bad_variable = std::string("GRASPDB_SERVER=") + kNoServer;
   EXPECT_THAT(run({}, {"--config", file, "status"}), EndsWith(0));
   EXPECT_THAT(run({"GRASPDB_CONFIG=" + file}, {"status"}), EndsWith(0));
   EXPECT_THAT(run({good_variable}, {"--config", bad, "status"}), EndsWith(0));
@@ -116,7 +116,7 @@ TEST_F(UsageTest, SettingsComeFromFlagsThenVariablesThenTheFile) {
               ::testing::StartsWith("{\"serverVersion\""));
 }
 
-TEST_F(UsageTest, ARefusedScanIsALineOfJsonAmongTheOthers) {
+TEST_F(UsageTest, PrintsARejectedScanAsALineOfJson) {
   StartServer("db", {"--max-points", "1000"});
   const std::string good = folder_.Write("good.pcd", AsciiPcd(CurvedPatch(900))).string();
   const std::string bad = folder_.Write("bad.pcd", AsciiPcd(CurvedPatch(1100))).string();

@@ -1,4 +1,4 @@
-// Which views a server holds.
+// The views of a server.
 #pragma once
 
 #include <set>

@@ -17,8 +17,8 @@ std::string AsciiPcd(const recognition::Points& points);
 // The same with one normal for all.
 std::string AsciiPcdWithNormals(const recognition::Points& points, const Eigen::Vector3f& normal);
 
-// A captures.json with one object "o" in the stable pose "p" and one capture, which is
-// made of the given fields besides its path "cloud.pcd".
+// A captures.json with one object "o" in the stable pose "p" and one capture with the given fields
+// and the path "cloud.pcd".
 std::string CaptureSetJson(const std::string& capture_fields);
 
 }  // namespace graspdb::end_to_end

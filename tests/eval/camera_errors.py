@@ -3,8 +3,8 @@
 
 FOLDER has frames.json as `graspdb eval` reads it, with "intrinsics" and "plane" of each frame. Of
 the planes: the noise of single pixels, errors over some pixels ("bumps") and over the image
-("warps"), in mm along the ray and scaled to 1 m. Of the objects whose pose is known: what is measured
-there by the distance from the silhouette and by the angle of incidence. Needs python3-numpy and
+("warps"), in mm along the ray and scaled to 1 m. Of the objects whose pose is known: the shares of
+measured pixels by the distance from the silhouette and by the angle of incidence. Needs python3-numpy and
 python3-scipy.
 """
 import json
@@ -15,8 +15,8 @@ import sys
 import numpy as np
 from scipy import ndimage
 
-NEAR_M = 0.006  # a pixel this near to the mesh, across the surface, shows it
-PLANE_M = 0.012  # and this near to the plane belongs to that
+NEAR_M = 0.006  # a pixel this near to the mesh, across the surface, belongs to it
+PLANE_M = 0.012  # and this near to the plane to the plane
 
 
 def read_pcd(path):
@@ -112,7 +112,7 @@ def print_shares(what, low, high, chosen, state):
     print(f"    {what} {low} to {high}: {chosen.sum():5d} pixels, {shares}")
 
 
-def print_thing(folder, frame, object, points):
+def print_object(folder, frame, object, points):
     pose = np.array(object["T_sensor_mesh"])
     path = os.path.join(folder, object["mesh"])
     vertices, faces = (read_obj if path.endswith(".obj") else read_ply)(path)
@@ -125,7 +125,7 @@ def print_thing(folder, frame, object, points):
     row = np.round(at[:, 1] / at[:, 2] * k["fy"] + k["cy"]).astype(int)
     height, width = points.shape[:2]
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height) & (cosines > 0.02)
-    order = np.argsort(-at[:, 2])  # the nearest is put last
+    order = np.argsort(-at[:, 2])  # nearest last
     order = order[seen[order]]
     depth, cosine = np.full((height, width), np.nan), np.zeros((height, width))
     depth[row[order], column[order]] = at[order, 2]
@@ -156,7 +156,7 @@ def main():
         print_plane(frame, points)
         for object in frame["objects"]:
             if object.get("T_sensor_mesh"):
-                print_thing(folder, frame, object, points)
+                print_object(folder, frame, object, points)
 
 
 if __name__ == "__main__":

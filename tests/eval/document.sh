@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # document.sh REPORT: puts the tables and some plots of a report of `graspdb eval` into
-# docs/experiment.md, between the lines that say so.
+# docs/experiment.md, between its markers.
 set -euo pipefail
 report=$1
 tests=$(realpath "$(dirname "$0")/..")
 docs=$(realpath "$tests/../docs")
 
-# picture NAME WORDS: shows a plot of the report, which is copied below.
+# picture NAME WORDS: embeds a plot of the report, which is copied below.
 pictures=()
 picture() {
   pictures+=("$1")
@@ -27,12 +27,12 @@ trap 'rm -f "$block"' EXIT
     "Translation error of the paper's protocol (figure 13)"
   picture everything-recall-over-the-add-s-that-is-allowed \
     "Recall over the pose error that is allowed, everything at once"
-  picture unknown-precision-and-recall-over-the-least-score \
+  picture unknown-precision-and-recall-over-the-minimum-score \
     "Precision and recall over the score, objects that were never taught among them"
   picture unknown-share-of-right-answers-by-score \
     "What a score is worth: share of right answers by score, with objects that were never taught"
 } >"$block"
-# First, so that a document without a place for them keeps its pictures.
+# First, so that a document without the markers keeps its pictures.
 "$tests/document/renew_block.sh" "$docs/experiment.md" "./run eval" "$block"
 rm -f "$docs"/pictures/experiment-*.svg
 for name in "${pictures[@]}"; do

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# eval.sh BIN OUT: how often the answer is right. Simulated: eight parts taught from 24
-# views, 200 new scenes, the single-view baseline (1 view) and verified. Scanned: the meshes of
-# ../shared/data in every case of the experiment, with a report in OUT/report, of which the tables
-# and some plots go into docs/experiment.md. Real: the frames and clouds there. Without that folder
-# the last two are skipped. The tables go to stdout. TRIALS: scenes for each object and case; with
-# another number than 24 the document stays as it is.
+# eval.sh BIN OUT: the recognition rate. Simulated: eight parts taught from 24 views, 200 new
+# scenes, the single-view baseline (1 view) and verified. Scanned: the meshes of ../shared/data in
+# every case of the experiment, with a report in OUT/report, of which the tables and some plots go
+# into docs/experiment.md. Real: the frames and clouds there. Without that folder the last two are
+# skipped. The tables go to stdout. TRIALS: scenes for each object and case; with another number
+# than 24 the document is not changed.
 set -euo pipefail
 bin=$(realpath "$1")
 out=$2
@@ -20,18 +20,18 @@ source "$(dirname "$0")/../server_process/server.sh"
 simulated() {
   echo "== simulated Kinect v2: 8 parts x 24 views taught, 200 scenes, part within 10 cm"
   "$bin/graspdb" simulate --parts "$parts" --step 15 --seed 1 --out "$out/teach" 2>/dev/null
-  "$bin/graspdb" simulate --parts "$parts" --random 200 --seed 11 --out "$out/ask" 2>/dev/null
+  "$bin/graspdb" simulate --parts "$parts" --random 200 --seed 11 --out "$out/scenes" 2>/dev/null
   start_server "$out/simulated" "$out/simulated.db"
   "$bin/graspdb" import "$out/teach" 2>/dev/null
   for views in 1 20; do
-    # The baseline has the paper's descriptor: the server describes all views again.
+    # The baseline uses the paper's descriptor: the server computes those of all views again.
     local descriptor=gsh288
     [ "$views" != 1 ] || descriptor=mvfh300
     start_server "$out/simulated" "$out/simulated.db" --descriptor "$descriptor"
     echo "{\"pipeline\": {\"verifiedViewCount\": $views}}" >"$out/cell.json"
     "$bin/graspdb" cells set "views-$views" --from "$out/cell.json" >/dev/null
     echo "-- views aligned: $views"
-    "$bin/graspdb" recognize "$out/ask" --split QUERY --cell "views-$views" |
+    "$bin/graspdb" recognize "$out/scenes" --split QUERY --cell "views-$views" |
       tee "$out/simulated-$views.txt" | grep -E 'object right'
   done
 }
@@ -49,7 +49,7 @@ scanned() {
   [ "$trials" != 24 ] || "$(dirname "$0")/document.sh" "$out/report"
 }
 
-# Every cloud of an object is asked about while it is not taught; nobody says which way is up.
+# Leave-one-out over the clouds of each object; the gravity direction is not given.
 turntable() {
   local clouds=$data/vfh_turntable object file role
   if [ ! -d "$clouds" ]; then
@@ -78,7 +78,7 @@ turntable() {
   done
 }
 
-# Frames of real cameras, taught from the meshes, and simulated cameras with such errors.
+# Frames of real cameras, taught from meshes, and simulated cameras with the same errors.
 real_cameras() {
   if [ ! -d "$data/real_frames" ]; then
     echo "== frames of real cameras: skipped, $data is not there"

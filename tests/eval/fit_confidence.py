@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""fit_confidence.py REPORT.json...: the coefficients of recognition/verification/confidence.cc, and what they are worth.
+"""fit_confidence.py REPORT.json...: the coefficients of
+recognition/verification/confidence.cc, with their calibration.
 
 The reports are those of `graspdb eval ... --min-score 1e-9 --out FOLDER`, of cases and of real
 frames: with that score every answer is judged and none is rejected. Prints a logistic regression
-with weights that are not negative (what speaks against an answer never speaks for it); what it
+with weights that are not negative (evidence against an answer never counts for it); the share that it
 rejects; and the expected calibration error with each camera, each object and each real frame left
 out in turn. Each case weighs the same; real frames as several, right and wrong answers the same. Needs python3-numpy
 and python3-scipy.
@@ -14,14 +15,14 @@ import sys
 import numpy as np
 from scipy.optimize import minimize
 
-DOUBTS = ("scan", "contradicted", "residual", "unseen", "little")
+FEATURES = ("scan", "contradicted", "residual", "unseen", "little")
 RIDGE = 1e-5  # of the squared weights; keeps them finite where classes separate
 BRICKS = {"b_lego_duplo", "f_lego_duplo", "d_lego_duplo"}  # one shape to a depth camera
-FRAMES = 8  # real frames weigh as much as so many simulated cases
+FRAMES = 8  # weight of all real frames, in simulated cases
 
 
-def doubts(evidence):
-    return [evidence["features"][name] for name in DOUBTS]
+def features_of(evidence):
+    return [evidence["features"][name] for name in FEATURES]
 
 
 def samples(path):
@@ -33,11 +34,11 @@ def samples(path):
             if not named or (not a["known"] and {named, a["object_asked"]} <= BRICKS):
                 continue
             right = a["known"] and a["pose_right"]
-            yield case["name"], a["object_asked"], right, a["score"], doubts(a["evidence"])
+            yield case["name"], a["object_asked"], right, a["score"], features_of(a["evidence"])
     for frame in report.get("frames", []):
         for d in frame["detections"]:
             if not d["pose_unknown"] and not d["again"]:
-                yield "frame " + frame["name"], d["object"], d["right"], d["score"], doubts(
+                yield "frame " + frame["name"], d["object"], d["right"], d["score"], features_of(
                     d["evidence"]
                 )
 
@@ -52,7 +53,7 @@ def camera_of(name):
 
 
 def weights_of(y, names):
-    """Each case the same, and the right and wrong answers in real frames the same."""
+    """Equal weights of all cases, and of the right and wrong answers in real frames."""
     out = np.zeros(len(y))
     cases = np.array(["frame" if n.startswith("frame ") else n for n in names])
     for case in set(cases):
@@ -99,7 +100,7 @@ def left_out(x, y, w, groups, chosen):
     return p
 
 
-def say(name, p, y, w):
+def print_row(name, p, y, w):
     print(
         f"{name:32} {int(y.sum()):5d} right, {100 * np.mean(p[y == 1] < 0.5) if y.any() else 0:5.1f} % "
         f"rejected; {int((1 - y).sum()):5d} wrong, "
@@ -118,18 +119,18 @@ def main(paths):
     cameras = np.array([camera_of(n) for n in names])
     w = weights_of(y, names)
     b = fit(x, y, w)
-    print("offset %.2f, " % b[0] + ", ".join(f"{f} {v:.2f}" for f, v in zip(DOUBTS, b[1:])))
+    print("offset %.2f, " % b[0] + ", ".join(f"{f} {v:.2f}" for f, v in zip(FEATURES, b[1:])))
     p = predict(b, x)
     for name in sorted(set(n if not n.startswith("frame ") else "frame" for n in names)):
         m = names == name if name != "frame" else cameras == "frame"
-        say(name, p[m], y[m], w[m])
-        say("  as graspdb has it", today[m], y[m], w[m])
+        print_row(name, p[m], y[m], w[m])
+        print_row("  current coefficients", today[m], y[m], w[m])
     for what, groups in (("camera", cameras), ("object", objects), ("frame", names)):
         chosen = [g for g in sorted(set(groups)) if what != "frame" or g.startswith("frame ")]
         p = left_out(x, y, w, groups, chosen)
         for camera in sorted(set(cameras[~np.isnan(p)])):
             m = (cameras == camera) & ~np.isnan(p)
-            say(f"each {what} left out: {camera}", p[m], y[m], w[m])
+            print_row(f"each {what} left out: {camera}", p[m], y[m], w[m])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# metres.sh BIN MESHES OUT: the workpieces of ../shared/data/industrial_meshes, whose units differ
-# and are in no file, as meshes in metres in the folder OUT.
+# metres.sh BIN MESHES OUT: converts the workpieces of ../shared/data/industrial_meshes, whose files
+# have different units and do not contain them, to meshes in metres in the folder OUT.
 set -euo pipefail
 bin=$(realpath "$1")
 meshes=$2

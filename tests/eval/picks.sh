@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# picks.sh BIN OUT: how many of 500 simulated picks would have held, over all sample parts, and how
-# long a robot waits beside the camera. A server, an agent with a simulated camera, and a simulated
-# robot, each a process of its own; the robot asks over the Generic Robot Interface.
+# picks.sh BIN OUT: how many of 500 simulated picks succeed, over all sample parts, and how long a
+# robot waits apart from the camera's time. A server, an agent with a simulated camera, and a
+# simulated robot as separate processes; the robot uses the Generic Robot Interface.
 set -euo pipefail
 bin=$(realpath "$1")
 out=$2

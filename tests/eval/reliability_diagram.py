@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""reliability_diagram.py OUT.svg REPORT.json...: what a score is worth, for each camera.
+"""reliability_diagram.py OUT.svg REPORT.json...: calibration of the score, for each camera.
 
 The reports are those that fit_confidence.py reads. Draws one diagram for each camera and one for
-the real frames: the share of right answers among those with a score, by the confidence that graspdb
-has, and by one fitted without that camera. A bar's height is the number of answers in its bin, as a
+the real frames: the share of right answers among those with a score, by the current confidence, and by
+one fitted without that camera. A bar's height is the number of answers in its bin, as a
 share of the largest. Prints both expected calibration errors. Needs python3-numpy, python3-scipy and
 python3-matplotlib.
 """
@@ -29,7 +29,7 @@ TITLES = {
 
 
 def curve(p, y, w):
-    """Mean score and share of right answers of each bin that is not empty."""
+    """Mean score and share of right answers of each non-empty bin."""
     which = np.minimum((p * BINS).astype(int), BINS - 1)
     bins = [which == k for k in range(BINS)]
     return np.array(
@@ -44,7 +44,7 @@ def draw(axes, title, scores, y, w):
         points = curve(p, y, w)
         error = fc.calibration_error(p, y, w, BINS)
         axes.plot(*points.T, marker="o", markersize=3, color=color, label=f"{label}: {error:.3f}")
-    count, edges = np.histogram(scores["as it is"], bins=BINS, range=(0, 1))
+    count, edges = np.histogram(scores["current"], bins=BINS, range=(0, 1))
     height = 0.25 * count / max(1, count.max())
     axes.bar(edges[:-1], height, width=1 / BINS, align="edge", color="0.9", zorder=0)
     axes.set_title(f"{title} ({len(y)} answers)", fontsize=9)
@@ -67,9 +67,9 @@ def main(out, paths):
         axes.remove()
     for axes, camera in zip(grid.flat, shown):
         m = cameras == camera
-        # The share of right answers that were given, not of the weights of the fit.
+        # The share of right answers, without the weights of the fit.
         one = np.ones(m.sum())
-        scores = {"as it is": today[m], "fitted without it": without[m]}
+        scores = {"current": today[m], "fitted without it": without[m]}
         draw(axes, TITLES[camera], scores, y[m], one)
         errors = ", ".join(f"{k} {fc.calibration_error(p, y[m], one):.3f}" for k, p in scores.items())
         print(f"{TITLES[camera]}: {int(y[m].sum())} of {m.sum()} right; {errors}")

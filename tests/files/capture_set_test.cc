@@ -51,7 +51,7 @@ TEST(CaptureSet, RoundTripKeepsEverythingIncludingAZeroSymmetryOrder) {
   EXPECT_THAT(text, testing::Not(HasSubstr("segmented"))) << "defaults are left out";
 }
 
-TEST(CaptureSet, FieldsOfTomorrowArePassedOver) {
+TEST(CaptureSet, UnknownFieldsAreIgnored) {
   const TemporaryFolder folder;
   folder.Write("captures.json", R"({"captures": [{"path": "a.pcd", "colour": {"r": 1}}]})");
   const auto loaded = LoadCaptureSet(folder.path());
@@ -59,7 +59,7 @@ TEST(CaptureSet, FieldsOfTomorrowArePassedOver) {
   EXPECT_EQ(loaded->captures(0).path(), "a.pcd");
 }
 
-TEST(CaptureSet, MissingFileAndBadJsonSayWhere) {
+TEST(CaptureSet, MissingFileAndBadJsonErrorsNameThePlace) {
   const TemporaryFolder folder;
   const auto missing = LoadCaptureSet(folder.path());
   EXPECT_EQ(missing.status().code(), absl::StatusCode::kNotFound);
@@ -87,7 +87,7 @@ struct Broken {
   std::function<void(v1::CaptureSet&)> how;
 };
 
-TEST(CaptureSet, BrokenRulesAreNamedWithThePlaceOnLoadAndSave) {
+TEST(CaptureSet, ViolationsAreReportedWithThePlaceOnLoadAndSave) {
   const Broken broken[] = {
       {"captures[1].path is missing", [](auto& s) { s.mutable_captures(1)->clear_path(); }},
       {"captures[0].path \"../a.pcd\" leads out",
@@ -98,9 +98,10 @@ TEST(CaptureSet, BrokenRulesAreNamedWithThePlaceOnLoadAndSave) {
        [](auto& s) { s.mutable_captures(0)->set_path("/etc/a.pcd"); }},
       {"objects[0].meshPath \"../m.ply\"",
        [](auto& s) { s.mutable_objects(0)->set_mesh_path("../m.ply"); }},
-      {"captures[0] is to be taught",
+      {"captures[0] has the split TEACH",
        [](auto& s) { s.mutable_captures(0)->clear_stable_pose_id(); }},
-      {"captures[0] is to be taught", [](auto& s) { s.mutable_captures(0)->clear_object_id(); }},
+      {"captures[0] has the split TEACH",
+       [](auto& s) { s.mutable_captures(0)->clear_object_id(); }},
       {"captures[1].objectId \"ketchup\" is not in objects",
        [](auto& s) { s.mutable_captures(1)->set_object_id("ketchup"); }},
       {"captures[1].stablePoseId \"lying\" is not among",
@@ -115,7 +116,7 @@ TEST(CaptureSet, BrokenRulesAreNamedWithThePlaceOnLoadAndSave) {
        [](auto& s) {
          s.mutable_captures(1)->mutable_object_pose()->mutable_position()->set_x(std::nan(""));
        }},
-      {"objects[1].objectId \"mustard\" is there twice",
+      {"objects[1].objectId \"mustard\" is used twice",
        [](auto& s) { *s.add_objects() = s.objects(0); }},
       {"objects[0].stablePoses[0].stablePoseId is missing",
        [](auto& s) { s.mutable_objects(0)->mutable_stable_poses(0)->clear_stable_pose_id(); }},
@@ -141,11 +142,12 @@ TEST(CaptureSet, BrokenRulesAreNamedWithThePlaceOnLoadAndSave) {
 
   folder.Write("captures.json", R"({"captures": [{"path": "a.pcd", "split": "TEACH"}]})");
   const auto loaded = LoadCaptureSet(folder.path());
-  EXPECT_THAT(std::string(loaded.status().message()),
-              testing::AllOf(HasSubstr("captures.json"), HasSubstr("captures[0] is to be taught")));
+  EXPECT_THAT(
+      std::string(loaded.status().message()),
+      testing::AllOf(HasSubstr("captures.json"), HasSubstr("captures[0] has the split TEACH")));
 }
 
-TEST(CaptureSet, MisspeltSplitIsNoSplitForEither) {
+TEST(CaptureSet, AMisspeltSplitIsRejected) {
   const TemporaryFolder folder;
   folder.Write("captures.json", R"({"captures": [{"path": "a.pcd"},
       {"path": "b.pcd", "split": "QUERRY"}]})");
@@ -154,7 +156,7 @@ TEST(CaptureSet, MisspeltSplitIsNoSplitForEither) {
   EXPECT_THAT(std::string(loaded.status().message()), HasSubstr("captures[1].split is \"QUERRY\""));
 }
 
-TEST(CaptureSet, UnknownObjectsMayBeAsked) {
+TEST(CaptureSet, QueriesMayShowUnknownObjects) {
   v1::CaptureSet set = Mustard();
   set.mutable_captures(1)->clear_object_id();
   set.mutable_captures(1)->clear_stable_pose_id();

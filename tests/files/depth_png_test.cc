@@ -27,7 +27,7 @@ v1::DepthImage SmallImage() {
   return DepthMessage(some_counts, small_camera.intrinsics, small_camera.depth_unit_m);
 }
 
-TEST(DepthPng, GivesBackEveryCount) {
+TEST(DepthPng, RoundTripKeepsEveryCount) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.png";
   ASSERT_THAT(WriteDepthPng(path, SmallImage()), IsOk());
@@ -45,7 +45,7 @@ TEST(DepthPng, IsBigEndianGreyAsOtherProgramsExpect) {
   const std::string bytes = BytesOf(path);
   EXPECT_EQ(bytes.substr(1, 3), "PNG");
   EXPECT_EQ(bytes.substr(12, 4), "IHDR");
-  EXPECT_EQ(bytes[24], 16);  // bits a channel
+  EXPECT_EQ(bytes[24], 16);  // bits per channel
   EXPECT_EQ(bytes[25], 0);   // grey
 }
 
@@ -89,10 +89,10 @@ TEST(DepthPng, AnotherSizeThanTheCamerasIsRefused) {
       StatusIs(absl::StatusCode::kInvalidArgument, AllOf(HasSubstr("3 x 2"), HasSubstr("4 x 2"))));
 }
 
-TEST(DepthPng, WhatIsNoPngIsRefusedAndAMissingFileNamed) {
+TEST(DepthPng, OtherFilesAreRejectedAndAMissingFileIsNamed) {
   const TemporaryFolder folder;
   EXPECT_THAT(ReadDepthPng(folder.Write("text.png", "no image at all"), small_camera),
-              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is no PNG file")));
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is not a PNG file")));
   EXPECT_THAT(ReadDepthPng(folder.path() / "none.png", small_camera),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none.png")));
 }
@@ -127,7 +127,7 @@ TEST(Intrinsics, AreMillimetresWithoutAUnit) {
   EXPECT_EQ(camera->depth_unit_m, 0.001);
 }
 
-TEST(Intrinsics, TellWhichKeyIsWrong) {
+TEST(Intrinsics, ErrorsNameTheInvalidKey) {
   const TemporaryFolder folder;
   const struct {
     const char* text;
@@ -146,7 +146,7 @@ TEST(Intrinsics, TellWhichKeyIsWrong) {
         << c.text;
   }
   EXPECT_THAT(ReadIntrinsics(folder.Write("k.json", "[1, 2")),
-              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("no JSON")));
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("not a JSON")));
   EXPECT_THAT(ReadIntrinsics(folder.path() / "none.json"),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("depthUnitM")));
 }

@@ -1,4 +1,4 @@
-// Every way in which a PCD file can lie gets one sentence with the path.
+// Every kind of malformed PCD file is reported in one sentence with the path.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -109,8 +109,8 @@ TEST(PcdMalformed, AsciiRows) {
 
 TEST(PcdMalformed, BinaryBodies) {
   const Lines binary = {{"DATA", "binary"}};
-  ExpectRefused(Header(binary), "holds 0 bytes of points, and its header promises 36");
-  ExpectRefused(Header(binary) + std::string(35, 'x'), "holds 35 bytes");
+  ExpectRefused(Header(binary), "has 0 bytes of points, and its header promises 36");
+  ExpectRefused(Header(binary) + std::string(35, 'x'), "has 35 bytes");
 }
 
 std::string Compressed(std::uint32_t packed, std::uint32_t unpacked, const std::string& body) {
@@ -124,8 +124,9 @@ TEST(PcdMalformed, CompressedBodies) {
   ExpectRefused(Header({{"DATA", "binary_compressed"}}) + "1234567", "ends before its sizes");
   ExpectRefused(Compressed(10, 37, std::string(10, 'x')), "unpacks to 37 bytes");
   ExpectRefused(Compressed(10, 0xffffffffU, std::string(10, 'x')), "unpacks to 4294967295 bytes");
-  ExpectRefused(Compressed(11, 36, std::string(10, 'x')), "has 11 compressed bytes, and 10");
-  ExpectRefused(Compressed(0, 36, std::string(10, 'x')), "has 0 compressed bytes");
+  ExpectRefused(Compressed(11, 36, std::string(10, 'x')),
+                "declares 11 compressed bytes, and has 10");
+  ExpectRefused(Compressed(0, 36, std::string(10, 'x')), "declares 0 compressed bytes");
   ExpectRefused(Compressed(10, 36, std::string(10, 'x')), "cannot be unpacked");
   ExpectRefused(Compressed(10, 36, std::string(10, '\xff')), "cannot be unpacked");
   const std::string padded = Header({{"FIELDS", "x y z _"},
@@ -137,14 +138,14 @@ TEST(PcdMalformed, CompressedBodies) {
 }
 
 // A few bytes cannot unpack to a million points, so no memory is taken for them.
-TEST(PcdMalformed, CompressedBodiesThatPromiseMoreThanTheirBytesCanHold) {
+TEST(PcdMalformed, CompressedBodiesThatDeclareMoreThanTheyCanUnpackTo) {
   const Lines lines = {{"DATA", "binary_compressed"}, {"WIDTH", "1000000"}, {"POINTS", "1000000"}};
   const std::string sizes("\x0a\0\0\0\x00\x1b\xb7\x00", 8);  // 10, 12 million
   ExpectRefused(Header(lines) + sizes + std::string(10, 'x'), "10 compressed bytes cannot hold");
 }
 
 // As editors on other systems leave them. PCL's reader ends its header there, and then crashes.
-TEST(PcdMalformed, BlankLinesInTheHeaderArePassedOver) {
+TEST(PcdMalformed, BlankLinesInTheHeaderAreIgnored) {
   const TemporaryFolder folder;
   const std::string bytes = "\n\r\n \n" + Header({{"DATA", "binary"}}) + std::string(36, '\x3e');
   const auto read = ReadPointFile(folder.Write("cloud.pcd", bytes));

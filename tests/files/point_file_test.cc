@@ -69,7 +69,7 @@ TEST(PointFile, NoSensorPoseStaysUnknownAndSameFileGivesSameBytes) {
   EXPECT_TRUE(read->normals.empty());
 }
 
-TEST(PointFile, WhatIsInconsistentIsNotWritten) {
+TEST(PointFile, InconsistentFilesAreNotWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "cloud.pcd";
   PointFile file = ThreeByTwo();
@@ -82,7 +82,7 @@ TEST(PointFile, WhatIsInconsistentIsNotWritten) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(PointFile, WhatIsNoPointFileIsRefusedWithPathAndAdvice) {
+TEST(PointFile, OtherFilesAreRejectedWithPathAndAdvice) {
   const TemporaryFolder folder;
   const auto missing = ReadPointFile(folder.path() / "nowhere.pcd");
   EXPECT_EQ(missing.status().code(), absl::StatusCode::kNotFound);

@@ -26,7 +26,7 @@ TEST(PoseMessage, AlmostUnitQuaternionIsNormalised) {
   EXPECT_TRUE(FromMessage(message).linear().isIdentity(1e-12));
 }
 
-TEST(PoseMessage, WhatIsNoPoseIsRefusedWithTheField) {
+TEST(PoseMessage, InvalidPosesAreRejectedWithTheField) {
   v1::Pose message;
   EXPECT_THAT(std::string(CheckPose(message, "here").message()),
               ::testing::StartsWith("here.orientation has the norm 0"));

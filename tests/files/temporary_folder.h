@@ -30,7 +30,7 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
-  // Writes a file and gives its path.
+  // Writes a file and returns its path.
   std::filesystem::path Write(const std::string& name, const std::string& bytes) const {
     std::filesystem::path path = path_ / name;
     std::filesystem::remove(path);  // rewriting a file in place waits for the disk

@@ -19,13 +19,14 @@ grpc::Status Call(Stub& stub,
 }
 
 template <typename Stub, typename Request, typename Response>
-void Ask(Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-         const Request& request) {
+void CallAndCheck(Stub& stub,
+                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                  const Request& request) {
   Response ignored;
   RequireAnswer(Call(stub, method, request, &ignored));
 }
 
-void AskStream(v1::RecognitionService::Stub& stub, const Frames& frames) {
+void StreamAndCheck(v1::RecognitionService::Stub& stub, const Frames& frames) {
   grpc::ClientContext context;
   const auto stream = stub.RecognizeStream(&context);
   int written = 0;
@@ -42,8 +43,8 @@ void AskStream(v1::RecognitionService::Stub& stub, const Frames& frames) {
   Require(!status.ok() || answered == written, "an answer to each frame");
 }
 
-void AskThresholds(v1::RecognitionService::Stub& stub,
-                   const v1::ProposeThresholdsRequest& request) {
+void ProposeAndCheck(v1::RecognitionService::Stub& stub,
+                     const v1::ProposeThresholdsRequest& request) {
   grpc::ClientContext context;
   const auto stream = stub.ProposeThresholds(&context, request);
   v1::ProposeThresholdsResponse response;
@@ -69,56 +70,57 @@ void Calls::Do(const Operation& o) {
   v1::UploadViewsResponse uploaded;
   switch (o.request_case()) {
     case Operation::kCreateObject:
-      return Ask(catalog, &Catalog::CreateObject, o.create_object());
+      return CallAndCheck(catalog, &Catalog::CreateObject, o.create_object());
     case Operation::kGetObject:
-      return Ask(catalog, &Catalog::GetObject, o.get_object());
+      return CallAndCheck(catalog, &Catalog::GetObject, o.get_object());
     case Operation::kListObjects:
-      return Ask(catalog, &Catalog::ListObjects, o.list_objects());
+      return CallAndCheck(catalog, &Catalog::ListObjects, o.list_objects());
     case Operation::kUpdateObject:
-      return Ask(catalog, &Catalog::UpdateObject, o.update_object());
+      return CallAndCheck(catalog, &Catalog::UpdateObject, o.update_object());
     case Operation::kDeleteObject:
-      return Ask(catalog, &Catalog::DeleteObject, o.delete_object());
+      return CallAndCheck(catalog, &Catalog::DeleteObject, o.delete_object());
     case Operation::kCreateStablePose:
-      return Ask(catalog, &Catalog::CreateStablePose, o.create_stable_pose());
+      return CallAndCheck(catalog, &Catalog::CreateStablePose, o.create_stable_pose());
     case Operation::kGetStablePose:
-      return Ask(catalog, &Catalog::GetStablePose, o.get_stable_pose());
+      return CallAndCheck(catalog, &Catalog::GetStablePose, o.get_stable_pose());
     case Operation::kListStablePoses:
-      return Ask(catalog, &Catalog::ListStablePoses, o.list_stable_poses());
+      return CallAndCheck(catalog, &Catalog::ListStablePoses, o.list_stable_poses());
     case Operation::kUpdateStablePose:
-      return Ask(catalog, &Catalog::UpdateStablePose, o.update_stable_pose());
+      return CallAndCheck(catalog, &Catalog::UpdateStablePose, o.update_stable_pose());
     case Operation::kDeleteStablePose:
-      return Ask(catalog, &Catalog::DeleteStablePose, o.delete_stable_pose());
+      return CallAndCheck(catalog, &Catalog::DeleteStablePose, o.delete_stable_pose());
     case Operation::kGetView:
-      return Ask(catalog, &Catalog::GetView, o.get_view());
+      return CallAndCheck(catalog, &Catalog::GetView, o.get_view());
     case Operation::kListViews:
-      return Ask(catalog, &Catalog::ListViews, o.list_views());
+      return CallAndCheck(catalog, &Catalog::ListViews, o.list_views());
     case Operation::kDeleteView:
-      return Ask(catalog, &Catalog::DeleteView, o.delete_view());
+      return CallAndCheck(catalog, &Catalog::DeleteView, o.delete_view());
     case Operation::kUploadViews:
       return RequireAnswer(server_.Upload(o.upload_views().views(), &uploaded));
     case Operation::kReportGraspOutcome:
-      return Ask(catalog, &Catalog::ReportGraspOutcome, o.report_grasp_outcome());
+      return CallAndCheck(catalog, &Catalog::ReportGraspOutcome, o.report_grasp_outcome());
     case Operation::kGetCatalogStatus:
-      return Ask(catalog, &Catalog::GetCatalogStatus, o.get_catalog_status());
+      return CallAndCheck(catalog, &Catalog::GetCatalogStatus, o.get_catalog_status());
     case Operation::kCreateCell:
-      return Ask(cells, &CellStub::CreateCell, o.create_cell());
+      return CallAndCheck(cells, &CellStub::CreateCell, o.create_cell());
     case Operation::kGetCell:
-      return Ask(cells, &CellStub::GetCell, o.get_cell());
+      return CallAndCheck(cells, &CellStub::GetCell, o.get_cell());
     case Operation::kListCells:
-      return Ask(cells, &CellStub::ListCells, o.list_cells());
+      return CallAndCheck(cells, &CellStub::ListCells, o.list_cells());
     case Operation::kUpdateCell:
-      return Ask(cells, &CellStub::UpdateCell, o.update_cell());
+      return CallAndCheck(cells, &CellStub::UpdateCell, o.update_cell());
     case Operation::kDeleteCell:
-      return Ask(cells, &CellStub::DeleteCell, o.delete_cell());
+      return CallAndCheck(cells, &CellStub::DeleteCell, o.delete_cell());
     case Operation::kRecognize:
-      return Ask(server_.recognition(), &v1::RecognitionService::Stub::Recognize, o.recognize());
+      return CallAndCheck(server_.recognition(), &v1::RecognitionService::Stub::Recognize,
+                          o.recognize());
     case Operation::kRecognizeStream:
-      return AskStream(server_.recognition(), o.recognize_stream());
+      return StreamAndCheck(server_.recognition(), o.recognize_stream());
     case Operation::kFindLookAlikes:
-      return Ask(server_.recognition(), &v1::RecognitionService::Stub::FindLookAlikes,
-                 o.find_look_alikes());
+      return CallAndCheck(server_.recognition(), &v1::RecognitionService::Stub::FindLookAlikes,
+                          o.find_look_alikes());
     case Operation::kProposeThresholds:
-      return AskThresholds(server_.recognition(), o.propose_thresholds());
+      return ProposeAndCheck(server_.recognition(), o.propose_thresholds());
     case Operation::REQUEST_NOT_SET:
       return;
   }

@@ -1,4 +1,4 @@
-// Calls of a server, and what must hold after them.
+// Calls of a server and checks of their results.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace graspdb::fuzz {
 
-// Ends the process where `status` is a fault of the server: INTERNAL, UNKNOWN, UNAVAILABLE or
+// Ends the process if `status` is a fault of the server: INTERNAL, UNKNOWN, UNAVAILABLE or
 // DATA_LOSS.
 void RequireAnswer(const grpc::Status& status);
 
@@ -20,9 +20,10 @@ class Calls {
 
   void Do(const Operation& operation);
 
-  // The status counts the objects that are listed, and the revision does not go back.
+  // Checks that the status has the number of listed objects and that the revision does not
+  // decrease.
   void RequireCounted();
-  // Stable poses and views can be listed, and views be read one by one.
+  // Checks that stable poses and views can be listed, and each view read.
   void RequireReadable();
   // Names of objects and cells.
   std::vector<std::string> Listed();

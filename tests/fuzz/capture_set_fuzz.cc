@@ -1,5 +1,5 @@
-// Descriptions of capture sets, as text: bytes are mutated, and every other time the fields of what
-// the text says.
+// Descriptions of capture sets, as text: mutates bytes or, every other time, fields of the parsed
+// text.
 #include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
 
@@ -38,9 +38,9 @@ void Read(std::string_view text) {
   const auto set = client::LoadCaptureSet(folder.path());
   if (!set.ok()) return;
   const std::filesystem::path copy = folder.path() / "copy";
-  Require(client::SaveCaptureSet(copy, *set).ok(), "what was read can be written");
+  Require(client::SaveCaptureSet(copy, *set).ok(), "parsed data can be written");
   const auto again = client::LoadCaptureSet(copy);
-  Require(again.ok(), "what was written can be read");
+  Require(again.ok(), "written data can be read");
   Require(json::MessageDifferencer::Equals(*set, *again), "the same set after writing");
   Require(client::CapturesOf(*set).size() == static_cast<std::size_t>(set->captures_size()),
           "all captures");

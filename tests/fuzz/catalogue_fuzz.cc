@@ -8,7 +8,7 @@
 namespace graspdb::fuzz {
 namespace {
 
-// A new database after so many inputs: it keeps every change, and memory is short.
+// A new database after this many inputs, since it keeps every change in memory.
 constexpr int kInputsOfDatabase = 500;
 constexpr int kInputsOfStart = 50;
 constexpr int kMaxOperations = 16;

@@ -1,5 +1,5 @@
-// Depth images and what says which camera took them: an input that begins with "{" is a sidecar,
-// every other one a PNG file, whose chunks get the checksums that they should have.
+// Depth images and their sidecars with the camera: an input that begins with "{" is a sidecar,
+// every other one a PNG file, whose chunk checksums are corrected.
 #include <zlib.h>
 
 #include <cstdint>
@@ -18,7 +18,7 @@ constexpr std::size_t kChunkStartBytes = 8;  // length and type
 constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kWidthAt = 16;
 constexpr std::size_t kHeightAt = 20;
-// Larger images are read as those of another camera: they only cost time.
+// Limit on the size, since larger images only cost time.
 constexpr std::uint64_t kMaxPixels = 1 << 18;
 
 const ScratchFolder& Folder() {
@@ -71,7 +71,7 @@ void ReadPng(std::string bytes) {
   const auto pixels = static_cast<std::size_t>(camera.intrinsics.width * camera.intrinsics.height);
   Require(image->data().size() == 2 * pixels, "two bytes a pixel");
   const std::filesystem::path copy = Folder().path() / "out.png";
-  Require(client::WriteDepthPng(copy, *image).ok(), "what was read can be written");
+  Require(client::WriteDepthPng(copy, *image).ok(), "parsed data can be written");
   const auto again = client::ReadDepthPng(copy, camera);
   Require(again.ok() && again->data() == image->data(), "the same image after writing");
 }

@@ -15,7 +15,7 @@ void Read(std::string_view text) {
   for (const client::RealFrame& frame : *frames) {
     Require(!frame.path.empty(), "a frame has a file");
     for (const client::FrameObject& object : frame.objects) {
-      Require(object.object.empty() == object.mesh.empty(), "what has a name has a mesh");
+      Require(object.object.empty() == object.mesh.empty(), "an object with a name has a mesh");
       if (!object.sensor_mesh) continue;
       Require(std::abs(object.sensor_mesh->linear().determinant() - 1) < 1e-9, "a rotation");
     }

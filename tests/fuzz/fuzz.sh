@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# fuzz.sh BUILD SECONDS TARGET...: runs fuzzers of a build folder, two at a time, each SECONDS long,
-# (0: the kept inputs alone) from the kept inputs and those of the runs before. BUILD/corpus/TARGET grows; what is found lies in
-# BUILD/findings, and the log beside it. Fails when anything was found.
+# fuzz.sh BUILD SECONDS TARGET...: runs fuzzers of a build folder, two at a time, each SECONDS long
+# (0: the kept inputs alone), from the kept inputs and those of earlier runs. BUILD/corpus/TARGET
+# grows; findings and logs are in BUILD/findings. Fails on any finding.
 set -euo pipefail
 build=$1 seconds=$2
 shift 2
@@ -9,14 +9,14 @@ here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$build/findings"
 
 # A case that takes longer than this, s, or more memory, MiB, is a finding. The sanitizers make the
-# code ten times slower and two to three times larger; two thirds of the time are left to machines
-# that do something else as well.
-slowest=30
-most_memory=2048
+# code ten times slower and two to three times larger; two thirds of the time are a margin for busy
+# machines.
+max_seconds=30
+max_memory=2048
 
-# Inputs are no longer than this, in bytes: for points the smallest scan that is segmented as a
-# whole; for the others what is long enough for all that a file may say.
-longest() {
+# Maximum input length in bytes: for points the smallest scan that is segmented as a whole; for the
+# others enough for every field of a file.
+max_length() {
   case $1 in
     recognize | upload_views | catalogue) echo 65536 ;;
     point_file | depth_image | capture_set | storage_file | records) echo 16384 ;;
@@ -29,8 +29,8 @@ run_one() {
   mkdir -p "$build/corpus/$target"
   local length=(-max_total_time="$seconds")
   [ "$seconds" != 0 ] || length=(-runs=0)
-  "$build/bin/fuzz_$target" "${length[@]}" -max_len="$(longest "$target")" \
-    -timeout=$slowest -rss_limit_mb=$most_memory -print_final_stats=1 \
+  "$build/bin/fuzz_$target" "${length[@]}" -max_len="$(max_length "$target")" \
+    -timeout=$max_seconds -rss_limit_mb=$max_memory -print_final_stats=1 \
     -artifact_prefix="$build/findings/$target-" \
     "$build/corpus/$target" "$here/corpus/$target" >"$log" 2>&1 &
   local executions process=$!
@@ -47,6 +47,6 @@ run_one() {
 }
 
 export LSAN_OPTIONS="suppressions=$here/../sanitizers/lsan.txt print_suppressions=0 ${LSAN_OPTIONS:-}"
-export build seconds here slowest most_memory
-export -f run_one longest
+export build seconds here max_seconds max_memory
+export -f run_one max_length
 printf '%s\n' "$@" | xargs -P 2 -I{} bash -euo pipefail -c 'run_one {}'

@@ -11,7 +11,7 @@
 
 namespace graspdb::fuzz {
 
-// More points than any input has; a frame with more is refused as it would be with the usual limit.
+// More points than any input has; a frame with more is rejected, like with the default limit.
 inline constexpr int kMaxPoints = 20'000;
 
 class FuzzServer {
@@ -46,7 +46,7 @@ class FuzzServer {
   std::unique_ptr<v1::RecognitionService::Stub> recognition_;
 };
 
-// Two parts that are told apart.
+// Two distinguishable parts.
 inline constexpr char kFusedPart[] = "l-bracket";
 inline constexpr char kLoosePart[] = "stepped-block";
 

@@ -22,9 +22,9 @@ void Read(std::string_view bytes) {
   if (!mesh.ok()) return;
   Require(client::CheckMesh(*mesh).ok(), "a sound mesh");
   const std::filesystem::path copy = folder.path() / "out.ply";
-  Require(client::WriteMeshPly(copy, *mesh).ok(), "what was read can be written");
+  Require(client::WriteMeshPly(copy, *mesh).ok(), "parsed data can be written");
   const auto again = client::LoadMesh(copy);
-  Require(again.ok(), "what was written can be read");
+  Require(again.ok(), "written data can be read");
   Require(again->triangles.size() <= mesh->triangles.size(), "no triangle is made up");
 }
 

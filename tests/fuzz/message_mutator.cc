@@ -12,8 +12,8 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-// A step from one input to the next; with more fields at once most inputs break in several places,
-// and the first check that refuses hides the others.
+// A step from one input to the next; with more fields at once most inputs are invalid in several
+// places, and the first failed check hides the others.
 constexpr std::size_t kMaxChanges = 4;
 // Lists grow one by one: copies of copies double quickly.
 constexpr int kLongestList = 64;
@@ -28,7 +28,7 @@ void MessageMutator::Collect(Message& message, std::vector<Slot>& out) {
     const bool is_set = field->is_repeated() ? reflection->FieldSize(message, field) > 0
                                              : reflection->HasField(message, field);
     if (!is_set) continue;
-    out.push_back({&message, field});  // twice: what is there matters more than what is not
+    out.push_back({&message, field});  // twice, since fields that are set matter more
     if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) continue;
     if (!field->is_repeated()) {
       Collect(*reflection->MutableMessage(&message, field), out);
@@ -206,7 +206,7 @@ void MessageMutator::MutateSingular(const Slot& slot) {
       return r->SetString(m, f, is_bytes ? NewBytes(old) : NewText(old));
     }
     case FieldDescriptor::CPPTYPE_MESSAGE:
-      r->MutableMessage(m, f);  // there, if it was not; its own fields are slots of their own
+      r->MutableMessage(m, f);  // sets it; its own fields are separate slots
       return;
   }
 }

@@ -1,5 +1,4 @@
-// Mutations of protobuf messages: fields, not bytes, so that nearly every input is a message that
-// the code under test reads.
+// Mutations of protobuf messages: fields, not bytes, so that nearly every input is a valid message.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -11,11 +10,11 @@
 
 namespace graspdb::fuzz {
 
-// Changes messages in place, by a few fields at a time. The same seed, the same changes, apart from
-// those that libFuzzer's own LLVMFuzzerMutate makes to strings and bytes. Not thread-safe.
+// Changes messages in place, by a few fields at a time. Deterministic for a seed, except for
+// changes by libFuzzer's LLVMFuzzerMutate to strings and bytes. Not thread-safe.
 class MessageMutator {
  public:
-  // `words` are texts that string fields take now and then, such as names that exist.
+  // `words` are occasional values of string fields, such as existing names.
   MessageMutator(std::uint32_t seed, const std::vector<std::string>& words)
       : random_(seed), words_(words) {}
 

@@ -11,7 +11,7 @@
 
 namespace graspdb::fuzz {
 
-// Writes `message` to `data`; 0 bytes where it does not fit, which libFuzzer takes for "try again".
+// Writes `message` to `data`; 0 bytes if it does not fit, which makes libFuzzer retry.
 inline std::size_t Put(const google::protobuf::Message& message, std::uint8_t* data,
                        std::size_t max_size) {
   const std::size_t size = message.ByteSizeLong();

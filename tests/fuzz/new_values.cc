@@ -1,4 +1,4 @@
-// The values that MessageMutator gives to fields.
+// New field values of MessageMutator.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using Limits = std::numeric_limits<float>;
 
-// Bytes that a string field grows to by one mutation, at most.
+// Maximum length of a string field after one mutation.
 constexpr std::size_t kMaxGrowth = 64;
 constexpr std::size_t kMaxFloats = 4096;
 
@@ -118,7 +118,7 @@ int MessageMutator::NewEnum(const google::protobuf::FieldDescriptor& field) {
 std::string MessageMutator::NewText(std::string old) {
   if (!words_.empty() && !OneIn(3)) return words_[Pick(words_.size())];
   std::string text = OneIn(16) ? std::string(Pick(5000), 'x') : MutatedBytes(std::move(old));
-  // Strings are UTF-8: others end in the parser. Two bytes at a time stand for all the rest.
+  // Strings are UTF-8: the parser rejects others. Two-byte characters represent all non-ASCII ones.
   for (char& c : text) c = static_cast<unsigned char>(c) >= 0x80 ? '~' : c;
   if (OneIn(16)) text += "\xc3\xa4";
   return text;
@@ -139,7 +139,7 @@ std::string MessageMutator::NewSize(std::string old) {
   if (!old.empty() && OneIn(2)) {
     old.resize(OneIn(2) ? Pick(old.size()) : old.size() - 1);
   } else {
-    // Whole points of three floats, so that a cloud stays one.
+    // Whole points of three floats, so that a cloud stays valid.
     constexpr std::size_t kPointBytes = 3 * sizeof(float);
     const std::size_t points = 1 + Pick(64);
     for (std::size_t i = 0; i < points * kPointBytes; ++i) {

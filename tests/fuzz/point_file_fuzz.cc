@@ -34,9 +34,9 @@ void Read(std::string_view bytes) {
   Require(file->normals.empty() || file->normals.size() == file->points.size(),
           "a normal for each point or none");
   const std::filesystem::path copy = folder.path() / "out.pcd";
-  Require(client::WritePcd(copy, *file).ok(), "what was read can be written");
+  Require(client::WritePcd(copy, *file).ok(), "parsed data can be written");
   const auto again = client::ReadPointFile(copy);
-  Require(again.ok(), "what was written can be read");
+  Require(again.ok(), "written data can be read");
   RequireSame(*file, *again);
 }
 

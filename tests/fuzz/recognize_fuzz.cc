@@ -15,7 +15,7 @@
 namespace graspdb::fuzz {
 namespace {
 
-// What a server has below gRPC.
+// The recognition of a server, without gRPC.
 class Rig {
  public:
   Rig() {
@@ -58,7 +58,7 @@ void Check(const v1::RecognizeResponse& response) {
     if (detection.status() != v1::OK) continue;
     const v1::Vector3& at = detection.refined_pose().position();
     Require(std::isfinite(at.x()) && std::isfinite(at.y()) && std::isfinite(at.z()),
-            "a finite pose of what was found");
+            "a finite pose of a detection");
   }
 }
 

@@ -1,5 +1,4 @@
-// Databases in which records, clouds and the index file are not as a server wrote them: a start
-// gives an error or a server that answers.
+// Databases with modified records, clouds and index file: the server fails to start or answers.
 #include <rocksdb/db.h>
 
 #include <cstdint>
@@ -91,7 +90,7 @@ void WriteRecords(const std::string& directory, const StoredDatabase& database) 
   for (rocksdb::ColumnFamilyHandle* handle : handles) db->DestroyColumnFamilyHandle(handle);
 }
 
-// The index file as one that was made from `catalogue`, but for what the input says otherwise.
+// The index file of `catalogue` with the differences in the input.
 void WriteIndex(const storage::Catalogue& catalogue, const StoredDatabase& database) {
   if (database.index_blocks().empty()) return;
   storage::IndexHeader header;
@@ -108,7 +107,7 @@ void WriteIndex(const storage::Catalogue& catalogue, const StoredDatabase& datab
   Require(writer.Commit().ok(), "an index is written");
 }
 
-// Reads what a server reads, and answers a frame.
+// Starts a server on the records and answers a frame.
 void Use(storage::Catalogue& catalogue) {
   const recognition::RecognitionParameters parameters;
   const auto live = server::LiveCatalogue::Follow(catalogue, parameters.descriptor);

@@ -1,7 +1,7 @@
-// fuzz_NAME_replay COUNT FOLDER: stands in for libFuzzer where the compiler is not clang.
-// Runs each file of FOLDER through the fuzzer, then COUNT inputs mutated from them. No coverage
-// leads it: the same program runs the same inputs, so that a check of every change can rely on it.
-// The input that runs lies in the file fuzz_NAME_replay.input of the working directory.
+// fuzz_NAME_replay COUNT FOLDER: replaces libFuzzer for compilers other than clang. Runs each file
+// of FOLDER through the fuzzer, then COUNT inputs mutated from them. It does not use coverage: a
+// program always runs the same inputs, as the checks of every change require. The current input is
+// in the file fuzz_NAME_replay.input of the working directory.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -37,7 +37,7 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kLongest = 65536;
 constexpr unsigned int kSlowest = 30;
 constexpr std::int64_t kMaxMemory = std::int64_t{2048} << 20U;
-// Mutations of mutations of a kept input, at most; with more the input becomes noise.
+// Maximum number of successive mutations of a kept input; with more the input becomes noise.
 constexpr int kDeepest = 8;
 
 std::mt19937& Random() {
@@ -81,7 +81,7 @@ void Execute(const std::string& name, const Bytes& input) {
   alarm(0);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  Require(std::int64_t{usage.ru_maxrss} * 1024 < kMaxMemory, "no more memory than a case may take");
+  Require(std::int64_t{usage.ru_maxrss} * 1024 < kMaxMemory, "memory within the limit of a case");
 }
 
 int Replay(const char* program, int count, const char* folder) {
@@ -108,7 +108,7 @@ int Replay(const char* program, int count, const char* folder) {
 }  // namespace
 }  // namespace graspdb::fuzz
 
-// What libFuzzer offers to mutators, in its simplest form.
+// A minimal version of libFuzzer's function for mutators.
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size,
                                         std::size_t max_size) {
   using graspdb::fuzz::Below;

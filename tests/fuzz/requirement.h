@@ -1,4 +1,4 @@
-// What must hold after an input of a fuzzer.
+// Checks after an input of a fuzzer.
 #pragma once
 
 #include <cstdio>
@@ -6,8 +6,8 @@
 
 namespace graspdb::fuzz {
 
-// Ends the process where `holds` is false, which libFuzzer reports with the input; in every build
-// type, as opposed to assert.
+// Ends the process if `holds` is false, which libFuzzer reports with the input; in every build
+// type, unlike assert.
 inline void Require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "violated: %s\n", what);

@@ -1,5 +1,5 @@
-// What a robot sends over a connection: an input that begins with "GRI" goes to the Generic Robot
-// Interface, every other one to the line protocol.
+// Messages of a robot: an input that begins with "GRI" goes to the Generic Robot Interface, every
+// other one to the line protocol.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ JobPose PoseAt(double x) {
   return pose;
 }
 
-// Jobs 1 to 5: poses, poses that no message can carry, nothing, an error, a refusal.
+// Jobs 1 to 5: poses, poses that cannot be encoded, no poses, an error, a rejection.
 void SetJobs(client::ScriptedRunner& runner) {
   runner.Set(1, std::vector<JobPose>{PoseAt(0.3), PoseAt(-1.2), PoseAt(0)});
   JobPose long_name = PoseAt(0.1);
@@ -72,20 +72,20 @@ void RequireGriReply(const std::string& reply) {
 }
 
 void RequireLine(const std::string& reply) {
-  Require(reply.size() <= client::kLongestReply, "an answer that fits a controller's string");
+  Require(reply.size() <= client::kMaxReplyBytes, "an answer that fits a controller's string");
   Require(reply.ends_with('\n') && reply.find('\n') == reply.size() - 1, "an answer of one line");
   const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
   Require(std::all_of(reply.begin(), reply.end() - 1, is_printable), "an answer of ASCII");
   Require(reply.starts_with("OK") || reply.starts_with("ERR "), "OK or ERR");
 }
 
-// As RobotConnection takes messages off what it has received.
+// Splits received bytes into messages like RobotConnection.
 void Converse(client::RobotProtocol& protocol, std::string_view received,
               void (*require)(const std::string&)) {
   while (!received.empty()) {
     const std::size_t bytes = protocol.MessageBytes(received);
     if (bytes == 0) return;
-    Require(bytes <= received.size(), "a message within what was received");
+    Require(bytes <= received.size(), "a message within the received bytes");
     const client::RobotReply reply = protocol.Answer(kRobot, received.substr(0, bytes));
     require(reply.bytes);
     if (reply.hang_up) return;

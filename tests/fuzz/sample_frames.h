@@ -8,7 +8,7 @@
 
 namespace graspdb::fuzz {
 
-// The middle of a frame, width x height pixels, with the camera that would have taken it.
+// The middle of a frame, width x height pixels, with matching intrinsics.
 testing::Frame Window(const testing::Frame& frame, int width, int height);
 
 // A view of the part alone in the stable pose "flat" of the object of the same name; with its

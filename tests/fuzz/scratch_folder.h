@@ -1,4 +1,4 @@
-// Files for readers that take a path.
+// Files for readers that need a path.
 #pragma once
 
 #include <unistd.h>
@@ -12,8 +12,8 @@
 
 namespace graspdb::fuzz {
 
-// A folder of this process in memory where the machine has such a file system, as an execution
-// writes a file each. libFuzzer ends the process without destructors: fuzz.sh removes what is left.
+// A folder of this process, in memory if the machine has such a file system, since every execution
+// writes a file. libFuzzer ends the process without destructors; fuzz.sh removes remaining folders.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -34,7 +34,7 @@ class ScratchFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
-  // Writes a file in place of the one before, and gives its path.
+  // Writes a file in place of the previous one and returns its path.
   std::filesystem::path Write(const std::string& name, std::string_view bytes) const {
     std::filesystem::path path = path_ / name;
     std::ofstream(path, std::ios::binary)

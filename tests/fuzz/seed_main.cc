@@ -1,5 +1,5 @@
-// graspdb_fuzz_seeds DIR: writes the inputs that fuzzing begins with. The same program, the same
-// bytes, apart from the times in records.
+// graspdb_fuzz_seeds DIR: writes the seeds of the fuzzers. Deterministic, except for the times in
+// records.
 #include <cstdio>
 #include <fstream>
 #include <system_error>

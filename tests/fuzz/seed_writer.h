@@ -1,4 +1,4 @@
-// What fuzzing begins with: tests/fuzz/corpus, made by graspdb_fuzz_seeds.
+// Seeds of the fuzzers: tests/fuzz/corpus, made by graspdb_fuzz_seeds.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace graspdb::fuzz {
 
-// Writes files DIR/TARGET/NAME. Ends the process where one cannot be written or made.
+// Writes files DIR/TARGET/NAME. Ends the process if one cannot be made or written.
 class SeedWriter {
  public:
   explicit SeedWriter(std::filesystem::path directory) : directory_(std::move(directory)) {}
@@ -19,7 +19,7 @@ class SeedWriter {
 
 // Point files, depth images, meshes, capture sets.
 void WriteFileSeeds(const SeedWriter& out);
-// What robots send, and what programs are started with.
+// Messages of robots, and arguments of programs.
 void WriteTextSeeds(const SeedWriter& out);
 // Requests with scans of sample parts.
 void WriteRequestSeeds(const SeedWriter& out);

@@ -1,6 +1,6 @@
-// What programs are started with, a line each: "--flag" or "--flag=value" is an argument,
-// "GRASPDB_NAME=value" a variable, "sensor: text" a camera, every other line stands in the file of
-// --config. Both programs get all of it.
+// Settings of programs, one per line: "--flag" or "--flag=value" is an argument,
+// "GRASPDB_NAME=value" a variable, "sensor: text" a camera, every other line goes to the file of
+// --config. Both programs get all of them.
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
@@ -22,7 +22,7 @@ namespace {
 constexpr char kVariablePrefix[] = "GRASPDB_";
 constexpr char kSensorPrefix[] = "sensor: ";
 
-// What a program is started with; variables are set as long as it lives.
+// Settings of a program; the variables are set during its lifetime.
 struct Start {
   explicit Start(std::string_view text) {
     static const ScratchFolder folder;
@@ -89,7 +89,7 @@ void StartAgent(std::vector<char*>& arguments) {
   const auto jobs = client::ParseJobs(options.jobs);
   if (!jobs.ok()) return;
   for (const auto& [id, job] : *jobs) {
-    Require(id >= 0 && id <= 65535 && job.id == id, "a job that a robot can ask for");
+    Require(id >= 0 && id <= 65535 && job.id == id, "a job number that a robot can request");
     Require(job.min_score >= 0 && job.min_score <= 1, "a score within limits");
   }
 }

@@ -1,6 +1,6 @@
 // Bytes of the storage: packed clouds ("GPC"), index files ("GIX"), files of an approximate index
 // ("GAX") and RocksDB's logs (all others). Checksums are corrected before an input is read, so that
-// what follows them is parsed.
+// the data after them are parsed.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -43,12 +43,12 @@ void ReadCloud(std::string bytes) {
   const auto points = storage::UnpackCloud(bytes);
   if (!points.ok()) return;
   const auto packed = storage::PackCloud(*points);
-  Require(packed.ok(), "what was unpacked can be packed");
+  Require(packed.ok(), "unpacked points can be packed");
   const auto again = storage::UnpackCloud(*packed);
   Require(again.ok() && *again == *points, "the same points after packing");
 }
 
-// Each part is its size, a checksum chained over all parts, and so many bytes.
+// Each part has its size, a checksum chained over all parts, and the bytes.
 void FixIndex(std::string& bytes) {
   constexpr std::size_t kStartBytes = 8;
   std::uint32_t checksum = storage::Crc32c(std::string_view(bytes).substr(0, kMagicBytes));
@@ -87,7 +87,7 @@ void ReadApproximate(std::string bytes) {
   const std::string directory = folder.path().string();
   const auto record = storage::ReadApproximateFile(directory);
   if (!record.ok()) return;
-  Require(storage::WriteApproximateFile(directory, *record).ok(), "what was read can be written");
+  Require(storage::WriteApproximateFile(directory, *record).ok(), "parsed data can be written");
   Require(storage::ReadApproximateFile(directory).ok(), "and read again");
 }
 

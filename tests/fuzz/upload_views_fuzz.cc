@@ -1,4 +1,4 @@
-// Uploads: what is refused, and what the views that are taught do to the frames after them.
+// Uploads: rejected views, and the effect of taught views on later frames.
 #include <cstdint>
 
 #include "tests/fuzz/calls.h"
@@ -14,7 +14,7 @@ namespace {
 constexpr char kObject[] = "objects/fuzzed";
 constexpr char kStablePose[] = "objects/fuzzed/stablePoses/flat";
 constexpr int kMaxViews = 8;
-// A new database after so many inputs: it keeps every change, and memory is short.
+// A new database after this many inputs, since it keeps every change in memory.
 constexpr int kInputsOfDatabase = 500;
 
 const std::vector<std::string>& Words() {
@@ -23,7 +23,7 @@ const std::vector<std::string>& Words() {
   return words;
 }
 
-// The frame that must be answered whatever was taught.
+// The frame that must be answered with any taught views.
 const v1::RecognizeRequest& UsualFrame() {
   static const v1::RecognizeRequest frame = [] {
     v1::RecognizeRequest request;
@@ -67,15 +67,15 @@ void Run(fuzz::Uploads uploads) {
   if (uploaded.ok()) ListViews(server, response.created_count());
   grpc::ClientContext context;
   v1::RecognizeResponse answer;
-  const grpc::Status asked = server.recognition().Recognize(&context, UsualFrame(), &answer);
-  Require(asked.ok(), "frames are answered whatever was taught");
+  const grpc::Status status = server.recognition().Recognize(&context, UsualFrame(), &answer);
+  Require(status.ok(), "frames are answered with any taught views");
   v1::DeleteObjectRequest remove;
   remove.set_name(kObject);
   remove.set_force(true);
   grpc::ClientContext remove_context;
   google::protobuf::Empty nothing;
   Require(server.catalog().DeleteObject(&remove_context, remove, &nothing).ok(),
-          "what was taught can be deleted");
+          "a taught object can be deleted");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ std::string BytesOfPicture(const MatchPicture& picture) {
   return BytesOf(path);
 }
 
-TEST(MatchPicture, IsAPngThatShowsWhatItIsGiven) {
+TEST(MatchPicture, IsAPngWithTheGivenPoints) {
   MatchPicture picture = LookingDown();
   const std::string empty = BytesOfPicture(picture);
   EXPECT_THAT(empty, ::testing::StartsWith("\x89PNG\r\n"));
@@ -45,14 +45,14 @@ TEST(MatchPicture, PointsBehindTheSensorAreLeftOut) {
   EXPECT_EQ(BytesOfPicture(picture), empty);
 }
 
-TEST(MatchPicture, AnObjectAtTheSensorIsNoCrash) {
+TEST(MatchPicture, AnObjectAtTheSensorDoesNotCrash) {
   MatchPicture picture = LookingDown();
   picture.center = picture.world_sensor.translation();
   picture.scan = {{0, 0, 1}};
   EXPECT_THAT(BytesOfPicture(picture), ::testing::StartsWith("\x89PNG"));
 }
 
-TEST(MatchPicture, AFolderThatIsNotThereIsAnError) {
+TEST(MatchPicture, AMissingFolderIsAnError) {
   EXPECT_THAT(WriteMatchPicture("/nonexistent/folder/picture.png", LookingDown()),
               StatusIs(absl::StatusCode::kFailedPrecondition,
                        ::testing::HasSubstr("choose another folder")));

@@ -1,4 +1,4 @@
-// What the histogram of a load test tells of what was recorded.
+// The histogram of a load test.
 #include "program/latency_histogram.h"
 
 #include <gtest/gtest.h>
@@ -54,13 +54,13 @@ TEST(LatencyHistogram, ThreeDigitsAreRightFromAMicrosecondToAnHour) {
   }
   for (const double percent : {0.1, 1.0, 10.0, 25.0, 50.0, 75.0, 90.0, 99.0, 99.9, 99.99}) {
     const double exact = Exact(values, percent);
-    const auto told = static_cast<double>(histogram.Percentile(percent).count());
-    EXPECT_GE(told, exact) << percent;
-    EXPECT_LE(told, exact * 1.001) << percent;
+    const auto estimate = static_cast<double>(histogram.Percentile(percent).count());
+    EXPECT_GE(estimate, exact) << percent;
+    EXPECT_LE(estimate, exact * 1.001) << percent;
   }
 }
 
-TEST(LatencyHistogram, MergedPartsTellTheSameAsTheWhole) {
+TEST(LatencyHistogram, MergedPartsEqualTheWhole) {
   LatencyHistogram whole;
   LatencyHistogram odd;
   LatencyHistogram even;
@@ -82,7 +82,7 @@ TEST(LatencyHistogram, MergedPartsTellTheSameAsTheWhole) {
   }
 }
 
-TEST(LatencyHistogram, ExtremeValuesAreKept) {
+TEST(LatencyHistogram, ExtremeValuesAreRecorded) {
   LatencyHistogram histogram;
   histogram.Record(nanoseconds(0));
   histogram.Record(nanoseconds(-5));
@@ -105,7 +105,7 @@ TEST(LatencyHistogram, OneValueIsEveryPercentile) {
   }
 }
 
-TEST(LatencyHistogram, WithoutValuesEverythingIsZero) {
+TEST(LatencyHistogram, EmptyHistogramIsZero) {
   const LatencyHistogram histogram;
   EXPECT_EQ(histogram.count(), 0);
   EXPECT_EQ(histogram.Mean(), nanoseconds(0));
@@ -113,7 +113,7 @@ TEST(LatencyHistogram, WithoutValuesEverythingIsZero) {
   EXPECT_EQ(histogram.CountBelow(hours(1)), 0);
 }
 
-TEST(LatencyHistogram, CountsWhatIsBelow) {
+TEST(LatencyHistogram, CountsValuesBelow) {
   LatencyHistogram histogram;
   for (int i = 1; i <= 10; ++i) histogram.Record(milliseconds(i));
   EXPECT_EQ(histogram.CountBelow(milliseconds(0)), 0);

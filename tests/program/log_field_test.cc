@@ -5,7 +5,7 @@
 namespace graspdb {
 namespace {
 
-TEST(LogField, PlainValuesStandAsTheyAre) {
+TEST(LogField, PlainValuesAreUnchanged) {
   EXPECT_EQ(LogField("ipv4:127.0.0.1:50051"), "ipv4:127.0.0.1:50051");
   EXPECT_EQ(LogField("objects/mug-2_a.b%5B[0]"), "objects/mug-2_a.b%5B[0]");
 }
@@ -16,7 +16,7 @@ TEST(LogField, ValuesThatWouldEndThePairAreQuoted) {
   EXPECT_EQ(LogField("a=b"), "\"a=b\"");
 }
 
-TEST(LogField, NothingForgesALine) {
+TEST(LogField, InputCannotForgeALine) {
   EXPECT_EQ(LogField("x\ntime=0 level=info"), "\"x\\ntime=0 level=info\"");
   EXPECT_EQ(LogField("x\r\n"), "\"x\\r\\n\"");
   EXPECT_EQ(LogField("\" code=OK \\"), "\"\\\" code=OK \\\\\"");
@@ -24,7 +24,7 @@ TEST(LogField, NothingForgesALine) {
   EXPECT_EQ(LogField("\x1b[31m"), "\"\\033[31m\"");
 }
 
-TEST(LogField, OtherLettersStayReadable) { EXPECT_EQ(LogField("Größe"), "\"Größe\""); }
+TEST(LogField, NonAsciiLettersStayReadable) { EXPECT_EQ(LogField("Größe"), "\"Größe\""); }
 
 }  // namespace
 }  // namespace graspdb

@@ -12,7 +12,7 @@
 namespace graspdb {
 namespace {
 
-// A variable of the environment for the time of a test.
+// An environment variable for the duration of a test.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -28,7 +28,7 @@ class Variable {
 
 class SettingsFileTest : public ::testing::Test {
  protected:
-  // What --server and `import --split` come to.
+  // The resulting values of --server and `import --split`.
   std::string Parse(const std::string& arguments, std::vector<std::string> other_commands = {}) {
     CLI::App app;
     std::string server = "default";
@@ -46,12 +46,12 @@ class SettingsFileTest : public ::testing::Test {
       folder_.Write("settings.conf", "server=file\n[import]\nsplit=file\n").string();
 };
 
-TEST_F(SettingsFileTest, GivesWhatNobodyElseGives) {
+TEST_F(SettingsFileTest, AppliesWithoutOtherSettings) {
   EXPECT_EQ(Parse("import"), "default default");
   EXPECT_EQ(Parse("--config " + file_ + " import"), "file file");
 }
 
-TEST_F(SettingsFileTest, GivesWayToVariablesAndTheseToFlags) {
+TEST_F(SettingsFileTest, IsOverriddenByVariablesAndTheseByFlags) {
   const Variable server("GRASPDB_SERVER", "variable");
   EXPECT_EQ(Parse("--config " + file_ + " import"), "variable file");
   EXPECT_EQ(Parse("--config " + file_ + " --server flag import"), "flag file");
@@ -59,27 +59,27 @@ TEST_F(SettingsFileTest, GivesWayToVariablesAndTheseToFlags) {
   EXPECT_EQ(Parse("--config " + file_ + " import"), "variable variable");
 }
 
-TEST_F(SettingsFileTest, MayBeNamedByAVariable) {
+TEST_F(SettingsFileTest, CanBeSetByAVariable) {
   const Variable config("GRASPDB_CONFIG", file_);
   EXPECT_EQ(Parse("import"), "file file");
   const std::string other = folder_.Write("other.conf", "server=other\n").string();
   EXPECT_EQ(Parse("--config " + other + " import"), "other default");
 }
 
-TEST_F(SettingsFileTest, MustBeThereWhenItIsNamed) {
+TEST_F(SettingsFileTest, MissingFileIsAnError) {
   EXPECT_THROW(Parse("--config /nonexistent/file import"), CLI::ParseError);
   const Variable config("GRASPDB_CONFIG", "/nonexistent/file");
   EXPECT_THROW(Parse("import"), CLI::ParseError);
 }
 
-TEST_F(SettingsFileTest, SectionsOfAnotherProgramsCommandsAreLeftToIt) {
+TEST_F(SettingsFileTest, SectionsOfOtherCommandsAreIgnored) {
   const std::string shared =
       folder_.Write("shared.conf", "server=file\n[eval]\ntrials=3\n").string();
   EXPECT_EQ(Parse("--config " + shared + " import", {"eval"}), "file default");
   EXPECT_THROW(Parse("--config " + shared + " import"), CLI::ParseError);
 }
 
-TEST_F(SettingsFileTest, AKeyThatIsNoFlagIsAnError) {
+TEST_F(SettingsFileTest, UnknownKeyIsAnError) {
   const std::string typo = folder_.Write("typo.conf", "sever=file\n").string();
   EXPECT_THROW(Parse("--config " + typo + " import"), CLI::ParseError);
 }

@@ -14,7 +14,7 @@ struct PcdCloud {
   std::vector<std::uint32_t> labels;  // only when the file has them
 };
 
-// Fails the test that calls it when the file is not read.
+// Fails the calling test when the file is not readable.
 PcdCloud ReadPcd(const std::filesystem::path& path);
 
 }  // namespace graspdb::testing

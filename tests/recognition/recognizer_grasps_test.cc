@@ -24,7 +24,7 @@ class RecognizerGraspsTest : public ::testing::Test {
         Recognize(TaughtShapes::See({part}), catalogue, taught_, parameters_, [] { return false; });
     EXPECT_THAT(found, IsOk());
     if (!found.ok() || found->detections.size() != 1) {
-      ADD_FAILURE() << "not one detection";
+      ADD_FAILURE() << "expected exactly one detection";
       return {RecognitionOutcome::kNoCluster, 0, Pose::Identity(), WorldFrame::kGiven, {{}}, {}};
     }
     return *std::move(found);
@@ -35,7 +35,7 @@ class RecognizerGraspsTest : public ::testing::Test {
   RecognitionParameters parameters_;
 };
 
-TEST_F(RecognizerGraspsTest, GraspsAreCarriedAlongWithTheRefinedPose) {
+TEST_F(RecognizerGraspsTest, GraspsMoveWithTheRefinedPose) {
   const Recognition found = Must(bracket_);
   const Detection& detection = found.detections[0];
   EXPECT_EQ(detection.outcome, RecognitionOutcome::kOk);

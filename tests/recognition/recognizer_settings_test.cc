@@ -1,4 +1,4 @@
-// What the settings of stable poses and of a request do to an answer.
+// Effects of the settings of stable poses and of a request on an answer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using ::testing::SizeIs;
 
 class RecognizerSettingsTest : public ::testing::Test {
  protected:
-  // What was taught, with changed stable poses.
+  // The taught catalogue with changed stable poses.
   template <typename Change>
   CatalogueSnapshot Taught(const Change& change) const {
     CatalogueSnapshot out = taught_.snapshot();
@@ -38,7 +38,7 @@ class RecognizerSettingsTest : public ::testing::Test {
   RecognitionParameters parameters_;
 };
 
-TEST_F(RecognizerSettingsTest, AStablePoseIsHeldToItsOwnThresholdWhereItHasOne) {
+TEST_F(RecognizerSettingsTest, AStablePosesOwnThresholdApplies) {
   const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
   const CatalogueSnapshot strict = Taught([](TaughtStablePose& pose) { pose.min_score = 1; });
   const auto outcome = [&] {
@@ -69,8 +69,8 @@ TEST_F(RecognizerSettingsTest, TheTurnsOfADeclaredSymmetryAreEquivalentPoses) {
   }
 }
 
-// The parts as flat as no part is, with nothing else in sight.
-TEST_F(RecognizerSettingsTest, WhatNothingExplainsIsNamedAfterTheNearestViewIfItMustBeNamed) {
+// Flattened parts, with nothing else in view.
+TEST_F(RecognizerSettingsTest, WithoutAThresholdAnUnexplainedSegmentGetsTheNearestView) {
   parameters_.matching.min_score = 0;
   parameters_.matching.min_inlier_fraction = 0;
   for (const std::string object : {"bracket", "tower", "slab"}) {
@@ -98,7 +98,7 @@ TEST_F(RecognizerSettingsTest, WhatNothingExplainsIsNamedAfterTheNearestViewIfIt
   }
 }
 
-TEST_F(RecognizerSettingsTest, WhatIsTooSmallForAnyThresholdIsNotSearchedFor) {
+TEST_F(RecognizerSettingsTest, ASegmentTooSmallForAnyThresholdIsNotSearched) {
   const Scan frame = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
   StageLog log;
   const auto seen = SegmentScan(
@@ -113,8 +113,8 @@ TEST_F(RecognizerSettingsTest, WhatIsTooSmallForAnyThresholdIsNotSearchedFor) {
                   .world_sensor = frame.world_sensor,
                   .region = std::nullopt,
                   .segmented = true};
-  const double most = MaxConfidence(patch.size(), 0.0015);
-  ASSERT_LT(most, 0.5);
+  const double max_confidence = MaxConfidence(patch.size(), 0.0015);
+  ASSERT_LT(max_confidence, 0.5);
 
   CountingClouds clouds(taught_);
   const auto found = Recognize(scan, taught_.snapshot(), clouds, parameters_, [] { return false; });
@@ -125,7 +125,7 @@ TEST_F(RecognizerSettingsTest, WhatIsTooSmallForAnyThresholdIsNotSearchedFor) {
   EXPECT_EQ(clouds.count(), 0);
 
   const CatalogueSnapshot lenient =
-      Taught([most](TaughtStablePose& pose) { pose.min_score = most / 2; });
+      Taught([max_confidence](TaughtStablePose& pose) { pose.min_score = max_confidence / 2; });
   ASSERT_THAT(Recognize(scan, lenient, clouds, parameters_, [] { return false; }), IsOk());
   EXPECT_GT(clouds.count(), 0);
 }

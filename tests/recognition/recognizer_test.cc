@@ -1,4 +1,4 @@
-// Which view and which pose a scan leads to.
+// Views and poses recognised in scans.
 #include "recognition/recognizer.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ class RecognizerTest : public ::testing::Test {
     const auto found = Run(parts);
     EXPECT_THAT(found, IsOk());
     if (!found.ok() || found->detections.size() != 1) {
-      ADD_FAILURE() << "not one detection";
+      ADD_FAILURE() << "expected exactly one detection";
       return {};
     }
     return found->detections.front();
@@ -46,7 +46,7 @@ class RecognizerTest : public ::testing::Test {
   RecognitionParameters parameters_;
 };
 
-// Clouds of a cache that keeps nothing: every time it makes the same model anew.
+// Clouds of a cache that keeps nothing: every load makes the same model anew.
 class Forgetful : public CountingClouds {
  public:
   using CountingClouds::CountingClouds;
@@ -110,7 +110,7 @@ TEST_F(RecognizerTest, FewerCandidatesAreListedThanVerified) {
   EXPECT_THAT(MustDetect({TaughtShapes::Part("tower", 0, 0, 33)}).candidates, SizeIs(3));
 }
 
-TEST_F(RecognizerTest, OneVerifiedViewTrustsTheDescriptor) {
+TEST_F(RecognizerTest, OneVerifiedViewUsesTheDescriptorAlone) {
   parameters_.matching.verified_view_count = 1;
   for (const double yaw : {12.0, 130.0, 275.0}) {
     const Detection found = MustDetect({TaughtShapes::Part("bracket", 0, 0, yaw)});
@@ -170,7 +170,7 @@ TEST_F(RecognizerTest, PiecesOfOnePartAreOneDetectionWithoutFurtherViews) {
   }
 }
 
-TEST_F(RecognizerTest, EmptyCatalogueKnowsNothing) {
+TEST_F(RecognizerTest, EmptyCatalogueGivesUnknownObjects) {
   const CatalogueSnapshot empty{3, DescriptorIndex(300), nullptr};
   const auto found = Recognize(TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)}), empty,
                                taught_, parameters_, [] { return false; });
@@ -183,7 +183,7 @@ TEST_F(RecognizerTest, EmptyCatalogueKnowsNothing) {
   EXPECT_GT(found->detections[0].point_count, 50U);
 }
 
-TEST_F(RecognizerTest, ScoreBelowTheLeastIsUnknownAndNamesNoView) {
+TEST_F(RecognizerTest, ScoreBelowTheMinimumIsUnknownWithoutAView) {
   parameters_.matching.min_score = 0.9999;
   const Detection found = MustDetect({TaughtShapes::Part("bracket", 0.03, 0, 9)});
   EXPECT_EQ(found.outcome, RecognitionOutcome::kUnknownObject);
@@ -205,7 +205,7 @@ TEST_F(RecognizerTest, AlignmentWithTooFewInliersIsRejected) {
   EXPECT_THAT(found.grasps, IsEmpty());
 }
 
-TEST_F(RecognizerTest, ScansWithoutASegmentSayWhy) {
+TEST_F(RecognizerTest, ScansWithoutASegmentGiveTheReason) {
   EXPECT_EQ(Run({})->outcome, RecognitionOutcome::kNoCluster);
   Scan nothing;
   nothing.points.assign(100, Eigen::Vector3f::Zero());
@@ -226,26 +226,26 @@ class NoClouds : public ViewClouds {
   }
 };
 
-TEST_F(RecognizerTest, ErrorOfTheCloudsIsTheAnswer) {
+TEST_F(RecognizerTest, ErrorOfTheCloudsIsReturned) {
   NoClouds damaged;
   const Scan scan = TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)});
   EXPECT_THAT(Recognize(scan, taught_.snapshot(), damaged, parameters_, [] { return false; }),
               StatusIs(absl::StatusCode::kDataLoss));
 }
 
-TEST_F(RecognizerTest, CancellationIsHeardBeforeEveryAlignment) {
+TEST_F(RecognizerTest, CancellationIsPolledBeforeEveryAlignment) {
   const Scan scan = TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)});
   for (const int limit : {1, 3, 8, 12}) {
-    int asked = 0;
+    int polls = 0;
     EXPECT_THAT(
-        Recognize(scan, taught_.snapshot(), taught_, parameters_, [&] { return ++asked >= limit; }),
+        Recognize(scan, taught_.snapshot(), taught_, parameters_, [&] { return ++polls >= limit; }),
         StatusIs(absl::StatusCode::kCancelled))
         << limit;
-    EXPECT_EQ(asked, limit);
+    EXPECT_EQ(polls, limit);
   }
 }
 
-TEST_F(RecognizerTest, StagesCoverTheWholePath) {
+TEST_F(RecognizerTest, StagesCoverTheWholePipeline) {
   const auto found = Run({TaughtShapes::Part("slab", 0, 0, 0)});
   ASSERT_THAT(found, IsOk());
   std::vector<std::string> stages;
@@ -254,7 +254,7 @@ TEST_F(RecognizerTest, StagesCoverTheWholePath) {
                                              "normals", "descriptor", "match", "register"));
 }
 
-// As when two requests are the first to ask for a model, or memory is short.
+// As when two requests load a model first, or memory is short.
 TEST_F(RecognizerTest, AModelThatIsMadeAnewGivesTheSameAnswer) {
   Forgetful forgetful(taught_);
   for (const double yaw : {7.0, 10.0, 127.0}) {

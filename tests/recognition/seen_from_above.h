@@ -9,7 +9,7 @@
 
 namespace graspdb::testing {
 
-// What a camera 1 m above the origin sees when there is `cloud` (world frame) and nothing else.
+// The view of a camera 1 m above the origin on `cloud` (world frame) alone.
 struct SeenFromAbove {
   explicit SeenFromAbove(recognition::OrientedCloud seen)
       : cloud(std::move(seen)), columns(cloud), grid(cloud.points, 0.003F, 0.02F) {

@@ -1,4 +1,4 @@
-// How well a segment covers what it should.
+// Overlap of a segment with the true points.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Where the real data lie that some tests need.
+// Location of the real data that some tests need.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace graspdb::testing {
 
-// The folder of that name in $GRASPDB_SHARED_DATA or, without it, where the build
-// was told; nullopt when it is missing: then the test skips.
+// The folder of that name in $GRASPDB_SHARED_DATA or, without it, in the configured path; nullopt
+// when it is missing: then the test skips.
 std::optional<std::filesystem::path> SharedData(const std::string& folder);
 
-// What a test that skips says.
+// Message of a skipped test.
 std::string SharedDataMissing(const std::string& folder);
 
 }  // namespace graspdb::testing

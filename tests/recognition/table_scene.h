@@ -1,5 +1,4 @@
-// Pictures of boxes on a table, taken by casting rays: the truth is known for every
-// pixel.
+// Depth images of boxes on a table by ray casting, with the truth for every pixel.
 #pragma once
 
 #include <optional>
@@ -15,7 +14,7 @@ struct Solid {
   std::vector<recognition::Box> boxes;
 };
 
-// What is in front of the sensor.
+// The scene in front of the sensor.
 struct Scene {
   std::vector<Solid> solids;
   // Half the edge of the square table at z = 0 about the world's origin; 0: no table.

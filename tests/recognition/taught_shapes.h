@@ -18,13 +18,13 @@ class TaughtShapes : public recognition::CloudsInMemory {
   // `shares_frame`: all views of a part make one model; else each is a model of its own.
   explicit TaughtShapes(bool shares_frame = true);
 
-  // The part standing at (x, y), turned by `yaw_deg`.
+  // The part at (x, y), turned by `yaw_deg`.
   static Solid Part(const std::string& object, double x, double y, double yaw_deg);
 
-  // The sensor that everything was taught with.
+  // The sensor of all taught views.
   static recognition::Pose WorldSensor();
 
-  // What the sensor sees of these parts on the table.
+  // The sensor's scan of these parts on the table.
   static recognition::Scan See(const std::vector<Solid>& parts);
 
   const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }

@@ -1,4 +1,4 @@
-// What the taught views say of the scores of right and wrong answers.
+// Thresholds from the scores of right and wrong answers for taught views.
 #include "recognition/threshold_proposals.h"
 
 #include <gmock/gmock.h>
@@ -22,22 +22,22 @@ using ::testing::SizeIs;
 
 constexpr double kUsual = 0.5;
 
-TEST(ThresholdBetween, IsTheUsualOneWhereRightAnswersAreSure) {
+TEST(ThresholdBetween, IsTheUsualOneForHighRightScores) {
   EXPECT_EQ(ThresholdBetween(1.0, 0.0, kUsual), kUsual);
   EXPECT_EQ(ThresholdBetween(1.0, {}, kUsual), kUsual);
 }
 
-TEST(ThresholdBetween, LiesHalfWayWhereRightAnswersAreNot) {
+TEST(ThresholdBetween, LiesHalfWayForLowRightScores) {
   EXPECT_DOUBLE_EQ(ThresholdBetween(0.6, 0.1, kUsual), 0.35);
   EXPECT_DOUBLE_EQ(ThresholdBetween(0.6, {}, kUsual), 0.3);
 }
 
-TEST(ThresholdBetween, IsTheUsualOneWhereNothingTellsRightFromWrong) {
+TEST(ThresholdBetween, IsTheUsualOneWhereRightAndWrongScoresOverlap) {
   EXPECT_EQ(ThresholdBetween(0.3, 0.4, kUsual), kUsual);
   EXPECT_EQ(ThresholdBetween({}, 0.1, kUsual), kUsual);
 }
 
-TEST(ThresholdBetween, NeverAcceptsWhatIsMostlyWrongNorAsksMoreThanUsual) {
+TEST(ThresholdBetween, IsNeverTooLowNorAboveTheUsualOne) {
   EXPECT_EQ(ThresholdBetween(0.02, 0.0, kUsual), 0.1);
   EXPECT_EQ(ThresholdBetween(0.98, 0.9, kUsual), kUsual);
   EXPECT_EQ(ThresholdBetween(0.02, 0.0, 0.05), 0.05);
@@ -49,17 +49,17 @@ class ProposeThresholdsTest : public ::testing::Test {
     return ProposeThresholds(
         taught_.snapshot(), taught_, object, {}, [] { return false; },
         [this](std::size_t done, std::size_t count) {
-          heard_.emplace_back(done, count);
-          return heard_.size() == stop_at_ ? absl::AbortedError("enough") : absl::OkStatus();
+          reports_.emplace_back(done, count);
+          return reports_.size() == stop_at_ ? absl::AbortedError("enough") : absl::OkStatus();
         });
   }
 
   TaughtShapes taught_;
-  std::vector<std::pair<std::size_t, std::size_t>> heard_;
+  std::vector<std::pair<std::size_t, std::size_t>> reports_;
   std::size_t stop_at_ = 1000;
 };
 
-TEST_F(ProposeThresholdsTest, ObjectsThatLookDifferentNeedNoThresholdOfTheirOwn) {
+TEST_F(ProposeThresholdsTest, DifferentObjectsNeedNoThresholdOfTheirOwn) {
   const auto all = Propose("");
   ASSERT_THAT(all, IsOk());
   ASSERT_THAT(*all, SizeIs(3));
@@ -67,7 +67,7 @@ TEST_F(ProposeThresholdsTest, ObjectsThatLookDifferentNeedNoThresholdOfTheirOwn)
     EXPECT_EQ(p.right_views, p.asked_views) << p.stable_pose;
     EXPECT_EQ(p.asked_views, 8) << p.stable_pose;
     EXPECT_GT(p.right_score.value_or(0), 0.8) << p.stable_pose;
-    // A slab cut out of a scan may be half a bracket.
+    // A slab cut out of a scan may resemble half a bracket.
     EXPECT_LT(p.wrong_score.value_or(0), p.right_score.value_or(0) - 0.1) << p.stable_pose;
     EXPECT_EQ(p.min_score, std::nullopt) << p.stable_pose;
   }
@@ -82,10 +82,10 @@ TEST_F(ProposeThresholdsTest, ObjectsThatLookDifferentNeedNoThresholdOfTheirOwn)
   EXPECT_EQ(its.min_score, same->min_score);
 }
 
-TEST_F(ProposeThresholdsTest, ProgressIsHeardBeforeEachViewAndMayEndTheWork) {
+TEST_F(ProposeThresholdsTest, ProgressIsReportedBeforeEachViewAndMayEndTheWork) {
   stop_at_ = 2;
   EXPECT_THAT(Propose(""), StatusIs(absl::StatusCode::kAborted));
-  EXPECT_THAT(heard_, ElementsAre(Pair(0, 24), Pair(1, 24)));
+  EXPECT_THAT(reports_, ElementsAre(Pair(0, 24), Pair(1, 24)));
 }
 
 }  // namespace

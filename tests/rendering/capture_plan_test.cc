@@ -23,7 +23,7 @@ double TurnDeg(const recognition::Pose& pose) {
   return deg < -1e-9 ? deg + 360 : deg;
 }
 
-TEST(CapturePlan, TurntableTurnsTheObjectBeforeAStandingCamera) {
+TEST(CapturePlan, TurntableTurnsTheObjectBeforeAFixedCamera) {
   TurntableOptions options;
   options.azimuth_step_deg = 90;
   options.start_deg = 5;
@@ -52,7 +52,7 @@ TEST(CapturePlan, TurntableTurnsTheObjectBeforeAStandingCamera) {
   EXPECT_EQ(seeds.size(), plan->size());
 }
 
-TEST(CapturePlan, AStepThatDoesNotDivideAWholeTurnLeavesNoGap) {
+TEST(CapturePlan, CoversAWholeTurnWithAnyStep) {
   TurntableOptions options;
   options.azimuth_step_deg = 100;
   EXPECT_EQ(PlanTurntable({Parts()[0]}, options)->size(), 4U);
@@ -60,7 +60,7 @@ TEST(CapturePlan, AStepThatDoesNotDivideAWholeTurnLeavesNoGap) {
   EXPECT_EQ(PlanTurntable({Parts()[0]}, options)->size(), 7U);
 }
 
-TEST(CapturePlan, RandomScenesCoverTheAreaAndAllTurnsAndPartsEvenly) {
+TEST(CapturePlan, RandomScenesAreUniformInPositionTurnAndPart) {
   RandomSceneOptions options;
   options.count = 1300;
   const auto plan = PlanRandomScenes(Parts(), options);
@@ -88,7 +88,7 @@ TEST(CapturePlan, RandomScenesCoverTheAreaAndAllTurnsAndPartsEvenly) {
   EXPECT_LT(sum.norm() / 1300, 0.006);
 }
 
-TEST(CapturePlan, TheFirstScenesDoNotDependOnHowManyFollow) {
+TEST(CapturePlan, FirstScenesDoNotDependOnTheCount) {
   RandomSceneOptions options;
   options.count = 5;
   options.objects_per_scene = 3;
@@ -109,7 +109,7 @@ TEST(CapturePlan, TheFirstScenesDoNotDependOnHowManyFollow) {
   }
 }
 
-TEST(CapturePlan, ObjectsOfASceneKeepApart) {
+TEST(CapturePlan, KeepsObjectsApart) {
   RandomSceneOptions options;
   options.count = 100;
   options.objects_per_scene = 4;
@@ -137,7 +137,7 @@ TEST(CapturePlan, ObjectsOfASceneKeepApart) {
   }
 }
 
-TEST(CapturePlan, WhatCannotBePlannedIsRefused) {
+TEST(CapturePlan, RejectsInvalidPlans) {
   const auto code = [](const auto& plan) { return plan.status().code(); };
   constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
   EXPECT_EQ(code(PlanTurntable({}, {})), kInvalid);

@@ -49,7 +49,7 @@ TEST(DepthCamera, SeesTheTopOfABoxAndTheTableBesideItFromAbove) {
   EXPECT_EQ(frame->surface[PixelAt(*frame, 256 + 27, 212)], kTableSurface);
 }
 
-TEST(DepthCamera, EveryTablePixelOfASlantedViewLiesOnTheTable) {
+TEST(DepthCamera, TablePixelsOfASlantedViewLieOnTheTable) {
   const DepthCamera camera = Make(KinectV1(), 0);
   const Pose sensor = LookAt({0.05, -0.02, 0}, 0.8, 40, 30);
   const auto frame = camera.Render(CubeOnTable(), sensor, 1);
@@ -73,14 +73,14 @@ TEST(DepthCamera, EveryTablePixelOfASlantedViewLiesOnTheTable) {
   EXPECT_GT(on_table, 100000);
 }
 
-TEST(DepthFrameTest, CountsAreOfTheUnitAndZeroWhereNothingFits) {
+TEST(DepthFrameTest, CountsAreInUnitsAndZeroOutOfRange) {
   DepthFrame frame;
   frame.depth_m = {0, 0.8004F, 65.535F, 66};
   EXPECT_THAT(ToCounts(frame, 0.001), ::testing::ElementsAre(0, 800, 65535, 0));
   EXPECT_THAT(ToCounts(frame, 0.002), ::testing::ElementsAre(0, 400, 32768, 33000));
 }
 
-TEST(DepthCamera, LookAtStandsWhereItSays) {
+TEST(DepthCamera, LookAtGivesTheRequestedPose) {
   const Pose pose = LookAt({1, 2, 3}, 0.8, 30, -90);
   EXPECT_TRUE((pose * Eigen::Vector3d(0, 0, 0.8)).isApprox(Eigen::Vector3d(1, 2, 3), 1e-12));
   EXPECT_NEAR(pose.translation().z(), 3 + 0.4, 1e-12);
@@ -91,7 +91,7 @@ TEST(DepthCamera, LookAtStandsWhereItSays) {
   EXPECT_NEAR(LookAt({0, 0, 0}, 1, 90, 17).linear().determinant(), 1, 1e-12);
 }
 
-TEST(DepthCamera, SameSeedSameBytesOtherSeedOtherBytes) {
+TEST(DepthCamera, IsDeterministicForASeed) {
   const DepthCamera camera = Make(KinectV2(), 1);
   const Pose sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
   const auto first = camera.Render(CubeOnTable(), sensor, 7);
@@ -102,7 +102,7 @@ TEST(DepthCamera, SameSeedSameBytesOtherSeedOtherBytes) {
   EXPECT_NE(first->depth_m, other->depth_m);
 }
 
-TEST(DepthCamera, NothingIsMeasuredTooNearTooFarOrWithoutATable) {
+TEST(DepthCamera, MeasuresNothingOutOfRangeOrWithoutATable) {
   const DepthCamera camera = Make(KinectV2(), 0);
   const auto measured = [&camera](const Scene& scene, double distance_m) {
     const auto frame = camera.Render(scene, LookAt({0, 0, 0}, distance_m, 90, 0), 1);
@@ -119,7 +119,7 @@ TEST(DepthCamera, NothingIsMeasuredTooNearTooFarOrWithoutATable) {
   EXPECT_EQ(measured(table, 1), 0);
 }
 
-TEST(DepthCamera, GrazingTablePixelsAreLost) {
+TEST(DepthCamera, LosesGrazingTablePixels) {
   Scene scene;
   scene.table_half_width_m = 4;
   const Pose sensor = LookAt({0, 0, 0}, 1, 2, -90);
@@ -132,7 +132,7 @@ TEST(DepthCamera, GrazingTablePixelsAreLost) {
   }
 }
 
-TEST(DepthCamera, WhatCannotBeRenderedIsRefused) {
+TEST(DepthCamera, RejectsInvalidScenes) {
   const DepthCamera camera = Make(KinectV2(), 1);
   const Pose sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
   Scene scene = CubeOnTable();

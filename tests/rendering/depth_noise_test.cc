@@ -47,7 +47,7 @@ Spread SpreadOf(const DepthNoise& noise, float depth, float incidence) {
           .share = count / static_cast<double>(kPixels)};
 }
 
-TEST(DepthNoise, DeviationsAreThePublishedOnes) {
+TEST(DepthNoise, HasThePublishedDeviations) {
   const AxialNoise v1 = KinectV1().noise.axial;
   EXPECT_NEAR(AxialDeviation(v1, 0.8, 0), 0.0012 + 0.0019 * 0.16, 1e-9);
   EXPECT_NEAR(AxialDeviation(v1, 3, 0), 0.0012 + 0.0019 * 6.76, 1e-9);
@@ -60,7 +60,7 @@ TEST(DepthNoise, DeviationsAreThePublishedOnes) {
   }
 }
 
-TEST(DepthNoise, MeasuredSpreadIsTheModelsAndGrowsWithDistance) {
+TEST(DepthNoise, MeasuredSpreadFollowsTheModel) {
   for (DepthNoise noise : {KinectV1().noise, KinectV2().noise}) {
     noise.disparity_steps_m = 0;
     double last = 0;
@@ -78,7 +78,7 @@ TEST(DepthNoise, MeasuredSpreadIsTheModelsAndGrowsWithDistance) {
   }
 }
 
-TEST(DepthNoise, GrazingPixelsAreLostEverMoreOften) {
+TEST(DepthNoise, LosesGrazingPixelsWithGrowingProbability) {
   const DepthNoise noise = KinectV2().noise;
   const auto share = [&noise](double deg) {
     return SpreadOf(noise, 1, static_cast<float>(deg * std::numbers::pi / 180)).share;
@@ -92,7 +92,7 @@ TEST(DepthNoise, GrazingPixelsAreLostEverMoreOften) {
   EXPECT_THAT(frame.surface, testing::Each(kNoSurface));
 }
 
-TEST(DepthNoise, DisparityComesInWholeSteps) {
+TEST(DepthNoise, QuantizesDisparity) {
   DepthNoise noise = KinectV1().noise;
   IdealFrame frame = Flat(0.8F, 0);
   ApplyNoise(noise, 5, frame);
@@ -129,7 +129,7 @@ TEST(DepthNoise, FlyingPixelsLieBetweenTheSurfacesAtAJump) {
   EXPECT_LT(seeds_with_flying, 25);
 }
 
-TEST(DepthNoise, ScaleZeroIsTheIdealCamera) {
+TEST(DepthNoise, ScaleZeroIsAnIdealCamera) {
   DepthNoise noise = KinectV1().noise;
   noise.scale = 0;
   noise.flying_chance = 1;

@@ -67,8 +67,8 @@ TEST(MeshFile, PlyRoundTrip) {
   EXPECT_NEAR(VolumeOf(*loaded), 0.006, 1e-8);
 }
 
-// A first byte that looks like a line end is no part of the header.
-TEST(MeshFile, PlyBodyMayBeginWithAnyByte) {
+// A first byte equal to a line end is not part of the header.
+TEST(MeshFile, ReadsPlyBodiesThatBeginWithAnyByte) {
   const TemporaryFolder folder;
   TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
   for (std::uint32_t first_byte = 0; first_byte < 256; ++first_byte) {
@@ -82,7 +82,7 @@ TEST(MeshFile, PlyBodyMayBeginWithAnyByte) {
   }
 }
 
-TEST(MeshFile, PlyBodyMayBeginWithALineEndInEveryEncoding) {
+TEST(MeshFile, ReadsPlyBodiesThatBeginWithALineEndInEveryEncoding) {
   const TemporaryFolder folder;
   for (const bool big_endian : {false, true}) {
     for (const std::string line_end : {"\n", "\r\n"}) {
@@ -100,8 +100,8 @@ TEST(MeshFile, PlyBodyMayBeginWithALineEndInEveryEncoding) {
   }
 }
 
-// Facets of an STL file share nothing; joined they are a closed surface again.
-TEST(MeshFile, StlFacetsAreJoinedAndUnitsScaled) {
+// Facets of an STL file share no vertices; joined they are a closed surface again.
+TEST(MeshFile, JoinsStlFacetsAndScalesUnits) {
   const TemporaryFolder folder;
   const TriangleMesh box = BoxSolid({0, 0, 0}, {10, 20, 30});
   std::string text = "solid box\n";
@@ -121,7 +121,7 @@ TEST(MeshFile, StlFacetsAreJoinedAndUnitsScaled) {
   EXPECT_NEAR(DiameterOf(*loaded), 0.001 * std::sqrt(1400.0), 1e-6);
 }
 
-TEST(MeshFile, ObjPolygonsAreSplit) {
+TEST(MeshFile, SplitsObjPolygons) {
   const TemporaryFolder folder;
   const auto loaded = LoadMesh(folder.Write("two.obj",
                                             "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
@@ -131,7 +131,7 @@ TEST(MeshFile, ObjPolygonsAreSplit) {
   EXPECT_EQ(BoundsOf(*loaded).max, Eigen::Vector3d(1, 1, 2));
 }
 
-TEST(MeshFile, NodesPlaceTheirMeshes) {
+TEST(MeshFile, AppliesNodeTransforms) {
   const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   const std::string data = absl::Base64Escape(
       absl::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
@@ -152,7 +152,7 @@ TEST(MeshFile, NodesPlaceTheirMeshes) {
   EXPECT_EQ(BoundsOf(*loaded).max, Eigen::Vector3d(12, 2, 0));
 }
 
-TEST(MeshFile, WhatIsNoMeshIsRefusedWithThePath) {
+TEST(MeshFile, RejectsOtherFilesWithThePath) {
   const TemporaryFolder folder;
   EXPECT_EQ(LoadMesh(folder.path() / "none.ply").status().code(), absl::StatusCode::kNotFound);
   const TriangleMesh box = BoxSolid({0, 0, 0}, {1, 1, 1});

@@ -1,4 +1,4 @@
-// What tests measure on meshes.
+// Measures on meshes for tests.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,8 +12,8 @@
 
 namespace graspdb::client {
 
-// Whether every directed edge is met once and its reverse once: closed shells
-// whose triangles all turn the same way.
+// Whether every directed edge and its reverse occur once: closed shells with consistently oriented
+// triangles.
 inline bool IsClosed(const TriangleMesh& mesh) {
   std::map<std::pair<int, int>, int> edges;
   for (const std::array<int, 3>& t : mesh.triangles) {

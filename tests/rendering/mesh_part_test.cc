@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-TEST(MeshPart, IsRestedAsItLiesAndGraspedAcrossItsNarrowSide) {
+TEST(MeshPart, KeepsItsOrientationAndIsGraspedAcrossTheNarrowSide) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "My Part #2.ply";
   ASSERT_TRUE(WriteMeshPly(path, BoxSolid({100, 10, -40}, {180, 40, -20})).ok());
@@ -27,7 +27,7 @@ TEST(MeshPart, IsRestedAsItLiesAndGraspedAcrossItsNarrowSide) {
   EXPECT_NEAR(part->grasps[0].gripper_opening_m(), 0.05, 1e-6);
 }
 
-TEST(MeshPart, AWrongUnitIsToldFromTheSize) {
+TEST(MeshPart, DetectsAWrongUnitFromTheSize) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "part.ply";
   ASSERT_TRUE(WriteMeshPly(path, BoxSolid({0, 0, 0}, {80, 30, 20})).ok());

@@ -21,7 +21,7 @@ TEST(Mesh, BoundsDiameterAndCentreOfABox) {
   EXPECT_TRUE(CenterOfMass(box)->isApprox(Eigen::Vector3d(2, 3.5, 6), 1e-6));
 }
 
-TEST(Mesh, AreaOfABoxAndOfNothing) {
+TEST(Mesh, AreaOfABoxAndOfNoTriangles) {
   EXPECT_NEAR(AreaOf(BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F})), 0.22, 1e-6);
   EXPECT_EQ(AreaOf({}), 0);
 }
@@ -67,7 +67,7 @@ TEST(Mesh, SamplesLieOnTheFacesInProportionToTheirArea) {
   EXPECT_NE(SampleSurface(box, 50, 4), recognition::Points(points.begin(), points.begin() + 50));
 }
 
-TEST(Mesh, AnOpenSheetHasNoCentreOfMassAndNothingHasNoSamples) {
+TEST(Mesh, RejectsCentreOfMassOfAnOpenSheetAndSamplesOfNoTriangles) {
   TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   sheet.triangles = {{0, 1, 2}};
@@ -76,7 +76,7 @@ TEST(Mesh, AnOpenSheetHasNoCentreOfMassAndNothingHasNoSamples) {
   EXPECT_EQ(DiameterOf(TriangleMesh{}), 0);
 }
 
-TEST(Mesh, BrokenMeshesAreRefused) {
+TEST(Mesh, RejectsBrokenMeshes) {
   TriangleMesh mesh = BoxSolid({0, 0, 0}, {1, 1, 1});
   EXPECT_TRUE(CheckMesh(mesh).ok());
   mesh.triangles[3][1] = 8;
@@ -89,7 +89,7 @@ TEST(Mesh, BrokenMeshesAreRefused) {
   EXPECT_EQ(CheckMesh(TriangleMesh{}).code(), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(Mesh, TransformedTurnsBeforeItMoves) {
+TEST(Mesh, TransformedRotatesBeforeItTranslates) {
   recognition::Pose pose(Eigen::Translation3d(0, 0, 5));
   pose.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
   const TriangleMesh moved = Transformed(BoxSolid({0, 0, 0}, {2, 1, 1}), pose);

@@ -49,14 +49,14 @@ float Misfit(const TriangleMesh& mesh, double turn_deg, const TriangleMesh& othe
   return worst;
 }
 
-TEST(SampleParts, ThereAreManyWithDistinctNames) {
+TEST(SampleParts, HaveDistinctNames) {
   std::set<std::string> ids;
   for (const Workpiece& part : EveryPart()) ids.insert(part.object_id);
   EXPECT_GE(EveryPart().size(), 10U);
   EXPECT_EQ(ids.size(), EveryPart().size());
 }
 
-TEST(SampleParts, EveryPartIsAClosedSolidOfTheRightSizeOnTheTable) {
+TEST(SampleParts, AreClosedSolidsOfTheRightSizeOnTheTable) {
   for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     EXPECT_TRUE(CheckMesh(part.mesh).ok());
@@ -70,9 +70,9 @@ TEST(SampleParts, EveryPartIsAClosedSolidOfTheRightSizeOnTheTable) {
   }
 }
 
-// The centre of mass is over the origin, and more than 3 mm inside the convex
-// hull of what touches the table.
-TEST(SampleParts, EveryPartStandsByItself) {
+// The centre of mass is over the origin, and more than 3 mm inside the convex hull of the contact
+// points with the table.
+TEST(SampleParts, RestStably) {
   for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     const auto center = CenterOfMass(part.mesh);
@@ -89,7 +89,7 @@ TEST(SampleParts, EveryPartStandsByItself) {
   }
 }
 
-TEST(SampleParts, SymmetriesAreRealAndTheOnlyOnes) {
+TEST(SampleParts, HaveExactlyTheDeclaredSymmetries) {
   std::map<int, int> orders;
   for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
@@ -109,7 +109,7 @@ TEST(SampleParts, SymmetriesAreRealAndTheOnlyOnes) {
   EXPECT_GE(orders[1], 8);
 }
 
-TEST(SampleParts, NoTwoPartsHaveTheSameShapeHoweverTurned) {
+TEST(SampleParts, HaveDistinctShapesInAnyRotation) {
   for (const Workpiece& a : EveryPart()) {
     for (const Workpiece& b : EveryPart()) {
       if (&a == &b) continue;
@@ -122,7 +122,7 @@ TEST(SampleParts, NoTwoPartsHaveTheSameShapeHoweverTurned) {
   }
 }
 
-TEST(SampleParts, TheTwinsAreMirrorImages) {
+TEST(SampleParts, IncludeMirrorImages) {
   const Workpiece& left = PartNamed("bracket-left");
   const Workpiece& right = PartNamed("bracket-right");
   EXPECT_LT(Misfit(MirroredX(left.mesh), 0, right.mesh, 1), 1e-5F);
@@ -136,7 +136,7 @@ TEST(SampleParts, TheTwinsAreMirrorImages) {
 }
 
 // From above, with the fingers on both sides of some material and none in their way.
-TEST(SampleParts, GraspsHoldThePart) {
+TEST(SampleParts, HaveGraspsThatHoldThePart) {
   for (const Workpiece& part : EveryPart()) {
     SCOPED_TRACE(part.object_id);
     ASSERT_FALSE(part.grasps.empty());
@@ -160,7 +160,7 @@ TEST(SampleParts, GraspsHoldThePart) {
   }
 }
 
-TEST(SampleParts, AreChosenByIdInTheirOwnOrder) {
+TEST(SampleParts, AreSelectedByIdInTheirOwnOrder) {
   const auto chosen = SampleParts({"z-bar", "flange"});
   ASSERT_THAT(chosen, IsOk());
   ASSERT_EQ(chosen->size(), 2);
@@ -169,7 +169,7 @@ TEST(SampleParts, AreChosenByIdInTheirOwnOrder) {
   EXPECT_EQ(SampleParts({})->size(), SampleParts().size());
 }
 
-TEST(SampleParts, AnUnknownIdIsAnsweredWithTheKnownOnes) {
+TEST(SampleParts, ListsTheKnownIdsForAnUnknownOne) {
   EXPECT_THAT(SampleParts({"flange", "teapot"}),
               StatusIs(absl::StatusCode::kInvalidArgument,
                        AllOf(HasSubstr("teapot"), HasSubstr("post-plate"))));

@@ -15,7 +15,7 @@ using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
 using ::testing::HasSubstr;
 
-TEST(SceneFile, IsReadBackAsItWasWritten) {
+TEST(SceneFile, RoundTrip) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   const auto scenes = PlanRandomScenes(parts, {.stand = {}, .count = 3, .objects_per_scene = 2});
@@ -38,13 +38,13 @@ TEST(SceneFile, IsReadBackAsItWasWritten) {
   EXPECT_NE(seeds[0], seeds[1]);
 }
 
-TEST(SceneFile, WithoutAFolderTheCameraIsNotPluggedIn) {
+TEST(SceneFile, IsUnavailableWithoutAFolder) {
   const TemporaryFolder folder;
   EXPECT_THAT(ReadScene(folder.path() / "nowhere", SampleParts()),
               StatusIs(absl::StatusCode::kUnavailable));
 }
 
-TEST(SceneFile, SeveralScenesAreNotShownAtOnce) {
+TEST(SceneFile, RejectsSeveralScenes) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   const auto scenes = PlanRandomScenes(parts, {.stand = {}, .count = 2, .objects_per_scene = 2});
@@ -54,7 +54,7 @@ TEST(SceneFile, SeveralScenesAreNotShownAtOnce) {
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("more than one scene")));
 }
 
-TEST(SceneFile, ObjectsThatNobodyKnowsAreSaid) {
+TEST(SceneFile, RejectsUnknownObjects) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   ASSERT_THAT(WriteScenes(folder.path(), parts, {{.path = "p", .placements = {{3, {}}}}}), IsOk());

@@ -13,7 +13,7 @@ constexpr int kWidth = 400;
 constexpr int kHeight = 300;
 constexpr double kFocal = 500;
 
-// A wall, before which columns from `first` up to `end` show something nearer.
+// A wall with a nearer surface in the columns from `first` up to `end`.
 IdealFrame Step(float near, float wall, int first, int end) {
   IdealFrame out{
       .width = kWidth, .height = kHeight, .depth_m = {}, .incidence_rad = {}, .surface = {}};
@@ -43,7 +43,7 @@ double DeviationAt(const SensorEffects& effects, float depth) {
   return std::sqrt(squares / (kWidth * kHeight));
 }
 
-TEST(SensorEffects, ThereAreNoneUnlessAskedFor) {
+TEST(SensorEffects, AreOffByDefault) {
   IdealFrame frame = Step(0.7F, 1, 100, 200);
   const std::vector<float> before = frame.depth_m;
   ApplyEdgeEffects({}, kFocal, 1, frame);
@@ -51,7 +51,7 @@ TEST(SensorEffects, ThereAreNoneUnlessAskedFor) {
   EXPECT_EQ(frame.depth_m, before);
 }
 
-TEST(SensorEffects, EdgesFrayToBothSidesByTheirDeviation) {
+TEST(SensorEffects, FraysEdgesToBothSidesByTheDeviation) {
   IdealFrame frame = Step(0.7F, 1, 100, 200);
   ApplyEdgeEffects({.fray_px = 2, .fray_length_px = 3}, kFocal, 1, frame);
   // Rounded to whole pixels: the first column shows the wall where the shift is under half a pixel
@@ -62,7 +62,7 @@ TEST(SensorEffects, EdgesFrayToBothSidesByTheirDeviation) {
   EXPECT_EQ(ShareIn(frame, 150, 0.7F), 1);
 }
 
-TEST(SensorEffects, TheProjectorsShadowLiesToTheRightOfWhatIsNearer) {
+TEST(SensorEffects, ProjectorShadowLiesToTheRightOfANearerSurface) {
   IdealFrame frame = Step(0.5F, 1, 100, 200);
   ApplyEdgeEffects({.shadow_baseline_m = 0.075}, kFocal, 1, frame);
   const double disparity = kFocal * 0.075 / 0.5 - kFocal * 0.075;
@@ -75,7 +75,7 @@ TEST(SensorEffects, TheProjectorsShadowLiesToTheRightOfWhatIsNearer) {
   EXPECT_NEAR(lost, disparity, 1.5);
 }
 
-TEST(SensorEffects, PixelsBesideAJumpAreLostTheMoreTheNearer) {
+TEST(SensorEffects, LosesMorePixelsNearAJump) {
   IdealFrame frame = Step(0.7F, 1, 100, 200);
   ApplyEdgeEffects({.fray_length_px = 2, .edge_loss_chance = 0.6, .edge_loss_px = 6}, kFocal, 1,
                    frame);
@@ -84,7 +84,7 @@ TEST(SensorEffects, PixelsBesideAJumpAreLostTheMoreTheNearer) {
   EXPECT_EQ(ShareIn(frame, 107, 0), 0);
 }
 
-TEST(SensorEffects, HolesAreAsLargeAsTheirDeviationsSay) {
+TEST(SensorEffects, HolesHaveTheShareOfTheirDeviations) {
   IdealFrame frame = Step(0.7F, 0.7F, 0, 0);
   ApplyEdgeEffects({.hole_deviations = 1, .hole_length_px = 4}, kFocal, 1, frame);
   const auto lost = static_cast<double>(std::ranges::count(frame.depth_m, 0.0F));
@@ -101,7 +101,7 @@ TEST(SensorEffects, WarpsAndBumpsGrowWithTheSquareOfTheDepth) {
   EXPECT_NEAR(DeviationAt({.scale = 1.01}, 0.8F), 0.008, 1e-5);
 }
 
-TEST(SensorEffects, EveryPresetGivesTheSameFrameForTheSameSeedAndAnotherForAnother) {
+TEST(SensorEffects, PresetsAreDeterministicForASeed) {
   for (const std::string& name : SimulatedCameras()) {
     const auto model = SimulatedCameraOf(name);
     ASSERT_TRUE(model.ok());

@@ -47,8 +47,8 @@ std::vector<PlannedCapture> Scenes(int count, int objects) {
   return *PlanRandomScenes(SomeParts(), options);
 }
 
-// Every point of a capture lies on the table or on the mesh where the set says it
-// is, up to `tolerance_m`; the share of those on neither, and how many are on the object.
+// Share of a capture's points farther than `tolerance_m` from both the table and the mesh at its
+// pose in the set, and the number of points on the object.
 struct Agreement {
   double astray = 0;
   int on_object = 0;
@@ -81,7 +81,7 @@ Agreement Compare(const std::filesystem::path& folder, const v1::CaptureSet& set
   return agreement;
 }
 
-TEST(Simulation, TurntableLoadsAgainAndTheMeshesLieInTheClouds) {
+TEST(Simulation, TurntableSetLoadsWithMeshesInTheClouds) {
   const TemporaryFolder folder;
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), QuarterTurns(), Small(0)).ok());
   const auto set = LoadCaptureSet(folder.path());
@@ -112,7 +112,7 @@ TEST(Simulation, RandomScenesAgreeWithinTheNoise) {
   }
 }
 
-TEST(Simulation, SegmentedCapturesHaveTheNamedObjectAlone) {
+TEST(Simulation, SegmentedCapturesContainOnlyTheNamedObject) {
   const TemporaryFolder folder;
   SimulationOptions options = Small(0);
   options.segmented = true;
@@ -130,7 +130,7 @@ TEST(Simulation, SegmentedCapturesHaveTheNamedObjectAlone) {
   }
 }
 
-TEST(Simulation, TheSameRunGivesTheSameBytes) {
+TEST(Simulation, IsDeterministic) {
   const TemporaryFolder folder;
   for (const char* run : {"a", "b"}) {
     ASSERT_TRUE(WriteSimulation(folder.path() / run, SomeParts(), Scenes(3, 2), Small(1)).ok());
@@ -145,7 +145,7 @@ TEST(Simulation, TheSameRunGivesTheSameBytes) {
   EXPECT_EQ(files, 3 + 3 + 1);
 }
 
-TEST(Simulation, AnInterruptedRunLeavesNoSetAndReportsHowFarItCame) {
+TEST(Simulation, InterruptedRunLeavesNoSetAndReportsItsProgress) {
   const TemporaryFolder folder;
   std::vector<int> reported;
   SimulationWatch watch;
@@ -162,7 +162,7 @@ TEST(Simulation, AnInterruptedRunLeavesNoSetAndReportsHowFarItCame) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "captures.json"));
 }
 
-TEST(Simulation, ASetIsReplacedOnlyOnPurpose) {
+TEST(Simulation, ReplacesASetOnlyWithOverwrite) {
   const TemporaryFolder folder;
   SimulationOptions options = Small(1);
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(2, 1), options).ok());
@@ -174,7 +174,7 @@ TEST(Simulation, ASetIsReplacedOnlyOnPurpose) {
   EXPECT_EQ(LoadCaptureSet(folder.path())->captures_size(), 3);
 }
 
-TEST(Simulation, ACameraThatSeesNothingIsTold) {
+TEST(Simulation, RejectsACameraWithoutAVisibleObject) {
   const TemporaryFolder folder;
   TurntableOptions near;
   near.stand.distances_m = {0.3};

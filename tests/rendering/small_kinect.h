@@ -12,7 +12,7 @@
 
 namespace graspdb::testing {
 
-// The middle of a Kinect v2's image, as sharp as the whole, which is enough to look at a target.
+// The middle of a Kinect v2's image at full resolution, enough for a target at the centre.
 inline client::DepthCameraModel SmallKinectV2() {
   client::DepthCameraModel model = client::KinectV2();
   model.intrinsics = {
@@ -20,7 +20,7 @@ inline client::DepthCameraModel SmallKinectV2() {
   return model;
 }
 
-// The sample part of the given id; a failure and an empty one where there is none.
+// The sample part of the given id; a failure and an empty one for an unknown id.
 inline const client::Workpiece& PartNamed(const std::string& id) {
   static const std::vector<client::Workpiece> parts = client::SampleParts();
   for (const client::Workpiece& part : parts) {

@@ -39,14 +39,14 @@ TEST(Solid, ProfilesAlongXAndYKeepTheirAxes) {
   EXPECT_NEAR(VolumeOf(ExtrudeAlongX(flat, 0, 2)), 10, 1e-5);
 }
 
-TEST(Solid, TheMirrorImageKeepsItsOutsideOutside) {
+TEST(Solid, MirrorImageKeepsOutwardNormals) {
   const TriangleMesh solid = ExtrudeUp(ell, 0, 1);
   const TriangleMesh mirrored = MirroredX(solid);
   EXPECT_NEAR(VolumeOf(mirrored), VolumeOf(solid), 1e-6);
   EXPECT_EQ(BoundsOf(mirrored).min, Eigen::Vector3d(-2, 0, 0));
 }
 
-TEST(Solid, AUnionKeepsEveryShell) {
+TEST(Solid, UnionKeepsEveryShell) {
   const TriangleMesh two = Union({BoxSolid({0, 0, 0}, {1, 1, 1}), BoxSolid({5, 0, 0}, {6, 1, 2})});
   EXPECT_TRUE(IsClosed(two));
   EXPECT_NEAR(VolumeOf(two), 3, 1e-5);

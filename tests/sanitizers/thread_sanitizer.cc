@@ -1,8 +1,8 @@
-// What the thread sanitizer must be told of libraries that are built without it.
+// Annotations and suppressions for libraries that are built without the thread sanitizer.
 //
-// Absl's locks: its mutex is a futex, which the sanitizer does not see: without this file every
-// value that an absl::Mutex guards, ours and gRPC's, would be reported as a race. Linked into the
-// programs of the tsan build, the functions below come before the library's own.
+// Absl's locks: its mutex is a futex, which the sanitizer does not intercept; without this file
+// every value that an absl::Mutex guards, ours and gRPC's, would be reported as a race. Linked into
+// the programs of the tsan build, the functions below take precedence over the library's own.
 #include <dlfcn.h>
 #include <sanitizer/tsan_interface.h>
 
@@ -17,7 +17,7 @@ Function* Real(const char* symbol) {
 
 }  // namespace
 
-// What they report of themselves. The sanitizer wants this name.
+// The suppressions. The sanitizer requires this name.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" const char* __tsan_default_suppressions() {
   return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
@@ -25,7 +25,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "deadlock:libOpenNI2\n"
          "deadlock:libOniFile\n"
          "race:libOniFile\n"
-         "race:libgrpc\n"  // hands calls over through atomics that are not seen
+         "race:libgrpc\n"  // hands calls over through atomics that are not instrumented
          "race:libgpr\n"
          "race:grpc::internal::Call::\n"  // its inline part, in our programs
          "race:grpc::internal::CallOpSet<\n"

@@ -20,7 +20,7 @@ using testing::StatusIs;
 constexpr auto kNever = [] { return false; };
 constexpr auto kAlways = [] { return true; };
 
-TEST(Admission, LetsAsManyWorkAsThereAreSlots) {
+TEST(Admission, AdmitsOneCallerPerSlot) {
   Admission admission(2, 0);
   const auto first = admission.Enter(kNever);
   const auto second = admission.Enter(kNever);
@@ -29,12 +29,12 @@ TEST(Admission, LetsAsManyWorkAsThereAreSlots) {
   EXPECT_THAT(admission.Enter(kNever), StatusIs(absl::StatusCode::kResourceExhausted));
 }
 
-TEST(Admission, ATicketThatGoesGivesItsSlotBack) {
+TEST(Admission, DestroyedTicketReleasesItsSlot) {
   Admission admission(1, 0);
   for (int i = 0; i < 3; ++i) EXPECT_THAT(admission.Enter(kNever), IsOk());
 }
 
-TEST(Admission, AMovedTicketGivesItsSlotBackOnce) {
+TEST(Admission, MovedTicketReleasesItsSlotOnce) {
   Admission admission(1, 0);
   {
     auto entered = admission.Enter(kNever);
@@ -47,26 +47,26 @@ TEST(Admission, AMovedTicketGivesItsSlotBackOnce) {
   EXPECT_THAT(admission.Enter(kNever), StatusIs(absl::StatusCode::kResourceExhausted));
 }
 
-TEST(Admission, NothingIsBegunForACallerWhoHasLeft) {
+TEST(Admission, CancelledCallerGetsNoSlot) {
   Admission admission(1, 0);
   EXPECT_THAT(admission.Enter(kAlways), StatusIs(absl::StatusCode::kCancelled));
   EXPECT_THAT(admission.Enter(kNever), IsOk());
 }
 
-// Callers that wait for the only slot, which the rig has, one behind the other.
+// Callers that wait in a queue for the only slot, which the rig has.
 class WaitingCallersTest : public ::testing::Test {
  protected:
   ~WaitingCallersTest() override {
     for (std::thread& caller : callers_) caller.join();
   }
 
-  // Returns when the caller waits; one that is let in says so in `order_` and goes.
+  // Returns when the caller waits; once it has a slot it adds itself to `order_` and ends.
   void LetWait(int number, const std::atomic<bool>& has_left) {
     std::atomic<bool> waits = false;
     callers_.emplace_back([this, number, &waits, &has_left] {
-      bool told = false;
+      bool has_waited = false;
       const auto entered = admission_.Enter([&] {
-        if (!std::exchange(told, true)) waits = true;
+        if (!std::exchange(has_waited, true)) waits = true;
         return has_left.load();
       });
       const std::lock_guard lock(mutex_);
@@ -82,7 +82,7 @@ class WaitingCallersTest : public ::testing::Test {
     order_.push_back(number);
   }
 
-  // What the callers came to; when all are through.
+  // The order of the callers, after all have ended.
   std::vector<int> Order() {
     for (std::thread& caller : callers_) caller.join();
     callers_.clear();
@@ -98,20 +98,20 @@ class WaitingCallersTest : public ::testing::Test {
   std::vector<std::thread> callers_;
 };
 
-TEST_F(WaitingCallersTest, AreLetInInTheOrderInWhichTheyCame) {
+TEST_F(WaitingCallersTest, AreAdmittedInOrder) {
   for (int i = 0; i < 8; ++i) LetWait(i, stays_);
   working_.reset();
   EXPECT_THAT(Order(), ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
 }
 
-TEST_F(WaitingCallersTest, AreNotOvertakenByANewcomer) {
+TEST_F(WaitingCallersTest, AreNotOvertakenByANewCaller) {
   LetWait(0, stays_);
   working_.reset();
   EnterMyself(1);
   EXPECT_THAT(Order(), ::testing::ElementsAre(0, 1));
 }
 
-TEST_F(WaitingCallersTest, GiveTheirTurnAwayWhenTheyHaveLeft) {
+TEST_F(WaitingCallersTest, AreSkippedWhenCancelled) {
   LetWait(0, leaves_);
   LetWait(1, stays_);
   leaves_ = true;
@@ -120,7 +120,7 @@ TEST_F(WaitingCallersTest, GiveTheirTurnAwayWhenTheyHaveLeft) {
   EXPECT_THAT(Order(), ::testing::ElementsAre(1, 2));
 }
 
-TEST(Admission, WhoeverIsCancelledWhileWaitingGivesThePlaceBack) {
+TEST(Admission, CancelledWaiterReleasesItsPlace) {
   Admission admission(1, 1);
   const auto working = admission.Enter(kNever);
   ASSERT_THAT(working, IsOk());
@@ -128,7 +128,7 @@ TEST(Admission, WhoeverIsCancelledWhileWaitingGivesThePlaceBack) {
   EXPECT_THAT(admission.Enter(kAlways), StatusIs(absl::StatusCode::kCancelled));
 }
 
-TEST(Admission, OnlySoManyMayWait) {
+TEST(Admission, WaitingCallersAreLimited) {
   Admission admission(1, 1);
   auto working = std::optional(admission.Enter(kNever));
   std::atomic<bool> waits = false;
@@ -145,7 +145,7 @@ TEST(Admission, OnlySoManyMayWait) {
   waiter.join();
 }
 
-TEST(Admission, EveryWaitingCallerHasItsTurn) {
+TEST(Admission, EveryWaitingCallerIsAdmitted) {
   constexpr int kSlots = 2;
   constexpr int kCallers = 16;
   Admission admission(kSlots, kCallers);

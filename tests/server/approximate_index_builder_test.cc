@@ -33,7 +33,7 @@ class ApproximateIndexBuilderTest : public ServerTest {
     Restart();
   }
 
-  // Of the answer, but for its times.
+  // Of the response, without its timings.
   std::string BytesOf(const v1::RecognizeRequest& request) {
     v1::RecognizeResponse response = Answer(request);
     EXPECT_EQ(response.status(), v1::OK);
@@ -59,7 +59,7 @@ class ApproximateIndexBuilderTest : public ServerTest {
   std::vector<std::string> exact_;
 };
 
-TEST_F(ApproximateIndexBuilderTest, AnswersAreThoseOfTheExactSearchAndOfTheServerBeforeARestart) {
+TEST_F(ApproximateIndexBuilderTest, ResponsesEqualExactSearchAndSurviveARestart) {
   EXPECT_EQ(Status().approximate_index().view_count(), 3 * kViews);
   EXPECT_EQ(Status().approximate_index().recall_at_10(), 1);
   ExpectExactAnswers();
@@ -71,7 +71,7 @@ TEST_F(ApproximateIndexBuilderTest, AnswersAreThoseOfTheExactSearchAndOfTheServe
   ExpectExactAnswers();
 }
 
-TEST_F(ApproximateIndexBuilderTest, ADamagedFileIsMadeAgain) {
+TEST_F(ApproximateIndexBuilderTest, DamagedFileIsRebuilt) {
   server_.reset();
   std::string file = File();
   file[file.size() / 2] = static_cast<char>(file[file.size() / 2] ^ 1);
@@ -82,7 +82,7 @@ TEST_F(ApproximateIndexBuilderTest, ADamagedFileIsMadeAgain) {
   ExpectExactAnswers();
 }
 
-TEST_F(ApproximateIndexBuilderTest, ViewsThatComeAndGoAreSearchedExactlyUntilItIsMadeAgain) {
+TEST_F(ApproximateIndexBuilderTest, ChangedViewsAreSearchedExactlyUntilTheRebuild) {
   ASSERT_THAT(Upload(ViewOf("wedge", 3, "newer")).error_message(), "");
   EXPECT_EQ(Status().approximate_index().newer_view_count(), 1);
   const std::string file = File();

@@ -18,7 +18,7 @@ using graspdb::testing::StatusIs;
 
 int Niceness() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
 
-TEST(BackgroundTest, WorkGivesWayAndItsCallerDoesNotHoweverNiceThatIs) {
+TEST(BackgroundTest, WorkHasLowerPriorityThanItsCaller) {
   static constexpr int kNicest = 19;
   for (int caller = Niceness(); caller <= kNicest; ++caller) {
     std::thread([caller] {
@@ -35,12 +35,12 @@ TEST(BackgroundTest, WorkGivesWayAndItsCallerDoesNotHoweverNiceThatIs) {
   }
 }
 
-TEST(BackgroundTest, ErrorsComeBack) {
+TEST(BackgroundTest, ErrorsAreReturned) {
   EXPECT_THAT(InBackground([] { return absl::AbortedError("again"); }),
               StatusIs(absl::StatusCode::kAborted));
 }
 
-TEST(BackgroundTest, WhatLibrariesThrowReachesTheCaller) {
+TEST(BackgroundTest, ExceptionsReachTheCaller) {
   const auto work = []() -> absl::Status { throw std::runtime_error("of a library"); };
   EXPECT_THROW((void)InBackground(work), std::runtime_error);
 }

@@ -1,4 +1,4 @@
-// Cells that are wrong: each is refused with its field and a sentence, and changes nothing.
+// Invalid cells: each is rejected with its field and a sentence, and changes nothing.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -23,7 +23,7 @@ void PrintTo(const BadCell& bad, std::ostream* out) { *out << bad.name; }
 
 class BadCellTest : public ServerTest, public ::testing::WithParamInterface<BadCell> {};
 
-TEST_P(BadCellTest, IsRefusedWithASentenceAndChangesNothing) {
+TEST_P(BadCellTest, IsRejectedWithASentenceAndChangesNothing) {
   const std::int64_t revision = Status().catalog_revision();
   v1::CreateCellRequest request;
   request.set_cell_id("new");

@@ -1,5 +1,5 @@
-// Requests to the catalogue and the cells that are wrong: each gets its code, its field
-// and a sentence, and changes nothing.
+// Invalid requests to the catalogue and the cells: each gets its code, its field and a
+// sentence, and changes nothing.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ using Catalog = v1::CatalogService::Stub;
 using Cells = v1::CellService::Stub;
 using Test = BadRequestTest;
 
-// A case whose request is default but for what `fill` does.
+// A case with a default request, modified by `fill`.
 template <typename Request, typename Response>
 BadRequest Catalogue(const std::string& name,
                      grpc::Status (Catalog::*method)(grpc::ClientContext*, const Request&,
@@ -72,7 +72,7 @@ BadRequest StablePose(const std::string& name, const std::function<void(v1::Stab
       kInvalid, "stable_pose." + field, words);
 }
 
-TEST_P(BadRequestTest, IsRefusedWithASentenceAndChangesNothing) {
+TEST_P(BadRequestTest, IsRejectedWithASentenceAndChangesNothing) {
   Declare("wedge");
   const std::int64_t revision = Status().catalog_revision();
   const BadRequest& bad = GetParam();
@@ -166,17 +166,17 @@ std::vector<BadRequest> ListCases() {
           "page_size", "negative"),
       Catalogue<v1::ListObjectsRequest>(
           "GarbageAsPageToken", &Catalog::ListObjects, [](auto& r) { r.set_page_token("?!"); },
-          kInvalid, "page_token", "not one"),
+          kInvalid, "page_token", "not a page token"),
       Catalogue<v1::ListObjectsRequest>(
           "PageTokenOfAnotherServer", &Catalog::ListObjects,
-          [](auto& r) { r.set_page_token("Zm9v"); }, kInvalid, "page_token", "not one"),
+          [](auto& r) { r.set_page_token("Zm9v"); }, kInvalid, "page_token", "not a page token"),
       Catalogue<v1::ListViewsRequest>(
           "PageTokenOfAnotherList", &Catalog::ListViews,
           [=](auto& r) {
             views_of_wedge(r);
             r.set_page_token("b2JqZWN0cy9h");  // objects/a
           },
-          kInvalid, "page_token", "not one"),
+          kInvalid, "page_token", "not a page token"),
       Catalogue<v1::ListViewsRequest>(
           "ViewsOfAMalformedParent", &Catalog::ListViews,
           [](auto& r) { r.set_parent("objects/wedge"); }, kInvalid, "parent", "objects/wedge"),

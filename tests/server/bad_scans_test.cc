@@ -1,5 +1,5 @@
-// Scans that are wrong, to Recognize and to UploadViews: each gets its code, its field
-// and a sentence, and changes nothing.
+// Invalid scans in Recognize and UploadViews: each gets its code, its field and a
+// sentence, and changes nothing.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -49,7 +49,7 @@ class SmallServerTest : public ServerTest {
 class BadScanTest : public SmallServerTest, public ::testing::WithParamInterface<BadScan> {};
 class BadCloudTest : public BadScanTest {};
 
-TEST_P(BadScanTest, IsRefusedByRecognize) {
+TEST_P(BadScanTest, IsRejectedByRecognize) {
   const std::int64_t revision = Status().catalog_revision();
   v1::RecognizeRequest request = RequestOf(PhotographEmptyTable());
   GetParam().spoil(request);
@@ -57,7 +57,7 @@ TEST_P(BadScanTest, IsRefusedByRecognize) {
   EXPECT_EQ(Status().catalog_revision(), revision);
 }
 
-TEST_P(BadCloudTest, IsRefusedByRecognizeAndByUploadViews) {
+TEST_P(BadCloudTest, IsRejectedByRecognizeAndUploadViews) {
   const std::int64_t revision = Status().catalog_revision();
   v1::RecognizeRequest request = RequestOf(PhotographEmptyTable());
   GetParam().spoil(request);
@@ -218,7 +218,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "depth_image", "no measurement"}),
     BadScanName);
 
-TEST_F(SmallServerTest, AMessageThatIsTooLargeIsRefused) {
+TEST_F(SmallServerTest, OversizedMessageIsRejected) {
   v1::RecognizeRequest request;
   *request.mutable_cloud() = PackedCloud(Grid(500'000, 0.001F, 1));
   const grpc::Status status = Call(&Recognition::Recognize, request);
@@ -242,7 +242,7 @@ TEST_F(SmallServerTest, PointsInOnePlaceHaveNoCluster) {
   EXPECT_EQ(Answer(request).status(), v1::NO_CLUSTER);
 }
 
-TEST_F(SmallServerTest, AFewPointsBeyondTheWorldDoNoHarm) {
+TEST_F(SmallServerTest, FewFarPointsAreHarmless) {
   recognition::Points points = Grid(2000, 0.004F, 0.6F);
   for (std::size_t i = 0; i < points.size(); i += 100) points[i].x() = i % 200 == 0 ? 3e38F : 1e9F;
   v1::RecognizeRequest request;

@@ -53,7 +53,7 @@ class CellsTest : public ServerTest {
   }
 };
 
-TEST_F(CellsTest, ACellIsReadBackAsItWasMade) {
+TEST_F(CellsTest, CreatedCellIsReadBack) {
   v1::Cell made;
   ASSERT_THAT(Create("press-3", FullCell(), &made), IsGrpcOk());
   EXPECT_EQ(made.name(), "cells/press-3");
@@ -73,7 +73,7 @@ TEST_F(CellsTest, ATakenIdIsAnErrorAndAMissingCellIsNotFound) {
   ExpectError(Delete("cells/press-4", ""), grpc::StatusCode::NOT_FOUND, "cells/press-4");
 }
 
-TEST_F(CellsTest, AMaskedUpdateClearsAFieldThatIsNotGiven) {
+TEST_F(CellsTest, MaskedUpdateClearsAnUnsetField) {
   v1::Cell cell;
   ASSERT_THAT(Create("press-3", FullCell(), &cell), IsGrpcOk());
   v1::Cell change;
@@ -85,7 +85,7 @@ TEST_F(CellsTest, AMaskedUpdateClearsAFieldThatIsNotGiven) {
   EXPECT_EQ(updated.display_name(), "Press 3");
 }
 
-TEST_F(CellsTest, AMaskMayNameOneSettingOfThePipeline) {
+TEST_F(CellsTest, MaskCanSelectOnePipelineSetting) {
   v1::Cell cell;
   ASSERT_THAT(Create("press-3", FullCell(), &cell), IsGrpcOk());
   v1::Cell change;
@@ -97,7 +97,7 @@ TEST_F(CellsTest, AMaskMayNameOneSettingOfThePipeline) {
   EXPECT_EQ(updated.pipeline().icp_iteration_count(), 20);
 }
 
-TEST_F(CellsTest, WrongSettingsAreRefusedWithTheirField) {
+TEST_F(CellsTest, InvalidSettingsAreRejectedWithTheirField) {
   v1::Cell cell = FullCell();
   v1::Cell made;
   cell.mutable_pipeline()->set_min_score(1.5);

@@ -1,4 +1,4 @@
-// What an error says: code, one sentence, and google.rpc.Status details.
+// Matchers for errors: code, one sentence, and google.rpc.Status details.
 #pragma once
 
 #include <gmock/gmock.h>

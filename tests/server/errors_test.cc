@@ -19,7 +19,7 @@ using testing::ExpectBadField;
 using testing::IsGrpcOk;
 using testing::ReasonOf;
 
-TEST(Errors, EveryCodeStaysWhatItIs) {
+TEST(Errors, CodesAreUnchanged) {
   for (int code = 1; code <= 16; ++code) {
     const absl::Status status(static_cast<absl::StatusCode>(code), "what is wrong; what to do");
     const grpc::Status mapped = ToGrpcStatus(status);
@@ -35,7 +35,7 @@ TEST(Errors, AWrongFieldIsNamedInTextAndDetails) {
                  "view.cloud", "view.cloud: has no measurement at all");
 }
 
-TEST(Errors, AReasonStaysAndKeepsOtherDetails) {
+TEST(Errors, ReasonKeepsOtherDetails) {
   const absl::Status status = WithReason(InvalidField("a.b", "is wrong in every way"), "SO_WRONG");
   const grpc::Status mapped = ToGrpcStatus(status);
   EXPECT_EQ(ReasonOf(mapped), "SO_WRONG");
@@ -44,7 +44,7 @@ TEST(Errors, AReasonStaysAndKeepsOtherDetails) {
 
 class LongErrorsTest : public ::testing::Test {
  protected:
-  // Serves nothing but `status` over TCP, whose headers are bounded as those in a process are not.
+  // Returns only `status`, over TCP, whose headers are limited, unlike those within a process.
   grpc::Status Answered(const absl::Status& status) {
     class Service final : public v1::CatalogService::Service {
      public:
@@ -71,8 +71,8 @@ class LongErrorsTest : public ::testing::Test {
   }
 };
 
-TEST_F(LongErrorsTest, TheCallerGetsTheCodeAndTheDetailsHoweverLongTheTextIs) {
-  // Each of its bytes takes three on the way.
+TEST_F(LongErrorsTest, LongTextKeepsCodeAndDetails) {
+  // Each of its bytes takes three on the wire.
   std::string text;
   while (text.size() < 100'000) text += "\u20ac";
   const grpc::Status field = Answered(InvalidField("a[0]." + text, text));
@@ -84,7 +84,7 @@ TEST_F(LongErrorsTest, TheCallerGetsTheCodeAndTheDetailsHoweverLongTheTextIs) {
   EXPECT_EQ(testing::ReasonOf(named), "SO_LONG");
 }
 
-TEST_F(LongErrorsTest, DetailsThatDoNotFitAreLeftOutButForTheReason) {
+TEST_F(LongErrorsTest, OversizedDetailsAreLeftOutExceptTheReason) {
   absl::Status status = WithReason(absl::AbortedError("it was changed; read it again"), "CHANGED");
   status.SetPayload("type.googleapis.com/a.Long", absl::Cord(std::string(100'000, 'x')));
   const grpc::Status answer = Answered(status);
@@ -92,7 +92,7 @@ TEST_F(LongErrorsTest, DetailsThatDoNotFitAreLeftOutButForTheReason) {
   EXPECT_EQ(testing::ReasonOf(answer), "CHANGED");
 }
 
-TEST_F(LongErrorsTest, WhatIsNoUtf8StillReachesTheCaller) {
+TEST_F(LongErrorsTest, InvalidUtf8ReachesTheCaller) {
   const grpc::Status answer = Answered(absl::InternalError("a library failed: \xff\xfe; restart"));
   EXPECT_EQ(answer.error_message(), "a library failed: ??; restart");
   EXPECT_EQ(testing::ReasonOf(answer), "INTERNAL");

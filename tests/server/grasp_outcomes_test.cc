@@ -1,4 +1,4 @@
-// What robots tell of grasps, through the CatalogService, and what it does to answers.
+// Reports of grasp outcomes, through the CatalogService, and their effect on responses.
 #include <gmock/gmock.h>
 
 #include "tests/server/server_fixture.h"
@@ -54,7 +54,7 @@ class GraspOutcomesTest : public ServerTest {
   }
 };
 
-TEST_F(GraspOutcomesTest, AReportIsCountedOnceUnlessItSaysHowOften) {
+TEST_F(GraspOutcomesTest, ReportCountsOnceByDefault) {
   Declare("wedge");
   const std::string grasp = Pose().grasps(0).grasp_id();
   v1::ReportGraspOutcomeResponse response;
@@ -69,7 +69,7 @@ TEST_F(GraspOutcomesTest, AReportIsCountedOnceUnlessItSaysHowOften) {
   EXPECT_EQ(status.slipped_count(), 3);
 }
 
-TEST_F(GraspOutcomesTest, CountsAreShownAndTheEtagStays) {
+TEST_F(GraspOutcomesTest, CountsAreReturnedAndTheEtagIsUnchanged) {
   Declare("wedge");
   const v1::StablePose before = Pose();
   EXPECT_EQ(before.grasp_outcomes_size(), 0);
@@ -85,7 +85,7 @@ TEST_F(GraspOutcomesTest, CountsAreShownAndTheEtagStays) {
   EXPECT_EQ(page.stable_poses(0).SerializeAsString(), after.SerializeAsString());
 }
 
-TEST_F(GraspOutcomesTest, WrongReportsSayWhatIsWrong) {
+TEST_F(GraspOutcomesTest, InvalidReportsAreRejected) {
   Declare("wedge");
   const std::string grasp = Pose().grasps(0).grasp_id();
   v1::ReportGraspOutcomeResponse response;
@@ -104,7 +104,7 @@ TEST_F(GraspOutcomesTest, WrongReportsSayWhatIsWrong) {
               "objects/none");
 }
 
-TEST_F(GraspOutcomesTest, AGraspThatFailsIsProposedLaterAlsoAfterARestart) {
+TEST_F(GraspOutcomesTest, FailingGraspIsProposedLaterAlsoAfterARestart) {
   TeachTwoGrasps();
   EXPECT_EQ(FirstGrasp(), "first");
   MustReport("first", v1::GRASP_OUTCOME_MISSED, 5);
@@ -115,7 +115,7 @@ TEST_F(GraspOutcomesTest, AGraspThatFailsIsProposedLaterAlsoAfterARestart) {
   EXPECT_EQ(FirstGrasp(), "first");
 }
 
-TEST_F(GraspOutcomesTest, ATaughtAnewGraspBeginsAnew) {
+TEST_F(GraspOutcomesTest, ChangedGraspStartsAtZero) {
   TeachTwoGrasps();
   MustReport("first", v1::GRASP_OUTCOME_MISSED, 5);
   v1::UpdateStablePoseRequest request;

@@ -1,4 +1,4 @@
-// The index beside the database: used where it is right, refused where not; answers are the same.
+// The index beside the database: used if valid, rejected if not; responses are the same.
 #include "server/index_snapshot.h"
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ class IndexSnapshotTest : public ServerTest {
     return database / "INDEX";
   }
 
-  // What a server would find, while it is down.
+  // The views that a server would load, while it is down.
   absl::StatusOr<server::LoadedViews> Load(const std::filesystem::path& database,
                                            double voxel_size_m = 0.003) const {
     const auto catalogue = storage::Catalogue::Open(database);
@@ -50,7 +50,7 @@ class IndexSnapshotTest : public ServerTest {
   }
   absl::StatusOr<server::LoadedViews> Load() const { return Load(options_.database); }
 
-  // What a server says that starts on what is there, and stops.
+  // The response of a server that starts on the existing files, and stops.
   std::string AnswerOfARun() {
     Start();
     std::string answer = Answer(request_).SerializeAsString();
@@ -58,7 +58,7 @@ class IndexSnapshotTest : public ServerTest {
     return answer;
   }
 
-  // From the records alone.
+  // From the records only.
   std::string RightAnswer() {
     std::filesystem::remove(Index());
     return AnswerOfARun();
@@ -73,7 +73,7 @@ class IndexSnapshotTest : public ServerTest {
   const v1::RecognizeRequest request_ = RequestOf(Photograph("wedge", {.turn_deg = 8}, 3));
 };
 
-TEST_F(IndexSnapshotTest, AServerThatStopsLeavesTheIndexOfTheCatalogueAsItIs) {
+TEST_F(IndexSnapshotTest, StoppedServerLeavesTheCurrentIndex) {
   const auto loaded = Load();
   ASSERT_THAT(loaded, IsOk());
   EXPECT_EQ(loaded->views.size(), 3U);
@@ -81,18 +81,18 @@ TEST_F(IndexSnapshotTest, AServerThatStopsLeavesTheIndexOfTheCatalogueAsItIs) {
   EXPECT_EQ(loaded->file_revision, loaded->revision);
 }
 
-TEST_F(IndexSnapshotTest, AnswersAreTheSameBytesAsFromTheRecords) {
+TEST_F(IndexSnapshotTest, ResponsesEqualThoseFromTheRecords) {
   const std::string kept = AnswerOfARun();
   EXPECT_EQ(kept, RightAnswer());
 }
 
-TEST_F(IndexSnapshotTest, TheFileIsTheSameBytesWhetherTheIndexWasReadOrMadeFromTheRecords) {
+TEST_F(IndexSnapshotTest, FileIsTheSameFromIndexAndFromRecords) {
   const std::string bytes = ReadBytes(Index());
   RightAnswer();
   EXPECT_EQ(ReadBytes(Index()), bytes);
 }
 
-TEST_F(IndexSnapshotTest, ADamagedIndexIsRefusedAndMadeAnew) {
+TEST_F(IndexSnapshotTest, DamagedIndexIsRejectedAndRebuilt) {
   const std::string right = RightAnswer();
   const std::string bytes = ReadBytes(Index());
   std::string flipped = bytes;
@@ -106,7 +106,7 @@ TEST_F(IndexSnapshotTest, ADamagedIndexIsRefusedAndMadeAnew) {
   }
 }
 
-TEST_F(IndexSnapshotTest, TheIndexOfAnotherDatabaseIsRefused) {
+TEST_F(IndexSnapshotTest, IndexOfAnotherDatabaseIsRejected) {
   const std::string right = RightAnswer();
   const std::string own = options_.database;
   options_.database = (folder_.path() / "other").string();
@@ -120,7 +120,7 @@ TEST_F(IndexSnapshotTest, TheIndexOfAnotherDatabaseIsRefused) {
   EXPECT_EQ(AnswerOfARun(), right);
 }
 
-TEST_F(IndexSnapshotTest, TheIndexOfACopyThatHasGoneItsOwnWayIsRefused) {
+TEST_F(IndexSnapshotTest, IndexOfADivergedCopyIsRejected) {
   const std::filesystem::path copy = CopyOfTheDatabase();
   Start();
   ASSERT_THAT(Upload(ViewOf("wedge", 10, "more")), IsGrpcOk());
@@ -134,7 +134,7 @@ TEST_F(IndexSnapshotTest, TheIndexOfACopyThatHasGoneItsOwnWayIsRefused) {
   EXPECT_THAT(Load(), StatusIs(kRefused, HasSubstr("another database")));
 }
 
-TEST_F(IndexSnapshotTest, AnIndexOfTheFutureIsRefusedByARestoredBackup) {
+TEST_F(IndexSnapshotTest, NewerIndexIsRejectedByARestoredBackup) {
   const std::filesystem::path backup = CopyOfTheDatabase();
   Start();
   ASSERT_THAT(Upload(ViewOf("wedge", 10, "more")), IsGrpcOk());
@@ -143,11 +143,11 @@ TEST_F(IndexSnapshotTest, AnIndexOfTheFutureIsRefusedByARestoredBackup) {
   EXPECT_THAT(Load(backup), StatusIs(kRefused, HasSubstr("another database")));
 }
 
-TEST_F(IndexSnapshotTest, AnIndexOfOtherParametersIsRefused) {
+TEST_F(IndexSnapshotTest, IndexOfOtherParametersIsRejected) {
   EXPECT_THAT(Load(options_.database, 0.005), StatusIs(kRefused, HasSubstr("other parameters")));
 }
 
-TEST_F(IndexSnapshotTest, AnIndexThatIsBehindIsBroughtUpToDate) {
+TEST_F(IndexSnapshotTest, OlderIndexIsUpdated) {
   const std::string old = ReadBytes(Index());
   Start();
   for (const char* id : {"turn-0", "turn-1"}) {
@@ -175,7 +175,7 @@ TEST_F(IndexSnapshotTest, AnIndexThatIsBehindIsBroughtUpToDate) {
   EXPECT_EQ(AnswerOfARun(), right);
 }
 
-TEST_F(IndexSnapshotTest, AnIndexThatIsFarBehindIsRefused) {
+TEST_F(IndexSnapshotTest, IndexFarBehindIsRejected) {
   const std::string old = ReadBytes(Index());
   {
     const auto catalogue = storage::Catalogue::Open(options_.database);
@@ -191,7 +191,7 @@ TEST_F(IndexSnapshotTest, AnIndexThatIsFarBehindIsRefused) {
   EXPECT_THAT(Load(), StatusIs(kRefused, HasSubstr("20001 changes behind")));
 }
 
-TEST_F(IndexSnapshotTest, ADiskThatDoesNotTakeTheIndexKeepsNobodyFromAnswering) {
+TEST_F(IndexSnapshotTest, FailedIndexWriteDoesNotStopTheServer) {
   const std::string right = RightAnswer();
   std::filesystem::remove(Index());
   std::filesystem::create_directory(Index().string() + ".dbtmp");

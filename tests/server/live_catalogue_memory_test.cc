@@ -1,4 +1,4 @@
-// The catalogue in memory when memory runs out while a change is applied, at whatever allocation.
+// The catalogue in memory when any allocation fails while a change is applied.
 #include <gmock/gmock.h>
 #include <spdlog/spdlog.h>
 
@@ -12,8 +12,7 @@
 
 namespace {
 
-// What fails where memory is short are the large ones; small texts are made in functions of
-// libraries that must not throw.
+// Only large ones fail: library functions that must not throw allocate small texts.
 constexpr std::size_t kLarge = 256;  // bytes
 
 // Large allocations of this thread that succeed before `failures` of them fail; none fails below
@@ -73,7 +72,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
       try {
         live_->Apply(change);
       } catch (const std::bad_alloc&) {
-        // The catalogue passes over it as well.
+        // The catalogue ignores it as well.
       }
       struck_ = armed_ >= 0 && failures < armed_failures_;
       succeed_first = -1;
@@ -81,7 +80,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
                 IsOk());
   }
 
-  // Stores the view while `count` allocations from the `first` one on fail.
+  // Stores the view while `count` allocations fail, starting at `first`.
   void PutFailing(int first, int count) {
     storage::NewView view;
     view.record.set_name(kView);
@@ -119,7 +118,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
   bool struck_ = false;  // whether the last change was long enough for the failure to happen
 };
 
-TEST_F(LiveCatalogueMemoryTest, AViewIsSeenAtOnceWhicheverAllocationFailed) {
+TEST_F(LiveCatalogueMemoryTest, ViewIsVisibleAfterAnyFailedAllocation) {
   int first = 0;
   for (; first < 10'000; ++first) {
     PutFailing(first, 1);
@@ -131,7 +130,7 @@ TEST_F(LiveCatalogueMemoryTest, AViewIsSeenAtOnceWhicheverAllocationFailed) {
   EXPECT_LT(first, 10'000);
 }
 
-TEST_F(LiveCatalogueMemoryTest, AViewIsSeenOnceThereIsMemoryAgain) {
+TEST_F(LiveCatalogueMemoryTest, ViewIsVisibleOnceMemoryIsAvailable) {
   constexpr int kAll = std::numeric_limits<int>::max();
   for (const int first : {0, 1, 2}) {
     PutFailing(first, kAll);

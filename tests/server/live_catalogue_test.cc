@@ -1,4 +1,4 @@
-// The catalogue in memory: it follows every change, and describes views again when the
+// The catalogue in memory: it follows every change, and recomputes descriptors when the
 // server's parameters change.
 #include "server/live_catalogue.h"
 
@@ -48,7 +48,7 @@ TEST_F(LiveCatalogueTest, ARestartWithTheSameParametersChangesNothing) {
   EXPECT_EQ(Answer(request_).status(), v1::OK);
 }
 
-TEST_F(LiveCatalogueTest, ARestartWithAnotherVoxelSizeDescribesViewsAgain) {
+TEST_F(LiveCatalogueTest, RestartWithAnotherVoxelSizeRecomputesDescriptors) {
   Teach("wedge", 2);
   const std::vector<float> fine = StoredBins();
   ASSERT_EQ(fine.size(), 288U);
@@ -64,7 +64,7 @@ TEST_F(LiveCatalogueTest, ARestartWithAnotherVoxelSizeDescribesViewsAgain) {
   EXPECT_EQ(StoredBins(), fine);
 }
 
-TEST_F(LiveCatalogueTest, ARestartWithAnotherDescriptorDescribesViewsAgain) {
+TEST_F(LiveCatalogueTest, RestartWithAnotherDescriptorRecomputesDescriptors) {
   Teach("wedge", 2);
   for (const char* descriptor : {"vfh263", "vfh308"}) {
     options_.descriptor = descriptor;
@@ -76,7 +76,7 @@ TEST_F(LiveCatalogueTest, ARestartWithAnotherDescriptorDescribesViewsAgain) {
   }
 }
 
-TEST_F(LiveCatalogueTest, ViewsAreTaughtAfterARestartThatDescribedOthersAgain) {
+TEST_F(LiveCatalogueTest, ViewsCanBeTaughtAfterARestartThatRecomputedDescriptors) {
   Teach("wedge", 2);
   options_.descriptor = "vfh263";
   Restart();
@@ -84,7 +84,7 @@ TEST_F(LiveCatalogueTest, ViewsAreTaughtAfterARestartThatDescribedOthersAgain) {
   EXPECT_EQ(Status().view_count(), 4);
 }
 
-TEST_F(LiveCatalogueTest, ParametersThatAViewCannotBeDescribedWithAreRefused) {
+TEST_F(LiveCatalogueTest, UnusableParametersAreRejected) {
   Teach("wedge", 2);
   server_.reset();
   options_.voxel_size_m = 0.1;
@@ -97,8 +97,8 @@ TEST_F(LiveCatalogueTest, ParametersThatAViewCannotBeDescribedWithAreRefused) {
   EXPECT_EQ(Answer(request_).status(), v1::OK);
 }
 
-// Stores a view whose sensor pose is no rotation, one whose cloud is none (and which therefore has
-// no descriptor for the server's parameters), and a stable pose that no request could make.
+// Stores a view whose sensor pose is not a rotation, one with an invalid cloud (and therefore no
+// descriptor for the server's parameters), and a stable pose that no request could create.
 void StoreUnusable(storage::Catalogue& catalogue) {
   auto taught = catalogue.GetView(FlatPoseOf("wedge") + "/views/turn-0");
   ASSERT_THAT(taught, IsOk());
@@ -116,7 +116,7 @@ void StoreUnusable(storage::Catalogue& catalogue) {
   ASSERT_THAT(catalogue.PutView(view), IsOk());
 }
 
-TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAtTheStart) {
+TEST_F(LiveCatalogueTest, UnusableRecordsAreLeftOutAtTheStart) {
   Teach("wedge", 2);
   const v1::RecognizeResponse before = Answer(request_);
   server_.reset();
@@ -138,7 +138,7 @@ TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAtTheStart) {
             before.detections(0).SerializeAsString());
 }
 
-TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAsTheyComeUntilTheyGo) {
+TEST_F(LiveCatalogueTest, UnusableRecordsAreLeftOutUntilTheyAreDeleted) {
   Teach("wedge", 2);
   server_.reset();
   const auto catalogue = storage::Catalogue::Open(options_.database);
@@ -155,7 +155,7 @@ TEST_F(LiveCatalogueTest, RecordsThatCannotBeUsedAreLeftOutAsTheyComeUntilTheyGo
   EXPECT_EQ((*live)->snapshot()->stable_poses->size(), 0U);
 }
 
-TEST_F(LiveCatalogueTest, AChangeThatWasMissedIsSeenWithTheNextOne) {
+TEST_F(LiveCatalogueTest, MissedChangeIsAppliedWithTheNextOne) {
   Teach("wedge", 3);
   server_.reset();
   const auto catalogue = storage::Catalogue::Open(options_.database);
@@ -172,7 +172,7 @@ TEST_F(LiveCatalogueTest, AChangeThatWasMissedIsSeenWithTheNextOne) {
   EXPECT_EQ((*live)->snapshot()->revision, (*catalogue)->revision());
 }
 
-TEST_F(LiveCatalogueTest, ASnapshotStaysWhatItWasWhileTheCatalogueChanges) {
+TEST_F(LiveCatalogueTest, SnapshotIsImmutable) {
   Teach("wedge", 3);
   server_.reset();
   const auto catalogue = storage::Catalogue::Open(options_.database);
@@ -194,7 +194,7 @@ TEST_F(LiveCatalogueTest, ASnapshotStaysWhatItWasWhileTheCatalogueChanges) {
   EXPECT_EQ(before->stable_poses->size(), 1U);
 }
 
-TEST_F(LiveCatalogueTest, ChangedGraspsAreSeenByTheVeryNextSnapshot) {
+TEST_F(LiveCatalogueTest, ChangedGraspsAreInTheNextSnapshot) {
   Declare("wedge");
   server_.reset();
   const auto catalogue = storage::Catalogue::Open(options_.database);

@@ -1,4 +1,4 @@
-// What was taught that may be confused.
+// Stable poses that may be confused.
 #include <gmock/gmock.h>
 
 #include "tests/server/server_fixture.h"
@@ -21,13 +21,13 @@ class LookAlikesTest : public ServerTest {
   }
 };
 
-TEST_F(LookAlikesTest, AnEmptyCatalogueConfusesNothing) {
+TEST_F(LookAlikesTest, EmptyCatalogueHasNoLookAlikes) {
   const v1::FindLookAlikesResponse found = Find("");
   EXPECT_THAT(found.symmetries(), IsEmpty());
   EXPECT_THAT(found.pairs(), IsEmpty());
 }
 
-TEST_F(LookAlikesTest, WhatLooksTheSameAfterATurnIsSaidWithWhatIsDeclared) {
+TEST_F(LookAlikesTest, SymmetriesAreReturnedWithTheDeclaredOrder) {
   Teach("flange", 12);
   Teach("wedge", 12);
   const v1::FindLookAlikesResponse found = Find("");
@@ -42,11 +42,11 @@ TEST_F(LookAlikesTest, WhatLooksTheSameAfterATurnIsSaidWithWhatIsDeclared) {
 
 TEST_F(LookAlikesTest, AnObjectThatIsNotThereIsNotFound) {
   v1::FindLookAlikesRequest request;
-  request.set_object("objects/nobody");
+  request.set_object("objects/missing");
   v1::FindLookAlikesResponse response;
   const grpc::Status status = Call(&Recognition::FindLookAlikes, request, &response);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(status.error_message(), HasSubstr("objects/nobody"));
+  EXPECT_THAT(status.error_message(), HasSubstr("objects/missing"));
 }
 
 }  // namespace

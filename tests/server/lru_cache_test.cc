@@ -17,7 +17,7 @@ class LruCacheTest : public ::testing::Test {
   LruCache<int> cache_{kBudget};
 };
 
-TEST_F(LruCacheTest, AnOversizedValueIsNotKeptAndDrivesNothingOut) {
+TEST_F(LruCacheTest, OversizedValueIsNotCachedAndEvictsNothing) {
   for (const char* key : {"a", "b", "c", "d"}) Put(key, 200);
   for (const std::size_t bytes : {kBudget / 2 + 1, kBudget, kBudget + 1, 10 * kBudget}) {
     Put("huge", bytes);
@@ -28,7 +28,7 @@ TEST_F(LruCacheTest, AnOversizedValueIsNotKeptAndDrivesNothingOut) {
   EXPECT_LE(cache_.use().bytes, kBudget);
 }
 
-TEST_F(LruCacheTest, AValueOfHalfTheBudgetIsKept) {
+TEST_F(LruCacheTest, ValueOfHalfTheBudgetIsCached) {
   Put("k", kBudget / 2 - 2);  // the key counts twice
   EXPECT_TRUE(Has("k"));
   EXPECT_EQ(cache_.use().rejected, 0);

@@ -25,13 +25,13 @@ TEST(ShareMemoryTest, HalfIsForCachesAndAQuarterForRequests) {
   EXPECT_EQ(ShareMemory(1000, 64).caches, 64 * kMebi);
 }
 
-TEST(ShareMemoryTest, WithoutANumberItIsAShareOfTheMachine) {
+TEST(ShareMemoryTest, DefaultIsAShareOfTheMachine) {
   const MemoryShares shares = ShareMemory(0, 0);
   EXPECT_GT(shares.total, 64 * kMebi);
   EXPECT_EQ(shares.caches, shares.total / 2);
 }
 
-TEST(RequestMemoryTest, WhatDoesNotFitIsRefusedUntilThereIsRoom) {
+TEST(RequestMemoryTest, RequestBeyondTheBudgetIsRejectedUntilMemoryIsFree) {
   RequestMemory memory(160);
   {
     const auto first = memory.Reserve(80);
@@ -47,7 +47,7 @@ TEST(RequestMemoryTest, WhatDoesNotFitIsRefusedUntilThereIsRoom) {
   EXPECT_THAT(memory.Reserve(120), IsOk());
 }
 
-TEST(RequestMemoryTest, OfRequestsLargerThanTheBudgetOneGoesInAtATime) {
+TEST(RequestMemoryTest, OversizedRequestsAreAdmittedOneAtATime) {
   RequestMemory memory(160);
   {
     const auto large = memory.Reserve(1000);
@@ -71,7 +71,7 @@ TEST(RequestMemoryTest, SmallAndLargeOnesTogetherStayWithinTheBudget) {
   EXPECT_EQ(memory.use().bytes, 160U);
 }
 
-TEST(RequestMemoryTest, LargeRequestsLeaveRoomForSmallOnes) {
+TEST(RequestMemoryTest, LargeRequestsLeaveMemoryForSmallOnes) {
   for (const std::size_t large_bytes : {120U, 1000U}) {
     RequestMemory memory(160);
     const auto large = memory.Reserve(large_bytes);

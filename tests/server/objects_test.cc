@@ -69,7 +69,7 @@ TEST_F(ObjectsTest, ATakenIdIsAnErrorAndChangesNothing) {
   EXPECT_EQ(Status().catalog_revision(), 1);
 }
 
-TEST_F(ObjectsTest, WhatIsNotThereIsNotFound) {
+TEST_F(ObjectsTest, MissingObjectIsNotFound) {
   v1::Object object;
   ExpectError(Get("objects/mug", &object), grpc::StatusCode::NOT_FOUND, "objects/mug");
   object.set_name("objects/mug");
@@ -142,7 +142,7 @@ TEST_F(ObjectsTest, AListThatEndsWithThePageHasNoNextPage) {
   EXPECT_EQ(page.next_page_token(), "");
 }
 
-TEST_F(ObjectsTest, ThePageAfterADeletedObjectGoesOnBehindIt) {
+TEST_F(ObjectsTest, ListContinuesAfterADeletedObject) {
   for (const char* id : {"a", "b", "c"}) ASSERT_THAT(CreateObject(id), IsGrpcOk());
   v1::ListObjectsResponse page;
   ASSERT_THAT(List(2, "", &page), IsGrpcOk());
@@ -159,7 +159,7 @@ TEST_F(ObjectsTest, AnEmptyCatalogueHasOneEmptyPage) {
   EXPECT_EQ(page.next_page_token(), "");
 }
 
-TEST_F(ObjectsTest, WhatWasWrittenIsThereAfterARestart) {
+TEST_F(ObjectsTest, ObjectsSurviveARestart) {
   v1::Object made;
   ASSERT_THAT(CreateObject("mug", &made), IsGrpcOk());
   Restart();

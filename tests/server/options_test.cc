@@ -23,7 +23,7 @@ ParsedOptions Parse(std::vector<std::string> arguments) {
   return ParseOptions(static_cast<int>(argv.size()), argv.data());
 }
 
-// A variable of the environment for the time of a test.
+// An environment variable for the duration of a test.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
@@ -42,7 +42,7 @@ absl::Status CheckListen(const std::string& listen, bool allow_remote = false) {
   return CheckListenAddress(options);
 }
 
-TEST(Options, TheIndexIsExactUnlessItIsAskedFor) {
+TEST(Options, IndexIsExactByDefault) {
   EXPECT_EQ(Parse({"--db", "/d"}).options.index, "exact");
   EXPECT_EQ(Parse({"--db", "/d", "--index", "flann"}).options.index, "flann");
   EXPECT_EQ(Parse({"--db", "/d", "--index", "faiss"}).exit_status, 2);
@@ -64,12 +64,12 @@ TEST(Options, FlagsAreRead) {
   EXPECT_TRUE(parsed.options.allow_remote_without_tls);
 }
 
-TEST(Options, ListeningBeyondThisMachineIsOffUnlessSaid) {
+TEST(Options, RemoteListeningIsOffByDefault) {
   EXPECT_FALSE(Parse({"--db", "/d"}).options.allow_remote_without_tls);
   EXPECT_EQ(Parse({"--db", "/d"}).options.listen, "127.0.0.1:50051");
 }
 
-TEST(Options, FlagsGoBeforeVariablesAndTheseBeforeTheFile) {
+TEST(Options, FlagsOverrideVariablesAndTheseTheFile) {
   const client::TemporaryFolder folder;
   const std::string file =
       folder.Write("server.conf", "db=/from-file\nqueue=1\nmax-points=1000\ndrain=3\n").string();
@@ -83,14 +83,14 @@ TEST(Options, FlagsGoBeforeVariablesAndTheseBeforeTheFile) {
   EXPECT_EQ(parsed.options.queue, 3);
 }
 
-TEST(Options, TheFileMayBeNamedByAVariable) {
+TEST(Options, FileCanBeSetByAVariable) {
   const client::TemporaryFolder folder;
   const std::string file = folder.Write("server.conf", "db=/from-file\n").string();
   const Variable config("GRASPDB_CONFIG", file.c_str());
   EXPECT_EQ(Parse({}).options.database, "/from-file");
 }
 
-TEST(Options, AFlagVariableCanSayNo) {
+TEST(Options, FlagVariableCanBeFalse) {
   const Variable no("GRASPDB_ALLOW_REMOTE_WITHOUT_TLS", "false");
   const ParsedOptions parsed = Parse({"--db", "/d"});
   ASSERT_FALSE(parsed.done);
@@ -102,7 +102,7 @@ struct WrongUsage {
   std::string words;
 };
 
-TEST(Options, WrongUsageIsToldAndEndsWithTwo) {
+TEST(Options, WrongUsageIsReportedWithExitStatusTwo) {
   const client::TemporaryFolder folder;
   const std::string typo = folder.Write("typo.conf", "db=/d\nqueeu=3\n").string();
   const std::vector<WrongUsage> cases = {
@@ -126,7 +126,7 @@ TEST(Options, WrongUsageIsToldAndEndsWithTwo) {
   }
 }
 
-TEST(Options, HelpAndVersionEndWithZero) {
+TEST(Options, HelpAndVersionHaveExitStatusZero) {
   for (const char* flag : {"--help", "--version"}) {
     ::testing::internal::CaptureStdout();
     const ParsedOptions parsed = Parse({flag});
@@ -153,7 +153,7 @@ TEST(ListenAddress, OthersNeedTheFlag) {
   }
 }
 
-TEST(ListenAddress, WhatIsNoAddressIsRefusedEvenWithTheFlag) {
+TEST(ListenAddress, InvalidAddressIsRejectedEvenWithTheFlag) {
   for (const char* listen : {"", "127.0.0.1", ":50051", "127.0.0.1:", "127.0.0.1:x", "127.0.0.1:-1",
                              "127.0.0.1:65536", "unix:/tmp/socket"}) {
     EXPECT_THAT(CheckListen(listen, /*allow_remote=*/true),

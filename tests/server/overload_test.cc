@@ -1,4 +1,4 @@
-// Full queues, deadlines and callers that left.
+// Full queues, deadlines and cancelled calls.
 #include <gmock/gmock.h>
 
 #include <optional>
@@ -30,7 +30,7 @@ class OverloadTest : public ::testing::Test {
   const std::string database_ = (folder_.path() / "db").string();
 };
 
-TEST_F(OverloadTest, AFullQueueTurnsCallsAwayUntilASlotIsFree) {
+TEST_F(OverloadTest, FullQueueRejectsCallsUntilASlotIsFree) {
   ServiceRig rig(database_, /*slots=*/1, /*waiting=*/0);
   {
     const auto occupied = rig.admission().Enter(kNever);
@@ -53,14 +53,14 @@ TEST_F(OverloadTest, ACallWaitsForItsSlot) {
   EXPECT_THAT(status, IsGrpcOk());
 }
 
-TEST_F(OverloadTest, ACallWhoseDeadlinePassesWhileItWaitsGivesItsPlaceBack) {
+TEST_F(OverloadTest, ExpiredCallReleasesItsPlace) {
   ServiceRig rig(database_, /*slots=*/1, /*waiting=*/1);
   {
     const auto occupied = rig.admission().Enter(kNever);
     ASSERT_THAT(occupied, IsOk());
     EXPECT_EQ(rig.Recognize(Request(), 30).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-    // The place is free again once the server has noticed; who comes then is cancelled
-    // while it waits, and not turned away.
+    // The place is free again once the server has noticed; the next caller is cancelled
+    // while it waits, and not rejected.
     const auto always = [] { return true; };
     absl::Status status = rig.admission().Enter(always).status();
     while (absl::IsResourceExhausted(status)) status = rig.admission().Enter(always).status();
@@ -69,17 +69,17 @@ TEST_F(OverloadTest, ACallWhoseDeadlinePassesWhileItWaitsGivesItsPlaceBack) {
   EXPECT_THAT(rig.Recognize(Request(), kLongMs), IsGrpcOk());
 }
 
-TEST_F(OverloadTest, ACancelledFrameIsNotWorkedOnAnyFurther) {
+TEST_F(OverloadTest, CancelledFrameIsNotProcessedFurther) {
   ServiceRig rig(database_, 1, 0);
-  int asked = 0;
+  int checks = 0;
   ASSERT_THAT(rig.recognizer().Answer(Request(),
                                       [&] {
-                                        ++asked;
+                                        ++checks;
                                         return false;
                                       }),
               IsOk());
-  ASSERT_GE(asked, 2);
-  for (int stop_at = 1; stop_at <= asked; ++stop_at) {
+  ASSERT_GE(checks, 2);
+  for (int stop_at = 1; stop_at <= checks; ++stop_at) {
     int count = 0;
     const auto answer = rig.recognizer().Answer(Request(), [&] { return ++count == stop_at; });
     EXPECT_THAT(answer, StatusIs(absl::StatusCode::kCancelled));

@@ -20,7 +20,7 @@ TEST(Paging, SizesAreBounded) {
   ExpectBadField(ToGrpcStatus(PageSize(-1).status()), "page_size", "must not be negative");
 }
 
-TEST(Paging, ATokenGivesItsNameBack) {
+TEST(Paging, TokenRoundTrips) {
   const std::string name = "objects/a.b-c_d/stablePoses/0/views/zz";
   const std::string token = PageTokenAfter(name);
   EXPECT_EQ(token.find('/'), std::string::npos);
@@ -29,11 +29,11 @@ TEST(Paging, ATokenGivesItsNameBack) {
 
 TEST(Paging, NoTokenMeansTheFirstPage) { EXPECT_EQ(NameFromPageToken("", "objects/").value(), ""); }
 
-TEST(Paging, OnlyTokensOfTheListAreTaken) {
+TEST(Paging, OnlyTokensOfTheListAreAccepted) {
   for (const std::string& token : {std::string("?!"), std::string("A"), std::string("Zm9v"),
                                    PageTokenAfter("cells/a"), PageTokenAfter("objects/a") + "\n"}) {
     ExpectBadField(ToGrpcStatus(NameFromPageToken(token, "objects/").status()), "page_token",
-                   "not one that a list of this server answered");
+                   "not a page token of this list");
   }
 }
 

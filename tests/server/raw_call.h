@@ -1,4 +1,4 @@
-// Calls of services whose generated code is not at hand: bytes in, bytes out.
+// Calls of services without generated code: bytes in, bytes out.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -21,13 +21,13 @@ class RawCall {
   RawCall& operator=(const RawCall&) = delete;
 
   bool Write(const std::string& message);
-  // The next message; nothing at the end.
+  // The next message; nullopt at the end.
   std::optional<std::string> Read();
-  // Waits for the end of the call; nothing may be called after it.
+  // Waits for the end of the call; no other method may be called after it.
   grpc::Status Finish();
 
  private:
-  // Waits for what was begun; whether it went well.
+  // Waits for the pending operation; returns whether it succeeded.
   bool Wait();
 
   grpc::ClientContext context_;

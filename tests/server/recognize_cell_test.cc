@@ -1,4 +1,4 @@
-// What a cell changes in a recognition.
+// The effect of a cell's settings on recognition.
 #include <gmock/gmock.h>
 
 #include "tests/server/server_fixture.h"
@@ -28,7 +28,7 @@ class RecognizeCellTest : public ServerTest {
   v1::RecognizeRequest request_;
 };
 
-TEST_F(RecognizeCellTest, ItsCalibrationMakesTheWorldFrame) {
+TEST_F(RecognizeCellTest, CalibrationDefinesTheWorldFrame) {
   v1::Cell cell;
   *cell.mutable_sensor_pose() = PoseMessage(frame_.world_sensor);
   MakeCell(cell);
@@ -38,7 +38,7 @@ TEST_F(RecognizeCellTest, ItsCalibrationMakesTheWorldFrame) {
   EXPECT_LT(ShiftBetween(frame_.world_object, answer.detections(0).refined_pose()), 0.004);
 }
 
-TEST_F(RecognizeCellTest, APoseInTheRequestGoesBeforeItsCalibration) {
+TEST_F(RecognizeCellTest, PoseInTheRequestOverridesTheCalibration) {
   v1::Cell cell;
   recognition::Pose wrong = frame_.world_sensor;
   wrong.pretranslate(Eigen::Vector3d(0, 0, 0.2));
@@ -50,7 +50,7 @@ TEST_F(RecognizeCellTest, APoseInTheRequestGoesBeforeItsCalibration) {
   EXPECT_LT(ShiftBetween(frame_.world_sensor, answer.sensor_pose()), 1e-9);
 }
 
-TEST_F(RecognizeCellTest, ACellWithoutCalibrationLeavesTheTable) {
+TEST_F(RecognizeCellTest, CellWithoutCalibrationUsesTheTable) {
   MakeCell(v1::Cell());
   EXPECT_EQ(Answer(request_).world_frame_source(), v1::WORLD_FRAME_SOURCE_DOMINANT_PLANE);
 }

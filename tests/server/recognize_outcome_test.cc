@@ -1,4 +1,4 @@
-// The answers that are no success, and where the world frame comes from.
+// Responses without success, and the source of the world frame.
 #include <gmock/gmock.h>
 
 #include "tests/server/server_fixture.h"
@@ -24,7 +24,7 @@ TEST_F(RecognizeOutcomeTest, AnEmptyTableHasNoCluster) {
   EXPECT_THAT(answer.detections(), IsEmpty());
 }
 
-TEST_F(RecognizeOutcomeTest, AnEmptyCatalogueKnowsNothing) {
+TEST_F(RecognizeOutcomeTest, EmptyCatalogueGivesUnknownObjects) {
   const v1::RecognizeResponse answer = Answer(RequestOf(Photograph("wedge", {.turn_deg = 10}, 3)));
   EXPECT_EQ(answer.status(), v1::UNKNOWN_OBJECT);
   EXPECT_EQ(answer.catalog_revision(), 0);
@@ -34,7 +34,7 @@ TEST_F(RecognizeOutcomeTest, AnEmptyCatalogueKnowsNothing) {
   EXPECT_FALSE(answer.detections(0).has_refined_pose());
 }
 
-TEST_F(RecognizeOutcomeTest, WhatScoresTooLowIsUnknownAndHasNoPose) {
+TEST_F(RecognizeOutcomeTest, LowScoreIsUnknownWithoutAPose) {
   Teach("wedge", 2);
   v1::RecognizeRequest request = RequestOf(Photograph("flange", {.turn_deg = 10}, 3));
   request.mutable_pipeline()->set_min_score(1);
@@ -48,7 +48,7 @@ TEST_F(RecognizeOutcomeTest, WhatScoresTooLowIsUnknownAndHasNoPose) {
   EXPECT_EQ(answer.detections(0).candidates_size(), 2);
 }
 
-TEST_F(RecognizeOutcomeTest, AStablePoseWithoutGraspsIsRecognisedAllTheSame) {
+TEST_F(RecognizeOutcomeTest, StablePoseWithoutGraspsIsRecognised) {
   Teach("wedge", 2);
   v1::UpdateStablePoseRequest update;
   update.mutable_stable_pose()->set_name(FlatPoseOf("wedge"));
@@ -62,14 +62,14 @@ TEST_F(RecognizeOutcomeTest, AStablePoseWithoutGraspsIsRecognisedAllTheSame) {
   EXPECT_TRUE(answer.detections(0).has_refined_pose());
 }
 
-TEST_F(RecognizeOutcomeTest, TheWorldFrameComesFromTheRequestWhenItSaysSo) {
+TEST_F(RecognizeOutcomeTest, WorldFrameComesFromTheRequestIfGiven) {
   const Frame frame = Photograph("wedge", {}, 3);
   const v1::RecognizeResponse answer = Answer(RequestOf(frame));
   EXPECT_EQ(answer.world_frame_source(), v1::WORLD_FRAME_SOURCE_REQUEST);
   EXPECT_LT(ShiftBetween(frame.world_sensor, answer.sensor_pose()), 1e-9);
 }
 
-TEST_F(RecognizeOutcomeTest, TheWorldFrameComesFromTheTableWhenNobodySaysSo) {
+TEST_F(RecognizeOutcomeTest, WorldFrameComesFromTheTableByDefault) {
   v1::RecognizeRequest request = RequestOf(Photograph("wedge", {}, 3));
   request.clear_sensor_pose();
   const v1::RecognizeResponse answer = Answer(request);

@@ -26,7 +26,7 @@ class RecognizeStreamTest : public ServerTest {
   std::unique_ptr<v1::RecognitionService::Stub> stub_;
 };
 
-TEST_F(RecognizeStreamTest, FramesAreAnsweredInOrderAsSingleCallsAre) {
+TEST_F(RecognizeStreamTest, FramesGetTheResponsesOfSingleCallsInOrder) {
   Teach("wedge", 2);
   std::vector<v1::RecognizeRequest> requests;
   requests.reserve(4);
@@ -52,7 +52,7 @@ TEST_F(RecognizeStreamTest, FramesAreAnsweredInOrderAsSingleCallsAre) {
   EXPECT_THAT(stream->Finish(), IsGrpcOk());
 }
 
-TEST_F(RecognizeStreamTest, ABadFrameIsAnsweredWithItsErrorAndTheStreamGoesOn) {
+TEST_F(RecognizeStreamTest, InvalidFrameGetsAnErrorAndTheStreamContinues) {
   const v1::RecognizeRequest good = RequestOf(PhotographEmptyTable());
   v1::RecognizeRequest bad = good;
   bad.mutable_cloud()->set_point_stride(0);
@@ -83,7 +83,7 @@ TEST_F(RecognizeStreamTest, ABadFrameIsAnsweredWithItsErrorAndTheStreamGoesOn) {
   EXPECT_THAT(stream->Finish(), IsGrpcOk());
 }
 
-TEST_F(RecognizeStreamTest, AStreamSeesWhatIsTaughtMeanwhile) {
+TEST_F(RecognizeStreamTest, StreamUsesViewsTaughtMeanwhile) {
   Declare("wedge");
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {}, 3));
   grpc::ClientContext context;
@@ -100,7 +100,7 @@ TEST_F(RecognizeStreamTest, AStreamSeesWhatIsTaughtMeanwhile) {
   EXPECT_THAT(stream->Finish(), IsGrpcOk());
 }
 
-TEST_F(RecognizeStreamTest, TheServerServesOnWhenACallerLeavesItsStream) {
+TEST_F(RecognizeStreamTest, ServerContinuesAfterACancelledStream) {
   grpc::ClientContext context;
   auto stream = stub_->RecognizeStream(&context);
   ASSERT_TRUE(stream->Write(FrameOf("1", RequestOf(PhotographEmptyTable()))));

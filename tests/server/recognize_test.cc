@@ -1,4 +1,4 @@
-// Recognize against what was taught.
+// Recognize with a taught catalogue.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 class RecognizeTest : public ServerTest {};
 
-TEST_F(RecognizeTest, WhatWasTaughtIsFoundWhereItStands) {
+TEST_F(RecognizeTest, TaughtObjectIsFoundAtItsPose) {
   Teach("wedge", 8);
   Teach("handle", 8);
   for (const char* part : {"wedge", "handle"}) {
@@ -37,7 +37,7 @@ TEST_F(RecognizeTest, WhatWasTaughtIsFoundWhereItStands) {
   }
 }
 
-TEST_F(RecognizeTest, AModelIsFusedOnceAndThenFoundInMemory) {
+TEST_F(RecognizeTest, ModelIsFusedOnceAndThenCached) {
   Teach("wedge", 8);
   EXPECT_EQ(Status().model_cache().miss_count(), 0);
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 20}, 3));
@@ -51,7 +51,7 @@ TEST_F(RecognizeTest, AModelIsFusedOnceAndThenFoundInMemory) {
   EXPECT_GT(Status().model_cache().hit_count(), first.model_cache().hit_count());
 }
 
-TEST_F(RecognizeTest, CandidatesComeNearestFirst) {
+TEST_F(RecognizeTest, CandidatesAreSortedByDistance) {
   Teach("wedge", 8);
   const v1::RecognizeResponse answer = Answer(RequestOf(Photograph("wedge", {.turn_deg = 20}, 3)));
   ASSERT_EQ(answer.detections_size(), 1);
@@ -62,7 +62,7 @@ TEST_F(RecognizeTest, CandidatesComeNearestFirst) {
   }
 }
 
-TEST_F(RecognizeTest, GraspsAreCarriedAlongHighestPriorityFirst) {
+TEST_F(RecognizeTest, GraspsAreTransformedAndSortedByPriority) {
   Teach("handle", 6);
   v1::UpdateStablePoseRequest update;
   update.mutable_stable_pose()->set_name(FlatPoseOf("handle"));
@@ -88,7 +88,7 @@ TEST_F(RecognizeTest, GraspsAreCarriedAlongHighestPriorityFirst) {
   EXPECT_LT(ShiftBetween(truth, answer.detections(0).grasps(0).tcp_pose()), 0.006);
 }
 
-TEST_F(RecognizeTest, TheMeshsFrameIsCarriedAlong) {
+TEST_F(RecognizeTest, MeshFrameIsTransformed) {
   Teach("wedge", 8);
   const Frame frame = Photograph("wedge", {.x = 0.05, .y = -0.03, .turn_deg = 70}, 11);
   EXPECT_FALSE(Answer(RequestOf(frame)).detections(0).has_mesh_pose());
@@ -106,7 +106,7 @@ TEST_F(RecognizeTest, TheMeshsFrameIsCarriedAlong) {
   EXPECT_LT(ShiftBetween(client::FromMessage(detection.refined_pose()) * object_mesh,
                          detection.mesh_pose()),
             1e-9);
-  // A point of the mesh is in the world where it truly is.
+  // A point of the mesh is at its true position in the world.
   const Eigen::Vector3d in_mesh = object_mesh.inverse() * Eigen::Vector3d(0.03, 0, 0.02);
   EXPECT_LT((client::FromMessage(detection.mesh_pose()) * in_mesh -
              frame.world_object * Eigen::Vector3d(0.03, 0, 0.02))
@@ -114,7 +114,7 @@ TEST_F(RecognizeTest, TheMeshsFrameIsCarriedAlong) {
             0.006);
 }
 
-TEST_F(RecognizeTest, AnUploadedViewIsFoundByTheVeryNextCall) {
+TEST_F(RecognizeTest, UploadedViewIsFoundByTheNextCall) {
   Declare("wedge");
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 5}, 3));
   EXPECT_EQ(Answer(request).status(), v1::UNKNOWN_OBJECT);
@@ -125,7 +125,7 @@ TEST_F(RecognizeTest, AnUploadedViewIsFoundByTheVeryNextCall) {
   EXPECT_EQ(found.detections(0).view(), FlatPoseOf("wedge") + "/views/only");
 }
 
-TEST_F(RecognizeTest, ADeletedObjectIsNotFoundByTheVeryNextCall) {
+TEST_F(RecognizeTest, DeletedObjectIsNotFoundByTheNextCall) {
   Teach("wedge", 4);
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 5}, 3));
   ASSERT_EQ(Answer(request).status(), v1::OK);
@@ -139,7 +139,7 @@ TEST_F(RecognizeTest, ADeletedObjectIsNotFoundByTheVeryNextCall) {
   EXPECT_THAT(answer.detections(0).candidates(), IsEmpty());
 }
 
-TEST_F(RecognizeTest, ADeletedViewIsNoCandidateInTheVeryNextCall) {
+TEST_F(RecognizeTest, DeletedViewIsNoCandidateInTheNextCall) {
   Teach("wedge", 2);
   v1::DeleteViewRequest remove;
   remove.set_name(FlatPoseOf("wedge") + "/views/turn-0");
@@ -166,7 +166,7 @@ TEST_F(RecognizeTest, AReplacedViewIsMatchedWithItsNewCloud) {
   EXPECT_NEAR(2 * std::atan2(turn.z(), turn.w()), std::numbers::pi / 2, 0.05);
 }
 
-TEST_F(RecognizeTest, ADepthImageGivesTheAnswerOfItsCloud) {
+TEST_F(RecognizeTest, DepthImageGivesTheResponseOfItsCloud) {
   Teach("wedge", 4);
   const Frame frame = Photograph("wedge", {.x = 0.02, .turn_deg = 33}, 3);
   const v1::RecognizeRequest cloud = RequestOf(frame);
@@ -188,7 +188,7 @@ TEST_F(RecognizeTest, WithoutTimingsTheSameScanGivesTheSameBytes) {
   EXPECT_EQ(Answer(request).SerializeAsString(), first.SerializeAsString());
 }
 
-TEST_F(RecognizeTest, TimingsAreThereUnlessLeftOut) {
+TEST_F(RecognizeTest, TimingsAreReturnedByDefault) {
   Teach("wedge", 2);
   v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 33}, 3));
   EXPECT_FALSE(Answer(request).has_timings());
@@ -218,9 +218,9 @@ TEST_F(RecognizeTest, ASegmentedCloudNeedsNoTable) {
   EXPECT_EQ(answer.detections(0).object(), "objects/wedge");
 }
 
-// Without a pose z is the camera's: what stands on the other side of the image's middle has not
+// Without a pose z is the camera's: an object on the other side of the image's centre has not
 // turned.
-TEST_F(RecognizeTest, ASegmentedCloudWithoutAPoseMayStandElsewhereInTheImage) {
+TEST_F(RecognizeTest, SegmentedCloudWithoutAPoseMayBeElsewhereInTheImage) {
   Declare("wedge");
   v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
   *view.mutable_view()->mutable_cloud() = SegmentedCloudOf("wedge", {.x = -0.02, .y = 0.02}, 7);

@@ -21,7 +21,7 @@ storage::ViewRecord GoodRecord() {
   return record;
 }
 
-TEST(Records, AViewKnowsItsParents) {
+TEST(Records, ViewHasTheNamesOfItsParents) {
   const auto view = ViewFromRecord(GoodRecord());
   ASSERT_THAT(view, IsOk());
   EXPECT_EQ((*view)->object, "objects/mug");
@@ -31,7 +31,7 @@ TEST(Records, AViewKnowsItsParents) {
   EXPECT_NEAR((*view)->world_sensor.linear()(0, 0), -1, 1e-12);
 }
 
-TEST(Records, WhatThisProgramCannotHaveWrittenIsDamage) {
+TEST(Records, InvalidRecordIsDataLoss) {
   storage::ViewRecord record = GoodRecord();
   record.clear_sensor_pose();
   EXPECT_THAT(ViewFromRecord(record),

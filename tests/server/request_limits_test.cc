@@ -1,5 +1,5 @@
-// What is too long or too much in a request is refused, by its field's path, in every method; and
-// what was stored before that stays within reach.
+// Fields of requests that exceed their limits are rejected, with their path, in every method;
+// records from before the limits stay accessible.
 #include "server/request_limits.h"
 
 #include <gmock/gmock.h>
@@ -23,8 +23,8 @@ using google::protobuf::MethodDescriptor;
 
 constexpr int kFarTooMany = 100'000;
 
-// Calls `visit` with the path of every string and every repeated field below `at`, each while it
-// alone is far too long.
+// Calls `visit` with the path of every string and every repeated field below `at`, while only that
+// field exceeds its limit.
 void ForEachOverlong(Message& at, const std::string& path,
                      const std::function<void(const std::string&)>& visit) {
   const google::protobuf::Reflection& access = *at.GetReflection();
@@ -56,7 +56,7 @@ void ForEachOverlong(Message& at, const std::string& path,
 
 class RequestLimitsTest : public ServerTest {
  protected:
-  // Every string and every repeated field of the method's request; returns how many there are.
+  // Every string and every repeated field of the method's request; returns their number.
   int CheckEveryField(const MethodDescriptor& method) {
     const std::string name = "/" + method.service()->full_name() + "/" + method.name();
     google::protobuf::DynamicMessageFactory factory;
@@ -72,7 +72,7 @@ class RequestLimitsTest : public ServerTest {
     return count;
   }
 
-  // Puts objects with names of 40 MB behind the server's back.
+  // Stores objects with names of 40 MB, bypassing the server.
   void StoreHugeObjects() {
     server_.reset();
     auto catalogue = storage::Catalogue::Open(options_.database);
@@ -95,14 +95,14 @@ TEST_F(RequestLimitsTest, EveryStringAndEveryListOfEveryRequestHasALimit) {
         v1::RecognizeRequest::descriptor()->file()}) {
     for (int m = 0; m < file->service(0)->method_count(); ++m) {
       const MethodDescriptor& method = *file->service(0)->method(m);
-      // Answers errors within its stream, see below.
+      // Returns errors within its stream, see below.
       if (method.name() != "RecognizeStream") fields += CheckEveryField(method);
     }
   }
   EXPECT_GT(fields, 60);
 }
 
-TEST_F(RequestLimitsTest, AFrameOfAStreamIsAnsweredWithTheField) {
+TEST_F(RequestLimitsTest, FrameOfAStreamGetsTheField) {
   const auto stub = v1::RecognitionService::NewStub(channel_);
   grpc::ClientContext context;
   const auto stream = stub->RecognizeStream(&context);
@@ -123,7 +123,7 @@ TEST_F(RequestLimitsTest, AFrameOfAStreamIsAnsweredWithTheField) {
   EXPECT_THAT(stream->Finish(), IsGrpcOk());
 }
 
-TEST_F(RequestLimitsTest, WhatTheContractAllowsIsTaken) {
+TEST_F(RequestLimitsTest, MaximumSizesAreAccepted) {
   v1::CreateObjectRequest request;
   request.set_object_id(std::string(63, 'o'));
   request.mutable_object()->set_display_name(std::string(server::kMaxNameBytes, 'n'));
@@ -134,7 +134,7 @@ TEST_F(RequestLimitsTest, WhatTheContractAllowsIsTaken) {
   ExpectBadField(Call(&Catalog::CreateObject, request), "object.display_name", "at most 256");
 }
 
-TEST_F(RequestLimitsTest, FieldsThatTheServerDoesNotKnowAreNotStored) {
+TEST_F(RequestLimitsTest, UnknownFieldsAreNotStored) {
   v1::CreateObjectRequest request;
   request.set_object_id("a");
   v1::Object* object = request.mutable_object();
@@ -147,9 +147,9 @@ TEST_F(RequestLimitsTest, FieldsThatTheServerDoesNotKnowAreNotStored) {
   EXPECT_LT((*catalogue)->GetObject("objects/a")->ByteSizeLong(), 100U);
 }
 
-TEST_F(RequestLimitsTest, HugeRecordsOfOldAreListedToAnyClientAndDeleted) {
+TEST_F(RequestLimitsTest, OldHugeRecordsCanBeListedAndDeleted) {
   StoreHugeObjects();
-  // With gRPC's own limit on answers, 4 MB.
+  // With gRPC's own limit on responses, 4 MB.
   const auto stub = v1::CatalogService::NewStub(
       grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials()));
   std::vector<std::string> names;

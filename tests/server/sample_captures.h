@@ -1,4 +1,4 @@
-// Frames of sample parts for the server's tests, made by code.
+// Synthetic frames of sample parts for the server's tests.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,17 @@
 
 namespace graspdb::testing {
 
-// Where a part stands: on the table, turned about z.
+// Pose of a part: on the table, turned about z.
 struct Stand {
   double x = 0;  // m
   double y = 0;  // m
   double turn_deg = 0;
 };
 
-// What the simulated depth camera measured, in counts of 0.1 mm.
+// Measurements of the simulated depth camera, in counts of 0.1 mm.
 struct Frame {
   recognition::CameraIntrinsics camera;
-  std::vector<std::uint16_t> counts;                               // row by row; 0: nothing
+  std::vector<std::uint16_t> counts;                               // row by row; 0: no measurement
   recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
   recognition::Pose world_object = recognition::Pose::Identity();  // T_world_object
 };
@@ -32,7 +32,7 @@ const client::Workpiece& Part(const std::string& id);
 // The part on the table.
 Frame Photograph(const std::string& part, const Stand& stand, std::uint64_t seed);
 
-// Nothing but the table.
+// The table only.
 Frame PhotographEmptyTable();
 
 v1::DepthImage DepthImageOf(const Frame& frame);
@@ -40,7 +40,7 @@ v1::DepthImage DepthImageOf(const Frame& frame);
 // The same measurements as a cloud.
 v1::PointCloud CloudOf(const Frame& frame);
 
-// The part's points alone.
+// The part's points only.
 v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed);
 
 // A cloud of packed x, y, z floats.
@@ -49,7 +49,7 @@ v1::PointCloud PackedCloud(const recognition::Points& points);
 v1::Pose PoseMessage(const recognition::Pose& pose);
 v1::AxisAlignedBox BoxMessage(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
 
-// How far the origins of two poses are apart, m.
+// Distance between the origins of two poses, m.
 double ShiftBetween(const recognition::Pose& a, const v1::Pose& b);
 
 }  // namespace graspdb::testing

@@ -26,7 +26,7 @@ class ServerTest : public ::testing::Test {
 
   void SetUp() override;
 
-  // Starts the server with `options`, over the database that is there.
+  // Starts the server with `options`, on the existing database.
   void Start();
   // Ends the server and starts it again.
   void Restart();
@@ -38,7 +38,7 @@ class ServerTest : public ::testing::Test {
     grpc::ClientContext context;
     return (StubOf<Stub>().*method)(&context, request, response);
   }
-  // The same where only the status matters.
+  // The same, if only the status matters.
   template <typename Stub, typename Request, typename Response>
   grpc::Status Call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                     const Request& request) {
@@ -49,7 +49,7 @@ class ServerTest : public ::testing::Test {
   v1::CatalogStatus Status();
 
   grpc::Status CreateObject(const std::string& id, v1::Object* made = nullptr);
-  // Makes the part's object and its stable pose "flat", with the part's grasps.
+  // Creates the part's object and its stable pose "flat", with the part's grasps.
   void Declare(const std::string& part);
   // Declares the part and teaches `views` views of it, evenly turned.
   void Teach(const std::string& part, int views);
@@ -58,7 +58,7 @@ class ServerTest : public ::testing::Test {
                       v1::UploadViewsResponse* response);
   grpc::Status Upload(const v1::UploadViewsRequest& view);
 
-  // The answer to a request that must be well formed.
+  // The response to a valid request.
   v1::RecognizeResponse Answer(const v1::RecognizeRequest& request);
 
   const client::TemporaryFolder folder_;
@@ -91,7 +91,7 @@ inline ServerTest::Recognition& ServerTest::StubOf() {
 // "objects/{part}/stablePoses/flat".
 std::string FlatPoseOf(const std::string& part);
 
-// The part at the origin, as it is uploaded.
+// The part at the origin, as in an upload.
 v1::UploadViewsRequest ViewOf(const std::string& part, double turn_deg, const std::string& id);
 
 // A frame with its sensor pose, timings left out.

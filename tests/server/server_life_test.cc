@@ -35,7 +35,7 @@ TEST_F(ServerLifeTest, HealthIsServing) {
   EXPECT_THAT(check.Read(), Optional(std::string(kServing)));
 }
 
-TEST_F(ServerLifeTest, WhoWatchesTheHealthIsToldOfTheDrain) {
+TEST_F(ServerLifeTest, HealthWatchersAreNotifiedOfTheDrain) {
   std::thread drain;
   {
     RawCall watch(channel_, kWatch);
@@ -58,7 +58,7 @@ TEST_F(ServerLifeTest, ReflectionListsTheServices) {
   }
 }
 
-TEST_F(ServerLifeTest, TheAddressHasThePortThatWasPicked) {
+TEST_F(ServerLifeTest, AddressHasTheSelectedPort) {
   EXPECT_THAT(server_->address(), ::testing::MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]*"));
   v1::CatalogStatus status;
   EXPECT_THAT(CallOverTheNetwork(server_->address(), &status), IsGrpcOk());
@@ -67,7 +67,7 @@ TEST_F(ServerLifeTest, TheAddressHasThePortThatWasPicked) {
   EXPECT_GE(status.schema_version(), 1);
 }
 
-TEST_F(ServerLifeTest, ADrainedServerAnswersNoMoreAndLetsGoOfItsDatabase) {
+TEST_F(ServerLifeTest, DrainedServerRejectsCallsAndClosesItsDatabase) {
   ASSERT_THAT(CreateObject("mug"), IsGrpcOk());
   const std::string address = server_->address();
   v1::CatalogStatus status;
@@ -79,8 +79,8 @@ TEST_F(ServerLifeTest, ADrainedServerAnswersNoMoreAndLetsGoOfItsDatabase) {
   EXPECT_THAT(again, IsOk());
 }
 
-// Over the network: gRPC's channel within the process is cut at once.
-TEST_F(ServerLifeTest, ACallThatRunsIsFinishedByTheDrain) {
+// Over the network: gRPC's in-process channel is closed immediately.
+TEST_F(ServerLifeTest, DrainWaitsForRunningCalls) {
   const auto stub = v1::RecognitionService::NewStub(
       grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials()));
   grpc::ClientContext context;
@@ -99,13 +99,13 @@ TEST_F(ServerLifeTest, ACallThatRunsIsFinishedByTheDrain) {
   drain.join();
 }
 
-TEST_F(ServerLifeTest, ASecondServerOnTheDatabaseIsRefused) {
+TEST_F(ServerLifeTest, SecondServerOnTheDatabaseIsRejected) {
   EXPECT_THAT(server::Server::Start(options_),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("in use")));
   EXPECT_THAT(CreateObject("mug"), IsGrpcOk());
 }
 
-TEST_F(ServerLifeTest, ASecondServerOnThePortIsRefused) {
+TEST_F(ServerLifeTest, SecondServerOnThePortIsRejected) {
   server::ServerOptions other = options_;
   other.database = (folder_.path() / "other").string();
   other.listen = server_->address();
@@ -113,7 +113,7 @@ TEST_F(ServerLifeTest, ASecondServerOnThePortIsRefused) {
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("Choose another --listen")));
 }
 
-TEST_F(ServerLifeTest, AnAddressThatOthersReachIsRefusedBeforeTheDatabaseIsMade) {
+TEST_F(ServerLifeTest, RemoteAddressIsRejectedBeforeTheDatabaseIsCreated) {
   server::ServerOptions other = options_;
   other.database = (folder_.path() / "other").string();
   other.listen = "0.0.0.0:0";

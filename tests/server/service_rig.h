@@ -1,4 +1,4 @@
-// The recognition service over parts that a test can reach.
+// The recognition service with components that a test can access.
 #pragma once
 
 #include <grpcpp/server.h>

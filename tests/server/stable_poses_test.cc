@@ -16,7 +16,7 @@ class StablePosesTest : public ServerTest {
     v1::CreateStablePoseRequest request;
     request.set_parent(parent);
     request.set_stable_pose_id(id);
-    request.mutable_stable_pose()->set_display_name("standing");
+    request.mutable_stable_pose()->set_display_name("upright");
     return Call(&Catalog::CreateStablePose, request, made);
   }
 
@@ -75,7 +75,7 @@ TEST_F(StablePosesTest, ACreatedStablePoseIsReadBackAndListed) {
   EXPECT_EQ(page.stable_poses(0).name(), made.name());
 }
 
-TEST_F(StablePosesTest, ParentsMustBeThere) {
+TEST_F(StablePosesTest, ParentsMustExist) {
   v1::StablePose pose;
   ExpectError(Create("objects/mug", "upright", &pose), grpc::StatusCode::NOT_FOUND, "objects/mug");
   v1::ListStablePosesRequest request;
@@ -93,7 +93,7 @@ TEST_F(StablePosesTest, ATakenIdIsAnError) {
               "objects/mug/stablePoses/upright");
 }
 
-TEST_F(StablePosesTest, AMaskedUpdateOfTheGraspsKeepsTheRest) {
+TEST_F(StablePosesTest, MaskedUpdateOfTheGraspsKeepsOtherFields) {
   Declare("wedge");
   v1::StablePose pose;
   ASSERT_THAT(Get(FlatPoseOf("wedge"), &pose), IsGrpcOk());
@@ -109,7 +109,7 @@ TEST_F(StablePosesTest, AMaskedUpdateOfTheGraspsKeepsTheRest) {
   EXPECT_EQ(updated.grasps(0).grasp_id(), "only");
 }
 
-TEST_F(StablePosesTest, ARefusedUpdateChangesNothing) {
+TEST_F(StablePosesTest, RejectedUpdateChangesNothing) {
   Declare("wedge");
   v1::StablePose before;
   ASSERT_THAT(Get(FlatPoseOf("wedge"), &before), IsGrpcOk());
@@ -122,7 +122,7 @@ TEST_F(StablePosesTest, ARefusedUpdateChangesNothing) {
   EXPECT_EQ(after.SerializeAsString(), before.SerializeAsString());
 }
 
-TEST_F(StablePosesTest, ALeastScoreOutOfRangeIsRefused) {
+TEST_F(StablePosesTest, MinimumScoreOutOfRangeIsRejected) {
   Declare("wedge");
   v1::StablePose change;
   change.set_name(FlatPoseOf("wedge"));
@@ -171,7 +171,7 @@ TEST_F(StablePosesTest, TheMeshsFrameIsKeptWhenOtherFieldsChangeAndOverARestart)
   EXPECT_FALSE(after.has_mesh_pose());
 }
 
-TEST_F(StablePosesTest, AMeshsFrameThatIsNoPoseIsRefused) {
+TEST_F(StablePosesTest, InvalidMeshFrameIsRejected) {
   Declare("wedge");
   v1::StablePose change;
   change.set_name(FlatPoseOf("wedge"));
@@ -210,7 +210,7 @@ TEST_F(StablePosesTest, AStablePoseWithViewsIsDeletedOnlyByForce) {
               grpc::StatusCode::NOT_FOUND, "turn-0");
 }
 
-TEST_F(StablePosesTest, OnlyAFullViewCarriesItsCloud) {
+TEST_F(StablePosesTest, OnlyAFullViewHasItsCloud) {
   Teach("wedge", 1);
   const std::string name = FlatPoseOf("wedge") + "/views/turn-0";
   v1::View basic;
@@ -252,7 +252,7 @@ TEST_F(StablePosesTest, ViewsAreListedInPagesWithoutClouds) {
   EXPECT_THAT(names, ElementsAre(prefix + "0", prefix + "1", prefix + "2"));
 }
 
-TEST_F(StablePosesTest, ADeletedViewIsGone) {
+TEST_F(StablePosesTest, DeletedViewIsNotFound) {
   Teach("wedge", 2);
   v1::DeleteViewRequest request;
   request.set_name(FlatPoseOf("wedge") + "/views/turn-1");

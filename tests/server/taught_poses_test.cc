@@ -45,7 +45,7 @@ TEST(TaughtPoses, ViewsAreKeptByName) {
   EXPECT_THAT(NamesOf(first), ElementsAre("a", "b"));
 }
 
-TEST(TaughtPoses, APoseThatIsWrittenAgainKeepsItsViews) {
+TEST(TaughtPoses, RewrittenPoseKeepsItsViews) {
   const TaughtPoses first = Changed({}, {{Pose(1)}, {}, {View("a")}, {}});
   const TaughtPoses second = Changed(first, {{Pose(4)}, {}, {}, {}});
   EXPECT_EQ(second.at(kPose)->symmetry_order, 4);
@@ -61,12 +61,12 @@ TEST(TaughtPoses, AViewIsReplacedAndRemoved) {
   EXPECT_THAT(NamesOf(Changed(first, {{}, {}, {}, {again->name}})), ElementsAre("b"));
 }
 
-TEST(TaughtPoses, ADeletedPoseIsGoneWithItsViews) {
+TEST(TaughtPoses, DeletedPoseIsRemovedWithItsViews) {
   const TaughtPoses first = Changed({}, {{Pose(1)}, {}, {View("a")}, {}});
   EXPECT_THAT(Changed(first, {{}, {kPose}, {}, {View("a")->name}}), IsEmpty());
 }
 
-TEST(TaughtPoses, WhatDoesNotChangeIsShared) {
+TEST(TaughtPoses, UnchangedPosesAreShared) {
   recognition::TaughtStablePose other = Pose(1);
   other.name = "objects/q/stablePoses/p";
   const TaughtPoses first = Changed({}, {{Pose(1), other}, {}, {}, {}});
@@ -76,8 +76,8 @@ TEST(TaughtPoses, WhatDoesNotChangeIsShared) {
   EXPECT_NE(second.at(kPose), first.at(kPose));
 }
 
-// Seconds of a core, the least of some tries, that it takes to forget all of `count` views of a
-// stable pose but one.
+// CPU seconds, the minimum of some tries, to remove all but one of `count` views of a stable
+// pose.
 double ForgettingTakes(int count) {
   TaughtPoseChange taught;
   for (int i = 0; i < count; ++i) taught.added_views.push_back(View(std::to_string(i)));
@@ -99,8 +99,8 @@ double ForgettingTakes(int count) {
   return least;
 }
 
-TEST(TaughtPoses, ForgettingViewsTakesNoMoreThanNLogN) {
-  // 16 times as many: 16 to 22 times as long, where all pairs would take 256.
+TEST(TaughtPoses, RemovingViewsTakesNLogN) {
+  // 16 times as many: 16 to 22 times as long; comparing all pairs would take 256 times.
   EXPECT_LT(ForgettingTakes(32'000) / ForgettingTakes(2'000), 80);
 }
 

@@ -1,4 +1,4 @@
-// Thresholds: what the views propose, and what a stable pose's own one does.
+// Thresholds: the proposals from the views, and the effect of a stable pose's own one.
 #include <gmock/gmock.h>
 
 #include "tests/server/server_fixture.h"
@@ -33,7 +33,7 @@ class ThresholdsTest : public ServerTest {
   }
 };
 
-TEST_F(ThresholdsTest, TheLastMessageHasTheProposalsAndThoseBeforeHowFarItIs) {
+TEST_F(ThresholdsTest, LastMessageHasTheProposalsAndEarlierOnesTheProgress) {
   Teach("flange", 6);
   Teach("wedge", 6);
   grpc::Status status;
@@ -58,12 +58,12 @@ TEST_F(ThresholdsTest, TheLastMessageHasTheProposalsAndThoseBeforeHowFarItIs) {
 
 TEST_F(ThresholdsTest, AnObjectThatIsNotThereIsNotFound) {
   grpc::Status status;
-  EXPECT_THAT(Propose("objects/nobody", &status), SizeIs(0));
+  EXPECT_THAT(Propose("objects/missing", &status), SizeIs(0));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(status.error_message(), HasSubstr("objects/nobody"));
+  EXPECT_THAT(status.error_message(), HasSubstr("objects/missing"));
 }
 
-TEST_F(ThresholdsTest, AnOwnThresholdHoldsAtOnceAndAfterARestartButNotAgainstTheRequest) {
+TEST_F(ThresholdsTest, OwnThresholdAppliesUnlessTheRequestOverridesIt) {
   Teach("flange", 12);
   v1::RecognizeRequest request = RequestOf(Photograph("flange", {0.02, 0.01, 40}, 7));
   EXPECT_EQ(Answer(request).status(), v1::OK);

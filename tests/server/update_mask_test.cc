@@ -37,7 +37,7 @@ TEST(UpdateMask, OnlyMaskedFieldsAreCopied) {
   EXPECT_EQ(cell.pipeline().min_score(), 0.2);
 }
 
-TEST(UpdateMask, AnEmptyMaskCopiesWhatMayBeChangedAndNoMore) {
+TEST(UpdateMask, EmptyMaskCopiesAllMutableFields) {
   v1::Cell cell = CellOf("old", 0.1);
   ASSERT_THAT(Apply(CellOf("new", 0.2), {}, &cell), IsOk());
   EXPECT_EQ(cell.display_name(), "new");
@@ -59,7 +59,7 @@ TEST(UpdateMask, APathIntoAMessageChangesThatFieldOnly) {
   EXPECT_EQ(cell.display_name(), "old");
 }
 
-TEST(UpdateMask, OtherPathsAreRefusedAndNothingIsCopied) {
+TEST(UpdateMask, OtherPathsAreRejectedAndNothingIsCopied) {
   for (const char* path :
        {"name", "etag", "nonsense", "pipeline.nonsense", "Pipeline", "", "*", "display_name.x"}) {
     v1::Cell cell = CellOf("old", 0.1);

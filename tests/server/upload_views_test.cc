@@ -76,7 +76,7 @@ TEST_F(UploadViewsTest, ViewsBeforeTheFirstBadOneStay) {
   EXPECT_EQ(response.existing_count(), 1);
 }
 
-TEST_F(UploadViewsTest, WhatShowsNothingIsRefusedWithAReason) {
+TEST_F(UploadViewsTest, EmptyCaptureIsRejectedWithAReason) {
   v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
   *view.mutable_view()->mutable_cloud() = CloudOf(PhotographEmptyTable());
   grpc::Status status = Upload(view);
@@ -103,7 +103,7 @@ TEST_F(UploadViewsTest, WithoutPosesTheObjectStandsInTheFrameOfTheTable) {
   EXPECT_NEAR(view.sensor_pose().position().z(), 0.65 * 0.7071, 0.01);
 }
 
-TEST_F(UploadViewsTest, ViewsBeforeTheCallerLeavesStay) {
+TEST_F(UploadViewsTest, ViewsBeforeACancellationStay) {
   grpc::ClientContext context;
   v1::UploadViewsResponse response;
   const auto stub = v1::CatalogService::NewStub(channel_);
@@ -119,7 +119,7 @@ TEST_F(UploadViewsTest, ViewsBeforeTheCallerLeavesStay) {
   EXPECT_EQ(response.created_count(), 1);
 }
 
-TEST_F(UploadViewsTest, PointsBeyondTheWorldAreNotTaught) {
+TEST_F(UploadViewsTest, FarPointsAreNotTaught) {
   v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
   *view.mutable_view()->mutable_cloud() = SegmentedCloudOf("wedge", {}, 7);
   view.mutable_view()->set_segmented(true);

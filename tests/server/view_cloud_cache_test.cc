@@ -55,7 +55,7 @@ class ViewCloudCacheTest : public ::testing::Test {
     return cache.cloud_use().bytes + cache.model_use().bytes;
   }
 
-  // Bytes that the cache takes for one such cloud.
+  // Bytes of the cache for one such cloud.
   std::size_t BytesOf(const SharedView& view) {
     ViewCloudCache cache(*catalogue_, {}, kAmple);
     EXPECT_THAT(cache.Load(*view), IsOk());
@@ -89,7 +89,7 @@ TEST_F(ViewCloudCacheTest, ACloudTakesNoMoreMemoryThanItsPoints) {
   EXPECT_EQ((*cloud)->normals.capacity(), (*cloud)->normals.size());
 }
 
-TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
+TEST_F(ViewCloudCacheTest, LeastRecentlyUsedIsEvictedFirst) {
   const SharedView a = Put("a", "1", 50);
   const SharedView b = Put("b", "1", 50);
   const SharedView c = Put("c", "1", 50);
@@ -97,8 +97,8 @@ TEST_F(ViewCloudCacheTest, TheLeastRecentlyUsedLeavesFirst) {
   for (const SharedView& view : {a, b, a, c}) ASSERT_THAT(cache.Load(*view), IsOk());
   EXPECT_EQ(Bytes(cache), 2 * BytesOf(a));
   for (const char* id : {"a", "b", "c"}) Delete(id);
-  EXPECT_THAT(cache.Load(*a), IsOk()) << "was used again and should still be there";
-  EXPECT_THAT(cache.Load(*c), IsOk()) << "came last and should still be there";
+  EXPECT_THAT(cache.Load(*a), IsOk()) << "was used again and should still be cached";
+  EXPECT_THAT(cache.Load(*c), IsOk()) << "was added last and should still be cached";
   EXPECT_THAT(cache.Load(*b), StatusIs(absl::StatusCode::kNotFound));
 }
 
@@ -115,7 +115,7 @@ TEST_F(ViewCloudCacheTest, TheBudgetIsKept) {
   }
 }
 
-TEST_F(ViewCloudCacheTest, WhatIsFoundAndWhatIsMadeIsCounted) {
+TEST_F(ViewCloudCacheTest, HitsAndMissesAreCounted) {
   const SharedView a = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   for (int i = 0; i < 3; ++i) ASSERT_THAT(cache.Load(*a), IsOk());
@@ -125,7 +125,7 @@ TEST_F(ViewCloudCacheTest, WhatIsFoundAndWhatIsMadeIsCounted) {
   EXPECT_EQ(cache.model_use().hits + cache.model_use().misses, 0);
 }
 
-TEST_F(ViewCloudCacheTest, ACloudLargerThanTheBudgetIsLoadedAndNotKept) {
+TEST_F(ViewCloudCacheTest, CloudLargerThanTheBudgetIsLoadedButNotCached) {
   const SharedView view = Put("a", "1", 50);
   ViewCloudCache cache(*catalogue_, {}, 100);
   const auto cloud = cache.Load(*view);
@@ -142,7 +142,7 @@ TEST_F(ViewCloudCacheTest, ADeletedViewIsNotFound) {
   EXPECT_EQ(Bytes(cache), 0U);
 }
 
-TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {
+TEST_F(ViewCloudCacheTest, ReusedNameHasItsNewCloud) {
   const SharedView old_view = Put("a", "1", 20);
   ViewCloudCache cache(*catalogue_, {}, kAmple);
   ASSERT_THAT(cache.Load(*old_view), IsOk());
@@ -155,7 +155,7 @@ TEST_F(ViewCloudCacheTest, ANameThatComesBackHasItsNewCloud) {
   EXPECT_THAT(cold.Load(*old_view), StatusIs(absl::StatusCode::kNotFound));
 }
 
-TEST_F(ViewCloudCacheTest, AModelIsMadeOfTheViewsThatShareAFrame) {
+TEST_F(ViewCloudCacheTest, ModelIsFusedFromTheViewsThatShareAFrame) {
   recognition::TaughtStablePose pose;
   pose.views = {Put("a", "1", 40), Put("b", "1", 50), Put("c", "1", 30, false)};
   ViewCloudCache cache(*catalogue_, {}, kAmple);

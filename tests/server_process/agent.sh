@@ -1,4 +1,4 @@
-# To be sourced: a cell's agent for the time of a script. `bin` is where the binaries are.
+# To be sourced: a cell's agent for the duration of a script. `bin` is the folder of the binaries.
 # shellcheck shell=bash
 agent=
 stop_agent() {
@@ -6,8 +6,8 @@ stop_agent() {
   agent=
 }
 
-# start_agent LOGS FLAG...: in place of the one before, of the server at GRASPDB_SERVER, for robots
-# at GRASPDB_AGENT. What it prints goes to LOGS.out and LOGS.log.
+# start_agent LOGS FLAG...: in place of the previous one, for the server at GRASPDB_SERVER,
+# for robots at GRASPDB_AGENT. Its output goes to LOGS.out and LOGS.log.
 start_agent() {
   local logs=$1
   stop_agent

@@ -1,4 +1,4 @@
-# To be sourced: a server for the time of a script. `bin` is where the binaries are.
+# To be sourced: a server for the duration of a script. `bin` is the folder of the binaries.
 # shellcheck shell=bash
 server=
 stop_server() {
@@ -7,7 +7,7 @@ stop_server() {
 }
 trap stop_server EXIT
 
-# start_server LOGS DATABASE FLAG...: in place of the one before, at GRASPDB_SERVER. What it prints
+# start_server LOGS DATABASE FLAG...: in place of the previous one, at GRASPDB_SERVER. Its output
 # goes to LOGS.out and LOGS.log.
 start_server() {
   local logs=$1 database=$2

@@ -50,7 +50,7 @@ TEST_F(ApproximateFileTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read->SerializeAsString(), record_.SerializeAsString());
 }
 
-TEST_F(ApproximateFileTest, EveryDamageIsNoticed) {
+TEST_F(ApproximateFileTest, AllDamageIsDetected) {
   ASSERT_THAT(WriteApproximateFile(Folder(), record_), IsOk());
   const std::string bytes = Bytes();
   ASSERT_THAT(ReadOf(bytes), IsOk());

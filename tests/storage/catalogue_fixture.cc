@@ -16,7 +16,7 @@ namespace {
 // The record of the outcomes has the name of its stable pose.
 std::string OutcomesOf(const std::string& stable_pose) { return "outcomes of " + stable_pose; }
 
-// The records that the change records add up to.
+// The records after replaying the change records.
 absl::StatusOr<std::map<std::string, std::string>> Replay(const std::vector<ChangeRecord>& changes,
                                                           std::set<std::string>& clouds) {
   std::map<std::string, std::string> records;

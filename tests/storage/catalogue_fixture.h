@@ -1,5 +1,5 @@
-// What the tests of the catalogue share: a directory that goes away, records to store,
-// and a picture of everything that a catalogue holds.
+// Common code of the catalogue's tests: a temporary directory, records to store, and a
+// picture of all contents of a catalogue.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ struct Picture {
 };
 
 // Reads everything. Fails the test (and returns an error) when it cannot be read; also
-// when counts, clouds or the replayed change records contradict the records.
+// when counts, clouds or the replayed change records do not match the records.
 absl::StatusOr<Picture> TakePicture(const Catalogue& catalogue);
 
 // Twelve different changes to a new catalogue: creates, updates, views, deletes. `after`

@@ -1,4 +1,4 @@
-// Marks: what was made from a catalogue can be told from what was not.
+// Marks: they identify a catalogue and its history.
 #include <memory>
 #include <string>
 
@@ -14,7 +14,7 @@ using graspdb::testing::StatusIs;
 
 class CatalogueMarkTest : public ::testing::Test {
  protected:
-  // A clock that stands still: time does not tell two pasts apart.
+  // A stopped clock: time does not distinguish two histories.
   static absl::StatusOr<std::string> MarkAfter(const std::string& directory,
                                                const std::string& display_name) {
     const auto catalogue = OpenOrDie(directory, {.clock = [] { return absl::FromUnixSeconds(1); }});
@@ -25,7 +25,7 @@ class CatalogueMarkTest : public ::testing::Test {
   const TemporaryDirectory folder_;
 };
 
-TEST_F(CatalogueMarkTest, AMarkStaysWhatItIsWhileTheCatalogueGoesOn) {
+TEST_F(CatalogueMarkTest, MarkIsUnchangedByLaterChanges) {
   const auto first = OpenOrDie(folder_ / "a");
   std::vector<std::string> marks = {*first->MarkOf(0)};
   MakeHistory(*first, [&] { marks.push_back(*first->MarkOf(first->revision())); });
@@ -35,13 +35,13 @@ TEST_F(CatalogueMarkTest, AMarkStaysWhatItIsWhileTheCatalogueGoesOn) {
   }
 }
 
-TEST_F(CatalogueMarkTest, ItOutlivesAClosedDatabaseAndIsThatOfItsCopy) {
+TEST_F(CatalogueMarkTest, MarkSurvivesAReopenAndIsSharedByACopy) {
   const std::string mark = *MarkAfter(folder_ / "a", "Mug");
   CopyDatabase(folder_ / "a", folder_ / "b");
   for (const char* name : {"a", "b"}) EXPECT_EQ(*OpenOrDie(folder_ / name)->MarkOf(1), mark);
 }
 
-TEST_F(CatalogueMarkTest, CopiesThatPartHaveOtherMarks) {
+TEST_F(CatalogueMarkTest, DivergedCopiesHaveDifferentMarks) {
   OpenOrDie(folder_ / "a");
   CopyDatabase(folder_ / "a", folder_ / "b");
   EXPECT_NE(*MarkAfter(folder_ / "a", "Mug"), *MarkAfter(folder_ / "b", "Jug"));
@@ -51,7 +51,7 @@ TEST_F(CatalogueMarkTest, AnotherDatabaseWithTheSameRecordsHasAnotherMark) {
   EXPECT_NE(*MarkAfter(folder_ / "a", "Mug"), *MarkAfter(folder_ / "b", "Mug"));
 }
 
-TEST_F(CatalogueMarkTest, ARevisionThatIsNotReachedHasNone) {
+TEST_F(CatalogueMarkTest, FutureRevisionHasNoMark) {
   EXPECT_THAT(OpenOrDie(folder_ / "a")->MarkOf(1),
               StatusIs(absl::StatusCode::kNotFound, ::testing::_));
 }

@@ -43,7 +43,7 @@ absl::Status Rename(v1::Object& object) {
   return absl::OkStatus();
 }
 
-TEST_F(CatalogueResourcesTest, ACreatedObjectIsThereWithItsTimes) {
+TEST_F(CatalogueResourcesTest, CreatedObjectHasItsTimes) {
   v1::Object wanted = MakeObject("mug", "Mug");
   wanted.set_etag("chosen by the caller");
   const auto created = catalogue_->CreateObject(wanted);
@@ -60,7 +60,7 @@ TEST_F(CatalogueResourcesTest, ACreatedObjectIsThereWithItsTimes) {
   EXPECT_EQ(catalogue_->counts().objects, 1);
 }
 
-TEST_F(CatalogueResourcesTest, ANameIsTakenOnce) {
+TEST_F(CatalogueResourcesTest, NamesAreUnique) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug", "first")).ok());
   const auto again = catalogue_->CreateObject(MakeObject("mug", "second"));
   EXPECT_EQ(again.status().code(), absl::StatusCode::kAlreadyExists);
@@ -69,7 +69,7 @@ TEST_F(CatalogueResourcesTest, ANameIsTakenOnce) {
   EXPECT_EQ(catalogue_->revision(), 1);
 }
 
-TEST_F(CatalogueResourcesTest, WrongAndUnknownNamesAreToldApart) {
+TEST_F(CatalogueResourcesTest, InvalidAndUnknownNamesHaveDifferentErrors) {
   v1::Object nameless;
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->CreateObject(nameless).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->GetObject("cells/a").status()));
@@ -115,7 +115,7 @@ TEST_F(CatalogueResourcesTest, AnUpdateKeepsNameAndCreateTimeAndChangesTheEtag) 
             updated->SerializeAsString());
 }
 
-TEST_F(CatalogueResourcesTest, AnOldEtagAborts) {
+TEST_F(CatalogueResourcesTest, OldEtagAborts) {
   const auto created = catalogue_->CreateObject(MakeObject("mug", "Mug"));
   const auto updated = catalogue_->UpdateObject("objects/mug", created->etag(), Rename);
   ASSERT_TRUE(updated.ok());
@@ -126,7 +126,7 @@ TEST_F(CatalogueResourcesTest, AnOldEtagAborts) {
   EXPECT_TRUE(catalogue_->DeleteObject("objects/mug", true, updated->etag()).ok());
 }
 
-TEST_F(CatalogueResourcesTest, AnObjectMadeAnewHasAnotherEtag) {
+TEST_F(CatalogueResourcesTest, RecreatedObjectHasAnotherEtag) {
   const auto first = catalogue_->CreateObject(MakeObject("mug"));
   ASSERT_TRUE(catalogue_->DeleteObject("objects/mug", false, "").ok());
   const auto second = catalogue_->CreateObject(MakeObject("mug"));
@@ -164,7 +164,7 @@ TEST_F(CatalogueResourcesTest, PagesFollowOneAnotherWithoutGapsAndRepeats) {
   EXPECT_THAT(Names(catalogue_->ListObjects(5, "objects/e")), IsEmpty());
 }
 
-TEST_F(CatalogueResourcesTest, APageGoesOnAfterANameThatWasDeleted) {
+TEST_F(CatalogueResourcesTest, PageContinuesAfterADeletedName) {
   for (const char* id : {"a", "b", "c"}) {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id)).ok());
   }
@@ -172,7 +172,7 @@ TEST_F(CatalogueResourcesTest, APageGoesOnAfterANameThatWasDeleted) {
   EXPECT_THAT(Names(catalogue_->ListObjects(5, "objects/b")), ElementsAre("objects/c"));
 }
 
-TEST_F(CatalogueResourcesTest, ListsRefuseWhatTheyCannotMean) {
+TEST_F(CatalogueResourcesTest, ListsRejectInvalidArguments) {
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->ListObjects(0, "").status()));
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->ListObjects(5, "cells/a").status()));
   EXPECT_TRUE(absl::IsNotFound(catalogue_->ListStablePoses("objects/none", 5, "").status()));
@@ -180,7 +180,7 @@ TEST_F(CatalogueResourcesTest, ListsRefuseWhatTheyCannotMean) {
   EXPECT_THAT(Names(catalogue_->ListCells(5, "")), IsEmpty());
 }
 
-TEST_F(CatalogueResourcesTest, ChildrenOfASimilarNameAreSomeoneElses) {
+TEST_F(CatalogueResourcesTest, ChildrenOfASimilarNameAreNotIncluded) {
   // Each of these is a prefix of, or sorts beside, another one.
   for (const char* id : {"a", "ab", "a-", "a.b", "a0", "A"}) {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id)).ok());
@@ -205,7 +205,7 @@ TEST_F(CatalogueResourcesTest, ChildrenOfASimilarNameAreSomeoneElses) {
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }
 
-TEST_F(CatalogueResourcesTest, WhatHasChildrenIsDeletedWithForceOnly) {
+TEST_F(CatalogueResourcesTest, ParentsAreDeletedWithForceOnly) {
   const std::string pose = "objects/mug/stablePoses/upright";
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
@@ -215,7 +215,7 @@ TEST_F(CatalogueResourcesTest, WhatHasChildrenIsDeletedWithForceOnly) {
   EXPECT_EQ(catalogue_->revision(), 3);
 
   ASSERT_TRUE(catalogue_->DeleteObject("objects/mug", true, "").ok());
-  EXPECT_EQ(catalogue_->revision(), 4) << "one change for all of it";
+  EXPECT_EQ(catalogue_->revision(), 4) << "one change in total";
   EXPECT_TRUE(absl::IsNotFound(catalogue_->GetStablePose(pose).status()));
   EXPECT_TRUE(absl::IsNotFound(catalogue_->GetView(pose + "/views/0").status()));
   EXPECT_TRUE(absl::IsNotFound(catalogue_->GetPackedCloud(pose + "/views/0").status()));
@@ -223,14 +223,14 @@ TEST_F(CatalogueResourcesTest, WhatHasChildrenIsDeletedWithForceOnly) {
   EXPECT_EQ(counts.objects + counts.stable_poses + counts.views, 0);
 }
 
-TEST_F(CatalogueResourcesTest, WhatHasNoChildrenIsDeletedWithoutForce) {
+TEST_F(CatalogueResourcesTest, RecordsWithoutChildrenAreDeletedWithoutForce) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
   EXPECT_TRUE(catalogue_->DeleteStablePose("objects/mug/stablePoses/upright", false, "").ok());
   EXPECT_TRUE(catalogue_->DeleteObject("objects/mug", false, "").ok());
 }
 
-TEST_F(CatalogueResourcesTest, CellsAreKeptBesideTheObjects) {
+TEST_F(CatalogueResourcesTest, CellsAreIndependentOfObjects) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("line-1")).ok());
   const auto created = catalogue_->CreateCell(MakeCell("line-1"));
   ASSERT_TRUE(created.ok()) << created.status();
@@ -248,7 +248,7 @@ TEST_F(CatalogueResourcesTest, CellsAreKeptBesideTheObjects) {
 }
 
 TEST_F(CatalogueResourcesTest, ForcedDeletesReadNoCloud) {
-  // Large enough to lie in a blob file, and all together to be written there at the end.
+  // Large enough for a blob file, and in total to be flushed at the end.
   constexpr std::size_t kCloudBytes = 50'000;
   for (const char* id : {"mug", "bowl"}) {
     ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id)).ok());
@@ -267,7 +267,7 @@ TEST_F(CatalogueResourcesTest, ForcedDeletesReadNoCloud) {
   ASSERT_TRUE(catalogue_->DeleteObject("objects/bowl", true, "").ok());
   EXPECT_EQ(BlobsReadHere(), before + 1);
   EXPECT_EQ(catalogue_->counts().views, 0);
-  // Counts what is there of each kind.
+  // Counts the records of each kind.
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
   EXPECT_TRUE(

@@ -27,7 +27,7 @@ class CatalogueViewsTest : public ::testing::Test {
   std::unique_ptr<Catalogue> catalogue_ = OpenOrDie(directory_ / "db");
 };
 
-TEST_F(CatalogueViewsTest, AStoredViewComesBackWithItsCloud) {
+TEST_F(CatalogueViewsTest, StoredViewIsReadBackWithItsCloud) {
   for (const std::size_t cloud_bytes : {1U, 500U, 300'000U}) {  // inline and in a blob file
     const NewView view = MakeView(Name(std::to_string(cloud_bytes)), 1, cloud_bytes);
     const auto outcome = catalogue_->PutView(view);
@@ -59,7 +59,7 @@ TEST_F(CatalogueViewsTest, TheSameViewAgainChangesNothing) {
   EXPECT_EQ(catalogue_->counts().views, 1);
 }
 
-TEST_F(CatalogueViewsTest, AnotherContentUnderATakenNameIsRefused) {
+TEST_F(CatalogueViewsTest, OtherContentUnderATakenNameIsRejected) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(Name("0"), 1)).ok());
   const auto other = catalogue_->PutView(MakeView(Name("0"), 2));
   EXPECT_EQ(other.status().code(), absl::StatusCode::kAlreadyExists);
@@ -67,7 +67,7 @@ TEST_F(CatalogueViewsTest, AnotherContentUnderATakenNameIsRefused) {
   EXPECT_EQ(*catalogue_->GetPackedCloud(Name("0")), MakeView(Name("0"), 1).packed_cloud);
 }
 
-TEST_F(CatalogueViewsTest, AViewWithoutDigestOrCloudIsRefused) {
+TEST_F(CatalogueViewsTest, ViewWithoutDigestOrCloudIsRejected) {
   NewView no_digest = MakeView(Name("0"));
   no_digest.record.clear_content_digest();
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->PutView(no_digest).status()));
@@ -106,7 +106,7 @@ TEST_F(CatalogueViewsTest, ABulkWithOneBadViewStoresNone) {
   EXPECT_TRUE(catalogue_->PutViews({})->empty());
 }
 
-TEST_F(CatalogueViewsTest, ADeletedViewTakesItsCloudAlongAndCanBeTaughtAnew) {
+TEST_F(CatalogueViewsTest, DeletedViewRemovesItsCloudAndCanBeTaughtAgain) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(Name("0"), 1)).ok());
   ASSERT_TRUE(catalogue_->DeleteView(Name("0")).ok());
   EXPECT_TRUE(absl::IsNotFound(catalogue_->GetView(Name("0")).status()));
@@ -172,7 +172,7 @@ TEST_F(CatalogueViewsTest, ForEachViewSeesOneRevisionInOrderOfNames) {
   const std::int64_t before = catalogue_->revision();
   std::vector<std::string> seen;
   const auto revision = catalogue_->ForEachView([&](const ViewRecord& view) {
-    // What happens meanwhile is not seen, neither what is added nor what goes.
+    // Changes meanwhile are not visible, neither added nor deleted views.
     if (seen.empty()) {
       EXPECT_TRUE(catalogue_->PutView(MakeView(Name("00"))).ok());
       EXPECT_TRUE(catalogue_->DeleteView(Name("2")).ok());

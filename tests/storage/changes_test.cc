@@ -27,7 +27,7 @@ TEST_F(ChangesTest, EveryMutationGetsTheNextRevision) {
   EXPECT_THAT(revisions, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
 }
 
-TEST_F(ChangesTest, ChangeRecordsAddUpToTheRecordsAfterEveryMutation) {
+TEST_F(ChangesTest, ReplayedChangeRecordsGiveTheRecordsAfterEveryMutation) {
   // TakePicture() replays them and compares.
   MakeHistory(*catalogue_, [&] { EXPECT_TRUE(TakePicture(*catalogue_).ok()); });
 }
@@ -52,7 +52,7 @@ TEST_F(ChangesTest, AChangeRecordHoldsTheAfterImageButNoCloud) {
   EXPECT_TRUE(change.mutations(1).value().empty());
 }
 
-TEST_F(ChangesTest, EverythingIsThereAfterARestart) {
+TEST_F(ChangesTest, EverythingSurvivesARestart) {
   MakeHistory(*catalogue_, [] {});
   const auto before = TakePicture(*catalogue_);
   ASSERT_TRUE(before.ok());
@@ -84,25 +84,25 @@ TEST_F(ChangesTest, ChangesAreReadInPieces) {
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->ReadChanges(0, 0).status()));
 }
 
-TEST_F(ChangesTest, TheListenerHasHeardOfAChangeWhenItsCallReturns) {
+TEST_F(ChangesTest, ListenerIsNotifiedBeforeTheCallReturns) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("before")).ok());
-  std::vector<std::int64_t> heard;
+  std::vector<std::int64_t> notified;
   const auto since = catalogue_->Subscribe(
-      [&](const ChangeRecord& change) { heard.push_back(change.revision()); });
+      [&](const ChangeRecord& change) { notified.push_back(change.revision()); });
   ASSERT_TRUE(since.ok());
   EXPECT_EQ(*since, 1);
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
-  EXPECT_THAT(heard, ElementsAre(2));
+  EXPECT_THAT(notified, ElementsAre(2));
   EXPECT_FALSE(catalogue_->CreateObject(MakeObject("mug")).ok());
-  EXPECT_THAT(heard, ElementsAre(2)) << "a refused change is none";
+  EXPECT_THAT(notified, ElementsAre(2)) << "a rejected change has no revision";
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
   const std::string views = "objects/mug/stablePoses/upright/views/";
   const std::vector<NewView> both = {MakeView(views + "0", 1), MakeView(views + "1", 2)};
   ASSERT_TRUE(catalogue_->PutViews(both).ok());
-  EXPECT_THAT(heard, ElementsAre(2, 3, 4, 5));
+  EXPECT_THAT(notified, ElementsAre(2, 3, 4, 5));
   ASSERT_TRUE(catalogue_->Subscribe({}).ok());
   ASSERT_TRUE(catalogue_->DeleteView(views + "0").ok());
-  EXPECT_EQ(heard.size(), 4U) << "the listener was taken off";
+  EXPECT_EQ(notified.size(), 4U) << "the listener was removed";
 }
 
 TEST_F(ChangesTest, TheListenerSeesTheChangeOnDisk) {
@@ -113,7 +113,7 @@ TEST_F(ChangesTest, TheListenerSeesTheChangeOnDisk) {
                     ++calls;
                     EXPECT_EQ(catalogue_->revision(), change.revision());
                     EXPECT_TRUE(catalogue_->GetObject("objects/bowl").ok());
-                    // What a crash at this very moment would leave behind.
+                    // The state that a crash at this moment would leave.
                     CopyDatabase(directory_ / "db", directory_ / "copy");
                     EXPECT_EQ(OpenOrDie(directory_ / "copy")->revision(), change.revision());
                   })
@@ -122,21 +122,21 @@ TEST_F(ChangesTest, TheListenerSeesTheChangeOnDisk) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST_F(ChangesTest, AListenerThatThrowsMissesThatChangeAndNothingElse) {
-  std::vector<std::int64_t> told;
+TEST_F(ChangesTest, ThrowingListenerMissesThatChangeOnly) {
+  std::vector<std::int64_t> notified;
   ASSERT_TRUE(catalogue_
                   ->Subscribe([&](const ChangeRecord& change) {
                     if (change.revision() == 1) throw std::bad_alloc();
-                    told.push_back(change.revision());
+                    notified.push_back(change.revision());
                   })
                   .ok());
   EXPECT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
   EXPECT_TRUE(catalogue_->GetObject("objects/mug").ok());
   EXPECT_TRUE(catalogue_->CreateObject(MakeObject("bowl")).ok());
-  EXPECT_THAT(told, ElementsAre(2));
+  EXPECT_THAT(notified, ElementsAre(2));
 }
 
-TEST_F(ChangesTest, ChangesFromWithinTheListenerAreRefused) {
+TEST_F(ChangesTest, ChangesFromWithinTheListenerAreRejected) {
   absl::Status changed;
   absl::Status subscribed;
   ASSERT_TRUE(catalogue_
@@ -155,9 +155,10 @@ TEST_F(ChangesTest, ChangesFromWithinTheListenerAreRefused) {
 TEST_F(ChangesTest, ConcurrentWritersGetGaplessRevisionsAndTheListenerTheirOrder) {
   constexpr int kThreads = 4;
   constexpr int kWrites = 25;
-  std::vector<std::int64_t> heard;  // the listener is called by one thread at a time
+  std::vector<std::int64_t> notified;  // the listener is called by one thread at a time
   ASSERT_TRUE(
-      catalogue_->Subscribe([&](const ChangeRecord& change) { heard.push_back(change.revision()); })
+      catalogue_
+          ->Subscribe([&](const ChangeRecord& change) { notified.push_back(change.revision()); })
           .ok());
   std::atomic<bool> done = false;
   std::thread reader([&] {
@@ -187,9 +188,9 @@ TEST_F(ChangesTest, ConcurrentWritersGetGaplessRevisionsAndTheListenerTheirOrder
   for (std::thread& writer : writers) writer.join();
   done = true;
   reader.join();
-  ASSERT_EQ(heard.size(), static_cast<std::size_t>(kThreads * kWrites));
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    EXPECT_EQ(heard[i], static_cast<std::int64_t>(i) + 1);
+  ASSERT_EQ(notified.size(), static_cast<std::size_t>(kThreads * kWrites));
+  for (std::size_t i = 0; i < notified.size(); ++i) {
+    EXPECT_EQ(notified[i], static_cast<std::int64_t>(i) + 1);
   }
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }

@@ -9,22 +9,22 @@
 
 namespace graspdb::storage {
 
-// Started with the object; killed and waited for with it at the latest.
+// Started by the constructor; killed and waited for by the destructor at the latest.
 class ChildProcess {
  public:
-  // `what` is one of the words of other_process.cc.
+  // `what` is one of the commands of other_process.cc.
   ChildProcess(const std::string& what, const std::string& database);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // The next revision that it tells of; nothing once it has ended.
+  // The next revision that it reports; nullopt once it has ended.
   std::optional<std::int64_t> NextRevision();
   // Ends its standard input.
   void CloseInput();
-  // kill -9. What it told before can still be read.
+  // kill -9. Earlier reports can still be read.
   void Kill();
-  // Waits for its end; its wait status.
+  // Waits for its end; returns its wait status.
   int Wait();
 
  private:

@@ -34,7 +34,7 @@ class CorruptionTest : public ::testing::Test {
     return files;
   }
 
-  // For damage that may hit bytes without a meaning.
+  // For damage that may hit unused bytes.
   void ExpectWholeOrDataLoss(const absl::StatusOr<Picture>& picture, std::size_t offset) const {
     if (picture.ok()) {
       EXPECT_EQ(*picture, history_.back()) << offset;
@@ -50,7 +50,7 @@ class CorruptionTest : public ::testing::Test {
     return TakePicture(**catalogue);
   }
 
-  // Opens a copy of the database in which one byte of `file` is another one.
+  // Opens a copy of the database with one byte of `file` changed.
   absl::StatusOr<Picture> ReadFlipped(const std::filesystem::path& file, std::size_t offset) const {
     CopyDatabase(database_, copy_);
     std::string bytes = ReadBytes(file);
@@ -78,11 +78,11 @@ TEST_F(CorruptionTest, AfterACleanShutdownEveryFlippedByteInTheLogIsReported) {
 }
 
 TEST_F(CorruptionTest, AfterACrashDamageToTheLastWriteLooksLikeTheCrash) {
-  // As if the process had been killed: nobody wrote the floor of the last changes.
+  // As if the process had been killed: the floor of the last changes is not written.
   ASSERT_TRUE(WriteRevisionFloor(database_, 0).ok());
   const std::filesystem::path log = Files(".log").at(0);
   const std::string bytes = ReadBytes(log);
-  // The last write is what has to go until the log is whole again.
+  // Only the last write has to be dropped until the log is complete again.
   std::size_t last_begin = bytes.size() - 1;
   while (!InspectLog(bytes.substr(0, last_begin)).complete) --last_begin;
   for (std::size_t offset = last_begin - 400; offset < bytes.size(); offset += 41) {
@@ -118,7 +118,7 @@ TEST_F(CorruptionTest, AFlippedByteInATableOrBlobFileIsReported) {
       const std::size_t size = ReadBytes(file).size();
       for (std::size_t offset = 0; offset<size; offset += size> 8000 ? 997 : 31) {
         const auto picture = ReadFlipped(file, offset);
-        // Some bytes (properties, padding) are not read; then all must be as it was.
+        // Some bytes (properties, padding) are not read; then all records must be the same.
         ExpectWholeOrDataLoss(picture, offset);
         reported += picture.ok() ? 0U : 1U;
       }
@@ -140,7 +140,7 @@ TEST_P(ManifestCorruptionTest, AFlippedByteInTheManifestIsReportedOrHarmless) {
   }
 }
 
-TEST_P(ManifestCorruptionTest, ACutOffManifestIsReportedOrHarmless) {
+TEST_P(ManifestCorruptionTest, TruncatedManifestIsReportedOrHarmless) {
   if (GetParam()) OpenOrDie(database_);
   const std::filesystem::path manifest = Files("MANIFEST-").at(0);
   const std::size_t size = ReadBytes(manifest).size();
@@ -153,8 +153,8 @@ TEST_P(ManifestCorruptionTest, ACutOffManifestIsReportedOrHarmless) {
 
 INSTANTIATE_TEST_SUITE_P(LogAndTables, ManifestCorruptionTest, ::testing::Bool());
 
-TEST_F(CorruptionTest, ALogThatIsNotTheNewestMustBeWhole) {
-  // Two logs: the newer one from the copy of a database that went on after a restart.
+TEST_F(CorruptionTest, OlderLogMustBeComplete) {
+  // Two logs: the newer one from the copy of a database that continued after a restart.
   const std::vector<std::filesystem::path> logs = Files(".log");
   ASSERT_EQ(logs.size(), 1U);
   const std::filesystem::path newer = std::filesystem::path(database_) / "999999.log";
@@ -178,7 +178,7 @@ TEST_F(CorruptionTest, MissingFilesAreReported) {
   }
 }
 
-TEST_F(CorruptionTest, ACurrentFileThatPointsNowhereIsReported) {
+TEST_F(CorruptionTest, CurrentFileWithoutATargetIsReported) {
   for (const std::string text : {"", "MANIFEST-999999\n", "MANIFEST-000005", "garbage\n"}) {
     CopyDatabase(database_, copy_);
     WriteBytes(copy_ / "CURRENT", text);

@@ -1,4 +1,4 @@
-// Processes that are killed and writes that are torn: what was acknowledged is there.
+// Killed processes and torn writes: acknowledged changes survive.
 #include <sys/wait.h>
 
 #include <filesystem>
@@ -41,7 +41,7 @@ TEST_F(CrashTest, ACopyTakenWhileOpenHoldsEveryAcknowledgedWrite) {
   });
 }
 
-TEST_F(CrashTest, ATornLogIsTheCatalogueOfAnEarlierRevision) {
+TEST_F(CrashTest, TornLogGivesAnEarlierRevision) {
   std::vector<Picture> history;
   std::vector<std::uintmax_t> log_sizes;  // when each revision was acknowledged
   auto catalogue = OpenOrDie(database_);
@@ -70,13 +70,13 @@ TEST_F(CrashTest, ATornLogIsTheCatalogueOfAnEarlierRevision) {
     while (expected + 1 < log_sizes.size() && log_sizes[expected + 1] <= size) ++expected;
     ASSERT_EQ(picture->revision, static_cast<std::int64_t>(expected)) << size;
     ASSERT_EQ(*picture, history[expected]) << size;
-    // And it goes on from there: the same revision number is given again.
+    // And it continues from there: the same revision number is used again.
     ASSERT_TRUE(opened->CreateCell(MakeCell("after-the-crash")).ok());
     ASSERT_EQ(opened->revision(), static_cast<std::int64_t>(expected) + 1);
   }
 }
 
-TEST_F(CrashTest, ATornLogIsGoneOnceOpenHasReturned) {
+TEST_F(CrashTest, TornLogIsRemovedByOpen) {
   // The check of the logs relies on it: an old torn log beside a newer one is damage.
   {
     const auto catalogue = OpenOrDie(database_);
@@ -93,7 +93,7 @@ TEST_F(CrashTest, ATornLogIsGoneOnceOpenHasReturned) {
   EXPECT_EQ(OpenOrDie(second)->revision(), 12) << "eleven and the new one";
 }
 
-TEST_F(CrashTest, EverythingAcknowledgedBeforeKill9IsThere) {
+TEST_F(CrashTest, AcknowledgedChangesSurviveKill9) {
   for (int round = 0; round < 12; ++round) {
     ChildProcess writer("write", database_);
     std::int64_t last = 0;
@@ -104,12 +104,12 @@ TEST_F(CrashTest, EverythingAcknowledgedBeforeKill9IsThere) {
     }
     writer.Kill();
     ASSERT_TRUE(WIFSIGNALED(writer.Wait()));
-    // It may have acknowledged more before the signal came.
+    // It may have acknowledged more before the signal.
     while (const auto later = writer.NextRevision()) last = *later;
 
     const auto catalogue = OpenOrDie(database_);
     ASSERT_GE(catalogue->revision(), last);
-    ASSERT_LE(catalogue->revision(), last + 1) << "one write was on its way at most";
+    ASSERT_LE(catalogue->revision(), last + 1) << "at most one write was in progress";
     const auto picture = TakePicture(*catalogue);
     ASSERT_TRUE(picture.ok()) << picture.status();
     for (std::int64_t i = 0; i < last - 2; ++i) {

@@ -1,4 +1,4 @@
-// A disk that forgets what was not synced, and that fails when told to.
+// A disk that drops unsynced bytes, and that fails on request.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace graspdb::storage {
 
-// Passes everything on to the machine's files, and keeps count of what was synced.
+// Forwards everything to the machine's files, and counts the synced bytes.
 // Safe from any thread.
 class FaultyDisk : public rocksdb::FileSystemWrapper {
  public:
@@ -29,9 +29,9 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   rocksdb::IOStatus DeleteFile(const std::string& name, const rocksdb::IOOptions& options,
                                rocksdb::IODebugContext* context) override;
 
-  // From now on nothing changes on this disk any more, whatever is under way.
+  // Stops all further changes to this disk, including pending ones.
   void Stop() { stopped_ = true; }
-  // Cuts every file written through this disk, as found in `directory`, to what was synced.
+  // Truncates every file written through this disk, as found in `directory`, to its synced bytes.
   void LosePower(const std::string& directory);
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }

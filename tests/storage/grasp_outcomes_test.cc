@@ -1,4 +1,4 @@
-// What robots told of grasps, and what becomes of it.
+// Stored outcomes of grasps.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "storage/catalogue.h"
@@ -36,7 +36,7 @@ class GraspOutcomesTest : public ::testing::Test {
     catalogue_ = OpenOrDie(directory_ / "db");
   }
 
-  GraspOutcomesRecord Told() {
+  GraspOutcomesRecord Outcomes() {
     const auto record = catalogue_->GetGraspOutcomes(kUpright);
     EXPECT_TRUE(record.ok()) << record.status();
     return *record;
@@ -54,8 +54,8 @@ class GraspOutcomesTest : public ::testing::Test {
   std::unique_ptr<Catalogue> catalogue_ = OpenOrDie(directory_ / "db");
 };
 
-TEST_F(GraspOutcomesTest, AreAddedUpAndKept) {
-  EXPECT_EQ(Told().counts_size(), 0);
+TEST_F(GraspOutcomesTest, AreSummedAndStored) {
+  EXPECT_EQ(Outcomes().counts_size(), 0);
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 3, 0, 0)).ok());
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("side", 0, 1, 0)).ok());
   const auto sum = catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 2));
@@ -63,12 +63,12 @@ TEST_F(GraspOutcomesTest, AreAddedUpAndKept) {
   EXPECT_EQ(sum->revision, catalogue_->revision());
   EXPECT_EQ(sum->counts.SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
   Reopen();
-  ASSERT_EQ(Told().counts_size(), 2);
-  EXPECT_EQ(Told().counts(0).SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
-  EXPECT_EQ(Told().counts(1).SerializeAsString(), Counts("side", 0, 1, 0).SerializeAsString());
+  ASSERT_EQ(Outcomes().counts_size(), 2);
+  EXPECT_EQ(Outcomes().counts(0).SerializeAsString(), Counts("top", 4, 0, 2).SerializeAsString());
+  EXPECT_EQ(Outcomes().counts(1).SerializeAsString(), Counts("side", 0, 1, 0).SerializeAsString());
 }
 
-TEST_F(GraspOutcomesTest, EachReportIsAChangeThatLeavesTheStablePoseAlone) {
+TEST_F(GraspOutcomesTest, EachReportIsAChangeThatKeepsTheStablePose) {
   const std::string before = catalogue_->GetStablePose(kUpright)->SerializeAsString();
   const std::int64_t revision = catalogue_->revision();
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
@@ -82,7 +82,7 @@ TEST_F(GraspOutcomesTest, EachReportIsAChangeThatLeavesTheStablePoseAlone) {
   EXPECT_TRUE(TakePicture(*catalogue_).ok()) << "changes and counts agree";
 }
 
-TEST_F(GraspOutcomesTest, OfWhatIsNotThereAreRefused) {
+TEST_F(GraspOutcomesTest, OfMissingGraspsAreRejected) {
   const std::int64_t revision = catalogue_->revision();
   const auto add = [this](const char* pose, const v1::GraspOutcomeCounts& counts) {
     return catalogue_->AddGraspOutcomes(pose, counts).status();
@@ -99,15 +99,15 @@ TEST_F(GraspOutcomesTest, OfWhatIsNotThereAreRefused) {
   EXPECT_EQ(catalogue_->revision(), revision);
 }
 
-TEST_F(GraspOutcomesTest, GoWithTheirStablePose) {
+TEST_F(GraspOutcomesTest, AreDeletedWithTheirStablePose) {
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
   ASSERT_TRUE(catalogue_->DeleteStablePose(kUpright, false, "").ok());
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
-  EXPECT_EQ(Told().counts_size(), 0) << "another one of the same name begins anew";
+  EXPECT_EQ(Outcomes().counts_size(), 0) << "another one of the same name starts at zero";
 }
 
-TEST_F(GraspOutcomesTest, GoWithTheirObjectAndNotWithItsNeighbour) {
+TEST_F(GraspOutcomesTest, AreDeletedWithTheirObjectOnly) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug2")).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug2", "upright")).ok());
   const char other[] = "objects/mug2/stablePoses/upright";
@@ -120,7 +120,7 @@ TEST_F(GraspOutcomesTest, GoWithTheirObjectAndNotWithItsNeighbour) {
   EXPECT_EQ(catalogue_->GetGraspOutcomes(other)->counts(0).picked_count(), 2);
 }
 
-TEST_F(GraspOutcomesTest, StayWhereAGraspKeepsItsHold) {
+TEST_F(GraspOutcomesTest, AreKeptForUnchangedGeometry) {
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
   ASSERT_TRUE(Change([](v1::StablePose& pose) {
                 pose.set_symmetry_order(4);
@@ -129,24 +129,24 @@ TEST_F(GraspOutcomesTest, StayWhereAGraspKeepsItsHold) {
                 pose.mutable_grasps(0)->set_retreat_distance_m(0.3);
                 pose.mutable_grasps()->SwapElements(0, 1);
               }).ok());
-  ASSERT_EQ(Told().counts_size(), 1);
-  EXPECT_EQ(Told().counts(0).picked_count(), 1);
+  ASSERT_EQ(Outcomes().counts_size(), 1);
+  EXPECT_EQ(Outcomes().counts(0).picked_count(), 1);
 }
 
-TEST_F(GraspOutcomesTest, OfAGraspThatIsAnotherNowAreForgotten) {
+TEST_F(GraspOutcomesTest, OfAChangedGraspAreRemoved) {
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
   ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("side", 0, 5, 0)).ok());
   ASSERT_TRUE(Change([](v1::StablePose& pose) {
                 pose.mutable_grasps(1)->mutable_tcp_pose()->mutable_position()->set_z(0.1);
               }).ok());
-  ASSERT_EQ(Told().counts_size(), 1);
-  EXPECT_EQ(Told().counts(0).grasp_id(), "top");
+  ASSERT_EQ(Outcomes().counts_size(), 1);
+  EXPECT_EQ(Outcomes().counts(0).grasp_id(), "top");
   ASSERT_TRUE(Change([](v1::StablePose& pose) { pose.clear_grasps(); }).ok());
-  EXPECT_EQ(Told().counts_size(), 0);
+  EXPECT_EQ(Outcomes().counts_size(), 0);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }
 
-TEST_F(GraspOutcomesTest, OfAnotherOpeningOrFreeTurnAreForgotten) {
+TEST_F(GraspOutcomesTest, OfAnotherOpeningOrFreeTurnAreRemoved) {
   const std::vector<std::function<void(v1::Grasp*)>> changes = {
       [](v1::Grasp* top) { top->set_gripper_opening_m(0.077); },
       [](v1::Grasp* top) { top->mutable_free_turn()->set_max_deg(60); },
@@ -155,16 +155,16 @@ TEST_F(GraspOutcomesTest, OfAnotherOpeningOrFreeTurnAreForgotten) {
   for (const auto& change : changes) {
     ASSERT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
     ASSERT_TRUE(Change([&](v1::StablePose& pose) { change(pose.mutable_grasps(0)); }).ok());
-    EXPECT_EQ(Told().counts_size(), 0);
+    EXPECT_EQ(Outcomes().counts_size(), 0);
   }
 }
 
-TEST_F(GraspOutcomesTest, AreNoPartOfWhatIsStoredOfAStablePose) {
+TEST_F(GraspOutcomesTest, AreNotStoredInTheStablePose) {
   ASSERT_TRUE(Change([](v1::StablePose& pose) {
                 *pose.add_grasp_outcomes() = Counts("top", 9, 9, 9);
               }).ok());
   EXPECT_EQ(catalogue_->GetStablePose(kUpright)->grasp_outcomes_size(), 0);
-  EXPECT_EQ(Told().counts_size(), 0);
+  EXPECT_EQ(Outcomes().counts_size(), 0);
 }
 
 TEST_F(GraspOutcomesTest, ADatabaseOfVersion1IsMigrated) {
@@ -176,18 +176,18 @@ TEST_F(GraspOutcomesTest, ADatabaseOfVersion1IsMigrated) {
   EXPECT_TRUE(catalogue_->GetStablePose(kUpright).ok());
   EXPECT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
   Reopen();
-  EXPECT_EQ(Told().counts_size(), 1);
+  EXPECT_EQ(Outcomes().counts_size(), 1);
 }
 
-TEST_F(GraspOutcomesTest, AMigrationThatStoppedHalfWayGoesOn) {
+TEST_F(GraspOutcomesTest, InterruptedMigrationContinues) {
   catalogue_.reset();
-  SetSchemaVersion(directory_ / "db", 1);  // the family is there already
+  SetSchemaVersion(directory_ / "db", 1);  // the family exists already
   Reopen();
   EXPECT_EQ(catalogue_->schema_version(), kSchemaVersion);
   EXPECT_TRUE(catalogue_->AddGraspOutcomes(kUpright, Counts("top", 1, 0, 0)).ok());
 }
 
-TEST_F(GraspOutcomesTest, AMigrationMakesNothingAnewThatWasLost) {
+TEST_F(GraspOutcomesTest, MigrationDoesNotRecreateLostFamilies) {
   catalogue_.reset();
   DropFamily(directory_ / "db", "grasp_outcomes");
   DropFamily(directory_ / "db", "cells");

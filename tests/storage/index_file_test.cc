@@ -1,4 +1,4 @@
-// The file beside the database: what is read is what was written, or an error.
+// The file beside the database: reading gives the written contents, or an error.
 #include "storage/index_file.h"
 
 #include <filesystem>
@@ -37,7 +37,7 @@ class IndexFileTest : public ::testing::Test {
     return file.Commit();
   }
 
-  // The names of all blocks behind the mark, if everything is in order.
+  // The mark and the names of all blocks, if the file is valid.
   absl::StatusOr<std::string> ReadFile() const {
     auto file = IndexFileReader::Open(directory_.path());
     if (!file.ok()) return file.status();
@@ -62,11 +62,11 @@ TEST_F(IndexFileTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(*read, "mark a b");
 }
 
-TEST_F(IndexFileTest, WithoutAFileNothingIsFound) {
+TEST_F(IndexFileTest, MissingFileIsNotFound) {
   EXPECT_THAT(ReadFile(), StatusIs(absl::StatusCode::kNotFound, ::testing::_));
 }
 
-TEST_F(IndexFileTest, AFileThatEndsTooEarlyIsNoticedWhereverItEnds) {
+TEST_F(IndexFileTest, TruncationIsDetectedEverywhere) {
   ASSERT_THAT(WriteFile("mark"), IsOk());
   const std::string bytes = ReadBytes(path_);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -75,7 +75,7 @@ TEST_F(IndexFileTest, AFileThatEndsTooEarlyIsNoticedWhereverItEnds) {
   }
 }
 
-TEST_F(IndexFileTest, AFlippedBitIsNoticedWhereverItIs) {
+TEST_F(IndexFileTest, FlippedBitIsDetectedEverywhere) {
   ASSERT_THAT(WriteFile("mark"), IsOk());
   const std::string bytes = ReadBytes(path_);
   for (std::size_t i = 0; i < 8 * bytes.size(); ++i) {
@@ -86,13 +86,13 @@ TEST_F(IndexFileTest, AFlippedBitIsNoticedWhereverItIs) {
   }
 }
 
-TEST_F(IndexFileTest, BytesBehindTheEndAreNoticed) {
+TEST_F(IndexFileTest, TrailingBytesAreDetected) {
   ASSERT_THAT(WriteFile("mark"), IsOk());
   WriteBytes(path_, ReadBytes(path_) + '\0');
   EXPECT_THAT(ReadFile(), StatusIs(kDataLoss, ::testing::_));
 }
 
-TEST_F(IndexFileTest, BlocksThatChangedPlacesAreNoticed) {
+TEST_F(IndexFileTest, SwappedBlocksAreDetected) {
   ASSERT_THAT(WriteFile("mark"), IsOk());
   const std::string bytes = ReadBytes(path_);
   const std::size_t size = 8 + BlockOf("a").SerializeAsString().size();
@@ -102,20 +102,20 @@ TEST_F(IndexFileTest, BlocksThatChangedPlacesAreNoticed) {
   EXPECT_THAT(ReadFile(), StatusIs(kDataLoss, ::testing::_));
 }
 
-TEST_F(IndexFileTest, AWriterThatDoesNotComeToItsEndLeavesTheOldFile) {
+TEST_F(IndexFileTest, UnfinishedWriterLeavesTheOldFile) {
   ASSERT_THAT(WriteFile("old"), IsOk());
   EXPECT_THAT(WriteFile("new", 3), StatusIs(absl::StatusCode::kFailedPrecondition, ::testing::_));
   EXPECT_EQ(*ReadFile(), "old a b");
   EXPECT_FALSE(std::filesystem::exists(path_ + ".dbtmp"));
 }
 
-TEST_F(IndexFileTest, WhatACrashLeftOfAWriterIsOverwritten) {
+TEST_F(IndexFileTest, RemainsOfACrashAreOverwritten) {
   WriteBytes(path_ + ".dbtmp", std::string(10'000, 'x'));
   ASSERT_THAT(WriteFile("new"), IsOk());
   EXPECT_EQ(*ReadFile(), "new a b");
 }
 
-TEST_F(IndexFileTest, ADiskThatFailsIsReportedAndLeavesTheOldFile) {
+TEST_F(IndexFileTest, DiskFailureIsReportedAndLeavesTheOldFile) {
   ASSERT_THAT(WriteFile("old"), IsOk());
   std::filesystem::create_directory(path_ + ".dbtmp");
   EXPECT_THAT(WriteFile("new"),

@@ -1,4 +1,4 @@
-// How many change records are kept, and what those are told who need older ones.
+// The number of change records that are kept, and errors for readers that need older ones.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -35,7 +35,7 @@ class KeptChangesTest : public ::testing::Test {
     return revisions;
   }
 
-  // The newest revision whose change record is gone.
+  // The newest revision whose change record is deleted.
   std::int64_t Horizon() {
     std::int64_t horizon = 0;
     while (absl::IsOutOfRange(catalogue_->ReadChanges(horizon, 1).status())) ++horizon;
@@ -64,7 +64,7 @@ TEST_F(KeptChangesTest, OnlyTheNewestChangesAreKept) {
   }
 }
 
-TEST_F(KeptChangesTest, AllOthersAreThereInWhateverStateTheMachineStops) {
+TEST_F(KeptChangesTest, OthersSurviveACrashAtAnyTime) {
   Open(3);
   MakeHistory(*catalogue_, [&] {
     CopyDatabase(directory_ / "db", directory_ / "copy");
@@ -78,7 +78,7 @@ TEST_F(KeptChangesTest, AllOthersAreThereInWhateverStateTheMachineStops) {
   });
 }
 
-TEST_F(KeptChangesTest, ABacklogGoesWithTheNextChanges) {
+TEST_F(KeptChangesTest, BacklogIsDeletedWithTheNextChanges) {
   Open(1'000'000);
   MakeHistory(*catalogue_, [] {});
   std::vector<NewView> views;
@@ -113,7 +113,7 @@ TEST_F(KeptChangesTest, OneWriteMayMakeMoreChangesThanAreKept) {
   EXPECT_THAT(ChangesAfter(17), ElementsAre(18, 19));
 }
 
-TEST_F(KeptChangesTest, PicksAreCountedHoweverFewChangesAreKept) {
+TEST_F(KeptChangesTest, PickCountsDoNotDependOnKeptChanges) {
   Open(3);
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
   ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
@@ -131,7 +131,7 @@ TEST_F(KeptChangesTest, PicksAreCountedHoweverFewChangesAreKept) {
   EXPECT_EQ(Horizon(), 49);
 }
 
-TEST_F(KeptChangesTest, AMissingChangeThatShouldBeKeptIsDamage) {
+TEST_F(KeptChangesTest, MissingKeptChangeIsDamage) {
   Open(5);
   MakeHistory(*catalogue_, [] {});
   catalogue_.reset();

@@ -34,7 +34,7 @@ TEST(LogCheckTest, AnIntactLogIsComplete) {
   EXPECT_TRUE(verdict.has_writes);
 }
 
-TEST(LogCheckTest, AnEmptyLogAndAMarkHoldNoWrite) {
+TEST(LogCheckTest, EmptyLogAndMarkHaveNoWrite) {
   for (const std::string& log : {std::string(), Mark(), std::string(5000, '\0')}) {
     const LogVerdict verdict = InspectLog(log);
     EXPECT_TRUE(verdict.complete);
@@ -43,7 +43,7 @@ TEST(LogCheckTest, AnEmptyLogAndAMarkHoldNoWrite) {
   }
 }
 
-TEST(LogCheckTest, ACutOffTailIsACrash) {
+TEST(LogCheckTest, TruncatedTailIsACrash) {
   const std::string log = Write() + Write();
   for (std::size_t size = Write().size() + 1; size < log.size(); ++size) {
     const LogVerdict verdict = InspectLog(log.substr(0, size));

@@ -1,4 +1,4 @@
-// What can be opened, by whom, and what is said when not.
+// Opening databases, and the errors.
 #include <filesystem>
 #include <string>
 
@@ -38,7 +38,7 @@ TEST_F(OpenTest, ANewDatabaseIsEmpty) {
   EXPECT_EQ(*picture, Picture());
 }
 
-TEST_F(OpenTest, AMissingDatabaseIsMadeOnlyIfWanted) {
+TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
   CatalogueOptions options;
   options.create_if_missing = false;
   EXPECT_TRUE(absl::IsNotFound(Catalogue::Open(database_, options).status()));
@@ -47,7 +47,7 @@ TEST_F(OpenTest, AMissingDatabaseIsMadeOnlyIfWanted) {
   EXPECT_TRUE(Catalogue::Open(database_, options).ok());
 }
 
-TEST_F(OpenTest, ASecondOwnerInTheSameProcessIsTold) {
+TEST_F(OpenTest, SecondOwnerInTheSameProcessIsRejected) {
   const auto owner = OpenOrDie(database_);
   const absl::Status second = TryOpen();
   EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
@@ -56,8 +56,8 @@ TEST_F(OpenTest, ASecondOwnerInTheSameProcessIsTold) {
   EXPECT_TRUE(owner->CreateObject(MakeObject("mug")).ok()) << "the first one is unharmed";
 }
 
-TEST_F(OpenTest, ASecondOwnerInAnotherProcessIsToldUntilTheFirstIsGone) {
-  ChildProcess owner("hold", database_);
+TEST_F(OpenTest, SecondOwnerInAnotherProcessIsRejectedUntilTheFirstExits) {
+  ChildProcess owner("open", database_);
   ASSERT_EQ(owner.NextRevision(), 0);
   const absl::Status second = TryOpen();
   EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
@@ -67,23 +67,23 @@ TEST_F(OpenTest, ASecondOwnerInAnotherProcessIsToldUntilTheFirstIsGone) {
   EXPECT_TRUE(TryOpen().ok());
 }
 
-TEST_F(OpenTest, ADirectoryWithOtherFilesIsLeftAlone) {
+TEST_F(OpenTest, DirectoryWithOtherFilesIsUnchanged) {
   std::filesystem::create_directories(database_);
   WriteBytes(database_ + "/thesis.tex", "do not lose");
   const absl::Status opened = TryOpen();
   EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(opened.message()),
-              AllOf(HasSubstr(database_), HasSubstr("no graspdb database")));
+              AllOf(HasSubstr(database_), HasSubstr("not a graspdb database")));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(database_), {}), 1);
 }
 
-TEST_F(OpenTest, AFileIsNoDirectory) {
+TEST_F(OpenTest, FileIsNotADirectory) {
   WriteBytes(database_, "text");
   EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(ReadBytes(database_), "text");
 }
 
-TEST_F(OpenTest, TheDatabaseOfAnotherProgramIsRefused) {
+TEST_F(OpenTest, DatabaseOfAnotherProgramIsRejected) {
   MakeForeignDatabase(database_);
   EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
   AddFamily(database_, "theirs");
@@ -92,7 +92,7 @@ TEST_F(OpenTest, TheDatabaseOfAnotherProgramIsRefused) {
   EXPECT_THAT(std::string(opened.message()), HasSubstr("database of another program"));
 }
 
-TEST_F(OpenTest, ACrashWhileADatabaseIsMadeIsNoObstacle) {
+TEST_F(OpenTest, CrashDuringCreationIsHarmless) {
   // Before the file CURRENT ...
   std::filesystem::create_directories(database_);
   WriteBytes(database_ + "/LOCK", "");
@@ -100,7 +100,7 @@ TEST_F(OpenTest, ACrashWhileADatabaseIsMadeIsNoObstacle) {
   WriteBytes(database_ + "/IDENTITY", "x");
   WriteBytes(database_ + "/000001.dbtmp", "half");
   EXPECT_TRUE(TryOpen().ok());
-  // ... and between CURRENT and the first record, with some of the families made.
+  // ... and between CURRENT and the first record, with some of the families created.
   const std::string begun = directory_ / "begun";
   MakeEmptyDatabase(begun);
   AddFamily(begun, "objects");
@@ -111,7 +111,7 @@ TEST_F(OpenTest, ACrashWhileADatabaseIsMadeIsNoObstacle) {
 TEST_F(OpenTest, RecordsWithoutAMetaRecordAreNotOpened) {
   MakeDatabase();
   Tamper(database_, "default", "meta", nullptr);
-  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kDataLoss) << "the floor says that it is ours";
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kDataLoss) << "the floor shows that it is ours";
   std::filesystem::remove(database_ + "/REVISION");
   EXPECT_EQ(TryOpen().code(), absl::StatusCode::kFailedPrecondition);
 }
@@ -123,7 +123,7 @@ TEST_F(OpenTest, ARestoredDatabaseHasNoFloorAndGetsOne) {
   EXPECT_EQ(*ReadRevisionFloor(database_), 12);
 }
 
-TEST_F(OpenTest, TheFloorFollowsWithoutAShutdown) {
+TEST_F(OpenTest, FloorIsUpdatedWithoutAShutdown) {
   const auto catalogue = OpenOrDie(database_);
   for (int i = 0; i < 300; ++i) {
     ASSERT_TRUE(catalogue->CreateObject(MakeObject(std::to_string(i))).ok());
@@ -131,7 +131,7 @@ TEST_F(OpenTest, TheFloorFollowsWithoutAShutdown) {
   EXPECT_EQ(*ReadRevisionFloor(database_), 256);
 }
 
-TEST_F(OpenTest, ANewerSchemaIsRefusedAndLeftAsItIs) {
+TEST_F(OpenTest, NewerSchemaIsRejectedAndUnchanged) {
   MakeDatabase();
   SetSchemaVersion(database_, kSchemaVersion + 1);
   AddFamily(database_, "of_the_future");
@@ -139,12 +139,12 @@ TEST_F(OpenTest, ANewerSchemaIsRefusedAndLeftAsItIs) {
     const absl::Status opened = TryOpen();
     EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
     EXPECT_THAT(std::string(opened.message()),
-                AllOf(HasSubstr("has schema version 3, this program knows 2"),
+                AllOf(HasSubstr("has schema version 3; this program supports up to 2"),
                       HasSubstr("start the newer program")));
   }
 }
 
-TEST_F(OpenTest, SchemaVersion0IsRefusedAndLeftAsItIs) {
+TEST_F(OpenTest, SchemaVersion0IsRejectedAndUnchanged) {
   MakeDatabase();
   SetSchemaVersion(database_, 0);
   const absl::Status opened = TryOpen();
@@ -155,7 +155,7 @@ TEST_F(OpenTest, SchemaVersion0IsRefusedAndLeftAsItIs) {
   EXPECT_EQ(OpenOrDie(database_)->revision(), 12);
 }
 
-TEST_F(OpenTest, AMetaRecordThatIsNoneIsDataLoss) {
+TEST_F(OpenTest, InvalidMetaRecordIsDataLoss) {
   MakeDatabase();
   const std::string garbage = "\x0a\xff\xff";
   Tamper(database_, "default", "meta", &garbage);
@@ -210,7 +210,7 @@ TEST_F(OpenTest, ACloseLeavesNoLargeLogToReplay) {
       OpenOrDie(database_)->GetPackedCloud("objects/mug/stablePoses/upright/views/big").ok());
 }
 
-TEST_F(OpenTest, WhereOnlyTheIndexIsLeftADatabaseIsMissed) {
+TEST_F(OpenTest, RemainingIndexFileMeansALostDatabase) {
   std::filesystem::create_directory(database_);
   WriteBytes(std::filesystem::path(database_) / kIndexFile, "left over");
   EXPECT_TRUE(absl::IsDataLoss(TryOpen()));

@@ -1,9 +1,9 @@
 // The other process of the tests: opens the catalogue in argv[2] and
-//   hold    keeps it open until its standard input ends,
+//   open    keeps it open until its standard input ends,
 //   write   stores views until it is killed.
-// Tells of every revision that is acknowledged through its standard output, eight bytes
-// each; the first one after opening. A program of its own, because the threads that
-// RocksDB keeps in a test program do not survive a fork.
+// Writes every acknowledged revision to its standard output, eight bytes each; the first
+// one after opening. A program of its own, because the threads that RocksDB keeps in a
+// test program do not survive a fork.
 #include "tests/storage/other_process.h"
 
 #include <unistd.h>
@@ -19,7 +19,7 @@
 namespace graspdb::storage {
 namespace {
 
-bool Tell(std::int64_t revision) {
+bool Report(std::int64_t revision) {
   return write(STDOUT_FILENO, &revision, sizeof(revision)) == sizeof(revision);
 }
 
@@ -38,7 +38,7 @@ absl::Status WriteUntilKilled(Catalogue& catalogue) {
     view.record.set_content_digest(std::to_string(i));
     view.packed_cloud = WrittenCloud(i);
     if (auto stored = catalogue.PutView(view); !stored.ok()) return stored.status();
-    if (!Tell(catalogue.revision())) return absl::CancelledError("nobody listens");
+    if (!Report(catalogue.revision())) return absl::CancelledError("the output is closed");
   }
 }
 
@@ -47,7 +47,7 @@ absl::Status Run(const std::string& what, const std::string& database) {
   options.write_buffer_bytes = 256U << 10;  // so that kills hit flushes as well
   auto catalogue = Catalogue::Open(database, std::move(options));
   if (!catalogue.ok()) return catalogue.status();
-  if (!Tell((*catalogue)->revision())) return absl::CancelledError("nobody listens");
+  if (!Report((*catalogue)->revision())) return absl::CancelledError("the output is closed");
   if (what == "write") return WriteUntilKilled(**catalogue);
   char byte = 0;
   return read(STDIN_FILENO, &byte, 1) == 0 ? absl::OkStatus() : absl::InternalError("not ended");

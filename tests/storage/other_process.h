@@ -1,4 +1,4 @@
-// What the other process of the tests writes, so that the tests can check it.
+// The views that the other process of the tests writes, so that the tests can check them.
 #pragma once
 
 #include <cstddef>

@@ -63,7 +63,7 @@ TEST(PackedCloudTest, MovesACoordinateByHalfAStepAtMost) {
     const auto unpacked = UnpackCloud(PackOrDie(cloud));
     ASSERT_TRUE(unpacked.ok()) << unpacked.status();
     ASSERT_EQ(unpacked->size(), cloud.size());
-    // At 100 m a float itself is good to 4 micrometres only.
+    // At 100 m a float has a resolution of 4 micrometres only.
     const double tolerance = kCloudStep / 2 + 1e-7 * static_cast<double>(extent);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -92,7 +92,7 @@ TEST(PackedCloudTest, KeepsOrderAndDuplicates) {
   EXPECT_EQ(*unpacked, cloud);
 }
 
-TEST(PackedCloudTest, AnEmptyCloudIsACloud) {
+TEST(PackedCloudTest, EmptyCloudIsValid) {
   const auto unpacked = UnpackCloud(PackOrDie({}));
   ASSERT_TRUE(unpacked.ok()) << unpacked.status();
   EXPECT_TRUE(unpacked->empty());
@@ -117,7 +117,7 @@ TEST(PackedCloudTest, AcceptsTheFarthestCoordinatesAndTheirGreatestDifference) {
   EXPECT_EQ(*unpacked, cloud);
 }
 
-TEST(PackedCloudTest, RefusesWhatIsNoMeasurement) {
+TEST(PackedCloudTest, RejectsInvalidCoordinates) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (const float bad : {std::nanf(""), kInfinity, -kInfinity, 100.1F, -100.1F, 1e30F}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -128,7 +128,7 @@ TEST(PackedCloudTest, RefusesWhatIsNoMeasurement) {
   }
 }
 
-TEST(PackedCloudTest, EveryFlippedBitIsNoticed) {
+TEST(PackedCloudTest, EveryFlippedBitIsDetected) {
   const std::string packed = PackOrDie(RandomCloud(60, 1.0F, 3));
   for (std::size_t i = 0; i < packed.size(); ++i) {
     for (int bit = 0; bit < 8; ++bit) {
@@ -140,7 +140,7 @@ TEST(PackedCloudTest, EveryFlippedBitIsNoticed) {
   }
 }
 
-TEST(PackedCloudTest, EveryTruncationAndEveryExtensionIsNoticed) {
+TEST(PackedCloudTest, EveryTruncationAndExtensionIsDetected) {
   const std::string packed = PackOrDie(RandomCloud(60, 1.0F, 3));
   for (std::size_t size = 0; size < packed.size(); ++size) {
     ASSERT_EQ(UnpackCloud(packed.substr(0, size)).status().code(), absl::StatusCode::kDataLoss);
@@ -149,19 +149,19 @@ TEST(PackedCloudTest, EveryTruncationAndEveryExtensionIsNoticed) {
   EXPECT_FALSE(UnpackCloud(packed + packed).ok());
 }
 
-TEST(PackedCloudTest, MaliceWithARightChecksumIsNoticed) {
+TEST(PackedCloudTest, MaliciousBytesWithAValidChecksumAreDetected) {
   const std::string honest = PackOrDie(RandomCloud(60, 1.0F, 3)).substr(12);
   ASSERT_TRUE(UnpackCloud(Forge(60, honest)).ok()) << "the forgery itself must be right";
   for (const std::uint32_t count : {0U, 59U, 61U, 180U, 10'000'001U, 0xffffffffU}) {
     EXPECT_EQ(UnpackCloud(Forge(count, honest)).status().code(), absl::StatusCode::kDataLoss);
   }
   EXPECT_FALSE(UnpackCloud(Forge(1, "")).ok());
-  // A frame header that promises 2^60 bytes.
+  // A frame header that gives a size of 2^60 bytes.
   const std::string boast("\x28\xb5\x2f\xfd\xe4\x00\x00\x00\x00\x00\x00\x00\x10", 13);
   EXPECT_FALSE(UnpackCloud(Forge(10'000'000, boast)).ok());
 }
 
-TEST(PackedCloudTest, RandomFramesWithARightChecksumAreNoticed) {
+TEST(PackedCloudTest, RandomFramesWithAValidChecksumAreDetected) {
   std::mt19937 random(11);
   const std::string honest = PackOrDie(RandomCloud(60, 1.0F, 3)).substr(12);
   for (int trial = 0; trial < 3000; ++trial) {
@@ -169,7 +169,7 @@ TEST(PackedCloudTest, RandomFramesWithARightChecksumAreNoticed) {
     const std::size_t at = random() % frame.size();
     frame[at] = static_cast<char>(random() & 0xff);
     const auto unpacked = UnpackCloud(Forge(60, frame));
-    // Some bits of a zstd header mean nothing; then the points are the same.
+    // Some bits of a zstd header are unused; then the points are the same.
     if (unpacked.ok()) {
       EXPECT_EQ(*unpacked, *UnpackCloud(Forge(60, honest)));
     }

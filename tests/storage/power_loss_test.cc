@@ -1,4 +1,4 @@
-// A disk that loses what was not synced, or fails.
+// A disk that loses unsynced bytes, or fails.
 #include <memory>
 #include <random>
 #include <string>
@@ -31,7 +31,7 @@ class PowerLossTest : public ::testing::Test {
   const std::unique_ptr<rocksdb::Env> env_ = rocksdb::NewCompositeEnv(disk_);
 };
 
-TEST_F(PowerLossTest, WhatWasAcknowledgedSurvivesTheLossOfAllUnsyncedBytes) {
+TEST_F(PowerLossTest, AcknowledgedChangesSurviveTheLossOfUnsyncedBytes) {
   const auto catalogue = Open();
   MakeHistory(*catalogue, [&] {
     CopyDatabase(database_, copy_);
@@ -42,7 +42,7 @@ TEST_F(PowerLossTest, WhatWasAcknowledgedSurvivesTheLossOfAllUnsyncedBytes) {
   });
 }
 
-TEST_F(PowerLossTest, AlsoWhileMemoryGoesToFiles) {
+TEST_F(PowerLossTest, AcknowledgedChangesSurviveDuringFlushes) {
   std::mt19937 random(5);
   int view = 0;
   for (int round = 0; round < 8; ++round) {
@@ -87,25 +87,26 @@ TEST_F(PowerLossTest, EveryMutationSyncsTheLogOnceAndReadsDoNot) {
   EXPECT_EQ(disk_->syncs_of_logs(), before + 2) << "one for the whole bulk";
 }
 
-TEST_F(PowerLossTest, AfterAFailedWriteNothingIsTakenUntilARestart) {
+TEST_F(PowerLossTest, ChangesAreRejectedAfterAFailedWriteUntilARestart) {
   auto catalogue = Open();
-  std::vector<std::int64_t> heard;
+  std::vector<std::int64_t> notified;
   ASSERT_TRUE(catalogue->CreateObject(MakeObject("before")).ok());
   ASSERT_TRUE(
-      catalogue->Subscribe([&](const ChangeRecord& change) { heard.push_back(change.revision()); })
+      catalogue
+          ->Subscribe([&](const ChangeRecord& change) { notified.push_back(change.revision()); })
           .ok());
   disk_->FailSyncsOfLogs(true);
   const absl::Status failed = catalogue->CreateObject(MakeObject("lost")).status();
   EXPECT_TRUE(absl::IsUnavailable(failed)) << failed;
   EXPECT_THAT(std::string(failed.message()), HasSubstr("the disk is on fire"));
   EXPECT_EQ(catalogue->revision(), 1);
-  EXPECT_TRUE(heard.empty()) << "what is not durable is not told";
+  EXPECT_TRUE(notified.empty()) << "changes that are not durable are not reported";
 
   disk_->FailSyncsOfLogs(false);
   const absl::Status after = catalogue->CreateObject(MakeObject("after")).status();
   EXPECT_TRUE(absl::IsUnavailable(after)) << after;
   EXPECT_THAT(std::string(after.message()), HasSubstr("restart the server"));
-  EXPECT_TRUE(catalogue->GetObject("objects/before").ok()) << "reading goes on";
+  EXPECT_TRUE(catalogue->GetObject("objects/before").ok()) << "reading continues";
 
   catalogue.reset();
   catalogue = Open();

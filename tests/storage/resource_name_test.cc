@@ -17,7 +17,7 @@ TEST(ResourceIdTest, AcceptsLettersDigitsAndThreeSigns) {
   EXPECT_TRUE(ValidateResourceId(std::string(63, 'a')).ok());
 }
 
-TEST(ResourceIdTest, RefusesEverythingElse) {
+TEST(ResourceIdTest, RejectsOtherCharacters) {
   for (const std::string id : {"", "-a", ".", "..", "_a", "a/b", "a b", "a\n", "\xc3\xa4", "a:b"}) {
     EXPECT_EQ(ValidateResourceId(id).code(), absl::StatusCode::kInvalidArgument) << id;
   }
@@ -25,7 +25,7 @@ TEST(ResourceIdTest, RefusesEverythingElse) {
   EXPECT_FALSE(ValidateResourceId(std::string("a\0b", 3)).ok());
 }
 
-TEST(ResourceNameTest, WhatIsMadeIsParsed) {
+TEST(ResourceNameTest, ParsesMadeNames) {
   const auto object = ParseObjectName(MakeObjectName("mug"));
   ASSERT_TRUE(object.ok());
   EXPECT_EQ(object->object_id, "mug");
@@ -55,7 +55,7 @@ TEST(ResourceNameTest, NamesOfOneKindAreNotOfAnother) {
   EXPECT_FALSE(ParseStablePoseName("objects/a/stablePoses/b/views/c").ok());
 }
 
-TEST(ResourceNameTest, RefusesNearMisses) {
+TEST(ResourceNameTest, RejectsNearMisses) {
   for (const std::string name :
        {"", "objects", "objects/", "objects//", "/objects/a", "objects/a/", "Objects/a", "objectsa",
         "objects/a/stablePoses", "objects/a b", "objects/..", "objects/a%2fb"}) {
@@ -66,7 +66,7 @@ TEST(ResourceNameTest, RefusesNearMisses) {
   EXPECT_FALSE(ParseViewName("objects/a/stablePoses/b/views/").ok());
 }
 
-TEST(ResourceNameTest, TheErrorSaysWhatAndHow) {
+TEST(ResourceNameTest, ErrorHasTheNameAndTheRule) {
   const std::string message(ParseStablePoseName("objects/mug\x1b[31m").status().message());
   EXPECT_THAT(message, HasSubstr("\"objects/mug?[31m\""));
   EXPECT_THAT(message, HasSubstr("objects/{object}/stablePoses/{stable_pose}"));

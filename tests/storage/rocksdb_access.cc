@@ -58,7 +58,7 @@ void MakeEmptyDatabase(const std::string& directory) {
 void MakeForeignDatabase(const std::string& directory) {
   MakeEmptyDatabase(directory);
   const std::string value = "else";
-  Tamper(directory, "default", "somebody", &value);
+  Tamper(directory, "default", "foreign", &value);
 }
 
 void SetSchemaVersion(const std::string& directory, int version) {

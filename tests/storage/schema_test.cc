@@ -48,7 +48,7 @@ class SchemaTest : public ::testing::Test {
   std::unique_ptr<Database> database_;
 };
 
-TEST_F(SchemaTest, StepsRunInOrderOfVersionsAndEachIsKept) {
+TEST_F(SchemaTest, StepsRunInOrderAndEachIsSaved) {
   MetaRecord meta = *ReadMeta(*database_);
   const std::vector<Migration> steps = {Trace(0), Trace(2), Trace(3), Trace(1)};
   ASSERT_TRUE(Migrate(*database_, meta, steps, 4).ok());
@@ -72,7 +72,7 @@ TEST_F(SchemaTest, AFailedStepLeavesTheVersionBeforeIt) {
   EXPECT_EQ(*database_->Get(Family::kObjects, "trace"), "1");
 }
 
-TEST_F(SchemaTest, NothingRunsWhenAStepIsMissing) {
+TEST_F(SchemaTest, NoStepRunsWhenOneIsMissing) {
   MetaRecord meta = *ReadMeta(*database_);
   const std::vector<Migration> steps = {Trace(1), Trace(3)};
   EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*database_, meta, steps, 4)));
@@ -80,7 +80,7 @@ TEST_F(SchemaTest, NothingRunsWhenAStepIsMissing) {
   EXPECT_TRUE(absl::IsNotFound(database_->Get(Family::kObjects, "trace").status()));
 }
 
-TEST_F(SchemaTest, ThePublishedStepsLeadFrom1ToTheCurrentVersion) {
+TEST_F(SchemaTest, PublishedStepsMigrateFrom1ToTheCurrentVersion) {
   for (int version = 1; version < kSchemaVersion; ++version) {
     int steps = 0;
     for (const Migration& step : Migrations()) steps += step.from_version == version ? 1 : 0;

@@ -27,7 +27,7 @@ ConnectionOptions ConnectionTo(const AgentOptions& options) {
   ConnectionOptions out;
   out.server = options.server;
   out.timeout = absl::Seconds(options.time_limit_s);
-  out.retry = false;  // the cycle has pauses of its own, within a job's time
+  out.retry = false;  // CaptureAndRecognize retries within a job's time
   return out;
 }
 
@@ -65,7 +65,7 @@ absl::StatusOr<std::unique_ptr<BlackBox>> OpenBlackBox(const AgentOptions& optio
 
 }  // namespace
 
-// In the order in which they need each other; they go in the other one.
+// Members depend on those before them, and are destroyed in reverse order.
 struct Agent::Parts {
   Parts(const AgentOptions& given, const Jobs& jobs,
         const std::vector<CalibrationConfig>& calibrated, const LineProtocolOptions& line,
@@ -96,7 +96,7 @@ struct Agent::Parts {
     if (!bundle) return;
     const bool is_kept = options.black_box_all || report.poses.empty() ||
                          IsTroubled(*bundle, options.black_box_score);
-    if (is_kept) (void)black_box->Keep(*std::move(bundle));  // what it drops it counts
+    if (is_kept) (void)black_box->Keep(*std::move(bundle));  // drops are counted
   }
 
   std::string CountersText() const {

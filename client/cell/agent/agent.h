@@ -1,4 +1,4 @@
-// All parts of a cell's agent put together.
+// The agent of a cell: camera, client and robot servers.
 #pragma once
 
 #include <memory>
@@ -10,18 +10,18 @@
 
 namespace graspdb::client {
 
-// An agent that runs. Destroying it hangs up on robots and waits for the jobs that run.
+// A running agent. Destruction closes the robots' connections and waits for running jobs.
 class Agent {
  public:
-  // Listens, with the camera given. Neither the camera nor the server need be there yet. Errors say
-  // what to do next.
+  // Listens, with the given camera. Camera and server need not be available yet. Error messages
+  // contain the next step.
   static absl::StatusOr<std::unique_ptr<Agent>> Start(const AgentOptions& options,
                                                       std::unique_ptr<DepthSensor> sensor);
   ~Agent();
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  // HOST:PORT with the ports that were picked; empty where it does not listen.
+  // HOST:PORT with the actual port; empty when not listening.
   std::string gri_address() const;
   std::string line_address() const;
   std::string health_address() const;

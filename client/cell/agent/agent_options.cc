@@ -12,8 +12,8 @@ namespace graspdb::client {
 namespace {
 
 constexpr char kFooter[] =
-    R"(Every flag is also a variable (--time-limit is GRASPDB_TIME_LIMIT) and a key of the file given
-to --config:
+    R"(Every flag is also an environment variable (--time-limit is GRASPDB_TIME_LIMIT) and a key of
+the --config file:
   server="10.0.0.5:50051"
   cell="press-3"
   sensor="freenect"
@@ -23,39 +23,38 @@ to --config:
 
 A first try without camera and robot:
   graspdb-cell --cell press-3 --sensor simulated
-Stop it with SIGTERM or Ctrl-C: jobs that run are finished.
-Exit status: 0 stopped as asked, 1 could not start, 2 wrong usage.)";
+Stop it with SIGTERM or Ctrl-C: running jobs are finished.
+Exit status: 0 stopped by a signal, 1 could not start, 2 wrong usage.)";
 
 void AddAddresses(CLI::App& app, AgentOptions* o) {
   app.add_option("--server", o->server, "HOST:PORT of graspdb-server")->capture_default_str();
   app.add_option("--gri", o->gri,
-                 "HOST:PORT for robots that speak the Generic Robot Interface; \"\" for none")
+                 "HOST:PORT for robots with the Generic Robot Interface; \"\" for none")
       ->capture_default_str();
   app.add_option("--line", o->line, "HOST:PORT for the line protocol; \"\" for none")
       ->capture_default_str();
   app.add_option("--line-format", o->line_format,
-                 "How poses are written on the line protocol for robots that say no FORMAT: a "
-                 "vendor's name or a number from 1 to 51");
+                 "Pose format of the line protocol for robots that send no FORMAT: a vendor's name "
+                 "or a number from 1 to 51");
   app.add_option("--health", o->health, "HOST:PORT of the health service (gRPC); \"\" for none")
       ->capture_default_str();
   app.add_flag("--allow-remote-robots", o->allow_remote_robots,
-               "Listen on other addresses than this machine's own; robots' protocols know neither "
-               "encryption nor passwords, so let only the cell's network reach them");
+               "Allow addresses that other machines can reach; the robot protocols have neither "
+               "encryption nor passwords, so expose them only to the cell's network");
 }
 
 void AddLimits(CLI::App& app, AgentOptions* o) {
   const auto number = [&](const char* flag, double* value, const char* text, double lo, double hi) {
     app.add_option(flag, *value, text)->check(CLI::Range(lo, hi))->capture_default_str();
   };
-  number("--time-limit", &o->time_limit_s, "Seconds that a job may take, waiting included", 0.01,
+  number("--time-limit", &o->time_limit_s, "Maximum duration of a job, waiting included, s", 0.01,
          600);
-  number("--max-frame-age", &o->max_frame_age_s, "Seconds after which a frame is no answer", 0.01,
-         60);
-  number("--min-reach", &o->min_reach_m, "Nearest that the tool may come to the robot's base, m", 0,
+  number("--max-frame-age", &o->max_frame_age_s, "Maximum age of a frame, s", 0.01, 60);
+  number("--min-reach", &o->min_reach_m, "Minimum distance of the tool from the robot's base, m", 0,
          1000);
-  number("--max-reach", &o->max_reach_m, "Farthest that the tool may go from the robot's base, m",
-         0, 1000);
-  number("--cell-period", &o->cell_period_s, "Seconds between looks at the cell's calibration",
+  number("--max-reach", &o->max_reach_m, "Maximum distance of the tool from the robot's base, m", 0,
+         1000);
+  number("--cell-period", &o->cell_period_s, "Seconds between reads of the cell's calibration",
          0.05, 3600);
   number("--counters-period", &o->counters_period_s, "Seconds between counters in the log", 0.1,
          86400);
@@ -63,12 +62,14 @@ void AddLimits(CLI::App& app, AgentOptions* o) {
 
 void AddBlackBox(CLI::App& app, AgentOptions* o) {
   app.add_option("--black-box", o->black_box,
-                 "Folder that keeps requests that came to no good end, for graspdb replay");
-  app.add_option("--black-box-mib", o->black_box_mib, "Its size, MiB; the oldest leave")
+                 "Folder for failed and low-score requests, for graspdb replay");
+  app.add_option("--black-box-mib", o->black_box_mib,
+                 "Maximum size of the folder, MiB; the oldest are deleted")
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
   app.add_flag("--black-box-all", o->black_box_all, "Keep all requests");
-  app.add_option("--black-box-score", o->black_box_score, "Keep answers that score less")
+  app.add_option("--black-box-score", o->black_box_score,
+                 "Keep responses whose best score is lower")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
 }
@@ -79,29 +80,28 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv) {
   ParsedAgentOptions out;
   AgentOptions* o = &out.options;
   CLI::App app(
-      "graspdb-cell is the agent of a robot cell: it takes frames from the camera, asks the "
-      "server, "
-      "and tells the robot where to grasp.",
+      "graspdb-cell is the agent of a robot cell: it captures frames, sends them to the "
+      "server, and returns grasp poses to the robot.",
       "graspdb-cell");
   app.set_version_flag("--version", absl::StrCat("graspdb-cell ", kVersion));
   app.footer(absl::StrCat(JobHelp(), "\n\n", CalibrationHelp(), "\n\n", kFooter));
-  app.add_option("--cell", o->cell, "Id of the cell, as graspdb cells set made it")->required();
+  app.add_option("--cell", o->cell, "Id of the cell, created by graspdb cells set")->required();
   app.add_option("--sensor", o->sensor, "The camera: freenect, openni2, files:FOLDER, simulated")
       ->required();
-  app.add_option("--job", o->jobs, "A job, see below; give it once for each")
+  app.add_option("--job", o->jobs, "A job, see below; may be repeated")
       ->expected(1)
       ->take_all()
       ->type_name("\"NUMBER WORDS\"")
       ->capture_default_str();
   app.add_option("--calibrate", o->calibrations,
-                 "A hand-eye calibration that robots may drive, see below; give it once for each")
+                 "A hand-eye calibration that robots may run, see below; may be repeated")
       ->expected(1)
       ->take_all()
       ->type_name("\"PIPELINE WORDS\"");
   AddAddresses(app, o);
   AddLimits(app, o);
   AddBlackBox(app, o);
-  app.add_option("--log-level", o->log_level, "What goes to the log on stderr")
+  app.add_option("--log-level", o->log_level, "Minimum level of log messages on stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
   AddSettingsFile(app);
@@ -122,7 +122,7 @@ absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options) {
 
 absl::Status CheckAddresses(const AgentOptions& options) {
   if (options.gri.empty() && options.line.empty()) {
-    return absl::InvalidArgumentError("no robot could connect; give --gri or --line");
+    return absl::InvalidArgumentError("neither robot protocol is enabled; give --gri or --line");
   }
   const std::vector<std::pair<std::string, std::string>> flags = {
       {"--gri", options.gri}, {"--line", options.line}, {"--health", options.health}};

@@ -1,4 +1,4 @@
-// The settings of a cell's agent: flags, environment variables, a file.
+// The settings of a cell's agent, from flags, environment variables and a file.
 #pragma once
 
 #include <limits>
@@ -19,7 +19,7 @@ struct AgentOptions {
   std::vector<std::string> calibrations;
   std::string gri = "127.0.0.1:7100";
   std::string line = "127.0.0.1:7101";
-  std::string line_format;  // a name that PoseFormatNamed knows; empty: robots must say FORMAT
+  std::string line_format;  // for PoseFormatNamed; empty: robots must send FORMAT
   std::string health = "127.0.0.1:7102";
   bool allow_remote_robots = false;
   double time_limit_s = 5;
@@ -35,10 +35,10 @@ struct AgentOptions {
   std::string log_level = "info";
 };
 
-// What reading the command line came to.
+// The parsed command line.
 struct ParsedAgentOptions {
   AgentOptions options;
-  bool done = false;    // nothing is left to do: help or version was printed
+  bool done = false;    // exit now: help, version or an error was printed
   int exit_status = 0;  // 2 when the usage is wrong
 };
 
@@ -46,11 +46,11 @@ struct ParsedAgentOptions {
 // precedence. Prints help, version and errors itself.
 ParsedAgentOptions ParseAgentOptions(int argc, char** argv);
 
-// How the line protocol writes poses where a robot does not say. INVALID_ARGUMENT when it is none.
+// The line protocol's default pose format. INVALID_ARGUMENT for an unknown one.
 absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options);
 
-// FAILED_PRECONDITION when robots on other machines could connect without that being allowed;
-// INVALID_ARGUMENT when an address is none, or no robot could.
+// FAILED_PRECONDITION when other machines could connect without allow_remote_robots;
+// INVALID_ARGUMENT for an invalid address, or when no robot protocol is enabled.
 absl::Status CheckAddresses(const AgentOptions& options);
 
 }  // namespace graspdb::client

@@ -13,9 +13,9 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kMaxFrames = 100;
-// Of a region's half width, m.
-constexpr double kNarrowestM = 0.05;
-constexpr double kWidestM = 1;
+// Range of a region's half width, m.
+constexpr double kMinHalfWidthM = 0.05;
+constexpr double kMaxHalfWidthM = 1;
 
 absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
   const std::pair<std::string, std::string> pair = absl::StrSplit(word, absl::MaxSplits('=', 1));
@@ -33,41 +33,41 @@ absl::Status Apply(const std::string& word, HandEyeSetup* setup) {
     return absl::OkStatus();
   }
   double half_width_m = 0;
-  if (key == "region" && absl::SimpleAtod(value, &half_width_m) && half_width_m >= kNarrowestM &&
-      half_width_m <= kWidestM) {
+  if (key == "region" && absl::SimpleAtod(value, &half_width_m) && half_width_m >= kMinHalfWidthM &&
+      half_width_m <= kMaxHalfWidthM) {
     setup->region = GrippedRegion(half_width_m);
     return absl::OkStatus();
   }
   return absl::InvalidArgumentError(absl::StrCat(
       "\"", word, "\" is wrong; give target=OBJECT, mount=fixed or mount=flange, frames=1 to ",
-      kMaxFrames, ", region=", kNarrowestM, " to ", kWidestM, " (metres)"));
+      kMaxFrames, ", region=", kMinHalfWidthM, " to ", kMaxHalfWidthM, " (metres)"));
 }
 
 absl::Status Parse(const std::string& line, CalibrationConfig* config) {
   const std::vector<std::string> words =
       absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
   if (words.empty() || !absl::SimpleAtoi(words[0], &config->pipeline) || config->pipeline < 0) {
-    return absl::InvalidArgumentError("it must begin with the number of a pipeline");
+    return absl::InvalidArgumentError("it must start with a pipeline number");
   }
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (absl::Status status = Apply(words[i], &config->setup); !status.ok()) return status;
   }
   if (config->setup.target.empty()) {
-    return absl::InvalidArgumentError("target= is missing; name a taught object");
+    return absl::InvalidArgumentError("target= is missing; give a taught object");
   }
   if (config->setup.region && config->setup.mount == CameraMount::kOnFlange) {
     return absl::InvalidArgumentError(
-        "region= is where the gripper holds the target, and means nothing with mount=flange");
+        "region= is where the gripper holds the target, and is not allowed with mount=flange");
   }
   return absl::OkStatus();
 }
 
 constexpr char kCalibrationHelp[] =
-    R"(A calibration is a line: the number of its pipeline, then words.
+    R"(A calibration is a line: its pipeline number, then words.
   0 target=block mount=fixed               the gripper holds the taught object "block"
-  0 target=block mount=fixed region=0.3    and that within 0.3 m of the world's origin in x and y, 6
-                                           to 50 cm above the table: found quicker, and surer
-  1 target=block mount=flange frames=10    the camera is on the robot, the block stands on the table)";
+  0 target=block mount=fixed region=0.3    the same, within 0.3 m of the world's origin in x and y,
+                                           6 to 50 cm above the table: faster and more reliable
+  1 target=block mount=flange frames=10    the camera is on the robot, the block is on the table)";
 
 }  // namespace
 
@@ -82,7 +82,7 @@ absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
     config.setup.cell = cell;
     absl::Status status = Parse(line, &config);
     if (status.ok() && !taken.insert(config.pipeline).second) {
-      status = absl::InvalidArgumentError("its number is taken by another one");
+      status = absl::InvalidArgumentError("its number is taken by another calibration");
     }
     if (!status.ok()) {
       return absl::InvalidArgumentError(

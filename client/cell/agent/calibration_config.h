@@ -1,4 +1,4 @@
-// How the hand-eye calibrations of a cell are set up.
+// Settings of a cell's hand-eye calibrations.
 #pragma once
 
 #include <string>
@@ -14,15 +14,15 @@ struct CalibrationConfig {
   HandEyeSetup setup;
 };
 
-// A calibration as a line of text: its pipeline's number, then words.
+// A calibration as a line of text: its pipeline number, then words.
 //   0 target=calibration-block mount=fixed region=0.3
 //   1 target=calibration-block mount=flange frames=10
-// `cell` is a resource name. INVALID_ARGUMENT, with the line and what may stand there, where it is
-// none, or where two have the same number.
+// `cell` is a resource name. INVALID_ARGUMENT, with the line and the allowed words, for an invalid
+// line or two with the same number.
 absl::StatusOr<std::vector<CalibrationConfig>> ParseCalibrations(
     const std::vector<std::string>& lines, const std::string& cell);
 
-// How to write them, for --help.
+// Their syntax, for --help.
 std::string CalibrationHelp();
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// The hand-eye calibrations that a cell's robots may drive.
+// The hand-eye calibrations that a cell's robots may run.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,7 @@
 
 namespace graspdb::client {
 
-// Calibrates over the cell's camera and server; what was found is used by the next job.
-// Thread-safe.
+// Calibrates with the cell's camera and server; the next job uses the result. Thread-safe.
 class Calibrations : public RobotCalibrator {
  public:
   // All references must outlive this.

@@ -10,9 +10,9 @@ namespace graspdb::client {
 namespace {
 
 constexpr absl::Duration kFirstPause = absl::Milliseconds(20);
-constexpr absl::Duration kLongestPause = absl::Milliseconds(500);
+constexpr absl::Duration kMaxPause = absl::Milliseconds(500);
 
-bool IsPassing(const absl::Status& status) {
+bool IsTransient(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsUnavailable(status) ||
          absl::IsResourceExhausted(status);
 }
@@ -36,48 +36,48 @@ absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(absl::Time deadline) {
 }
 
 absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& base_flange,
-                                      absl::Time deadline, Look* look) {
-  look->request.Clear();
+                                      absl::Time deadline, CaptureResult* capture) {
+  capture->request.Clear();
   const absl::StatusOr<KeptCell> cell = cell_.Get();
   if (!cell.ok()) return cell.status();
-  look->cell = *cell;
+  capture->cell = *cell;
   const absl::Time start = absl::Now();
   absl::StatusOr<SensorFrame> frame = Grab(deadline);
-  look->camera_time += absl::Now() - start;
+  capture->camera_time += absl::Now() - start;
   if (!frame.ok()) return frame.status();
   const absl::StatusOr<recognition::Pose> world_sensor =
       WorldSensor(cell->frames, base_flange, frame->world_sensor);
   if (!world_sensor.ok()) return world_sensor.status();
-  look->request.set_cell(name_);
-  *look->request.mutable_sensor_pose() = ToMessage(*world_sensor);
-  SetScan(std::move(frame->scan), &look->request);
+  capture->request.set_cell(name_);
+  *capture->request.mutable_sensor_pose() = ToMessage(*world_sensor);
+  SetScan(std::move(frame->scan), &capture->request);
   absl::StatusOr<v1::RecognizeResponse> response =
-      client_.Recognize(look->request, deadline - absl::Now());
+      client_.Recognize(capture->request, deadline - absl::Now());
   if (!response.ok()) return Refusal(response.status());
-  look->response = *std::move(response);
+  capture->response = *std::move(response);
   return absl::OkStatus();
 }
 
 absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& base_flange,
-                                      absl::Time deadline, Look* look) {
+                                      absl::Time deadline, CaptureResult* capture) {
   absl::Duration pause = kFirstPause;
   absl::Status no_server;
   for (;;) {
-    absl::Status status = Try(base_flange, deadline, look);
+    absl::Status status = Try(base_flange, deadline, capture);
     if (status.ok()) return status;
     if (absl::IsUnavailable(status)) no_server = status;
-    if (absl::IsDeadlineExceeded(status)) {  // of an unreachable server, not a slow one
+    if (absl::IsDeadlineExceeded(status)) {  // the server is unreachable, not slow
       if (absl::IsUnavailable(cell_.state())) return cell_.state();
       return no_server.ok() ? status : no_server;
     }
-    if (!IsPassing(status)) return status;
+    if (!IsTransient(status)) return status;
     const bool is_late = absl::Now() + pause >= deadline;
     if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
-      // The camera had no time left for another frame after the server had not come.
+      // The server was unavailable, and no time was left for another frame.
       if (absl::IsAborted(status) && !no_server.ok()) return no_server;
       return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
     }
-    pause = std::min(2 * pause, kLongestPause);
+    pause = std::min(2 * pause, kMaxPause);
   }
 }
 

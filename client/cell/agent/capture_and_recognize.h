@@ -1,4 +1,4 @@
-// One look: a frame from the camera, and what the server says of it.
+// One capture and its recognition result.
 #pragma once
 
 #include <optional>
@@ -15,34 +15,34 @@
 
 namespace graspdb::client {
 
-struct Look {
-  v1::RecognizeRequest request;  // of the last attempt; without a scan where there was no frame
+struct CaptureResult {
+  v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame
   v1::RecognizeResponse response;
-  KeptCell cell;                                      // that the request was made with
+  KeptCell cell;                                      // used for the request
   absl::Duration camera_time = absl::ZeroDuration();  // waiting for the frame
 };
 
-// Looks. Thread-safe.
+// Captures a frame and sends it to the server. Thread-safe.
 class CaptureAndRecognize {
  public:
   // All must outlive this. `name` is the cell's resource name.
   CaptureAndRecognize(DepthSensor& sensor, Client& client, CellCache& cell, std::string name)
       : sensor_(sensor), client_(client), cell_(cell), name_(std::move(name)) {}
 
-  // Tries again, with longer and longer pauses, while camera or server are away and `deadline` lets
-  // it; then, or when stopped:
-  // ABORTED when the camera gives nothing, UNAVAILABLE when the server is not there or has no time,
-  // DEADLINE_EXCEEDED when it took too long. At once: errors of WorldSensor and of CellCache::Get;
-  // DATA_LOSS when the server refuses (see Refusal). `look` is filled in as far as it came.
+  // Retries with increasing pauses while camera or server are unavailable, until `deadline` or
+  // Stop; then ABORTED when the camera gives no frame, UNAVAILABLE when the server is unreachable
+  // or busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
+  // CellCache::Get; DATA_LOSS when the server rejects the request (see Refusal). `capture` is
+  // filled in on errors, too, as far as possible.
   absl::Status Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
-                   Look* look);
+                   CaptureResult* capture);
 
-  // Ends what runs, at the next pause.
+  // Ends running calls at their next pause.
   void Stop();
 
  private:
   absl::Status Try(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
-                   Look* look);
+                   CaptureResult* capture);
   absl::StatusOr<SensorFrame> Grab(absl::Time deadline);
 
   DepthSensor& sensor_;

@@ -14,7 +14,7 @@ absl::StatusOr<KeptCell> Read(Client& client, const std::string& name) {
   absl::StatusOr<v1::Cell> cell = client.GetCell(name);
   if (absl::IsNotFound(cell.status())) {
     return absl::FailedPreconditionError(absl::StrCat(
-        "the server knows no ", name, "; make it with: graspdb cells set ", name.substr(6)));
+        "the server has no ", name, "; create it with: graspdb cells set ", name.substr(6)));
   }
   if (!cell.ok()) return cell.status();
   absl::StatusOr<CellFrames> frames = FramesOf(*cell);
@@ -67,7 +67,7 @@ absl::Status CellCache::Refresh() {
     }
   }
   state_ = cell.status();
-  // A server that is away, or busy, does not move the cell.
+  // The cached cell stays valid while the server is unavailable or busy.
   if (cell.ok() || absl::IsFailedPrecondition(state_)) cell_ = std::move(cell);
   return state_;
 }
@@ -79,7 +79,7 @@ absl::Status CellCache::state() const {
 
 void CellCache::Watch() {
   for (;;) {
-    (void)Refresh();  // kept in state_, and logged
+    (void)Refresh();  // stored in state_ and logged
     absl::MutexLock lock(&mutex_);
     if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_)) return;
   }

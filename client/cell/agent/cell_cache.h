@@ -1,4 +1,4 @@
-// What the server says of the cell, kept up to date.
+// The cell's record on the server, kept up to date.
 #pragma once
 
 #include <string>
@@ -13,14 +13,14 @@
 
 namespace graspdb::client {
 
-// The cell as it was read last.
+// The cell as last read.
 struct KeptCell {
   CellFrames frames;
   std::optional<recognition::Box> workspace;  // world frame
 };
 
-// Reads the cell again and again in the background, and by that knows whether the server is there.
-// What was read once is kept while the server is away. Thread-safe.
+// Reads the cell periodically in the background, which also monitors the server. Keeps the last
+// cell while the server is unavailable. Thread-safe.
 class CellCache {
  public:
   // `cell` is a resource name. `client` must outlive this.
@@ -29,14 +29,14 @@ class CellCache {
   CellCache(const CellCache&) = delete;
   CellCache& operator=(const CellCache&) = delete;
 
-  // The cell; read now where it has never been. Errors of the server; NOT_FOUND becomes
-  // FAILED_PRECONDITION, with what to do.
+  // The cached cell; read now if there is none yet. Errors of the server; NOT_FOUND becomes
+  // FAILED_PRECONDITION, with the command to run.
   absl::StatusOr<KeptCell> Get();
 
-  // Reads it now, as after a calibration.
+  // Reads the cell now, e.g. after a calibration.
   absl::Status Refresh();
 
-  // What the last read came to.
+  // Status of the last read.
   absl::Status state() const;
 
  private:

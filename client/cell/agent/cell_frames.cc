@@ -34,12 +34,12 @@ absl::StatusOr<Pose> WorldSensor(const CellFrames& frames, const std::optional<P
   if (frames.flange_sensor) {
     if (base_flange) return frames.world_base * *base_flange * *frames.flange_sensor;
     return absl::InvalidArgumentError(
-        "the camera is on the robot; send where its flange is with the request");
+        "the camera is on the robot; send the flange pose with the request");
   }
   if (frames.world_sensor) return *frames.world_sensor;
   if (frame) return *frame;
   return absl::FailedPreconditionError(
-      "nobody knows where the cell's camera is; run graspdb cells level, or calibrate it with the "
+      "the pose of the cell's camera is unknown; run graspdb cells level, or calibrate it with the "
       "robot");
 }
 

@@ -41,7 +41,7 @@ CellRunner::CellRunner(Jobs jobs, JobProtocol protocol, CellRunnerOptions option
       options_(std::move(options)),
       parts_(std::move(parts)),
       labels_(parts_.client),
-      showing_(parts_.client, kShowMemory) {}
+      teaching_(parts_.client, kShowMemory) {}
 
 bool CellRunner::IsReady() { return parts_.cell.state().ok() && parts_.sensor.IsReady(); }
 
@@ -70,8 +70,9 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) 
   if (absl::Status status = Check(request.job); !status.ok()) return status;
   const JobConfig& job = jobs_.at(request.job);
   if (job.kind == JobKind::kRecognize) return Recognize(job, request);
-  absl::Status done = job.kind == JobKind::kShowGrasp ? Show(job, request)
-                                                      : Tell(request.robot, OutcomeOf(job.kind));
+  absl::Status done = job.kind == JobKind::kShowGrasp
+                          ? Show(job, request)
+                          : ReportOutcome(request.robot, OutcomeOf(job.kind));
   Log(request, done, 0, absl::ZeroDuration(), absl::ZeroDuration());
   if (!done.ok()) return done;
   return std::vector<JobPose>();
@@ -81,27 +82,29 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
                                                            const JobRequest& request) {
   JobReport report{request, absl::Now()};
   report.status =
-      parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.look);
+      parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.capture);
   if (report.status.ok()) {
-    showing_.Remember(request.robot, {report.look.response, report.look.cell.frames, report.start});
-    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.look);
+    teaching_.Remember(request.robot,
+                       {report.capture.response, report.capture.cell.frames, report.start});
+    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.capture);
     report.status = poses.status();
     if (poses.ok()) report.poses = *std::move(poses);
   }
   report.duration = absl::Now() - report.start;
-  const absl::Duration camera = report.look.camera_time;
+  const absl::Duration camera = report.capture.camera_time;
   parts_.counters.CountJob(report.status, report.poses.size(), report.duration - camera);
   Log(request, report.status, report.poses.size(), camera, report.duration);
-  if (parts_.hear) parts_.hear(report);
+  if (parts_.on_job) parts_.on_job(report);
   if (!report.status.ok()) return report.status;
   return std::move(report.poses);
 }
 
-absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job, const Look& look) {
+absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job,
+                                                         const CaptureResult& capture) {
   std::shared_ptr<const LabelledObjects> labelled;
   if (!job.label.empty()) {
     absl::StatusOr<std::shared_ptr<const LabelledObjects>> found =
-        labels_.At(look.response.catalog_revision());
+        labels_.At(capture.response.catalog_revision());
     if (!found.ok()) return Refusal(found.status());
     labelled = *std::move(found);
   }
@@ -109,32 +112,33 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job, c
     return labelled->contains({object, label});
   };
   Reach reach = options_.reach;
-  reach.workspace = look.cell.workspace;
-  std::vector<JobPose> poses = PosesFor(job, look.response, look.cell.frames, reach, has_label);
-  for (JobPose& pose : poses) pose.camera_s = absl::ToDoubleSeconds(look.camera_time);
+  reach.workspace = capture.cell.workspace;
+  std::vector<JobPose> poses =
+      PosesFor(job, capture.response, capture.cell.frames, reach, has_label);
+  for (JobPose& pose : poses) pose.camera_s = absl::ToDoubleSeconds(capture.camera_time);
   return poses;
 }
 
 absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   if (!request.base_flange) {
-    return absl::InvalidArgumentError("send where the tool is with the request");
+    return absl::InvalidArgumentError("send the pose of the tool with the request");
   }
-  std::optional<SeenScene> scene = showing_.Recall(request.robot);
+  std::optional<SeenScene> scene = teaching_.Recall(request.robot);
   if (!scene) {
     const absl::StatusOr<KeptCell> cell = parts_.cell.Get();
     if (cell.ok() && cell->frames.flange_sensor) {
       return absl::InvalidArgumentError(
-          "the camera is on the robot, and this request says where the tool is, not the flange; "
+          "the camera is on the robot, and this request has the pose of the tool, not the flange; "
           "run a recognising job first");
     }
-    Look look;
-    absl::Status looked =
-        parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &look);
-    if (!looked.ok()) return looked;
-    scene = SeenScene{look.response, look.cell.frames, absl::Now()};
+    CaptureResult capture;
+    absl::Status recognized =
+        parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &capture);
+    if (!recognized.ok()) return recognized;
+    scene = SeenScene{capture.response, capture.cell.frames, absl::Now()};
   }
-  absl::Status stored = showing_.Store(job, *scene, *request.base_flange);
-  // It is the place of the tool, which came with the request, that is wrong.
+  absl::Status stored = teaching_.Store(job, *scene, *request.base_flange);
+  // The tool pose of the request is wrong, not the job.
   const bool is_misplaced = absl::IsNotFound(stored) || absl::IsOutOfRange(stored);
   return is_misplaced ? absl::InvalidArgumentError(stored.message()) : stored;
 }
@@ -144,26 +148,27 @@ void CellRunner::Given(const std::string& robot, const JobPose& pose) {
   given_.insert_or_assign(robot, pose);
 }
 
-absl::Status CellRunner::Tell(const std::string& robot, PickOutcome outcome) {
-  JobPose about;
+absl::Status CellRunner::ReportOutcome(const std::string& robot, PickOutcome outcome) {
+  JobPose pose;
   {
     absl::MutexLock lock(&mutex_);
     const auto given = given_.extract(robot);
     if (given.empty()) {
-      return absl::FailedPreconditionError("no pose was given to this robot that is not told of");
+      return absl::FailedPreconditionError(
+          "no pose was given to this robot since its last outcome");
     }
-    about = given.mapped();
+    pose = given.mapped();
   }
-  if (about.grasp_id.empty()) {
+  if (pose.grasp_id.empty()) {
     return absl::FailedPreconditionError("the pose that was given has no grasp");
   }
   v1::ReportGraspOutcomeRequest report;
-  report.set_name(about.stable_pose);
-  report.set_grasp_id(about.grasp_id);
+  report.set_name(pose.stable_pose);
+  report.set_grasp_id(pose.grasp_id);
   report.set_outcome(OutcomeMessage(outcome));
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
     absl::MutexLock lock(&mutex_);
-    given_.try_emplace(robot, about);  // it may be told again, unless another was given meanwhile
+    given_.try_emplace(robot, pose);  // may be retried, unless another pose was given meanwhile
     return Refusal(kept);
   }
   parts_.counters.CountOutcome(outcome);

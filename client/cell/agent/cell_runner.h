@@ -1,4 +1,4 @@
-// The jobs of a cell, as robots ask for them.
+// Runs the jobs of a cell.
 #pragma once
 
 #include <functional>
@@ -19,22 +19,22 @@
 namespace graspdb::client {
 
 struct CellRunnerOptions {
-  absl::Duration time_limit = absl::Seconds(5);  // of jobs that say nothing else
-  Reach reach = {};                              // its workspace is the cell's
+  absl::Duration time_limit = absl::Seconds(5);  // of jobs without one of their own
+  Reach reach = {};                              // its workspace is set from the cell
 };
 
-// What a job that looked has come to, for those who keep it.
+// The result of a recognising job.
 struct JobReport {
   JobRequest request;
   absl::Time start;
   absl::Duration duration = absl::ZeroDuration();
   absl::Status status = absl::OkStatus();
-  Look look = {};  // as far as it came
+  CaptureResult capture = {};  // on errors, as far as filled in
   std::vector<JobPose> poses = {};
 };
-using HearJob = std::function<void(const JobReport& report)>;
+using JobCallback = std::function<void(const JobReport& report)>;
 
-// Over a camera and a server. All must outlive who uses it; `hear` may be empty, and is called on
+// Dependencies of a CellRunner, which all must outlive it. `on_job` may be empty, and is called on
 // the robot's thread.
 struct CellParts {
   DepthSensor& sensor;
@@ -42,10 +42,10 @@ struct CellParts {
   CellCache& cell;
   CaptureAndRecognize& capture_and_recognize;
   Counters& counters;
-  HearJob hear = {};
+  JobCallback on_job = {};
 };
 
-// Does the jobs of a cell for robots that speak one protocol. Thread-safe.
+// Runs the jobs of a cell for robots of one protocol. Thread-safe.
 class CellRunner : public JobRunner {
  public:
   CellRunner(Jobs jobs, JobProtocol protocol, CellRunnerOptions options, CellParts parts);
@@ -55,11 +55,11 @@ class CellRunner : public JobRunner {
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override;
   bool ReturnsPoses(int job) override;
   void Given(const std::string& robot, const JobPose& pose) override;
-  absl::Status Tell(const std::string& robot, PickOutcome outcome) override;
+  absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) override;
 
  private:
   absl::StatusOr<std::vector<JobPose>> Recognize(const JobConfig& job, const JobRequest& request);
-  absl::StatusOr<std::vector<JobPose>> PosesOf(const JobConfig& job, const Look& look);
+  absl::StatusOr<std::vector<JobPose>> PosesOf(const JobConfig& job, const CaptureResult& capture);
   absl::Status Show(const JobConfig& job, const JobRequest& request);
   absl::Time DeadlineOf(const JobConfig& job) const;
 
@@ -68,9 +68,9 @@ class CellRunner : public JobRunner {
   const CellRunnerOptions options_;
   const CellParts parts_;
   Labels labels_;
-  HandGuidedTeaching showing_;
+  HandGuidedTeaching teaching_;
   absl::Mutex mutex_;
-  std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);  // last, by robot; not yet told of
+  std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);  // last, by robot; outcome pending
 };
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// What a cell's agent counts.
+// Counters of a cell's agent.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@
 
 namespace graspdb::client {
 
-// How jobs went since the start. Thread-safe.
+// Job statistics since the start. Thread-safe.
 class Counters {
  public:
-  // `poses`: how many a job that went well has found. `beside_camera`: what it took but for the
+  // `poses`: found by a successful job. `beside_camera`: its duration without the wait for the
   // camera's frame.
   void CountJob(const absl::Status& status, std::size_t poses, absl::Duration beside_camera);
   void CountOutcome(PickOutcome outcome);

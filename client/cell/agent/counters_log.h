@@ -1,4 +1,4 @@
-// Counters in the log, from time to time.
+// Periodic counters in the log.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace graspdb::client {
 
-// Logs what `text` says every `period`, and once more at its end; on a thread of its own.
+// Logs `text` every `period`, and once more at destruction, on its own thread.
 class CountersLog {
  public:
   CountersLog(std::function<std::string()> text, absl::Duration period);

@@ -14,21 +14,21 @@ namespace {
 
 using recognition::Pose;
 
-constexpr double kFarthestM = 0.3;
+constexpr double kMaxDistanceM = 0.3;
 constexpr double kBelowTableM = 0.001;
 
 const v1::Detection* NearestObject(const JobConfig& job, const SeenScene& scene,
                                    const Eigen::Vector3d& world_tcp) {
   const v1::Detection* nearest = nullptr;
-  double least = kFarthestM;
+  double min_distance = kMaxDistanceM;
   for (const v1::Detection& detection : scene.answer.detections()) {
     const bool is_known = detection.status() == v1::OK || detection.status() == v1::NO_GRASP ||
                           detection.status() == v1::OUT_OF_WORKSPACE;
     if (!is_known || (!job.object.empty() && detection.object() != job.object)) continue;
     const v1::Vector3& c = detection.centroid();
     const double distance = (Eigen::Vector3d(c.x(), c.y(), c.z()) - world_tcp).norm();
-    if (distance > least) continue;
-    least = distance;
+    if (distance > min_distance) continue;
+    min_distance = distance;
     nearest = &detection;
   }
   return nearest;
@@ -76,7 +76,7 @@ absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& sc
   if (object == nullptr) {
     return absl::NotFoundError(absl::StrCat(
         "nothing ", job.object.empty() ? "known" : "of " + job.object,
-        " was seen within 0.3 m of the tool; run a recognising job before the robot is over it"));
+        " was found within 0.3 m of the tool; run a recognising job before the robot covers it"));
   }
   const Pose object_tcp = FromMessage(object->refined_pose()).inverse() * world_tcp;
   absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
@@ -84,7 +84,7 @@ absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& sc
   absl::StatusOr<v1::StablePose> pose = client_.GetStablePose(object->stable_pose());
   if (!pose.ok()) return Refusal(pose.status());
   v1::UpdateStablePoseRequest update;
-  *update.mutable_stable_pose() = *pose;  // with its etag: nobody else's change is lost
+  *update.mutable_stable_pose() = *pose;  // with its etag, so that no concurrent change is lost
   auto* grasps = update.mutable_stable_pose()->mutable_grasps();
   const auto is_it = [&](const v1::Grasp& grasp) { return grasp.grasp_id() == job.grasp_id; };
   const auto existing = std::ranges::find_if(*grasps, is_it);

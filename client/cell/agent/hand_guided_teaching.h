@@ -1,4 +1,4 @@
-// Teaching a grasp by driving the robot to it.
+// Teaches a grasp by moving the robot to it.
 #pragma once
 
 #include <map>
@@ -16,31 +16,30 @@
 
 namespace graspdb::client {
 
-// Where objects stood when a robot last asked.
+// The last recognition result of a robot.
 struct SeenScene {
   v1::RecognizeResponse answer;
   CellFrames frames;
   absl::Time time;
 };
 
-// Stores where the tool is as a grasp of the object that it is at. A hand at its grasp hides the
-// object; what the robot's job before saw is therefore remembered, and is valid as long as the
-// object has not moved since. Thread-safe.
+// Stores the tool pose as a grasp of the object at the tool. A gripper at its grasp hides the
+// object, so the result of the robot's previous job is kept; it is valid until the object moves.
+// Thread-safe.
 class HandGuidedTeaching {
  public:
-  // `client` must outlive this. What was seen longer ago than `memory` is forgotten.
+  // `client` must outlive this. Scenes older than `memory` are ignored.
   HandGuidedTeaching(Client& client, absl::Duration memory) : client_(client), memory_(memory) {}
 
   void Remember(const std::string& robot, SeenScene scene);
-  // What that robot saw last, unless it is forgotten.
+  // The robot's last scene, unless it is too old.
   std::optional<SeenScene> Recall(const std::string& robot);
 
-  // Makes or replaces the grasp that `job` (kShowGrasp) names, of the object in `scene` that is
-  // nearest to the tool centre point `base_tcp` (T_base_tcp), and of the object that the job names,
-  // if it names one. Its T_object_tcp follows every pose in which the object will be seen.
-  // NOT_FOUND when no such object is within 0.3 m; OUT_OF_RANGE when the tool or the beginning of
-  // its approach is below the table; DATA_LOSS when the server refuses (see Refusal); UNAVAILABLE
-  // and DEADLINE_EXCEEDED.
+  // Creates or replaces the grasp of `job` (kShowGrasp) on the object in `scene` nearest to the
+  // tool centre point `base_tcp` (T_base_tcp); if the job has an object, on that one. The grasp is
+  // stored as T_object_tcp, relative to the object. NOT_FOUND when no such object is within 0.3 m;
+  // OUT_OF_RANGE when the tool or the start of its approach is below the table; DATA_LOSS when the
+  // server rejects the request (see Refusal); UNAVAILABLE and DEADLINE_EXCEEDED.
   absl::Status Store(const JobConfig& job, const SeenScene& scene,
                      const recognition::Pose& base_tcp);
 

@@ -72,7 +72,7 @@ absl::StatusOr<std::unique_ptr<Health>> Health::Start(const std::string& listen,
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort(listen, grpc::InsecureServerCredentials(), &port);
-  // Two cells that share a port would answer for each other.
+  // Otherwise two cells could share the port and answer each other's checks.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr || port == 0) {

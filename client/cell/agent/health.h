@@ -1,4 +1,4 @@
-// A health service over gRPC (grpc.health.v1), for those who watch a cell.
+// A gRPC health service (grpc.health.v1) for monitoring a cell.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 
 namespace graspdb::client {
 
-// Says SERVING, of "" and "graspdb.cell", while `is_ready`, and NOT_SERVING else. `is_ready` is
-// asked every `period`, on a thread of this.
+// Reports SERVING for "" and "graspdb.cell" while `is_ready` returns true, otherwise NOT_SERVING.
+// `is_ready` is called every `period` on a thread of this.
 class Health {
  public:
-  // Listens at HOST:PORT; port 0 picks one. UNAVAILABLE when that cannot be listened on.
+  // Listens at HOST:PORT; port 0 picks one. UNAVAILABLE when it cannot listen there.
   static absl::StatusOr<std::unique_ptr<Health>> Start(const std::string& listen,
                                                        std::function<bool()> is_ready,
                                                        absl::Duration period);

@@ -10,7 +10,7 @@ namespace {
 
 using recognition::Pose;
 
-// An object that the job is about, with the grasps that the robot can take.
+// An object that matches the job, with its reachable grasps.
 struct Object {
   const v1::Detection* detection = nullptr;
   std::vector<const v1::GraspProposal*> grasps;
@@ -90,7 +90,7 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
       out.push_back(std::move(pose));
     }
   }
-  if (job.most_poses != 0 && out.size() > job.most_poses) out.resize(job.most_poses);
+  if (job.max_poses != 0 && out.size() > job.max_poses) out.resize(job.max_poses);
   return out;
 }
 

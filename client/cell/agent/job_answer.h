@@ -1,4 +1,4 @@
-// From what the server answered to what a robot is given.
+// Converts the server's response to poses for a robot.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,14 @@
 
 namespace graspdb::client {
 
-// Whether the object of that resource name carries a label.
+// Whether the object of this resource name has the label.
 using HasLabel = std::function<bool(const std::string& object, const std::string& label)>;
 
-// The poses of `job`, in the robot's base frame: of objects that stand alone before those that
-// touch others, then in the order of the answer. A primary grasp has its object's pose as the
-// related one; a primary object its grasps, and is left out where none can be reached unless none
-// is taught. Grasps out of reach are left out, and so are objects that are not OK (or, where
-// objects are primary, without a grasp), or score lower than the job wants.
+// The poses of `job` in the robot's base frame: isolated objects before touching ones, then in the
+// order of the response. A primary grasp has its object's pose as the related pose. A primary
+// object has its grasps as related poses, and is skipped if grasps are taught but none is
+// reachable. Grasps out of reach are skipped, and so are objects that are not OK (a primary object
+// may be NO_GRASP) or score below the job's minimum.
 std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse& answer,
                               const CellFrames& frames, const Reach& reach,
                               const HasLabel& has_label);

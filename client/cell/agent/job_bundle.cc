@@ -7,7 +7,7 @@
 namespace graspdb::client {
 
 std::optional<v1::Bundle> BundleOf(const JobReport& report) {
-  const v1::RecognizeRequest& request = report.look.request;
+  const v1::RecognizeRequest& request = report.capture.request;
   if (!request.has_depth_image() && !request.has_cloud()) return std::nullopt;
   v1::Bundle out;
   *out.mutable_request_time() =
@@ -18,8 +18,8 @@ std::optional<v1::Bundle> BundleOf(const JobReport& report) {
   out.set_agent_version(kVersion);
   *out.mutable_request() = request;
   if (report.status.ok()) {
-    *out.mutable_response() = report.look.response;
-    out.set_catalog_revision(report.look.response.catalog_revision());
+    *out.mutable_response() = report.capture.response;
+    out.set_catalog_revision(report.capture.response.catalog_revision());
   } else {
     out.mutable_error()->set_code(static_cast<int>(report.status.code()));
     out.mutable_error()->set_message(std::string(report.status.message()));

@@ -8,8 +8,8 @@
 
 namespace graspdb::client {
 
-// What is to be kept of a job, ready to be asked again; nothing where the server was not asked, as
-// when the camera gave no frame.
+// The bundle of a job, ready for replay; nullopt if no request was made, e.g. without a camera
+// frame.
 std::optional<v1::Bundle> BundleOf(const JobReport& report);
 
 }  // namespace graspdb::client

@@ -15,7 +15,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr absl::Duration kLongestLimit = absl::Minutes(10);
+constexpr absl::Duration kMaxTimeLimit = absl::Minutes(10);
 
 absl::Status Wrong(std::string_view what, std::string_view expected) {
   return absl::InvalidArgumentError(
@@ -59,7 +59,7 @@ absl::Status ParseWord(const std::string& text,
 absl::Status ParseLimit(const std::string& text, std::optional<absl::Duration>* out) {
   absl::Duration limit;
   if (!absl::ParseDuration(text, &limit) || limit <= absl::ZeroDuration() ||
-      limit > kLongestLimit) {
+      limit > kMaxTimeLimit) {
     return Wrong(absl::StrCat("\"", text, "\""), "a time such as 500ms or 2s, up to 10m");
   }
   *out = limit;
@@ -110,7 +110,7 @@ absl::Status ApplyWord(const std::string& key, const std::string& value, JobConf
        }},
       {"limit", [&] { return ParseLimit(value, &job->time_limit); }},
       {"min-score", [&] { return ParseNumber(value, 0, 1, &job->min_score); }},
-      {"poses", [&] { return ParseWhole<std::size_t>(value, 1, 10000, &job->most_poses); }},
+      {"poses", [&] { return ParseWhole<std::size_t>(value, 1, 10000, &job->max_poses); }},
       {"opening", [&] { return ParseNumber(value, 0, 10, &job->gripper_opening_m); }},
       {"approach", [&] { return ParseNumber(value, 0, 10, &job->approach_distance_m); }},
       {"retreat", [&] { return ParseNumber(value, 0, 10, &job->retreat_distance_m); }},
@@ -120,7 +120,8 @@ absl::Status ApplyWord(const std::string& key, const std::string& value, JobConf
   if (setter != setters.end()) return setter->second();
   std::string known;
   for (const auto& [name, set] : setters) absl::StrAppend(&known, " ", std::string(name), "=");
-  return absl::InvalidArgumentError(absl::StrCat("\"", key, "=\" is not known; there are", known));
+  return absl::InvalidArgumentError(
+      absl::StrCat("\"", key, "=\" is unknown; the words are", known));
 }
 
 absl::Status ParseInto(const std::string& line, JobConfig* job) {
@@ -128,20 +129,20 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
       absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
   if (words.size() < 2) return Wrong("it", "a number and what to do, such as \"1 any\"");
   if (absl::Status id = ParseWhole<int>(words[0], 0, 65535, &job->id); !id.ok()) return id;
-  std::set<std::string> said;
+  std::set<std::string> keys;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i] == "any") continue;
     const std::pair<std::string, std::string> word =
         absl::StrSplit(words[i], absl::MaxSplits('=', 1));
     absl::Status status = ApplyWord(word.first, word.second, job);
     if (!status.ok()) return status;
-    if (!said.insert(word.first).second) {
-      return absl::InvalidArgumentError(absl::StrCat("\"", word.first, "=\" stands there twice"));
+    if (!keys.insert(word.first).second) {
+      return absl::InvalidArgumentError(absl::StrCat("\"", word.first, "=\" is given twice"));
     }
   }
-  if (said.contains("show") && said.contains("outcome")) {
+  if (keys.contains("show") && keys.contains("outcome")) {
     return absl::InvalidArgumentError(
-        "showing a grasp and telling an outcome are two different jobs");
+        "showing a grasp and reporting an outcome are two different jobs");
   }
   if (!job->object.empty() && !job->label.empty()) {
     return absl::InvalidArgumentError("an object and a label are two different jobs");
@@ -151,12 +152,12 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
 
 constexpr char kJobHelp[] =
     R"(A job is a line: its number (0 to 65535), then words.
-  1 any                                     whatever is recognised
-  2 object=flange primary=object            one object; its pose first, grasps related
-  3 label=brackets min-score=0.8 poses=1    objects with that label, surely, the best pose
-  4 any limit=500ms protocol=line           no longer than that; only over the line protocol
-  80 show=top opening=0.06 object=flange    store where the tool (its centre point) is as "top"
-  91 outcome=picked                         the pose given last was picked (missed, slipped)
+  1 any                                     all recognised objects
+  2 object=flange primary=object            one object; object poses first, grasps related
+  3 label=brackets min-score=0.8 poses=1    objects with that label, minimum score, best pose only
+  4 any limit=500ms protocol=line           time limit; line protocol only
+  80 show=top opening=0.06 object=flange    store the pose of the tool centre point as grasp "top"
+  91 outcome=picked                         outcome of the last pose (picked, missed, slipped)
 In the config file: job=["1 any","2 object=flange"])";
 
 }  // namespace

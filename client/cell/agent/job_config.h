@@ -1,4 +1,4 @@
-// What the jobs of a cell are, as its config file says.
+// The configured jobs of a cell.
 #pragma once
 
 #include <map>
@@ -11,13 +11,13 @@
 
 namespace graspdb::client {
 
-// Who may ask for a job.
+// The protocol that may run a job.
 enum class JobProtocol { kAny, kGri, kLine };
 
-// Whose poses are the primary ones; the others are related to them.
+// Which poses are primary; the others are related to them.
 enum class JobPrimary { kGrasp, kObject };
 
-// What a robot tells of a grasp.
+// What a job does; the last three report the outcome of a grasp.
 enum class JobKind { kRecognize, kShowGrasp, kPicked, kMissed, kSlipped };
 
 struct JobConfig {
@@ -27,10 +27,10 @@ struct JobConfig {
   std::string label = {};   // empty: any
   JobPrimary primary = JobPrimary::kGrasp;
   JobProtocol protocol = JobProtocol::kAny;
-  double min_score = 0;                           // besides the server's own limits
+  double min_score = 0;                           // in addition to the server's own limits
   std::optional<absl::Duration> time_limit = {};  // absent: the cell's
-  std::size_t most_poses = 0;                     // 0: all
-  std::string grasp_id = {};                      // kShowGrasp: what is stored
+  std::size_t max_poses = 0;                      // 0: all
+  std::string grasp_id = {};                      // kShowGrasp: id of the stored grasp
   double gripper_opening_m = 0;                   // kShowGrasp
   double approach_distance_m = 0.1;               // kShowGrasp
   double retreat_distance_m = 0.1;                // kShowGrasp
@@ -46,13 +46,13 @@ using Jobs = std::map<int, JobConfig>;
 //   3 label=brackets min-score=0.8 poses=1
 //   80 show=top opening=0.06 approach=0.1 retreat=0.1 priority=1 object=flange
 //   91 outcome=picked
-// INVALID_ARGUMENT, with the line and what may stand there, where it is none.
+// INVALID_ARGUMENT, with the line and the allowed words, for an invalid line.
 absl::StatusOr<JobConfig> ParseJob(const std::string& line);
 
-// INVALID_ARGUMENT also when two have the same number.
+// INVALID_ARGUMENT also for two jobs with the same number.
 absl::StatusOr<Jobs> ParseJobs(const std::vector<std::string>& lines);
 
-// How to write them, for --help.
+// Their syntax, for --help.
 std::string JobHelp();
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// Which objects carry which labels.
+// The labels of objects.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@ namespace graspdb::client {
 // Pairs of object (resource name) and label.
 using LabelledObjects = std::set<std::pair<std::string, std::string>>;
 
-// Asks the server once for every revision of its catalogue. Thread-safe.
+// Lists the objects once for every revision of the catalogue. Thread-safe.
 class Labels {
  public:
   // `client` must outlive this.
   explicit Labels(Client& client) : client_(client) {}
 
-  // As of that revision or a later one. Errors of the server.
+  // As of this revision or a later one. Errors of the server.
   absl::StatusOr<std::shared_ptr<const LabelledObjects>> At(std::int64_t revision);
 
  private:

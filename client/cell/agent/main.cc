@@ -20,8 +20,8 @@ int Fail(const absl::Status& status) {
   return absl::IsInvalidArgument(status) ? 2 : 1;
 }
 
-void Say(const char* what, const std::string& address) {
-  if (!address.empty()) std::printf("%s on %s\n", what, address.c_str());
+void PrintAddress(const char* service, const std::string& address) {
+  if (!address.empty()) std::printf("%s on %s\n", service, address.c_str());
 }
 
 int Run(int argc, char** argv) {
@@ -40,9 +40,9 @@ int Run(int argc, char** argv) {
   if (!agent.ok()) return Fail(agent.status());
   spdlog::info("event=start version={} cell={} sensor={} server={}", kVersion,
                LogField(options.cell), LogField(name), LogField(options.server));
-  Say("line protocol", (*agent)->line_address());
-  Say("health", (*agent)->health_address());
-  Say("GRI", (*agent)->gri_address());
+  PrintAddress("line protocol", (*agent)->line_address());
+  PrintAddress("health", (*agent)->health_address());
+  PrintAddress("GRI", (*agent)->gri_address());
   std::printf("ready for robots\n");
   std::fflush(stdout);
 

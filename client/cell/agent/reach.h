@@ -1,4 +1,4 @@
-// Where a robot can take its tool.
+// The reach of a robot's tool.
 #pragma once
 
 #include <limits>
@@ -16,14 +16,14 @@ struct Reach {
   std::optional<recognition::Box> workspace = {};
 };
 
-// A way of the tool to a grasp: it begins before it, along the tool's z axis, and ends above it.
+// Path of the tool: approach along its z axis, grasp, retreat upwards.
 struct ToolPath {
   recognition::Pose world_tcp = recognition::Pose::Identity();  // at the grasp
   double approach_distance_m = 0;
   double retreat_distance_m = 0;  // straight up in the world frame
 };
 
-// Whether all three ends of the way can be reached by a robot at `world_base` (T_world_base).
+// Whether a robot at `world_base` (T_world_base) reaches approach, grasp and retreat.
 bool IsWithinReach(const Reach& reach, const recognition::Pose& world_base, const ToolPath& path);
 
 }  // namespace graspdb::client

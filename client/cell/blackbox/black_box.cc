@@ -37,17 +37,17 @@ bool IsTroubled(const v1::Bundle& bundle, double low_score) {
 absl::StatusOr<std::unique_ptr<BlackBox>> BlackBox::Open(const BlackBoxOptions& options) {
   absl::StatusOr<BundleRing> ring = BundleRing::Open(options.ring);
   if (!ring.ok()) return ring.status();
-  std::unique_ptr<BlackBox> out(new BlackBox(*std::move(ring), options.most_waiting));
+  std::unique_ptr<BlackBox> out(new BlackBox(*std::move(ring), options.max_waiting));
   try {
     out->thread_ = std::thread([box = out.get()] { box->WriteAll(); });
   } catch (const std::system_error&) {
-    return absl::ResourceExhaustedError("no thread is left; see to the system's limits");
+    return absl::ResourceExhaustedError("no thread is left; check the system's limits");
   }
   return out;
 }
 
-BlackBox::BlackBox(BundleRing ring, std::size_t most_waiting)
-    : ring_(std::move(ring)), most_waiting_(most_waiting) {}
+BlackBox::BlackBox(BundleRing ring, std::size_t max_waiting)
+    : ring_(std::move(ring)), max_waiting_(max_waiting) {}
 
 BlackBox::~BlackBox() {
   {
@@ -61,13 +61,13 @@ BlackBox::~BlackBox() {
 bool BlackBox::Keep(v1::Bundle bundle) {
   {
     absl::MutexLock lock(&mutex_);
-    if (waiting_.size() >= most_waiting_) {
+    if (waiting_.size() >= max_waiting_) {
       ++counts_.dropped;
       return false;
     }
     waiting_.push_back(std::move(bundle));
   }
-  changed_.SignalAll();  // whoever wakes finds the lock free
+  changed_.SignalAll();  // after unlocking, so that the woken thread can lock
   return true;
 }
 
@@ -87,8 +87,8 @@ absl::Status BlackBox::Write(const v1::Bundle& bundle) {
 }
 
 void BlackBox::WriteAll() {
-  // Whoever keeps something goes on before it is written. Linux keeps a niceness for each thread,
-  // and never refuses a higher one.
+  // Lower priority than the threads that call Keep. On Linux the niceness is per thread, and
+  // raising it always succeeds.
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
   absl::StatusCode last_failure = absl::StatusCode::kOk;
   for (;;) {
@@ -102,7 +102,7 @@ void BlackBox::WriteAll() {
       writing_ = true;
     }
     const absl::Status written = Write(next);
-    // A full disk is not to be filled by the log that says so.
+    // Logged once per reason: the log must not fill a full disk further.
     if (!written.ok() && written.code() != last_failure) {
       spdlog::warn("event=bundle_not_kept error={}", LogField(std::string(written.message())));
     }

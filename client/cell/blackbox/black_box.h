@@ -1,4 +1,4 @@
-// Keeps requests of robots and their answers, without holding up the robots.
+// Stores requests of robots and their answers, without blocking the robots.
 #pragma once
 
 #include <cstddef>
@@ -17,46 +17,47 @@ namespace graspdb::client {
 
 struct BlackBoxOptions {
   BundleRingOptions ring;
-  // Bundles that wait to be written; more are dropped. A frame of a Kinect v2 is half a megabyte.
-  std::size_t most_waiting = 32;
+  // Capacity of the write queue, in bundles; more are dropped. A Kinect v2 frame is half a
+  // megabyte.
+  std::size_t max_waiting = 32;
 };
 
-// Since the start.
+// Counters since the start.
 struct BlackBoxCounts {
   std::int64_t kept = 0;     // written
   std::int64_t dropped = 0;  // the disk was too slow
-  std::int64_t failed = 0;   // the disk refused; the log says why, once for each reason
+  std::int64_t failed = 0;   // write errors, each logged once per reason
 };
 
-// Whether a request came to no good end: an error, an answer that is not OK, or one whose best
-// detection scores less than `low_score` (0 to 1).
+// Whether a request failed: an error, a response that is not OK, or one whose best detection scores
+// less than `low_score` (0 to 1).
 bool IsTroubled(const v1::Bundle& bundle, double low_score);
 
 // Writes bundles on a thread of its own. Thread-safe.
 class BlackBox {
  public:
-  // Errors as BundleRing::Open; RESOURCE_EXHAUSTED when there is no thread left.
+  // Errors as BundleRing::Open; RESOURCE_EXHAUSTED when no thread is left.
   static absl::StatusOr<std::unique_ptr<BlackBox>> Open(const BlackBoxOptions& options);
-  // Writes what waits.
+  // Writes the queued bundles.
   ~BlackBox();
   BlackBox(const BlackBox&) = delete;
   BlackBox& operator=(const BlackBox&) = delete;
 
-  // Never waits for the disk. False when it was dropped.
+  // Queues a bundle without waiting for the disk. False if it was dropped.
   bool Keep(v1::Bundle bundle) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Waits until all that was kept so far is written or has failed: for tests, a cell never waits.
+  // Waits until all bundles so far are written or have failed. For tests only.
   void Flush() ABSL_LOCKS_EXCLUDED(mutex_);
 
   BlackBoxCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  BlackBox(BundleRing ring, std::size_t most_waiting);
+  BlackBox(BundleRing ring, std::size_t max_waiting);
   void WriteAll() ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status Write(const v1::Bundle& bundle);
 
   BundleRing ring_;  // of the thread
-  const std::size_t most_waiting_;
+  const std::size_t max_waiting_;
   mutable absl::Mutex mutex_;
   absl::CondVar changed_;
   std::deque<v1::Bundle> waiting_ ABSL_GUARDED_BY(mutex_);

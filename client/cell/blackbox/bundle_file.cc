@@ -14,7 +14,7 @@ constexpr char kVersion = 1;
 constexpr std::size_t kHeaderBytes = 4;
 
 absl::Status NoBundle(const std::filesystem::path& path) {
-  return absl::DataLossError(path.string() + " is no bundle, or not a whole one; leave it out");
+  return absl::DataLossError(path.string() + " is not a bundle, or truncated; leave it out");
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
   std::string out(kMagic);
   out += kVersion;
   if (bundle.AppendToString(&out)) return out;
-  return absl::ResourceExhaustedError("the bundle is larger than a message may be");
+  return absl::ResourceExhaustedError("the bundle exceeds the maximum message size");
 }
 
 absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
@@ -33,7 +33,7 @@ absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
   if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return NoBundle(path);
   if (bytes[kMagic.size()] != kVersion) {
     return absl::FailedPreconditionError(path.string() +
-                                         " is a bundle of a newer program; use that one");
+                                         " was written by a newer version; use that version");
   }
   v1::Bundle out;
   const auto size = static_cast<int>(bytes.size() - kHeaderBytes);
@@ -49,7 +49,7 @@ absl::StatusOr<std::vector<std::filesystem::path>> ListBundles(
     std::error_code error;
     if (!std::filesystem::is_directory(path, error)) {
       if (!std::filesystem::exists(path, error)) {
-        return absl::NotFoundError("there is no " + path + "; name bundles or a folder of them");
+        return absl::NotFoundError("there is no " + path + "; give bundles or a folder of them");
       }
       out.emplace_back(path);
       continue;

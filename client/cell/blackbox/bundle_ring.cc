@@ -24,14 +24,14 @@ absl::Status Failed(const std::filesystem::path& path, const std::error_code& er
   return absl::FailedPreconditionError(text);
 }
 
-// The number that a name begins with; 0 where it is no name of a ring's.
+// The number at the start of a name; 0 if it is not a file of the ring.
 std::uint64_t NumberOf(const std::string& name) {
   std::uint64_t number = 0;
   if (name.size() <= kDigits || name[kDigits] != '-') return 0;
   return absl::SimpleAtoi(name.substr(0, kDigits), &number) ? number : 0;
 }
 
-// What WriteFileAtomically leaves when the process ends in the middle.
+// Temporary file of an interrupted WriteFileAtomically.
 bool IsLeftOver(const std::string& name) {
   return NumberOf(name) > 0 && absl::StrContains(name, kBundleSuffix) && name.ends_with(".tmp");
 }
@@ -41,7 +41,7 @@ bool IsLeftOver(const std::string& name) {
 absl::StatusOr<BundleRing> BundleRing::Open(BundleRingOptions options) {
   BundleRing out(std::move(options));
   absl::Status status = out.TakeOver();
-  if (status.ok()) status = out.MakeRoom(0);
+  if (status.ok()) status = out.MakeSpace(0);
   if (!status.ok()) return status;
   return out;
 }
@@ -73,7 +73,7 @@ absl::Status BundleRing::TakeOver() {
 
 absl::Status BundleRing::RemoveOldest() {
   std::error_code error;
-  // One that somebody else took away is gone as well.
+  // No error if another process already removed it.
   std::filesystem::remove(files_.front().path, error);
   if (error) return Failed(files_.front().path, error);
   bytes_ -= files_.front().bytes;
@@ -84,11 +84,11 @@ absl::Status BundleRing::RemoveOldest() {
 bool BundleRing::IsDiskFull(std::uint64_t bytes) const {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(options_.folder, error);
-  // Where the system does not say, the write will.
-  return !error && space.available < options_.least_free_bytes + bytes;
+  // On errors assume that there is space; if not, the write fails.
+  return !error && space.available < options_.min_free_bytes + bytes;
 }
 
-absl::Status BundleRing::MakeRoom(std::uint64_t bytes) {
+absl::Status BundleRing::MakeSpace(std::uint64_t bytes) {
   while (!files_.empty() && (bytes_ + bytes > options_.byte_limit || IsDiskFull(bytes))) {
     if (absl::Status removed = RemoveOldest(); !removed.ok()) return removed;
   }
@@ -98,14 +98,14 @@ absl::Status BundleRing::MakeRoom(std::uint64_t bytes) {
 absl::Status BundleRing::Add(const std::string& bytes, absl::Time time) {
   if (bytes.size() > options_.byte_limit) {
     return absl::ResourceExhaustedError(absl::StrCat("a bundle of ", bytes.size(),
-                                                     " bytes is larger than all may be (",
-                                                     options_.byte_limit, "); allow more"));
+                                                     " bytes exceeds the limit of the ring (",
+                                                     options_.byte_limit, "); increase the limit"));
   }
-  if (absl::Status room = MakeRoom(bytes.size()); !room.ok()) return room;
+  if (absl::Status status = MakeSpace(bytes.size()); !status.ok()) return status;
   if (IsDiskFull(bytes.size())) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("less than ", options_.least_free_bytes, " bytes would be left free in ",
-                     options_.folder.string(), "; make room on the disk"));
+        absl::StrCat("less than ", options_.min_free_bytes, " bytes would be left free in ",
+                     options_.folder.string(), "; free some disk space"));
   }
   const std::string when = absl::FormatTime("%Y%m%dT%H%M%SZ", time, absl::UTCTimeZone());
   const std::filesystem::path path =

@@ -1,4 +1,4 @@
-// A folder of bundles that never grows beyond a size.
+// A folder of bundles with a size limit.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,27 @@ namespace graspdb::client {
 
 struct BundleRingOptions {
   std::filesystem::path folder;
-  // All bundles together are never larger.
+  // Maximum total size of the bundles.
   std::uint64_t byte_limit = 2ULL << 30;
-  // So much is left free on the disk for others; the oldest bundles go first, then nothing is kept.
-  std::uint64_t least_free_bytes = 1ULL << 30;
+  // Minimum free disk space; the oldest bundles are removed first, then new ones are rejected.
+  std::uint64_t min_free_bytes = 1ULL << 30;
 };
 
 // The folder belongs to one ring of one process at a time. Files are named
-// "NNNNNNNNNN-YYYYMMDDTHHMMSSZ.bundle" by a number that only grows, so that a clock that was set
-// back changes no order. Each is there whole or not at all, whenever the process ends; what an end
-// in the middle of a write left behind is removed at opening. Other files are left alone and not
-// counted. Not thread-safe.
+// "NNNNNNNNNN-YYYYMMDDTHHMMSSZ.bundle" by an increasing number, so that the order does not depend
+// on the clock. Writes are atomic, even if the process is killed; Open removes temporary files of
+// interrupted writes. Other files are ignored and not counted. Not thread-safe.
 class BundleRing {
  public:
-  // Makes the folder where it is missing, and takes over what is in it: a smaller limit than the
-  // last time removes the oldest. PERMISSION_DENIED or FAILED_PRECONDITION when it cannot be used.
+  // Creates the folder if missing, and takes over existing bundles: those beyond the limit are
+  // removed, the oldest first. PERMISSION_DENIED or FAILED_PRECONDITION when it cannot be used.
   static absl::StatusOr<BundleRing> Open(BundleRingOptions options);
 
-  // Writes a bundle's bytes, and removes as many of the oldest as that takes. RESOURCE_EXHAUSTED
-  // when it is larger than the limit or the disk is too full; PERMISSION_DENIED,
-  // FAILED_PRECONDITION.
+  // Writes a bundle's bytes, after removing the oldest bundles as needed. RESOURCE_EXHAUSTED when
+  // it is larger than the limit or the disk is too full; PERMISSION_DENIED, FAILED_PRECONDITION.
   absl::Status Add(const std::string& bytes, absl::Time time);
 
-  // Of the bundles that are there: for tests, the ring itself sees to its limits.
+  // Count and total size of the bundles, for tests.
   std::size_t size() const { return files_.size(); }
   std::uint64_t bytes() const { return bytes_; }
 
@@ -49,7 +47,7 @@ class BundleRing {
   explicit BundleRing(BundleRingOptions options) : options_(std::move(options)) {}
   absl::Status TakeOver();
   absl::Status RemoveOldest();
-  absl::Status MakeRoom(std::uint64_t bytes);
+  absl::Status MakeSpace(std::uint64_t bytes);
   bool IsDiskFull(std::uint64_t bytes) const;
 
   BundleRingOptions options_;

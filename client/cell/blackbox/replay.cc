@@ -13,7 +13,7 @@ namespace {
 using recognition::kDegreesPerRadian;
 using recognition::kMmPerM;
 
-// Without what differs from one time to the next by itself.
+// Without fields that vary from run to run.
 v1::RecognizeResponse Timeless(v1::RecognizeResponse response) {
   response.clear_timings();
   response.clear_catalog_revision();
@@ -52,29 +52,29 @@ void CompareDetections(const std::string& which, const v1::Detection& then,
                        const v1::Detection& now, std::vector<std::string>* out) {
   if (AreSame(then, now)) return;
   const std::size_t before = out->size();
-  const auto say = [&](const std::string& what) {
+  const auto add = [&](const std::string& what) {
     out->push_back(absl::StrCat(which, ": ", what));
   };
   if (then.object() != now.object()) {
-    say(absl::StrCat(NameOf(then), ", now ", NameOf(now)));
+    add(absl::StrCat(NameOf(then), ", now ", NameOf(now)));
   } else if (then.stable_pose() != now.stable_pose()) {
-    say(absl::StrCat(then.stable_pose(), ", now ", now.stable_pose()));
+    add(absl::StrCat(then.stable_pose(), ", now ", now.stable_pose()));
   }
   if (then.status() != now.status()) {
-    say(absl::StrCat(v1::RecognitionStatus_Name(then.status()), ", now ",
+    add(absl::StrCat(v1::RecognitionStatus_Name(then.status()), ", now ",
                      v1::RecognitionStatus_Name(now.status())));
   }
   if (!AreSame(then.refined_pose(), now.refined_pose())) {
-    say(absl::StrCat(NameOf(now), " differs in ",
+    add(absl::StrCat(NameOf(now), " differs in ",
                      PoseDifference(then.refined_pose(), now.refined_pose())));
   }
   if (then.score() != now.score()) {
-    say(absl::StrFormat("score %.4f, now %.4f", then.score(), now.score()));
+    add(absl::StrFormat("score %.4f, now %.4f", then.score(), now.score()));
   }
   if (GraspsOf(then) != GraspsOf(now)) {
-    say(absl::StrCat("grasps ", GraspsOf(then), ", now ", GraspsOf(now)));
+    add(absl::StrCat("grasps ", GraspsOf(then), ", now ", GraspsOf(now)));
   }
-  if (out->size() == before) say("details differ (see --json of graspdb recognize)");
+  if (out->size() == before) add("details differ (see --json of graspdb recognize)");
 }
 
 void CompareResponses(const v1::RecognizeResponse& then, const v1::RecognizeResponse& now,

@@ -1,4 +1,4 @@
-// Whether a request gets the answer again that it got.
+// Compares a replayed request with its recorded answer.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace graspdb::client {
 
-// The request of a bundle as it is asked again: so that nothing that a clock measured is answered.
+// The request of a bundle for the replay: without timings in the response.
 v1::RecognizeRequest ReplayRequest(const v1::Bundle& bundle);
 
 struct ReplayResult {
-  // Bit for bit but for what a clock measured and for the revision; errors by code and text.
+  // Bitwise equal except for timings and revision; errors by code and text.
   bool is_same = false;
   std::int64_t revision_then = 0;
-  std::int64_t revision_now = 0;  // 0: not known, as with errors
-  // What differs, in words: objects, poses in mm and degrees, scores. Not empty where not the same.
+  std::int64_t revision_now = 0;  // 0: unknown, e.g. for errors
+  // Text of the differences: objects, poses in mm and degrees, scores. Not empty unless is_same.
   std::vector<std::string> differences = {};
 };
 
-// Compares `now`, the answer to ReplayRequest, with what the bundle has.
+// Compares `now`, the response to ReplayRequest, with that of the bundle.
 ReplayResult CompareReplay(const v1::Bundle& bundle,
                            const absl::StatusOr<v1::RecognizeResponse>& now);
 

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using recognition::Pose;
 
-// Sine of the angle between the base's x axis and the vertical below which x says nothing.
+// Minimum sine of the angle between the base's x axis and the vertical for x to be a heading.
 constexpr double kMinLevel = 0.1;
 
 // T_base_world from a target that stands on the table.
@@ -40,22 +40,21 @@ absl::StatusOr<v1::UpdateCellRequest> CalibratedCell(const v1::Cell& cell, const
   out.mutable_cell()->set_etag(cell.etag());
   if (mount == CameraMount::kFixed) {
     if (!cell.has_sensor_pose()) {
-      return absl::FailedPreconditionError(
-          absl::StrCat(cell.name(),
-                       " does not know how its camera stands over the table; run `graspdb cells "
-                       "level` with a frame of the empty table first"));
+      return absl::FailedPreconditionError(absl::StrCat(
+          cell.name(),
+          " has no sensor pose relative to the table; run `graspdb cells level` with a "
+          "frame of the empty table first"));
     }
     *out.mutable_cell()->mutable_robot_base_pose() =
         ToMessage(FromMessage(cell.sensor_pose()) * hand_eye.mount_camera.inverse());
     out.mutable_update_mask()->add_paths("robot_base_pose");
-    // Masked and not set is cleared: that of a camera on the flange would go before.
+    // In the mask but not set, so cleared: a flange_sensor_pose would take precedence.
     out.mutable_update_mask()->add_paths("flange_sensor_pose");
     return out;
   }
   *out.mutable_cell()->mutable_flange_sensor_pose() = ToMessage(hand_eye.mount_camera);
   out.mutable_update_mask()->add_paths("flange_sensor_pose");
-  out.mutable_update_mask()->add_paths(
-      "sensor_pose");  // cleared: the camera no longer stands there
+  out.mutable_update_mask()->add_paths("sensor_pose");  // cleared: the camera is no longer fixed
   if (cell.has_robot_base_pose()) return out;
   const absl::StatusOr<Pose> base_world = WorldUnder(hand_eye.mount_target);
   if (!base_world.ok()) return base_world.status();
@@ -82,17 +81,17 @@ absl::StatusOr<Pose> MountCameraOf(const v1::Cell& cell) {
 Pose MeanTarget(const std::vector<HandEyeSample>& samples, CameraMount mount,
                 const Pose& mount_camera) {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Zero();
-  Vector3d place = Vector3d::Zero();
+  Vector3d position = Vector3d::Zero();
   for (const HandEyeSample& sample : samples) {
     const Pose target =
         (mount == CameraMount::kFixed ? sample.base_flange.inverse() : sample.base_flange) *
         mount_camera * sample.camera_target;
     rotation += target.linear();
-    place += target.translation();
+    position += target.translation();
   }
   Pose out = Pose::Identity();
   out.linear() = NearestRotation(rotation);
-  out.translation() = place / static_cast<double>(samples.size());
+  out.translation() = position / static_cast<double>(samples.size());
   return out;
 }
 

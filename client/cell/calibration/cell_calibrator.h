@@ -12,7 +12,7 @@ namespace graspdb::client {
 // Sessions by the number of their pipeline. Thread-safe once all are added.
 class CellCalibrator : public RobotCalibrator {
  public:
-  // A session with this number replaces the one before.
+  // Replaces a session with the same number.
   void Add(int pipeline, std::unique_ptr<HandEyeSession> session);
 
   absl::Status Check(int pipeline) override;

@@ -19,32 +19,31 @@ using recognition::OrientedCloud;
 using recognition::Pose;
 using recognition::SurfaceModel;
 
-// Look-ups over the scan: cells, and how far they reach, m.
+// Nearest-neighbour grid of the scan: cell size and maximum distance, m.
 constexpr float kGripCellM = 0.003F;
 constexpr float kGripReachM = 0.021F;
 
-// Places of the scan on which sides are laid.
+// Places of the scan at which sides are tried.
 constexpr double kPlaceSpacingM = 0.012;
 constexpr std::size_t kMaxPlaces = 500;
 constexpr int kTurns = 30;
-// Cosine between the normals of a place and of what is laid on it; and of all other points.
+// Minimum cosine between normals of scan and model: at the place; at all other points.
 constexpr float kPlaceAgreement = 0.9F;
 constexpr float kAgreement = 0.6F;
-// Farther off, m, a point of a side is not on the scan.
+// Maximum distance of a side's point from the scan, m.
 constexpr float kOnScanM = 0.012F;
-// So many points, drawn from all over the side, tell most guesses that lead nowhere.
-constexpr std::size_t kFirstLook = 16;
-constexpr float kWorthALook = 0.25F;
-// Guesses that are refined: of each place, where an arm is round and objects can be laid on it in
-// any number of ways, and in all.
+// This many points, spread over the side, reject most wrong guesses early.
+constexpr std::size_t kEarlyPoints = 16;
+constexpr float kMinEarlyFit = 0.25F;
+// Guesses to refine: per place, because many poses fit on e.g. a round arm, and in total.
 constexpr std::size_t kGuessesEach = 8;
 constexpr std::size_t kGuesses = 2000;
 constexpr std::size_t kFinalists = 24;
-// Guesses nearer to each other than this lead to the same place: m, rad.
+// Guesses closer than this count as the same pose: m, rad.
 constexpr double kSamePlaceM = 0.008;
 constexpr double kSameTurnRad = 0.14;
-// Less of it in sight, or less of that where it should be, is no detection: an empty gripper looks
-// like many objects to nine tenths.
+// Minimum confirmed share of the visible surface, and minimum visible share: an empty gripper
+// matches many objects to nine tenths.
 constexpr double kMinSeen = 0.94;
 constexpr double kMinShown = 0.55;
 
@@ -67,10 +66,10 @@ void KeepBest(std::size_t count, std::vector<Guess>* guesses) {
   guesses->resize(std::min(guesses->size(), count));
 }
 
-// Lays sides on one scan.
-class Laying {
+// Matches the sides of a model against a scan.
+class SideMatcher {
  public:
-  Laying(const SurfaceModel& model, const OrientedCloud& cloud)
+  SideMatcher(const SurfaceModel& model, const OrientedCloud& cloud)
       : sides_(SidesOf(model)), cloud_(cloud), grid_(cloud.points, kGripCellM, kGripReachM) {}
 
   std::vector<Guess> Guesses() const {
@@ -118,11 +117,11 @@ class Laying {
     }
   }
 
-  // How much of the side lies on the scan, 0 to 1.
+  // Share of the side that lies on the scan, 0 to 1.
   float FitOf(const Side& side, const Guess& guess) const {
     float sum = 0;
     for (std::size_t i = 0; i < side.points.size(); ++i) {
-      if (i == kFirstLook && sum < kWorthALook * static_cast<float>(kFirstLook)) return 0;
+      if (i == kEarlyPoints && sum < kMinEarlyFit * static_cast<float>(kEarlyPoints)) return 0;
       const Vector3f p = guess.rotation * side.points[i] + guess.translation;
       const int nearest = grid_.Nearest(p);
       if (nearest < 0) continue;
@@ -139,22 +138,24 @@ class Laying {
   const recognition::NearestGrid grid_;
 };
 
-bool LeadToTheSame(const SurfaceModel& model, const Pose& a, const Pose& b) {
+bool AreSamePose(const SurfaceModel& model, const Pose& a, const Pose& b) {
   const Eigen::Vector3d center = model.center.cast<double>();
   return (a * center - b * center).norm() < kSamePlaceM &&
          Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameTurnRad;
 }
 
-// The best guesses, each once.
+// The best guesses, without duplicates.
 std::vector<TargetFit> Finalists(const SurfaceModel& model, const TargetScan& scan) {
   std::vector<TargetFit> all;
-  for (const Guess& guess : Laying(model, scan.cloud()).Guesses()) all.push_back(guess.Start());
+  for (const Guess& guess : SideMatcher(model, scan.cloud()).Guesses()) {
+    all.push_back(guess.Start());
+  }
   scan.RefineRoughly(model, all.data(), all.size());
   std::ranges::stable_sort(all, std::greater(), &TargetFit::value);
   std::vector<TargetFit> out;
   for (const TargetFit& fit : all) {
     const auto is_same = [&](const TargetFit& other) {
-      return LeadToTheSame(model, other.world_target, fit.world_target);
+      return AreSamePose(model, other.world_target, fit.world_target);
     };
     if (std::ranges::none_of(out, is_same)) out.push_back(fit);
     if (out.size() == kFinalists) break;
@@ -162,7 +163,7 @@ std::vector<TargetFit> Finalists(const SurfaceModel& model, const TargetScan& sc
   return out;
 }
 
-// Enough of the target is in sight, and that is where it should be.
+// Enough of the target is visible, and enough of that is confirmed.
 bool IsFound(const TargetFit& fit) {
   return fit.value() > 0 && fit.seen >= kMinSeen && fit.shown >= kMinShown;
 }

@@ -1,4 +1,4 @@
-// A known object that a gripper holds before a camera, in all six degrees of freedom.
+// The 6-DoF pose of a known object in a gripper.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace graspdb::client {
 
-// Looks for the model in a scan that is cut out around it and what holds it, without table and
-// background. Every side that was taught is laid on every part of the scan, turned about the line
-// of sight (the world of `scan` is that of its sensor); what fits best is refined. nullopt when
-// nothing does. Deterministic; takes about a second.
+// Searches for the model in a scan that is cropped to it and the gripper, without table and
+// background. Tries every taught side at places all over the scan, turned about the line of sight
+// (the world frame of `scan` is the sensor frame), and refines the best fits. nullopt when nothing
+// fits. Deterministic; takes about a second.
 std::optional<TargetFit> FindGrippedTarget(const recognition::SurfaceModel& model,
                                            const TargetScan& scan);
 

@@ -23,13 +23,12 @@ using recognition::Pose;
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-// A sample that is so many times farther off is wrong: the target was taken for something else, or
-// had slipped.
-constexpr double kAgrees = 10;
+// Whitened error above which a sample is an outlier: a false detection, or the target slipped.
+constexpr double kMaxInlierSize = 10;
 constexpr std::size_t kSubset = 4;
 constexpr int kSubsets = 200;
 constexpr int kSteps = 20;
-// The robot must have turned by so much about each of two axes, root mean square over pairs.
+// Minimum turn of the robot about each of two axes, root mean square over pairs.
 constexpr double kMinTurnRad = 8 * recognition::kRadiansPerDegree;
 
 using Equations = std::vector<HandEyeEquation>;
@@ -48,7 +47,7 @@ Equations EquationsOf(std::span<const HandEyeSample> samples, CameraMount mount)
 double CostOf(const Equations& equations, const HandEyeSolution& solution) {
   double cost = 0;
   for (const HandEyeEquation& equation : equations) {
-    const double size = std::min(SizeOf(equation, solution), kAgrees);
+    const double size = std::min(SizeOf(equation, solution), kMaxInlierSize);
     cost += size * size;
   }
   return cost;
@@ -57,7 +56,7 @@ double CostOf(const Equations& equations, const HandEyeSolution& solution) {
 HandEyeSolution SolveRobustly(const Equations& equations) {
   std::mt19937_64 random(1);
   HandEyeSolution best = SolveClosedForm(equations);
-  double least = CostOf(equations, best);
+  double min_cost = CostOf(equations, best);
   std::vector<std::size_t> order(equations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (int i = 0; i < kSubsets; ++i) {
@@ -68,8 +67,8 @@ HandEyeSolution SolveRobustly(const Equations& equations) {
     }
     const HandEyeSolution solution = SolveClosedForm(some);
     const double cost = CostOf(equations, solution);
-    if (cost >= least) continue;
-    least = cost;
+    if (cost >= min_cost) continue;
+    min_cost = cost;
     best = solution;
   }
   return best;
@@ -82,7 +81,7 @@ Pose Moved(const Pose& pose, const Vector6d& step) {
   return pose * by;
 }
 
-// Errors follow a small step of Y as they are, and one of X as seen from the target.
+// The Jacobian of the error is the identity for Y, and minus the adjoint of B^-1 for X.
 HandEyeSolution Refine(const Equations& equations, HandEyeSolution solution) {
   for (int step = 0; step < kSteps; ++step) {
     Matrix12d hessian = Matrix12d::Zero();
@@ -90,7 +89,7 @@ HandEyeSolution Refine(const Equations& equations, HandEyeSolution solution) {
     for (const HandEyeEquation& equation : equations) {
       const Matrix6d whiten = WhiteningOf(equation, solution);
       const Vector6d error = whiten * ErrorOf(equation, solution);
-      const double share = error.norm() / kAgrees;
+      const double share = error.norm() / kMaxInlierSize;
       if (share >= 1) continue;
       Eigen::Matrix<double, 6, 12> rows;
       rows << -AdjointOf(equation.b.inverse()), Matrix6d::Identity();
@@ -108,7 +107,7 @@ HandEyeSolution Refine(const Equations& equations, HandEyeSolution solution) {
   return solution;
 }
 
-// By how much the robot turned about the second of its main axes.
+// The robot's turn about the second of its main axes.
 double SecondTurn(const Equations& equations) {
   Matrix3d moments = Matrix3d::Zero();
   double pairs = 0;
@@ -126,9 +125,8 @@ absl::Status CheckTurns(const Equations& equations) {
   const double turn = SecondTurn(equations);
   if (turn >= kMinTurnRad) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
-      "the poses are too alike: the robot turned by %.1f degrees about a second "
-      "axis, at least %.0f "
-      "are needed; tilt the tool to different sides",
+      "the poses are too alike: the robot turned by %.1f degrees about a second axis, at least "
+      "%.0f are needed; tilt the tool to different sides",
       turn / recognition::kRadiansPerDegree, kMinTurnRad / recognition::kRadiansPerDegree));
 }
 
@@ -140,7 +138,7 @@ std::vector<HandEyeResidual> ResidualsOf(const Equations& equations,
     const Vector6d error = ErrorOf(equation, solution);
     out.push_back({.shift_m = error.tail<3>().norm(),
                    .turn_rad = error.head<3>().norm(),
-                   .used = SizeOf(equation, solution) < kAgrees});
+                   .used = SizeOf(equation, solution) < kMaxInlierSize});
   }
   return out;
 }
@@ -152,7 +150,7 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
   if (all.size() < kMinHandEyeSamples) {
     return absl::FailedPreconditionError(
         absl::StrCat("there are ", all.size(), " poses with the target in view, at least ",
-                     kMinHandEyeSamples, " are needed; drive to more"));
+                     kMinHandEyeSamples, " are needed; add poses"));
   }
   if (absl::Status status = CheckTurns(all); !status.ok()) return status;
   const HandEyeSolution solution = Refine(all, SolveRobustly(all));
@@ -169,15 +167,15 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
     out.turn_rad += residual.turn_rad * residual.turn_rad;
   }
   if (2 * used.size() < all.size()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("only ", used.size(), " of ", all.size(),
-                     " poses agree with each other; does the target sit firmly, and is it always "
-                     "recognised?"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        "only ", used.size(), " of ", all.size(),
+        " poses agree with each other; is the target firmly gripped or fixed, and always "
+        "recognised?"));
   }
   if (used.size() < kMinHandEyeSamples) {
     return absl::FailedPreconditionError(absl::StrCat(
         "only ", used.size(), " of ", all.size(), " poses agree with each other, at least ",
-        kMinHandEyeSamples, " are needed; drive to more, and see that the target sits firmly"));
+        kMinHandEyeSamples, " are needed; add poses, and check that the target does not move"));
   }
   if (absl::Status status = CheckTurns(used); !status.ok()) return status;
   const auto count = static_cast<double>(used.size());

@@ -1,4 +1,4 @@
-// Where the camera is, from poses of the robot and what the camera saw at each of them.
+// Hand-eye calibration from robot poses and the target poses measured at each of them.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace graspdb::client {
 
-// One pose of the robot, and the target as the camera saw it then.
+// A pose of the robot, and the target pose measured there.
 struct HandEyeSample {
   recognition::Pose base_flange = recognition::Pose::Identity();
   recognition::Pose camera_target = recognition::Pose::Identity();
@@ -18,40 +18,40 @@ struct HandEyeSample {
 };
 
 enum class CameraMount {
-  kFixed,    // beside the robot; the target is held by the gripper
+  kFixed,    // beside the robot; the target is in the gripper
   kOnFlange  // the target stands still
 };
 
-// How well one sample fits.
+// The residual of one sample.
 struct HandEyeResidual {
   double shift_m = 0;
   double turn_rad = 0;
-  bool used = true;  // false: too far off all others, left out
+  bool used = true;  // false: outlier, left out
 };
 
 struct HandEye {
   // T_base_camera of a fixed camera, T_flange_camera of one on the flange.
   recognition::Pose mount_camera = recognition::Pose::Identity();
-  // T_flange_target where the gripper holds it, T_base_target where it stands still.
+  // T_flange_target for a target in the gripper, T_base_target for a fixed one.
   recognition::Pose mount_target = recognition::Pose::Identity();
   std::vector<HandEyeResidual> residuals;  // of the samples, in their order
   double shift_m = 0;                      // root mean square of those used
   double turn_rad = 0;
 };
 
-// Fewer samples say too little.
+// Fewer samples are not accepted.
 inline constexpr std::size_t kMinHandEyeSamples = 6;
 
 // Solves A_i Y = X B_i for the camera X and the target Y at once: rotations by the singular vectors
 // of the sum of Kronecker products, then translations, after Shah, "Solving the Robot-World/
 // Hand-Eye Calibration Problem Using the Kronecker Product", ASME J. Mechanisms and Robotics 5(3),
-// 2013; of many small subsets of the samples, for some may be wrong, and then by Gauss and Newton's
-// method over all that agree. Deterministic.
-// FAILED_PRECONDITION when there are too few samples, when the robot turned about one axis only or
-// hardly at all, or when fewer than half of the samples, or too few, agree.
+// 2013; on many small subsets of the samples, because some may be outliers, and then by
+// Gauss-Newton over all inliers. Deterministic. FAILED_PRECONDITION when there are too few samples,
+// when the robot turned about one axis only or hardly at all, or when fewer than half of the
+// samples, or too few, agree.
 absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, CameraMount mount);
 
-// How far samples that were not used for it are off a calibration: that of its camera and target.
+// Residuals of other samples under an existing calibration, given by its camera and target.
 std::vector<HandEyeResidual> CheckHandEye(std::span<const HandEyeSample> samples, CameraMount mount,
                                           const recognition::Pose& mount_camera,
                                           const recognition::Pose& mount_target);

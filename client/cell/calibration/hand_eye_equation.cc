@@ -11,7 +11,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using recognition::Pose;
 
-// Of a singular vector, whose sign says nothing.
+// The rotation in a singular vector, whose sign is arbitrary.
 Matrix3d RotationIn(const Eigen::Matrix<double, 9, 1>& vector) {
   const Matrix3d m = Eigen::Map<const Matrix3d>(vector.data());  // column by column
   return NearestRotation(m.determinant() < 0 ? Matrix3d(-m) : m);
@@ -81,8 +81,9 @@ Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& sol
   const Pose target_flange = equation.mount == CameraMount::kFixed
                                  ? solution.y.inverse()
                                  : (solution.x * equation.b).inverse();
-  const Matrix6d seen = AdjointOf(target_flange);
-  const Matrix6d covariance = seen * UsualCovariance() * seen.transpose() + equation.covariance;
+  const Matrix6d adjoint = AdjointOf(target_flange);
+  const Matrix6d covariance =
+      adjoint * UsualCovariance() * adjoint.transpose() + equation.covariance;
   const Eigen::LLT<Matrix6d> factor(covariance);
   return factor.matrixL().solve(Matrix6d::Identity());
 }

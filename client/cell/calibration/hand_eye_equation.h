@@ -1,4 +1,4 @@
-// A Y = X B: one pose of the robot and one of the target, and what is unknown.
+// A Y = X B: a pose of the robot A, a pose of the target B, and the unknowns X and Y.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,24 +20,24 @@ struct HandEyeSolution {
   recognition::Pose y = recognition::Pose::Identity();  // HandEye::mount_target
 };
 
-// The rotation that is nearest to `m`; no mirror image, whatever the sign of its determinant.
+// The rotation nearest to `m`; never a reflection, whatever the sign of the determinant.
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m);
 
-// Of at least three equations: rotations, then translations, see SolveHandEye.
+// Closed-form solution of at least three equations: rotations, then translations, see SolveHandEye.
 HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations);
 
-// What is left of A Y = X B: turn and shift in the frame of the target.
+// Residual of A Y = X B: turn and shift in the frame of the target.
 Vector6d ErrorOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
 
-// How small turns and shifts in the frame that `pose` is of look in the frame that it is in.
+// The adjoint of `pose`: maps small turns and shifts from its child frame to its parent frame.
 Matrix6d AdjointOf(const recognition::Pose& pose);
 
-// What makes errors of this equation independent of each other and of size one. The detection errs
-// in the target's frame, the robot in that of its flange: seen from half a metre away, a turn of it
-// is a shift.
+// Whitens the errors of this equation: independent, with unit variance. Detection errors are given
+// in the target's frame, robot errors in the flange's: half a metre away, a turn of the flange is a
+// shift.
 Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
 
-// Of an error, in units of what is to be expected.
+// Norm of the whitened error.
 double SizeOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
 
 }  // namespace graspdb::client

@@ -18,12 +18,12 @@ using recognition::kDegreesPerRadian;
 using recognition::kMmPerM;
 using recognition::Pose;
 
-absl::Status NotBegun() {
-  return absl::AbortedError("the calibration was not begun; send HEC_INIT first");
+absl::Status NotStarted() {
+  return absl::AbortedError("the calibration was not started; send HEC_INIT first");
 }
 
-// What cannot be the robot's fault must not look like it.
-absl::Status NotOfTheRobot(const absl::Status& status) {
+// INVALID_ARGUMENT would blame the robot's request.
+absl::Status HideInvalidArgument(const absl::Status& status) {
   return absl::IsInvalidArgument(status) ? absl::InternalError(status.message()) : status;
 }
 
@@ -31,11 +31,11 @@ absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
   absl::StatusOr<v1::Cell> cell = client.GetCell(setup.cell);
   if (absl::IsNotFound(cell.status())) {
     return absl::FailedPreconditionError(
-        absl::StrCat("there is no ", setup.cell, "; make it with `graspdb cells set`"));
+        absl::StrCat("there is no ", setup.cell, "; create it with `graspdb cells set`"));
   }
-  if (!cell.ok()) return NotOfTheRobot(cell.status());
+  if (!cell.ok()) return HideInvalidArgument(cell.status());
   if (setup.mount == CameraMount::kFixed) {
-    // Without the camera's level nothing could be saved.
+    // Without the camera's sensor pose nothing could be saved.
     if (auto update = CalibratedCell(*cell, {}, setup.mount); !update.ok()) return update.status();
   }
   return cell;
@@ -63,29 +63,29 @@ absl::Status HandEyeSession::Init() {
   const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
   if (!cell.ok()) return cell.status();
   absl::StatusOr<Target> target = LoadTarget(client_, setup_.target);
-  if (!target.ok()) return NotOfTheRobot(target.status());
+  if (!target.ok()) return HideInvalidArgument(target.status());
   if (setup_.mount == CameraMount::kFixed) world_sensor_ = FromMessage(cell->sensor_pose());
   target_ = *std::move(target);
   spdlog::info("event=hand_eye_begun cell={} target={}", setup_.cell, target_->stable_pose);
   return absl::OkStatus();
 }
 
-absl::StatusOr<SeenTarget> HandEyeSession::Look() {
+absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
   const absl::StatusOr<StillScan> scan =
       TakeStillScan(sensor_, setup_.frames, absl::Now() + setup_.frames_within);
-  if (!scan.ok()) return NotOfTheRobot(scan.status());
-  absl::StatusOr<SeenTarget> found =
+  if (!scan.ok()) return HideInvalidArgument(scan.status());
+  absl::StatusOr<DetectedTarget> found =
       setup_.mount == CameraMount::kFixed
           ? FindGrippedTarget(*target_, *scan, world_sensor_, setup_.region)
-          : FindStandingTarget(client_, *target_, *scan);
-  if (!found.ok()) return NotOfTheRobot(found.status());
+          : FindTargetOnTable(client_, *target_, *scan);
+  if (!found.ok()) return HideInvalidArgument(found.status());
   return found;
 }
 
 absl::Status HandEyeSession::SetPose(int slot, const Pose& base_flange) {
   absl::MutexLock lock(&mutex_);
-  if (!target_) return NotBegun();
-  const absl::StatusOr<SeenTarget> seen = Look();
+  if (!target_) return NotStarted();
+  const absl::StatusOr<DetectedTarget> seen = DetectTarget();
   if (!seen.ok()) return seen.status();
   samples_[slot] = {base_flange, seen->sensor_target, seen->covariance};
   spdlog::info("event=hand_eye_pose cell={} slot={} distance_m={:.3f}", setup_.cell, slot,
@@ -95,7 +95,7 @@ absl::Status HandEyeSession::SetPose(int slot, const Pose& base_flange) {
 
 absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
   absl::MutexLock lock(&mutex_);
-  if (!target_) return NotBegun();
+  if (!target_) return NotStarted();
   std::vector<HandEyeSample> samples;
   samples.reserve(samples_.size());
   for (const auto& [slot, sample] : samples_) samples.push_back(sample);
@@ -107,7 +107,7 @@ absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
   const auto update = CalibratedCell(*cell, *hand_eye, setup_.mount);
   if (!update.ok()) return update.status();
   const absl::StatusOr<v1::Cell> saved = client_.UpdateCell(*update);
-  if (!saved.ok()) return NotOfTheRobot(saved.status());
+  if (!saved.ok()) return HideInvalidArgument(saved.status());
   CalibrationReport out{.shift_m = hand_eye->shift_m,
                         .turn_rad = hand_eye->turn_rad,
                         .used = 0,

@@ -17,34 +17,34 @@
 
 namespace graspdb::client {
 
-// What is calibrated, and with what.
+// What to calibrate, and the target.
 struct HandEyeSetup {
   std::string cell;    // `cells/{cell}`
   std::string target;  // as LoadTarget takes it
   CameraMount mount = CameraMount::kFixed;
-  int frames = 5;  // that are averaged at each pose
+  int frames = 5;  // averaged at each pose
   absl::Duration frames_within = absl::Seconds(10);
-  // Where a fixed camera's robot holds the target, world frame, m; see FindGrippedTarget.
+  // Region of the gripped target of a fixed camera, world frame, m; see FindGrippedTarget.
   std::optional<recognition::Box> region = {};
 };
 
-// Thread-safe; one call at a time works, the others wait. Errors as RobotCalibrator.
+// Thread-safe; calls are serialized. Errors as RobotCalibrator.
 class HandEyeSession {
  public:
   // `client` and `sensor` must outlive it.
   HandEyeSession(Client& client, DepthSensor& sensor, HandEyeSetup setup);
 
-  // Reads the cell and the target from the server, and forgets all poses.
+  // Reads the cell and the target from the server, and discards all poses.
   absl::Status Init() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Looks where the target is while the robot stands at `base_flange`. `slot`: any number.
+  // Detects the target while the robot is at `base_flange`. `slot`: any number.
   absl::Status SetPose(int slot, const recognition::Pose& base_flange) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Solves, and writes the cell, see CalibratedCell. The log has the residual of every pose.
+  // Solves, and updates the cell, see CalibratedCell. Logs the residual of every pose.
   absl::StatusOr<CalibrationReport> Calibrate() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  absl::StatusOr<SeenTarget> Look() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::StatusOr<DetectedTarget> DetectTarget() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   Client& client_;
   DepthSensor& sensor_;

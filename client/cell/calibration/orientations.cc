@@ -14,16 +14,16 @@ using Eigen::Vector3f;
 
 // Directions on a whole sphere: neighbours are eleven degrees apart.
 constexpr int kDirections = 300;
-// Sine of the lowest look-down angle: objects are seen a little from below when they are held.
+// Sine of the lowest look-down angle: gripped objects are seen slightly from below.
 constexpr double kLowest = -0.2;
-// Far enough that the side is seen as a whole, m.
+// Far enough to see the whole side, m.
 constexpr float kDistanceM = 0.7F;
 constexpr std::size_t kPoints = 60;
 // A prime above kPoints, so that no point of a side is taken twice; of 60 points every 37th.
 constexpr std::size_t kStep = 877;
 constexpr std::size_t kAnchors = 4;
 
-// The k-th of directions spread evenly over the sphere (a Fibonacci lattice).
+// The k-th direction of a Fibonacci lattice on the sphere.
 Vector3f Direction(int k) {
   const double z = 1 - (2 * k + 1.0) / kDirections;
   const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
@@ -31,7 +31,7 @@ Vector3f Direction(int k) {
   return Eigen::Vector3d(radius * std::cos(turn), radius * std::sin(turn), z).cast<float>();
 }
 
-// Positions of points as far from each other as can be, the first nearest to the mean.
+// Indices by farthest point sampling, the first nearest to the mean.
 std::vector<std::size_t> FarApart(const recognition::Points& points) {
   Vector3f mean = Vector3f::Zero();
   for (const Vector3f& p : points) mean += p;
@@ -71,7 +71,7 @@ std::vector<Side> SidesOf(const recognition::SurfaceModel& model) {
     if (seen.empty()) continue;
     const std::size_t count = std::min(kPoints, seen.size());
     for (std::size_t i = 0; i < count; ++i) {
-      // Spread over all of them, and the first ones too.
+      // Every prefix is spread over all of them.
       const std::size_t at = seen[(i * kStep % count) * seen.size() / count];
       side.points.push_back(model.coarse.cloud.points[at]);
       side.normals.push_back(model.coarse.cloud.normals[at]);

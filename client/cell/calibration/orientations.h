@@ -9,17 +9,17 @@
 
 namespace graspdb::client {
 
-// One side of a model, as a camera sees it that looks along z.
+// One side of a model, seen by a camera along z.
 struct Side {
   Eigen::Matrix3f look_object = Eigen::Matrix3f::Identity();  // z: the line of sight
-  recognition::Points points;    // some of what is seen, each once, object frame, m
+  recognition::Points points;    // sampled visible points without duplicates, object frame, m
   recognition::Normals normals;  // object frame
-  // Points, far from each other, that are laid on a scan to try this side there.
+  // Indices of distant points that are aligned with places of a scan.
   std::vector<std::size_t> anchors;
 };
 
-// The sides from which a model was taught, all around and from above, some ten degrees apart; not
-// turned about the line of sight. What stands on a table shows nothing from below.
+// The taught sides of a model, all around and from above, some ten degrees apart; without turns
+// about the line of sight. The underside is not taught, because objects stand on a table.
 std::vector<Side> SidesOf(const recognition::SurfaceModel& model);
 
 }  // namespace graspdb::client

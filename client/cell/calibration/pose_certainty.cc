@@ -15,20 +15,20 @@ using Eigen::Vector3f;
 
 constexpr double kVoxelM = 0.003;
 constexpr float kOwnM = 0.004F;
-// Of a voxel across the surface, m, and how many of them err together: so that what is expected of
-// detections goes with how far they are off (docs/calibration.md).
+// Deviation of a voxel along its normal, m, and number of voxels with correlated errors: fitted so
+// that predicted and measured detection errors agree (docs/calibration.md).
 constexpr double kPointDeviationM = 0.0012;
-constexpr double kPointsThatErrTogether = 3;
-// What the edges of an object hold.
+constexpr double kCorrelatedPoints = 3;
+// Deviations allowed by the edges of an object.
 constexpr double kEdgeShiftM = 0.0015;
 constexpr double kEdgeTurnRad = 1.5 * recognition::kRadiansPerDegree;
-// What a table under it holds.
+// Deviations allowed by the table under it.
 constexpr double kTableHeightM = 0.0003;
 constexpr double kTableTiltRad = 0.1 * recognition::kRadiansPerDegree;
-// What is never better: the model, and the camera.
+// Lower bounds, from errors of model and camera.
 constexpr double kMinShiftM = 0.0002;
 constexpr double kMinSpreadRad = 0.1 * recognition::kRadiansPerDegree;
-// What is usual of detections and of robots.
+// Typical deviations of detections and robots.
 constexpr double kUsualShiftM = 0.0005;
 constexpr double kUsualTurnRad = 0.2 * recognition::kRadiansPerDegree;
 
@@ -48,9 +48,9 @@ Matrix6d CovarianceOf(const recognition::SurfaceModel& model, const recognition:
     const Vector3f q = target_sensor * p;
     if (q.allFinite() && model.DistanceTo(q) < kOwnM) own.push_back(q);
   }
-  // Information about the target's frame, of which the origin is not far from its middle.
+  // Information matrix in the target's frame, whose origin is near its centre.
   Matrix6d information = Diagonal(1 / kEdgeTurnRad, 1 / kEdgeShiftM);
-  const double weight = 1 / (kPointDeviationM * kPointDeviationM * kPointsThatErrTogether);
+  const double weight = 1 / (kPointDeviationM * kPointDeviationM * kCorrelatedPoints);
   for (const Vector3f& p : recognition::DownsampleToVoxels(own, kVoxelM).points) {
     const int nearest = model.grid.Nearest(p);
     if (nearest < 0) continue;

@@ -1,4 +1,4 @@
-// How well a detection is held in each direction.
+// The uncertainty of a detection in each direction.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,16 +12,15 @@ namespace graspdb::client {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Covariance of a target that was found at `sensor_target`, in the frame of the target: its points
-// hold it across its surfaces, its edges a little along them, and the table under it, where it
-// stands on one, upright and at its height. What points in `points` (sensor frame, m) do not lie on
-// it say nothing. Of twelve views of a flat object from above none says well where it is on the
-// table and how it is turned; those from the side do.
+// Covariance of a target detected at `sensor_target`, in the frame of the target: points constrain
+// it along the surface normals, edges weakly along the surface, and the table, if `on_table`, its
+// tilt and height. Points of `points` (sensor frame, m) off the target are ignored. Of twelve views
+// of a flat object, those from above constrain its position on the table and its heading weakly;
+// those from the side constrain both.
 Matrix6d CovarianceOf(const recognition::SurfaceModel& model, const recognition::Points& points,
                       const recognition::Pose& sensor_target, bool on_table);
 
-// Where nothing is known of a detection, and of a robot's flange: 0.2 degrees and 0.5 mm in each
-// direction.
+// The default for a detection and for a robot's flange: 0.2 degrees and 0.5 mm in each direction.
 Matrix6d UsualCovariance();
 
 }  // namespace graspdb::client

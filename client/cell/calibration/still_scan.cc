@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Depths farther from the median than this share of it are of another surface.
+// Depths farther from the median than this share of it belong to another surface.
 constexpr float kSameSurface = 0.01F;
-constexpr absl::Duration kPause = absl::Milliseconds(20);  // between looks whether frames come
+constexpr absl::Duration kPause = absl::Milliseconds(20);  // between checks of IsReady
 
 absl::StatusOr<StillScan> FromImage(const v1::DepthImage& message) {
   recognition::DepthImage image{
@@ -43,14 +43,14 @@ absl::StatusOr<StillScan> FromImage(const v1::DepthImage& message) {
 
 bool IsMeasured(const Vector3f& p) { return p.allFinite() && p.z() > 0; }
 
-bool LieOnEachOther(std::span<const StillScan> scans) {
+bool AreAligned(std::span<const StillScan> scans) {
   return std::ranges::all_of(scans, [&](const StillScan& scan) {
     return scan.width > 0 && scan.width == scans.front().width &&
            scan.points.size() == scans.front().points.size();
   });
 }
 
-// Of one pixel: a point along its ray. `depths` is room to work in.
+// The point of one pixel, on its ray. `depths` is a scratch buffer.
 Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
                         std::vector<float>* depths) {
   Vector3f ray = Vector3f::Zero();
@@ -96,7 +96,7 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
     if (!scan.ok()) return scan.status();
     scans.push_back(*std::move(scan));
   }
-  if (scans.size() == 1 || !LieOnEachOther(scans)) return std::move(scans.back());
+  if (scans.size() == 1 || !AreAligned(scans)) return std::move(scans.back());
   StillScan out{.points = {}, .width = scans.front().width};
   out.points.reserve(scans.front().points.size());
   std::vector<float> depths;

@@ -1,4 +1,4 @@
-// One scan of a scene that stands still, from several frames.
+// Averages several frames of a static scene.
 #pragma once
 
 #include <span>
@@ -11,24 +11,24 @@
 
 namespace graspdb::client {
 
-// Points in the sensor frame, metres; NaN where nothing was measured.
+// Points in the sensor frame, metres; NaN: not measured.
 struct StillScan {
   recognition::Points points;
   int width = 0;  // points in a row; 0: not organised
 };
 
-// The points of one frame. INVALID_ARGUMENT when the frame is none: sizes that do not fit, or
-// clouds packed in another way than x, y, z floats.
+// The points of one frame. INVALID_ARGUMENT for an invalid frame: inconsistent sizes, or clouds not
+// packed as x, y, z floats.
 absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame);
 
-// Pixel by pixel the mean of what lies near the median, where at least half of the frames measured
-// something: flying pixels, which are elsewhere in every frame, are gone, and the noise is less.
-// Frames that are not organised, or of different sizes, cannot be laid on each other: then the last
-// one. Errors as ScanOf; INVALID_ARGUMENT without frames.
+// Per pixel, the mean of the measurements near the median, if at least half of the frames have one:
+// removes flying pixels, which change from frame to frame, and reduces noise. Unorganised frames
+// and frames of different sizes cannot be averaged: then the last one. Errors as ScanOf;
+// INVALID_ARGUMENT without frames.
 absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames);
 
-// Waits until the sensor is ready, as one that was just opened is not at once, or until `deadline`:
-// the next frame says then what is wrong. Thread-safe, as all here.
+// Waits until the sensor, e.g. just opened, is ready, or until `deadline`; then the next call of
+// Next returns the error. Thread-safe, as all functions here.
 void AwaitFrames(DepthSensor& sensor, absl::Time deadline);
 
 // Takes `count` frames one after the other. Errors of the sensor.

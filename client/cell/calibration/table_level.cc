@@ -18,8 +18,8 @@ using recognition::Pose;
 constexpr double kRangeM = 1.5;
 constexpr double kOnTableM = 0.006;
 constexpr double kMinShare = 1.0 / 3;
-constexpr double kSteepestRad = 75 * recognition::kRadiansPerDegree;
-constexpr double kLargestTiltRad = 15 * recognition::kRadiansPerDegree;
+constexpr double kMaxViewAngleRad = 75 * recognition::kRadiansPerDegree;
+constexpr double kMaxTiltRad = 15 * recognition::kRadiansPerDegree;
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -27,7 +27,7 @@ double AngleBetween(const Vector3d& a, const Vector3d& b) {
 
 }  // namespace
 
-absl::StatusOr<SeenTable> FindTable(const recognition::Points& points) {
+absl::StatusOr<DetectedTable> FindTable(const recognition::Points& points) {
   recognition::Points near;
   for (const Eigen::Vector3f& p : points) {
     if (recognition::IsMeasurement(p) && p.norm() < static_cast<float>(kRangeM)) near.push_back(p);
@@ -38,11 +38,11 @@ absl::StatusOr<SeenTable> FindTable(const recognition::Points& points) {
   const auto plane = recognition::FindPlane(near, Vector3d::Zero(), constraint);
   if (!plane) {
     return absl::FailedPreconditionError(absl::StrFormat(
-        "no plane has a third of the %d points within 1.5 m; clear the table and let the camera "
-        "look at it",
+        "no plane has a third of the %d points within 1.5 m; clear the table and point the camera "
+        "at it",
         near.size()));
   }
-  SeenTable out{.plane = *plane};
+  DetectedTable out{.plane = *plane};
   double squares = 0;
   double count = 0;
   for (const Eigen::Vector3f& p : near) {
@@ -53,17 +53,17 @@ absl::StatusOr<SeenTable> FindTable(const recognition::Points& points) {
   }
   out.rms_m = std::sqrt(squares / count);
   out.share = count / static_cast<double>(near.size());
-  const double steep = AngleBetween(plane->normal, -Vector3d::UnitZ());
-  if (steep > kSteepestRad) {
+  const double view_angle = AngleBetween(plane->normal, -Vector3d::UnitZ());
+  if (view_angle > kMaxViewAngleRad) {
     return absl::FailedPreconditionError(absl::StrFormat(
-        "the largest plane is seen %.0f degrees from its normal, at most 75 say how it lies; let "
-        "the camera look down at the table",
-        steep / recognition::kRadiansPerDegree));
+        "the largest plane is seen %.0f degrees from its normal, at most 75 are allowed; point the "
+        "camera down at the table",
+        view_angle / recognition::kRadiansPerDegree));
   }
   return out;
 }
 
-absl::StatusOr<Pose> LevelOn(const SeenTable& table, const std::optional<Pose>& before) {
+absl::StatusOr<Pose> LevelOn(const DetectedTable& table, const std::optional<Pose>& before) {
   if (!before) {
     const auto level = recognition::WorldFromPlane(table.plane, Vector3d::Zero(), Vector3d::UnitZ(),
                                                    Vector3d::UnitX());
@@ -73,7 +73,7 @@ absl::StatusOr<Pose> LevelOn(const SeenTable& table, const std::optional<Pose>& 
   }
   const Vector3d up = before->linear() * table.plane.normal;
   const double tilt = AngleBetween(up, Vector3d::UnitZ());
-  if (tilt > kLargestTiltRad) {
+  if (tilt > kMaxTiltRad) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "the plane is tilted by %.1f degrees against the cell's sensor pose, so it is not its "
         "table; clear the table, or correct the pose with `graspdb cells set`",
@@ -87,7 +87,7 @@ absl::StatusOr<Pose> LevelOn(const SeenTable& table, const std::optional<Pose>& 
   return out;
 }
 
-LevelError LevelErrorOf(const SeenTable& table, const Pose& world_sensor) {
+LevelError LevelErrorOf(const DetectedTable& table, const Pose& world_sensor) {
   LevelError out;
   const recognition::Plane& plane = table.plane;
   out.tilt_rad = AngleBetween(world_sensor.linear() * plane.normal, Vector3d::UnitZ());

@@ -23,20 +23,19 @@ using recognition::Box;
 using recognition::Points;
 using recognition::Pose;
 
-// Views that were taught apart from each other by more than this, m, were not told where the object
-// was.
-constexpr float kLargestDeviationM = 0.004F;
-// Two detections that are nearer to each other, m, are of one object.
+// Maximum deviation between fused views, m; beyond it they were taught without object poses.
+constexpr float kMaxDeviationM = 0.004F;
+// Detections closer than this, m, belong to one object.
 constexpr double kApartM = 0.05;
-// Around a standing target: beyond it, and above the table, m.
+// Crop of a target on the table: margin around it, and minimum height above the table, m.
 constexpr double kMarginM = 0.03;
 constexpr double kStandsAboveM = 0.006;
-// What the server has found and is refined to less than this share of its surface stays as it was.
+// If the refinement confirms less than this share of the surface, the server's pose is kept.
 constexpr double kRefinedSeen = 0.75;
-// Where a gripper may hold a target, unless the caller knows better: above the table, so that its
-// plane is out, and around the world's origin.
+// Default region of a gripped target: above the table, to exclude its plane, and around the world's
+// origin.
 constexpr double kAboveTableM = 0.02;
-constexpr double kHighestM = 1.0;
+constexpr double kMaxHeightM = 1.0;
 constexpr double kAroundM = 1.0;
 
 absl::StatusOr<std::string> StablePoseNamed(Client& client, const std::string& name) {
@@ -49,7 +48,7 @@ absl::StatusOr<std::string> StablePoseNamed(Client& client, const std::string& n
   if (!poses.ok()) return poses.status();
   if (poses->size() == 1) return poses->front().name();
   return absl::FailedPreconditionError(absl::StrCat("the target ", name, " has ", poses->size(),
-                                                    " stable poses; name one of them: ", name,
+                                                    " stable poses; specify one: ", name,
                                                     "/stablePoses/..."));
 }
 
@@ -57,7 +56,7 @@ absl::Status RefuseSymmetry(Client& client, const std::string& stable_pose) {
   const auto symmetric = [&](int order) {
     return absl::FailedPreconditionError(absl::StrCat(
         stable_pose, " looks the same after a turn about the vertical (symmetry ", order,
-        ", 0: any turn), so where it is turned to cannot be seen; take a target without symmetry"));
+        ", 0: any turn), so its heading is undetermined; use a target without symmetry"));
   };
   const absl::StatusOr<v1::StablePose> declared = client.GetStablePose(stable_pose);
   if (absl::IsNotFound(declared.status())) {
@@ -91,7 +90,7 @@ absl::StatusOr<recognition::PosedCloud> CloudOf(Client& client, const std::strin
   return recognition::PosedCloud{std::move(cloud), FromMessage(view->object_pose())};
 }
 
-// Whether `detection` is the target, and says where it is.
+// Whether `detection` is the target, at an unambiguous pose.
 bool IsSure(const v1::Detection& detection, const std::string& stable_pose) {
   if (detection.stable_pose() != stable_pose) return false;
   return detection.status() != v1::AMBIGUOUS || detection.equivalent_poses().empty();
@@ -112,17 +111,17 @@ bool IsApart(const v1::Detection& a, const v1::Detection& b) {
   return between.translation().norm() > kApartM;
 }
 
-// Refined on the target's points between the table and its height.
-SeenTarget RefineStanding(const Target& target, const StillScan& scan, const Pose& world_sensor,
-                          const Pose& world_target) {
+// Refines the pose on the target's points above the table.
+DetectedTarget RefineStanding(const Target& target, const StillScan& scan, const Pose& world_sensor,
+                              const Pose& world_target) {
   const Eigen::Vector3d center = world_target * target.model->center.cast<double>();
   const Eigen::Vector3d reach =
       Eigen::Vector3d::Constant(static_cast<double>(target.model->radius_m) + kMarginM);
   Box around{center - reach, center + reach};
   around.min.z() = kStandsAboveM;
   const Points points = PointsIn(around, scan, world_sensor);
-  const TargetScan standing(points, scan.points, world_sensor, /*on_table=*/true);
-  const TargetFit fit = standing.Refine(*target.model, world_target);
+  const TargetScan on_table(points, scan.points, world_sensor, /*on_table=*/true);
+  const TargetFit fit = on_table.Refine(*target.model, world_target);
   const Pose sensor_target =
       world_sensor.inverse() * (fit.seen >= kRefinedSeen ? fit.world_target : world_target);
   return {sensor_target, CovarianceOf(*target.model, points, sensor_target, /*on_table=*/true)};
@@ -144,22 +143,22 @@ absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
     clouds.push_back(*std::move(cloud));
   }
   Target out{.stable_pose = *std::move(stable_pose), .model = recognition::FuseViews(clouds)};
-  if (out.model == nullptr || out.model->deviation_m > kLargestDeviationM) {
+  if (out.model == nullptr || out.model->deviation_m > kMaxDeviationM) {
     return absl::FailedPreconditionError(absl::StrCat(
         out.stable_pose, " has ", views->size(),
-        " views, and they do not make one shape; teach it from all around with its object poses"));
+        " views, and they do not form one shape; teach it from all around with its object poses"));
   }
   return out;
 }
 
-absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& target,
-                                              const StillScan& scan) {
+absl::StatusOr<DetectedTarget> FindTargetOnTable(Client& client, const Target& target,
+                                                 const StillScan& scan) {
   v1::RecognizeRequest request;
   *request.mutable_cloud() = CloudMessage(scan.points, scan.width);
   const absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(request);
   if (absl::IsFailedPrecondition(response.status())) {
     return absl::NotFoundError(
-        "no table is in sight that the target could stand on; look down at it from nearer");
+        "the camera sees no table under the target; look down at it from a shorter distance");
   }
   if (!response.ok()) return response.status();
   const v1::Detection* found = nullptr;
@@ -167,34 +166,35 @@ absl::StatusOr<SeenTarget> FindStandingTarget(Client& client, const Target& targ
     if (!IsSure(detection, target.stable_pose)) continue;
     if (found != nullptr && IsApart(*found, detection)) {
       return absl::NotFoundError(
-          absl::StrCat(target.stable_pose, " is seen more than once; leave one on the table"));
+          absl::StrCat(target.stable_pose, " is detected more than once; leave one on the table"));
     }
-    // Parts of one object, of which the largest knows best.
+    // Several parts of one object: the largest is the most reliable.
     if (found == nullptr || detection.point_count() > found->point_count()) found = &detection;
   }
   if (found == nullptr) {
-    return absl::NotFoundError(absl::StrCat(target.stable_pose, " is not recognised among ",
-                                            response->detections_size(),
-                                            " objects in sight; look at it as it was taught"));
+    return absl::NotFoundError(
+        absl::StrCat(target.stable_pose, " is not recognised among ", response->detections_size(),
+                     " visible objects; view it from the taught directions"));
   }
   return RefineStanding(target, scan, FromMessage(response->sensor_pose()),
                         FromMessage(found->refined_pose()));
 }
 
-absl::StatusOr<SeenTarget> FindGrippedTarget(const Target& target, const StillScan& scan,
-                                             const Pose& world_sensor,
-                                             const std::optional<Box>& region) {
+absl::StatusOr<DetectedTarget> FindGrippedTarget(const Target& target, const StillScan& scan,
+                                                 const Pose& world_sensor,
+                                                 const std::optional<Box>& region) {
   const Box around =
-      region.value_or(Box{{-kAroundM, -kAroundM, kAboveTableM}, {kAroundM, kAroundM, kHighestM}});
+      region.value_or(Box{{-kAroundM, -kAroundM, kAboveTableM}, {kAroundM, kAroundM, kMaxHeightM}});
   const Points points = PointsIn(around, scan, world_sensor);
-  const TargetScan held(points, scan.points, Pose::Identity(), /*on_table=*/false);
-  if (const std::optional<TargetFit> found = FindGrippedTarget(*target.model, held)) {
-    return SeenTarget{found->world_target, CovarianceOf(*target.model, points, found->world_target,
-                                                        /*on_table=*/false)};
+  const TargetScan gripped(points, scan.points, Pose::Identity(), /*on_table=*/false);
+  if (const std::optional<TargetFit> found = FindGrippedTarget(*target.model, gripped)) {
+    return DetectedTarget{found->world_target,
+                          CovarianceOf(*target.model, points, found->world_target,
+                                       /*on_table=*/false)};
   }
   return absl::NotFoundError(absl::StrFormat(
-      "%s is not recognised among %d points where the gripper may hold it; turn it so that the "
-      "camera sees most of it, as it was taught",
+      "%s is not recognised among the %d points of the gripper's region; turn it so that the "
+      "camera sees most of it, from a taught direction",
       target.stable_pose, points.size()));
 }
 

@@ -18,19 +18,19 @@ using recognition::Pose;
 using recognition::RefinementOptions;
 using recognition::SurfaceModel;
 
-// Look-ups over the scan: cells, and how far they reach, m.
+// Nearest-neighbour grid of the scan: cell size and maximum distance, m.
 constexpr float kCellM = 0.003F;
 constexpr float kReachM = 0.021F;
-constexpr std::size_t kFewestVoxels = 50;
+constexpr std::size_t kMinVoxels = 50;
 constexpr RefinementOptions kRoughSteps = {
     .iterations = 6, .first_reach_m = 0.02, .last_reach_m = 0.008, .coarse = true};
 constexpr RefinementOptions kLastSteps = {.iterations = 15, .first_reach_m = 0.01};
 constexpr std::size_t kRoughStride = 3;
 constexpr double kRoughToleranceM = 0.006;
 constexpr double kToleranceM = 0.004;
-// The gripper is farther from the target's surface than this, or hides it.
+// Points farther from the target's surface than this belong to the gripper.
 constexpr float kNearM = 0.008F;
-// What lies on the surface, and faces as it does; what goes on beside it.
+// Distance and normal cosine of points on the surface; maximum distance of points beside it.
 constexpr float kOnM = 0.003F;
 constexpr float kFacing = 0.8F;
 constexpr float kBesideM = 0.02F;
@@ -79,16 +79,16 @@ void TargetScan::RefineRoughly(const SurfaceModel& model, TargetFit* guesses,
   const recognition::SoaCloud columns(cloud_, kRoughStride);
   recognition::Indices all(point_count_);
   std::iota(all.begin(), all.end(), 0);
-  const recognition::DepthBuffer sight = DepthBufferOf(std::move(all));
-  const recognition::RefinementTarget target{cloud_, columns, grid, sight, on_table_, {}};
+  const recognition::DepthBuffer depth_buffer = DepthBufferOf(std::move(all));
+  const recognition::RefinementTarget target{cloud_, columns, grid, depth_buffer, on_table_, {}};
   for (std::size_t i = 0; i < count; ++i) {
     TargetFit& guess = guesses[i];
     guess.world_target =
         recognition::Refine(model, target, guess.world_target, kRoughSteps).world_object;
-    const Evidence evidence = Verify(model, guess.world_target, columns, sight,
+    const Evidence evidence = Verify(model, guess.world_target, columns, depth_buffer,
                                      {.tolerance_m = kRoughToleranceM, .coarse = true});
     guess.seen = evidence.model_seen;
-    guess.shown = evidence.in_sight;
+    guess.shown = evidence.unoccluded;
     Count(model, kRoughStride, &guess);
   }
 }
@@ -102,23 +102,23 @@ TargetFit TargetScan::RefineOnce(const SurfaceModel& model, const Pose& world_ta
     near.points.push_back(cloud_.points[i]);
     near.normals.push_back(cloud_.normals[i]);
   }
-  if (near.points.size() < kFewestVoxels) return out;
+  if (near.points.size() < kMinVoxels) return out;
   const Eigen::Isometry3f target_sensor = target_world * world_sensor_.cast<float>();
   recognition::Indices own;
   for (std::size_t i = 0; i < point_count_; ++i) {
     if (model.DistanceTo(target_sensor * frame_.points[i]) >= kNearM) continue;
     own.push_back(static_cast<std::int32_t>(i));
   }
-  const recognition::DepthBuffer sight = DepthBufferOf(std::move(own));
+  const recognition::DepthBuffer depth_buffer = DepthBufferOf(std::move(own));
   const recognition::SoaCloud columns(near);
   const recognition::NearestGrid grid(near.points, kCellM, kReachM);
-  recognition::RefinementTarget target{near, columns, grid, sight, on_table_, {}};
+  recognition::RefinementTarget target{near, columns, grid, depth_buffer, on_table_, {}};
   if (on_table_) target.table = recognition::Plane();
   out.world_target = recognition::Refine(model, target, world_target, kLastSteps).world_object;
   const Evidence evidence =
-      Verify(model, out.world_target, columns, sight, {.tolerance_m = kToleranceM});
+      Verify(model, out.world_target, columns, depth_buffer, {.tolerance_m = kToleranceM});
   out.seen = evidence.model_seen;
-  out.shown = evidence.in_sight;
+  out.shown = evidence.unoccluded;
   Count(model, 1, &out);
   return out;
 }

@@ -16,24 +16,24 @@ absl::StatusOr<GriClient> GriClient::Connect(const std::string& host, std::uint1
   stream.expires_after(timeout);
   stream.connect(host, std::to_string(port));
   if (!stream) {
-    return absl::UnavailableError(absl::StrCat("nobody answers robots at ", host, ":", port, " (",
+    return absl::UnavailableError(absl::StrCat("no GRI server at ", host, ":", port, " (",
                                                stream.error().message(), "); start graspdb-cell"));
   }
-  asio::error_code refused;  // then answers only take longer
+  asio::error_code refused;  // then answers only have a higher latency
   stream.socket().set_option(asio::ip::tcp::no_delay(true), refused);
   return GriClient(std::move(stream), timeout);
 }
 
-absl::StatusOr<GriResponse> GriClient::Ask(const GriRequest& request) {
-  const auto asked = GriBytes(request);
+absl::StatusOr<GriResponse> GriClient::Call(const GriRequest& request) {
+  const auto bytes = GriBytes(request);
   std::array<std::uint8_t, kGriResponseBytes> answer = {};
   stream_.expires_after(timeout_);
-  stream_.write(reinterpret_cast<const char*>(asked.data()), asked.size());
+  stream_.write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   stream_.flush();
   stream_.read(reinterpret_cast<char*>(answer.data()), answer.size());
   if (!stream_) {
     return absl::UnavailableError(
-        absl::StrCat("the cell's agent gave no answer (", stream_.error().message(), ")"));
+        absl::StrCat("no answer from the cell's agent (", stream_.error().message(), ")"));
   }
   return ParseGriResponse(answer);
 }

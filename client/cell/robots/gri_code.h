@@ -1,5 +1,5 @@
-// The numbers by which robots are told how a question went: those of the Generic Robot Interface,
-// which the line protocol says as well.
+// The status codes for robots: those of the Generic Robot Interface, which the line protocol uses
+// as well.
 #pragma once
 
 #include <cstdint>
@@ -38,11 +38,11 @@ enum class GriCode : std::int16_t {
 
 enum class GriJobStatus : std::int32_t { kInactive = 1, kRunning = 2, kDone = 3, kFailed = 4 };
 
-// As the interface's documentation calls it, such as JOB_DOES_NOT_EXIST; UNKNOWN_ERROR for numbers
-// that it does not know.
+// The name in the interface's documentation, such as JOB_DOES_NOT_EXIST; UNKNOWN_ERROR for unknown
+// numbers.
 std::string GriCodeName(GriCode code);
 
-// The code by which a robot is told of an error of a JobRunner.
+// The code for an error of a JobRunner.
 GriCode GriCodeOf(const absl::Status& status);
 
 }  // namespace graspdb::client

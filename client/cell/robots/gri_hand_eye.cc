@@ -25,8 +25,7 @@ GriCode CodeOfAction(GriAction action) {
   }
 }
 
-// The code by which a robot is told of an error of a RobotCalibrator: where nothing more exact can
-// be said, that of the action.
+// The code for an error of a RobotCalibrator; the action's own code where none is more specific.
 GriCode HecCodeOf(const absl::Status& status, GriAction action) {
   switch (status.code()) {
     case absl::StatusCode::kOk:

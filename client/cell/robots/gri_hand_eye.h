@@ -1,4 +1,4 @@
-// Hand-eye calibration as the Generic Robot Interface asks for it.
+// The hand-eye calibration actions of the Generic Robot Interface.
 #pragma once
 
 #include "client/cell/robots/gri_message.h"
@@ -6,16 +6,16 @@
 
 namespace graspdb::client {
 
-// Slots that a robot may name: the documentation says 0 to 7, programs send 1 to 8.
+// The last slot: the documentation has 0 to 7, robot programs send 1 to 8.
 inline constexpr int kLastHecSlot = 8;
 
 // Answers HEC_INIT, HEC_SET_POSE and HEC_CALIBRATE; data_1 of the request is the pipeline, data_2
 // of HEC_SET_POSE the slot. The answer to HEC_CALIBRATE has the root mean square residuals: data_2
-// the shift in 10^-6 mm, data_3 the turn in 10^-6 degrees, data_4 how many poses were used. The log
-// has the sentence to every error. Thread-safe.
+// the shift in 10^-6 mm, data_3 the turn in 10^-6 degrees, data_4 the number of poses used. Error
+// messages are logged. Thread-safe.
 class GriHandEye {
  public:
-  // `calibrator` must outlive this; null: there is no pipeline.
+  // `calibrator` must outlive this; null: no pipelines.
   explicit GriHandEye(RobotCalibrator* calibrator) : calibrator_(calibrator) {}
 
   // The header must have been checked.

@@ -26,7 +26,7 @@ std::optional<Pose> FlangeOf(const GriRequest& request) {
   return pose.ok() ? std::optional(*pose) : std::nullopt;
 }
 
-// The pose of an answer, or why there is none.
+// Writes the pose of an answer, or its error code.
 void Give(const JobAnswer& answer, GriResponse* response) {
   response->code = answer.code;
   if (answer.code != GriCode::kNoError) return;
@@ -49,7 +49,7 @@ void GriJobs::GivePrimary(const std::string& robot, const JobAnswer& answer,
   if (response->code == GriCode::kNoError) {
     jobs_.runner().Given(robot, answer.primary);
   } else if (answer.code == GriCode::kNoError) {
-    jobs_.PassOver(robot, response->job_id);
+    jobs_.SkipPrimary(robot, response->job_id);
   }
 }
 
@@ -58,12 +58,12 @@ void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
   const int job = request.job_id;
   response->code = jobs_.Check(job).code;
   if (response->code != GriCode::kNoError) return;
-  const JobRequest asked = {.job = job, .robot = robot, .base_flange = FlangeOf(request)};
+  const JobRequest job_request = {.job = job, .robot = robot, .base_flange = FlangeOf(request)};
   switch (static_cast<GriAction>(request.action)) {
     case GriAction::kTriggerJobSync:
-      return GivePrimary(robot, jobs_.Run(asked), response);
+      return GivePrimary(robot, jobs_.Run(job_request), response);
     case GriAction::kTriggerJobAsync:
-      response->code = jobs_.Start(asked).code;
+      response->code = jobs_.Start(job_request).code;
       return;
     case GriAction::kGetJobStatus:
       response->data[gri_data::kJobStatus] = static_cast<std::int32_t>(jobs_.StatusOf(robot, job));

@@ -1,4 +1,4 @@
-// Jobs as the Generic Robot Interface asks for them.
+// The job actions of the Generic Robot Interface.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace graspdb::client {
 // GET_RELATED_POSE. Thread-safe.
 class GriJobs {
  public:
-  // `runner` must outlive this. The destructor waits for jobs that run.
+  // `runner` must outlive this. The destructor waits for running jobs.
   explicit GriJobs(JobRunner& runner) : jobs_(runner) {}
 
-  // `robot` is who asks, such as its address. The header must have been checked.
+  // `robot` identifies the sender, e.g. by its address. The header must have been checked.
   GriResponse Answer(const std::string& robot, const GriRequest& request);
 
  private:

@@ -1,5 +1,5 @@
-// The messages of the Generic Robot Interface, version 1: a robot asks in 54 bytes and is answered
-// in 80, all numbers little-endian.
+// The messages of the Generic Robot Interface, version 1: requests of 54 bytes and responses of 80,
+// all numbers little-endian.
 #pragma once
 
 #include <array>
@@ -38,11 +38,11 @@ struct GriPose {
 
 struct GriRequest {
   std::uint8_t version = kGriVersion;
-  std::uint8_t length = kGriRequestBytes;  // as the message says of itself
+  std::uint8_t length = kGriRequestBytes;  // as given in the message
   std::uint8_t pose_format = kQuaternionWxyz;
-  std::uint8_t action = 0;  // a GriAction, or nothing known
+  std::uint8_t action = 0;  // a GriAction, or unknown
   std::uint16_t job_id = 0;
-  GriPose pose;  // where the robot is
+  GriPose pose;  // of the robot
   std::array<std::int32_t, 4> data = {};
 };
 
@@ -55,29 +55,28 @@ struct GriResponse {
   std::array<std::int32_t, 10> data = {};
 };
 
-// An answer to `request` that says nothing yet.
+// An empty response to `request`.
 GriResponse ResponseTo(const GriRequest& request);
 
-// A number as the messages have it. Numbers that do not fit are the nearest that do; no number is
-// the largest.
+// Rounded, and clamped to the range of the messages' numbers; the largest for NaN.
 std::int32_t Saturated(double number);
 
-// INVALID_ARGUMENT when the magic bytes are not there: then nobody knows where the next message
-// begins, and the connection is to be closed.
+// INVALID_ARGUMENT without the magic bytes: then the start of the next message is unknown, and the
+// connection must be closed.
 absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriRequestBytes> bytes);
 
-// INVALID_ARGUMENT when the magic bytes are not there, and when version or length is another.
+// INVALID_ARGUMENT without the magic bytes, and for another version or length.
 absl::StatusOr<GriResponse> ParseGriResponse(
     std::span<const std::uint8_t, kGriResponseBytes> bytes);
 
 std::array<std::uint8_t, kGriRequestBytes> GriBytes(const GriRequest& request);
 std::array<std::uint8_t, kGriResponseBytes> GriBytes(const GriResponse& response);
 
-// What is wrong with the header of a request, kNoError where nothing is.
+// The error in the header of a request, or kNoError.
 GriCode CheckGriRequest(const GriRequest& request);
 
-// A pose (metres, any frame) in the pose format of this code, and back. OUT_OF_RANGE when a number
-// does not fit: positions reach to 2147.48 mm. Otherwise errors as ToRobotPose and FromRobotPose.
+// Converts a pose (metres, any frame) to the pose format `format` and back. OUT_OF_RANGE when a
+// number does not fit: positions reach to 2147.48 mm. Also errors of ToRobotPose and FromRobotPose.
 absl::StatusOr<GriPose> ToGriPose(const recognition::Pose& pose, int format);
 absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format);
 

@@ -14,7 +14,7 @@ bool MayBeGri(std::string_view received) {
   return received.substr(0, known) == kGriPrefix.substr(0, known);
 }
 
-bool SaysItsLength(std::string_view received) {
+bool HasRequestLength(std::string_view received) {
   return static_cast<std::uint8_t>(received[kLengthAt]) == kGriRequestBytes;
 }
 
@@ -23,7 +23,7 @@ RobotReply Encode(const GriResponse& response, bool hang_up) {
   return {.bytes = std::string(bytes.begin(), bytes.end()), .hang_up = hang_up};
 }
 
-// What can be said of a header alone, or of no header.
+// The answer to an incomplete or invalid header.
 RobotReply Refuse(std::string_view message) {
   GriResponse out;
   if (!MayBeGri(message) || message.size() < kGriHeaderBytes) {
@@ -32,7 +32,7 @@ RobotReply Refuse(std::string_view message) {
   }
   out.pose_format = static_cast<std::uint8_t>(message[kLengthAt + 1]);
   out.action = static_cast<std::uint8_t>(message[kLengthAt + 2]);
-  // What another version means by its length nobody knows.
+  // The length field may have another meaning in other versions.
   const bool is_known = static_cast<std::uint8_t>(message[kVersionAt]) == kGriVersion;
   out.code = is_known ? GriCode::kInvalidRequestLength : GriCode::kUnknownProtocolVersion;
   return Encode(out, /*hang_up=*/true);
@@ -43,7 +43,7 @@ RobotReply Refuse(std::string_view message) {
 std::size_t GriProtocol::MessageBytes(std::string_view received) const {
   if (!MayBeGri(received)) return received.size();
   if (received.size() < kGriHeaderBytes) return 0;
-  if (!SaysItsLength(received)) return kGriHeaderBytes;
+  if (!HasRequestLength(received)) return kGriHeaderBytes;
   return received.size() < kGriRequestBytes ? 0 : kGriRequestBytes;
 }
 

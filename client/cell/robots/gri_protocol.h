@@ -1,4 +1,4 @@
-// The Generic Robot Interface as a protocol for RobotServer.
+// The Generic Robot Interface for RobotServer.
 #pragma once
 
 #include "client/cell/robots/gri_hand_eye.h"
@@ -7,11 +7,11 @@
 
 namespace graspdb::client {
 
-// Every message gets an answer of 80 bytes. After bytes that are none of it, or a length that is
-// not that of a request, it hangs up: nobody knows where the next message begins.
+// Every message gets an answer of 80 bytes. Foreign bytes and wrong lengths close the connection,
+// because the start of the next message is unknown.
 class GriProtocol : public RobotProtocol {
  public:
-  // `jobs` and `calibrator` must outlive this; without the latter no pipeline can be calibrated.
+  // `jobs` and `calibrator` must outlive this; null: no pipeline can be calibrated.
   explicit GriProtocol(GriJobs& jobs, RobotCalibrator* calibrator = nullptr)
       : jobs_(jobs), hand_eye_(calibrator) {}
 

@@ -1,4 +1,4 @@
-// What robots ask for, whatever protocol they speak.
+// Jobs of robots, independent of the protocol.
 #pragma once
 
 #include <optional>
@@ -11,65 +11,65 @@
 
 namespace graspdb::client {
 
-// One object that a robot can do something with: a grasp and the object that it belongs to, or the
-// other way round, as the job says.
+// One result for a robot: a grasp with its object as the related pose, or an object with its
+// grasps, depending on the job.
 struct JobPose {
   recognition::Pose base_primary = recognition::Pose::Identity();  // in the robot's base frame
   std::vector<recognition::Pose> base_related = {};
   std::string object = {};       // resource name
   std::string stable_pose = {};  // resource name
-  std::string grasp_id = {};     // empty where the stable pose has none
+  std::string grasp_id = {};     // empty if the stable pose has none
   double score = 0;              // confidence, 0 to 1
   double gripper_opening_m = 0;
   double approach_distance_m = 0;
   double retreat_distance_m = 0;
-  double camera_s = 0;  // of the job's time, what went by until the camera had its frame
+  double camera_s = 0;  // part of the job's time spent waiting for the frame
 };
 
 struct JobRequest {
   int job = 0;
-  std::string robot;  // who asks, such as its address
-  // Where the robot says that its flange is, if that was readable; jobs that show a grasp take it
-  // for the tool centre point.
+  std::string robot;  // identifies the robot, e.g. by its address
+  // The flange pose that the robot sent, if valid; jobs that show a grasp use it as the pose of the
+  // tool centre point.
   std::optional<recognition::Pose> base_flange = {};
 };
 
-// What became of the pose that a robot was given.
+// The outcome of a grasp at a pose given to a robot.
 enum class PickOutcome {
-  kPicked,   // the object was taken and stayed in the gripper
+  kPicked,   // the object was picked and stayed in the gripper
   kMissed,   // the gripper closed on nothing
-  kSlipped,  // the object was taken and lost again
+  kSlipped,  // the object was picked and lost again
 };
 
-// Does jobs. Implementations are thread-safe.
+// Runs jobs. Implementations are thread-safe.
 class JobRunner {
  public:
   virtual ~JobRunner() = default;
 
-  // Whether a job would find its camera and its server.
+  // Whether camera and server are available.
   virtual bool IsReady() = 0;
 
-  // NOT_FOUND when there is no such job, FAILED_PRECONDITION when what it says cannot be done,
-  // PERMISSION_DENIED when it is meant for another protocol.
+  // NOT_FOUND when there is no such job, FAILED_PRECONDITION when it is misconfigured,
+  // PERMISSION_DENIED when it is for another protocol.
   virtual absl::Status Check(int job) = 0;
 
-  // The poses that the job is set to return, the best first; none where nothing is found. Takes no
-  // longer than the job's time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the
-  // robot's pose; ABORTED when the camera gives no frame; UNAVAILABLE when the server is not there;
-  // DEADLINE_EXCEEDED; DATA_LOSS when the server refuses.
+  // The job's poses, the best first; empty when nothing is found. Takes no longer than the job's
+  // time limit. Errors as Check, and: INVALID_ARGUMENT when the job needs the robot's pose; ABORTED
+  // when the camera gives no frame; UNAVAILABLE when the server is unavailable; DEADLINE_EXCEEDED;
+  // DATA_LOSS when the server rejects the request.
   virtual absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) = 0;
 
-  // Whether Run gives poses; false for jobs that store or report something.
+  // Whether Run returns poses; false for jobs that store a grasp or report an outcome.
   virtual bool ReturnsPoses(int /*job*/) { return true; }
 
-  // The robot was given this pose: what it tells next is about it.
+  // Records that the robot was given this pose; its next outcome refers to it.
   virtual void Given(const std::string& robot, const JobPose& pose) = 0;
 
-  // What became of the pose that this robot was given last; only once for each that was given.
-  // FAILED_PRECONDITION when it was given none since then; where the outcome cannot be kept, the
-  // server's errors as Run has them. A protocol that has no words for outcomes has jobs that tell
-  // them: see docs/line-protocol.md.
-  virtual absl::Status Tell(const std::string& robot, PickOutcome outcome) = 0;
+  // Reports the outcome of the last pose given to this robot, once per pose. FAILED_PRECONDITION
+  // when no pose was given since the last outcome; the server's errors, as in Run, when the outcome
+  // cannot be stored. Protocols without a command for outcomes use jobs instead: see
+  // docs/line-protocol.md.
+  virtual absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) = 0;
 };
 
 }  // namespace graspdb::client

@@ -53,13 +53,13 @@ std::string PoseLineOf(const JobAnswer& answer, int format) {
 std::size_t LineProtocol::MessageBytes(std::string_view received) const {
   const std::size_t end = received.find('\n');
   if (end != std::string_view::npos) return end + 1;
-  return received.size() < kLongestRequest ? 0 : received.size();
+  return received.size() < kMaxRequestBytes ? 0 : received.size();
 }
 
 RobotReply LineProtocol::Answer(const std::string& robot, std::string_view message) {
-  if (message.size() > kLongestRequest || !message.ends_with('\n')) {
+  if (message.size() > kMaxRequestBytes || !message.ends_with('\n')) {
     return {.bytes = client::ErrorLine(GriCode::kInvalidRequestLength,
-                                       absl::StrCat("a line is of at most ", kLongestRequest,
+                                       absl::StrCat("a line is of at most ", kMaxRequestBytes,
                                                     " characters, its end included")),
             .hang_up = true};
   }
@@ -76,11 +76,11 @@ std::string LineProtocol::AnswerLine(const std::string& robot, const LineRequest
     case LineCommand::kFormat:
       return KeepFormat(robot, *request.format);
     case LineCommand::kPicked:
-      return Tell(robot, PickOutcome::kPicked);
+      return ReportOutcome(robot, PickOutcome::kPicked);
     case LineCommand::kMissed:
-      return Tell(robot, PickOutcome::kMissed);
+      return ReportOutcome(robot, PickOutcome::kMissed);
     case LineCommand::kSlipped:
-      return Tell(robot, PickOutcome::kSlipped);
+      return ReportOutcome(robot, PickOutcome::kSlipped);
     case LineCommand::kHelp:
       return OkLine(kHelp);
     case LineCommand::kQuit:
@@ -95,14 +95,14 @@ std::string LineProtocol::AnswerJob(const std::string& robot, const LineRequest&
   if (const JobAnswer check = jobs_.Check(job); check.code != GriCode::kNoError) {
     return LineOf(check);
   }
-  const JobRequest asked = {.job = job, .robot = robot, .base_flange = request.base_flange};
-  if (request.command == LineCommand::kStart) return LineOf(jobs_.Start(asked));
+  const JobRequest job_request = {.job = job, .robot = robot, .base_flange = request.base_flange};
+  if (request.command == LineCommand::kStart) return LineOf(jobs_.Start(job_request));
   if (request.command == LineCommand::kGrasp) return AnswerGrasp(robot, job);
   if (request.command == LineCommand::kState) {
     const GriJobStatus status = jobs_.StatusOf(robot, job);
     return OkLine(absl::StrCat(static_cast<int>(status), " ", NameOf(status)));
   }
-  // All others give a pose, and take none where it could not be said.
+  // All others return a pose; without a format none is taken from the job.
   const std::optional<int> format = request.format ? request.format : FormatOf(robot);
   if (!format) {
     return client::ErrorLine(GriCode::kInvalidRequest, kNoFormat);
@@ -111,7 +111,7 @@ std::string LineProtocol::AnswerJob(const std::string& robot, const LineRequest&
     return PoseLineOf(jobs_.NextRelated(robot, job), *format);
   }
   const bool runs = request.command == LineCommand::kRun;
-  return GivePrimary(robot, job, runs ? jobs_.Run(asked) : jobs_.Next(robot, job), *format);
+  return GivePrimary(robot, job, runs ? jobs_.Run(job_request) : jobs_.Next(robot, job), *format);
 }
 
 std::string LineProtocol::GivePrimary(const std::string& robot, int job, const JobAnswer& answer,
@@ -120,7 +120,7 @@ std::string LineProtocol::GivePrimary(const std::string& robot, int job, const J
   if (line.starts_with("OK")) {
     jobs_.runner().Given(robot, answer.primary);
   } else if (answer.code == GriCode::kNoError) {
-    jobs_.PassOver(robot, job);
+    jobs_.SkipPrimary(robot, job);
   }
   return line;
 }
@@ -133,10 +133,10 @@ std::string LineProtocol::AnswerGrasp(const std::string& robot, int job) {
   return LineOf(GraspLine(*primary));
 }
 
-std::string LineProtocol::Tell(const std::string& robot, PickOutcome outcome) {
-  const absl::Status status = jobs_.runner().Tell(robot, outcome);
+std::string LineProtocol::ReportOutcome(const std::string& robot, PickOutcome outcome) {
+  const absl::Status status = jobs_.runner().ReportOutcome(robot, outcome);
   if (status.ok()) return OkLine();
-  // It is the question that is out of place, not the job.
+  // The request is out of order; the job is not misconfigured.
   if (status.code() == absl::StatusCode::kFailedPrecondition) {
     return client::ErrorLine(GriCode::kInvalidRequest, std::string(status.message()));
   }

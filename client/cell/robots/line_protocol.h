@@ -1,5 +1,5 @@
-// The line protocol (docs/line-protocol.md) as a protocol for RobotServer: for robot programs that
-// are written by hand, a line of ASCII a question and a line an answer.
+// The line protocol (docs/line-protocol.md) for RobotServer: for hand-written robot programs, one
+// line of ASCII per request and one per reply.
 #pragma once
 
 #include <map>
@@ -14,20 +14,20 @@
 
 namespace graspdb::client {
 
-// No request is longer, its end of line included.
-inline constexpr std::size_t kLongestRequest = 256;
+// Maximum length of a request, its end of line included.
+inline constexpr std::size_t kMaxRequestBytes = 256;
 
 struct LineProtocolOptions {
-  // A code of pose_format.h, for robots that say no FORMAT. Without one they must: a pose in
-  // another vendor's convention looks like a good one until the arm moves.
+  // Default format, a code of pose_format.h. Without one, robots must send FORMAT: a pose in
+  // another vendor's convention looks valid until the arm moves.
   std::optional<int> pose_format = {};
 };
 
-// Keeps jobs and pose formats for each robot's address. After a line that is too long, whose end
-// may be anywhere, it hangs up. Thread-safe.
+// Keeps jobs and pose formats for each robot's address. A line that is too long closes the
+// connection, because its end is unknown. Thread-safe.
 class LineProtocol : public RobotProtocol {
  public:
-  // `runner` must outlive this. The destructor waits for jobs that run.
+  // `runner` must outlive this. The destructor waits for running jobs.
   explicit LineProtocol(JobRunner& runner, const LineProtocolOptions& options = {})
       : jobs_(runner), options_(options) {}
 
@@ -39,7 +39,7 @@ class LineProtocol : public RobotProtocol {
   std::string AnswerJob(const std::string& robot, const LineRequest& request);
   std::string GivePrimary(const std::string& robot, int job, const JobAnswer& answer, int format);
   std::string AnswerGrasp(const std::string& robot, int job);
-  std::string Tell(const std::string& robot, PickOutcome outcome);
+  std::string ReportOutcome(const std::string& robot, PickOutcome outcome);
   std::optional<int> FormatOf(const std::string& robot) ABSL_LOCKS_EXCLUDED(mutex_);
   std::string KeepFormat(const std::string& robot, int format) ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -33,8 +33,8 @@ std::string Fixed(double number, int decimals) {
 }
 
 absl::Status AppendMm(double mm, std::string* line) {
-  if (!(std::abs(mm) <= kFarthestMm)) {
-    return absl::OutOfRangeError(absl::StrCat(mm, " mm is farther out than ", kFarthestMm,
+  if (!(std::abs(mm) <= kMaxPositionMm)) {
+    return absl::OutOfRangeError(absl::StrCat(mm, " mm is farther out than ", kMaxPositionMm,
                                               "; is the cell's calibration right?"));
   }
   absl::StrAppend(line, " ", Fixed(mm, kMmDecimals));
@@ -55,7 +55,7 @@ std::string ErrorLine(GriCode code, const std::string& why) {
     return !absl::ascii_isprint(static_cast<unsigned char>(c));
   };
   std::ranges::replace_if(out, is_unprintable, ' ');
-  if (out.size() >= kLongestReply) out.resize(kLongestReply - 1);
+  if (out.size() >= kMaxReplyBytes) out.resize(kMaxReplyBytes - 1);
   return out + "\n";
 }
 
@@ -83,7 +83,7 @@ absl::StatusOr<std::string> GraspLine(const JobPose& pose) {
   const std::string out = OkLine(
       absl::StrCat(numbers.substr(1), " ", Fixed(pose.score, kScoreDecimals), " ",
                    NameOr(pose.object), " ", NameOr(pose.stable_pose), " ", NameOr(pose.grasp_id)));
-  if (out.size() <= kLongestReply) return out;
+  if (out.size() <= kMaxReplyBytes) return out;
   return absl::OutOfRangeError(
       "the names of object and grasp are too long for a line; shorten them");
 }

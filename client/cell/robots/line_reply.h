@@ -1,4 +1,4 @@
-// What a robot is told in one line of the line protocol (docs/line-protocol.md).
+// Replies of the line protocol (docs/line-protocol.md).
 #pragma once
 
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace graspdb::client {
 
-// No reply is longer, its end of line included: controllers have strings of 254 characters.
-inline constexpr std::size_t kLongestReply = 250;
+// Maximum length of a reply, its end of line included: controllers have strings of 254 characters.
+inline constexpr std::size_t kMaxReplyBytes = 250;
 
-// All of them end in a line feed.
+// All replies end in a line feed.
 std::string OkLine(const std::string& words = {});
 
-// "ERR <number> <name>: <sentence>". What is not printable in the sentence becomes a blank, and
-// what is too long is cut off.
+// "ERR <number> <name>: <sentence>". Unprintable characters become blanks; a reply that is too long
+// is truncated.
 std::string ErrorLine(GriCode code, const std::string& why);
 
 // "OK <primaries left> <related left> x y z r1 r2 r3 r4": millimetres with three decimals, degrees
 // with four, radians and quaternions with six. OUT_OF_RANGE when a number is not finite or the
-// position is farther out than kFarthestMm; INVALID_ARGUMENT when there is no such format.
+// position is beyond kMaxPositionMm; INVALID_ARGUMENT when there is no such format.
 absl::StatusOr<std::string> PoseLine(const JobAnswer& answer, int format);
 
 // "OK <approach> <retreat> <opening> <score> <object> <stable pose> <grasp>": millimetres with

@@ -26,10 +26,10 @@ using Words = std::span<const absl::string_view>;
 constexpr std::size_t kShortPose = 6;  // without a fourth number of the rotation
 constexpr std::size_t kLongPose = 7;
 constexpr int kLastJob = std::numeric_limits<std::uint16_t>::max();
-// Angles beyond a turn are of another unit, or of a counter that has run over.
+// Larger angles have another unit, or come from an overflowed counter.
 constexpr double kMaxDegrees = 360;
 constexpr double kMaxRadians = 6.2832;
-constexpr double kMaxOfQuaternion = 1.01;
+constexpr double kMaxQuaternionNumber = 1.01;
 
 struct Command {
   absl::string_view word;
@@ -53,7 +53,7 @@ constexpr std::array<Command, 12> kCommands = {{
     {"QUIT", LineCommand::kQuit, false, false},
 }};
 
-// What the vendors' controllers show and take.
+// Formats of the vendors' controllers.
 constexpr std::array<std::pair<absl::string_view, int>, 8> kVendors = {{
     {"ABB", kQuaternionWxyz},
     {"UR", kRotationVector},
@@ -72,24 +72,24 @@ absl::StatusOr<int> JobNamed(absl::string_view word) {
       absl::StrCat("a job is a number from 0 to ", kLastJob, ", which '", word, "' is not"));
 }
 
-absl::StatusOr<double> NumberWithin(absl::string_view word, double most) {
+absl::StatusOr<double> NumberWithin(absl::string_view word, double max) {
   double number = 0;
-  // Names of infinities and of no number, and hexadecimal ones, come from no robot.
+  // No robot sends infinities, NaN or hexadecimal numbers.
   const bool is_plain = word.find_first_not_of("+-.0123456789eE") == absl::string_view::npos;
   if (!is_plain || !absl::SimpleAtod(word, &number)) {
     return absl::InvalidArgumentError(absl::StrCat("'", word, "' is no number"));
   }
-  if (!(std::abs(number) <= most)) {
+  if (!(std::abs(number) <= max)) {
     return absl::InvalidArgumentError(
-        absl::StrCat(word, " is beyond ", most, "; are unit and pose format right?"));
+        absl::StrCat(word, " is beyond ", max, "; are unit and pose format right?"));
   }
   return number;
 }
 
-double MostOfRotation(int format) {
+double MaxRotationNumber(int format) {
   switch (RotationUnitOf(format)) {
     case RotationUnit::kQuaternion:
-      return kMaxOfQuaternion;
+      return kMaxQuaternionNumber;
     case RotationUnit::kRadians:
       return kMaxRadians;
     default:
@@ -107,7 +107,7 @@ absl::StatusOr<Pose> PoseOf(Words words, std::optional<int> format) {
   RobotPose numbers;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const absl::StatusOr<double> number =
-        NumberWithin(words[i], i < 3 ? kFarthestMm : MostOfRotation(*format));
+        NumberWithin(words[i], i < 3 ? kMaxPositionMm : MaxRotationNumber(*format));
     if (!number.ok()) return number.status();
     (i < 3 ? numbers.position_mm[i] : numbers.rotation[i - 3]) = *number;
   }
@@ -123,7 +123,7 @@ absl::StatusOr<LineRequest> ParseCommand(Words words, std::optional<int> format)
   const std::string name = absl::AsciiStrToUpper(words.front());
   const auto* const command = std::ranges::find(kCommands, absl::string_view(name), &Command::word);
   if (command == kCommands.end()) {
-    return absl::UnimplementedError(absl::StrCat("'", words.front(), "' is no command; ask HELP"));
+    return absl::UnimplementedError(absl::StrCat("'", words.front(), "' is no command; send HELP"));
   }
   LineRequest out = {.command = command->command};
   words = words.subspan(1);
@@ -165,7 +165,7 @@ absl::StatusOr<LineRequest> ParseLineRequest(const std::string& line,
   const std::vector<absl::string_view> split =
       absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
   Words words(split);
-  if (words.empty()) return absl::InvalidArgumentError("the line is empty; ask HELP");
+  if (words.empty()) return absl::InvalidArgumentError("the line is empty; send HELP");
   std::optional<int> format;
   if (absl::EqualsIgnoreCase(words.front(), "FORMAT")) {
     if (words.size() == 1) return absl::InvalidArgumentError("FORMAT needs a name or a number");

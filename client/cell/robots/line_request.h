@@ -1,4 +1,4 @@
-// What a robot asks in one line of the line protocol (docs/line-protocol.md).
+// Requests of the line protocol (docs/line-protocol.md).
 #pragma once
 
 #include <optional>
@@ -27,26 +27,25 @@ enum class LineCommand {
 
 struct LineRequest {
   LineCommand command = LineCommand::kStatus;
-  // Before a command: for this line alone. As a command of its own: from now on.
+  // Before a command: for this line only. As a command of its own: from now on.
   std::optional<int> format = {};  // a code of pose_format.h
   int job = 0;
   std::optional<recognition::Pose> base_flange = {};
 };
 
-// A position farther out than this, in either direction of the wire, is an error.
-inline constexpr double kFarthestMm = 100'000;
+// Maximum of a position in requests and replies; larger ones are errors.
+inline constexpr double kMaxPositionMm = 100'000;
 
-// To a robot whose line needs a pose format and that never said one.
+// Reply to a request that needs a pose format, from a robot that never set one.
 inline constexpr char kNoFormat[] = "say how poses are written first, such as FORMAT STAUBLI";
 
-// Words are parted by blanks and tabs, capital letters are as small ones. `usual_format` is how
-// poses are written where the line does not say: a code, or nothing when the robot never said.
-// INVALID_ARGUMENT with a sentence for the robot's programmer; UNIMPLEMENTED when the first word is
-// no command.
+// Words are separated by blanks and tabs, and not case-sensitive. `usual_format` is the pose format
+// of lines without FORMAT: a code, or nullopt when the robot never set one. INVALID_ARGUMENT with a
+// sentence for the robot's programmer; UNIMPLEMENTED for an unknown command.
 absl::StatusOr<LineRequest> ParseLineRequest(const std::string& line,
                                              std::optional<int> usual_format);
 
-// The pose format of a vendor's name or of a code from 1 to 51. INVALID_ARGUMENT when it is none.
+// The pose format of a vendor's name or of a code from 1 to 51. INVALID_ARGUMENT for others.
 absl::StatusOr<int> PoseFormatNamed(const std::string& name);
 
 }  // namespace graspdb::client

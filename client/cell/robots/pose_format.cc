@@ -22,7 +22,7 @@ using recognition::Pose;
 
 // A quaternion that was rounded to six decimals is of length one within a few of them.
 constexpr double kLengthTolerance = 0.01;
-// Nearer to each other than this, first and last axis cannot be told apart.
+// Below this, first and last axis coincide (gimbal lock).
 constexpr double kLocked = 1e-9;
 
 // In the order of the codes.

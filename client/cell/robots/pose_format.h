@@ -1,4 +1,4 @@
-// How robots write poses: the 51 formats of the Generic Robot Interface.
+// Pose formats of robots: the 51 of the Generic Robot Interface.
 #pragma once
 
 #include <array>
@@ -8,14 +8,14 @@
 
 namespace graspdb::client {
 
-// Codes of the formats that have no regular place; the others are Euler angles, 4 + 4 sequence +
+// Codes of the formats without Euler angles; the others are Euler angles, 4 + 4 sequence +
 // 2 backward + radians.
 inline constexpr int kQuaternionWxyz = 1;  // ABB
 inline constexpr int kQuaternionXyzw = 2;
 inline constexpr int kRotationVector = 3;  // axis times angle, radians; Universal Robots
 inline constexpr int kLastPoseFormat = 51;
 
-// What the numbers of a rotation are.
+// The unit of a rotation's numbers.
 enum class RotationUnit {
   kQuaternion,  // four, without a unit
   kRadians,     // three
@@ -29,14 +29,14 @@ struct RobotPose {
   std::array<double, 4> rotation = {};
 };
 
-// `pose` in the format `code`. Of turns that mean the same, those whose middle angle is within
+// `pose` in the format `code`. Of equivalent Euler angles, those whose middle angle is within
 // +-90 degrees (sequences of three axes) or not negative (of two), and the others within +-180;
 // where only the sum of first and last is determined, the last is 0. A rotation vector is not
 // longer than pi, a quaternion's w not negative. INVALID_ARGUMENT when there is no such format.
 absl::StatusOr<RobotPose> ToRobotPose(const recognition::Pose& pose, int code);
 
-// The other way. INVALID_ARGUMENT when there is no such format, when a number is not finite, or
-// when a quaternion is not of length one, within a hundredth.
+// The inverse. INVALID_ARGUMENT when there is no such format, when a number is not finite, or when
+// the length of a quaternion is not one, within a hundredth.
 absl::StatusOr<recognition::Pose> FromRobotPose(const RobotPose& numbers, int code);
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// Hand-eye calibration as robots ask for it, whatever protocol they speak.
+// Hand-eye calibration by robots, independent of the protocol.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,20 @@
 
 namespace graspdb::client {
 
-// How well the poses of a calibration agree with it.
+// Residuals of a calibration.
 struct CalibrationReport {
-  double shift_m = 0;  // root mean square over the poses that were used
+  double shift_m = 0;  // root mean square over the poses used
   double turn_rad = 0;
   std::size_t used = 0;   // poses that agree with the others
-  std::size_t poses = 0;  // that were set
+  std::size_t poses = 0;  // number of poses set
 };
 
-// Calibrates cameras, each a pipeline with a number. Implementations are thread-safe; what is kept
+// Calibrates cameras, each a pipeline with a number. Implementations are thread-safe; the state
 // belongs to the pipeline, not to the robot's connection.
 //
-// Errors of all but Check: FAILED_PRECONDITION when the cell or the target cannot be used as they
-// are set up; UNAVAILABLE when camera or server are not there; DEADLINE_EXCEEDED; others when
-// something else is wrong, ABORTED among them when Init did not come before. Each says what to do.
+// Errors of all but Check: FAILED_PRECONDITION when the cell or the target is not set up correctly;
+// UNAVAILABLE when camera or server are unavailable; DEADLINE_EXCEEDED; ABORTED when Init was not
+// called; others for other failures. Error messages contain the next step.
 class RobotCalibrator {
  public:
   virtual ~RobotCalibrator() = default;
@@ -30,15 +30,14 @@ class RobotCalibrator {
   // NOT_FOUND when there is no such pipeline.
   virtual absl::Status Check(int pipeline) = 0;
 
-  // Forgets the poses before and begins.
+  // Starts a new calibration; discards the previous poses.
   virtual absl::Status Init(int pipeline) = 0;
 
-  // The robot stands still at T_base_flange: looks at the target. A slot that was set is replaced,
-  // and only when the target is found. NOT_FOUND when the target was not seen.
+  // Detects the target while the robot stands still at T_base_flange. Replaces the slot, but only
+  // if the target is found. NOT_FOUND when it is not.
   virtual absl::Status SetPose(int pipeline, int slot, const recognition::Pose& base_flange) = 0;
 
-  // Solves and saves. NOT_FOUND when the poses do not suffice: too few, too much alike, or in
-  // disagreement.
+  // Solves and saves. NOT_FOUND when the poses are too few, too similar or inconsistent.
   virtual absl::StatusOr<CalibrationReport> Calibrate(int pipeline) = 0;
 };
 

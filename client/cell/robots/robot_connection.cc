@@ -26,8 +26,8 @@ RobotConnection::RobotConnection(asio::ip::tcp::socket socket, asio::thread_pool
       message_time_(message_time),
       robot_(AddressOf(socket_)),
       deadline_(socket_.get_executor()) {
-  // Answers are small and waited for; a robot whose cable was pulled is found out when the
-  // system's keep-alive time is over. Where the system refuses, it only takes longer.
+  // No delay, because robots wait for small answers; keep-alive detects a robot whose cable was
+  // unplugged. If setting these fails, both only take longer.
   asio::error_code refused;
   socket_.set_option(asio::ip::tcp::no_delay(true), refused);
   socket_.set_option(asio::socket_base::keep_alive(true), refused);
@@ -80,7 +80,7 @@ void RobotConnection::Answer(std::size_t bytes) {
   asio::post(workers_, [self = shared_from_this(), message = std::move(message)]() mutable {
     RobotReply reply = self->protocol_.Answer(self->robot_, message);
     const auto executor = self->socket_.get_executor();
-    // The worker keeps no share in it: it would end on the worker's thread.
+    // The worker releases its reference; otherwise the connection could end on its thread.
     asio::post(executor, [self = std::move(self), reply = std::move(reply)]() mutable {
       self->Send(std::move(reply));
     });
@@ -93,12 +93,12 @@ void RobotConnection::Send(RobotReply reply) {
   asio::async_write(socket_, asio::buffer(sent->bytes),
                     [self = shared_from_this(), sent](asio::error_code error, std::size_t) {
                       if (error) return self->HangUp();
-                      if (sent->hang_up) return self->SayGoodbye();
+                      if (sent->hang_up) return self->DrainAndClose();
                       self->Continue();
                     });
 }
 
-void RobotConnection::SayGoodbye() {
+void RobotConnection::DrainAndClose() {
   if (!socket_.is_open()) return;
   if (!in_message_) {
     BeginDeadline();
@@ -108,7 +108,7 @@ void RobotConnection::SayGoodbye() {
   socket_.async_read_some(asio::buffer(next_),
                           [self = shared_from_this()](asio::error_code error, std::size_t) {
                             if (error) return self->HangUp();
-                            self->SayGoodbye();
+                            self->DrainAndClose();
                           });
 }
 

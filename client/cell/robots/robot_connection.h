@@ -12,8 +12,8 @@
 
 namespace graspdb::client {
 
-// Reads messages, has them answered by a worker, and writes the answers. It lives as long as
-// something is under way. All handlers are run by the one thread of the socket's context.
+// Reads messages, passes them to a worker, and writes its answers. Lives as long as an operation is
+// pending. All handlers run on the one thread of the socket's context.
 class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
  public:
   // `workers` and `protocol` must outlive it.
@@ -22,7 +22,7 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
   ~RobotConnection();
 
   void Begin() { Continue(); }
-  // Whatever is under way ends; what a worker is about to answer is not sent.
+  // Cancels pending operations; answers still being computed are not sent.
   void HangUp();
 
  private:
@@ -30,9 +30,9 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
   void Receive();
   void Answer(std::size_t bytes);
   void Send(RobotReply reply);
-  // Hangs up when the robot has read what it was told: where bytes of it are left unread, the
-  // system would take the answer back.
-  void SayGoodbye();
+  // Closes the connection once the robot has closed its end: closing with unread bytes would make
+  // the system discard the answer.
+  void DrainAndClose();
   void BeginDeadline();
 
   asio::ip::tcp::socket socket_;
@@ -41,7 +41,7 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
   const std::chrono::milliseconds message_time_;
   const std::string robot_;
   asio::steady_timer deadline_;
-  bool in_message_ = false;  // and the deadline runs
+  bool in_message_ = false;  // while the deadline runs
   std::string received_;
   std::array<char, 1024> next_ = {};
 };

@@ -17,7 +17,7 @@ JobAnswer Refusal(const absl::Status& status) {
   return Refusal(GriCodeOf(status), std::string(status.message()));
 }
 
-// What libraries throw must not leave a job running for ever.
+// An exception of a library must not leave the job in the running state.
 absl::StatusOr<std::vector<JobPose>> RunGuarded(JobRunner& runner, const JobRequest& request) {
   try {
     return runner.Run(request);
@@ -29,15 +29,16 @@ absl::StatusOr<std::vector<JobPose>> RunGuarded(JobRunner& runner, const JobRequ
 }
 
 JobAnswer StillRunning() {
-  return Refusal(GriCode::kJobStillRunning, "the job is running; ask again a little later");
+  return Refusal(GriCode::kJobStillRunning,
+                 "the job is running; request its result a little later");
 }
 
 }  // namespace
 
-// What one job has found for one robot. Thread-safe.
+// The results of one job for one robot. Thread-safe.
 class RobotJobs::Found {
  public:
-  // False when it runs already; else what was found before is forgotten.
+  // Discards the previous results. False if the job is already running.
   bool Begin() {
     absl::MutexLock lock(&mutex_);
     if (status_ == GriJobStatus::kRunning) return false;
@@ -95,19 +96,19 @@ class RobotJobs::Found {
     return primary_;
   }
 
-  void PassOver() {
+  void SkipPrimary() {
     absl::MutexLock lock(&mutex_);
     primary_.reset();
     related_.clear();
   }
 
-  // Done in the background until the next run, or until this goes.
+  // Background work, kept until the next run or the destructor.
   void Keep(std::future<void> work) {
     {
       absl::MutexLock lock(&mutex_);
       std::swap(work_, work);
     }
-    // The work before ends here: its End needs the lock.
+    // The previous work ends here, outside the lock that its End needs.
     work = {};
   }
 
@@ -125,7 +126,7 @@ class RobotJobs::Found {
   std::deque<JobPose> left_ ABSL_GUARDED_BY(mutex_);
   std::optional<JobPose> primary_ ABSL_GUARDED_BY(mutex_);  // taken last
   std::deque<recognition::Pose> related_ ABSL_GUARDED_BY(mutex_);
-  // Goes first: it waits for what uses the others.
+  // Destroyed first: waits for the work that uses the members above.
   std::future<void> work_ ABSL_GUARDED_BY(mutex_);
 };
 
@@ -183,6 +184,8 @@ std::optional<JobPose> RobotJobs::LastPrimary(const std::string& robot, int job)
   return FoundOf(robot, job)->last_primary();
 }
 
-void RobotJobs::PassOver(const std::string& robot, int job) { FoundOf(robot, job)->PassOver(); }
+void RobotJobs::SkipPrimary(const std::string& robot, int job) {
+  FoundOf(robot, job)->SkipPrimary();
+}
 
 }  // namespace graspdb::client

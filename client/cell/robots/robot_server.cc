@@ -22,8 +22,8 @@
 namespace graspdb::client {
 namespace {
 
-// Where nobody can be let in, as when all file handles are in use, the next try is later.
-constexpr std::chrono::milliseconds kBreath{100};
+// Pause after a failed accept, e.g. when all file handles are in use.
+constexpr std::chrono::milliseconds kAcceptRetryPause{100};
 
 }  // namespace
 
@@ -40,7 +40,7 @@ class RobotServer::Listener {
       hung_up.set_value();
     });
     hung_up.get_future().wait();
-    workers_.join();  // nobody gives them anything more
+    workers_.join();  // no more work is posted
     work_.reset();
     thread_.join();
   }
@@ -72,7 +72,7 @@ class RobotServer::Listener {
     stopping_ = true;
     asio::error_code closed_already;
     acceptor_.close(closed_already);
-    breath_.cancel();
+    retry_timer_.cancel();
     for (const auto& connection : connections_) {
       if (const auto open = connection.lock()) open->HangUp();
     }
@@ -81,23 +81,23 @@ class RobotServer::Listener {
   void Accept() {
     acceptor_.async_accept([this](asio::error_code error, asio::ip::tcp::socket socket) {
       if (stopping_) return;
-      if (error) return TakeBreath(error);
-      Welcome(std::move(socket));
+      if (error) return RetryAccept(error);
+      AddConnection(std::move(socket));
       Accept();
     });
   }
 
-  void TakeBreath(const asio::error_code& error) {
+  void RetryAccept(const asio::error_code& error) {
     spdlog::warn("event=robot_not_let_in error={}", LogField(error.message()));
-    breath_.expires_after(kBreath);
-    breath_.async_wait([this](asio::error_code /*cancelled*/) {
+    retry_timer_.expires_after(kAcceptRetryPause);
+    retry_timer_.async_wait([this](asio::error_code /*cancelled*/) {
       if (!stopping_) Accept();
     });
   }
 
-  void Welcome(asio::ip::tcp::socket socket) {
+  void AddConnection(asio::ip::tcp::socket socket) {
     std::erase_if(connections_, [](const auto& other) { return other.expired(); });
-    if (connections_.size() >= options_.most_connections) {
+    if (connections_.size() >= options_.max_connections) {
       spdlog::warn("event=robot_turned_away connections={}", connections_.size());
       return;
     }
@@ -109,13 +109,13 @@ class RobotServer::Listener {
 
   RobotProtocol& protocol_;
   const RobotServerOptions options_;
-  // All but the workers is of the context's one thread.
+  // All but the workers is used on the context's one thread only.
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_ =
       asio::make_work_guard(context_);
   asio::thread_pool workers_;
   asio::ip::tcp::acceptor acceptor_{context_};
-  asio::steady_timer breath_{context_};
+  asio::steady_timer retry_timer_{context_};
   std::vector<std::weak_ptr<RobotConnection>> connections_;
   bool stopping_ = false;
   std::uint16_t port_ = 0;

@@ -1,4 +1,4 @@
-// Robots on TCP, whatever protocol they speak.
+// TCP server for robots, independent of the protocol.
 #pragma once
 
 #include <chrono>
@@ -12,45 +12,45 @@
 
 namespace graspdb::client {
 
-// What a robot is told.
+// A reply to a robot.
 struct RobotReply {
   std::string bytes;
-  bool hang_up = false;  // after they are sent: what follows cannot be understood
+  bool hang_up = false;  // close after sending: the bytes that follow cannot be parsed
 };
 
-// Messages of robots and their answers. Implementations are thread-safe.
+// Splits and answers messages of robots. Implementations are thread-safe.
 class RobotProtocol {
  public:
   virtual ~RobotProtocol() = default;
 
-  // Of how many bytes the first message in `received` is; 0: more must come. What can never become
-  // a message is one, too: Answer says what is wrong with it.
+  // Size of the first message in `received`; 0: incomplete. Invalid bytes count as a message, too:
+  // Answer reports the error.
   virtual std::size_t MessageBytes(std::string_view received) const = 0;
 
-  // The answer to one message, which may take as long as a job. `robot` is its address.
+  // The answer to one message; may take as long as a job. `robot` is its address.
   virtual RobotReply Answer(const std::string& robot, std::string_view message) = 0;
 };
 
 struct RobotServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  // 0: any that is free
-  // A message that has begun must have come within this time.
+  // A message must be complete within this time after its first byte.
   std::chrono::milliseconds message_time{5000};
-  // More robots than these at once are turned away.
-  std::size_t most_connections = 256;
-  // So many messages are answered at once, others wait.
+  // Further connections are rejected.
+  std::size_t max_connections = 256;
+  // Number of messages answered in parallel; others wait.
   std::size_t workers = 16;
 };
 
-// Listens to robots. Each is answered in the order of its messages, and does not wait for others
-// but for workers. Connections that idle stay. The log tells who comes and goes.
+// Listens for robots. Each robot's messages are answered in order; robots wait for a free worker,
+// not for each other. Idle connections stay open. Connects and disconnects are logged.
 class RobotServer {
  public:
-  // `protocol` must outlive it. INVALID_ARGUMENT when the address is none, UNAVAILABLE when it
-  // cannot be listened on, RESOURCE_EXHAUSTED when there are no threads left.
+  // `protocol` must outlive it. INVALID_ARGUMENT for an invalid address, UNAVAILABLE when it cannot
+  // listen there, RESOURCE_EXHAUSTED when there are no threads left.
   static absl::StatusOr<std::unique_ptr<RobotServer>> Start(RobotProtocol& protocol,
                                                             const RobotServerOptions& options);
-  // Hangs up on everybody, and waits for answers that are being made.
+  // Closes all connections, and waits for answers in progress.
   ~RobotServer();
   RobotServer(const RobotServer&) = delete;
   RobotServer& operator=(const RobotServer&) = delete;

@@ -11,7 +11,7 @@ inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
-// The other way; the identity for zero.
+// The inverse; the identity for zero.
 inline Eigen::Matrix3d FromRotationVector(const Eigen::Vector3d& turn) {
   const double angle = turn.norm();
   if (!(angle > 0)) return Eigen::Matrix3d::Identity();

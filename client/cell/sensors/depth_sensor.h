@@ -1,4 +1,4 @@
-// Depth cameras, whatever they are: one small interface.
+// The interface of depth cameras.
 #pragma once
 
 #include <optional>
@@ -12,43 +12,42 @@
 
 namespace graspdb::client {
 
-// From the beginning of an exposure to the end of its transfer, for a camera that does not give the
-// time: the pattern is exposed for one frame of a 30th second and transferred during the next.
+// From the start of an exposure to the end of its transfer, for cameras without timestamps: the
+// pattern is exposed for one frame of a 30th second and transferred during the next.
 inline constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
 
 // One frame, in the sensor frame (x right, y down, z forward).
 struct SensorFrame {
-  // With the intrinsics and the time of capture.
+  // With intrinsics and capture time.
   std::variant<v1::DepthImage, v1::PointCloud> scan;
-  // When its exposure began, by this machine's clock; no later than that, where the camera does not
-  // say it.
+  // Start of its exposure, by this machine's clock; for cameras without timestamps a lower bound.
   absl::Time time = absl::InfinitePast();
-  // T_world_sensor, where the frame itself says it, as a file's VIEWPOINT line does.
+  // T_world_sensor, if the frame contains it, e.g. in a file's VIEWPOINT line.
   std::optional<recognition::Pose> world_sensor = {};
 };
 
-// Gives frames. Implementations are thread-safe.
+// A source of frames. Implementations are thread-safe.
 class DepthSensor {
  public:
   virtual ~DepthSensor() = default;
 
-  // A frame whose exposure began after the call, so that what the robot did before is seen.
-  // UNAVAILABLE when the camera is not there (any more), with what to do about it: a later call may
-  // succeed, for it is looked for again. DEADLINE_EXCEEDED when none came before `deadline`. Other
-  // errors: what it gives cannot be used, and will not be.
+  // A frame whose exposure started after the call, and so after the robot's previous motion.
+  // UNAVAILABLE when the camera is not connected, with the next step in the message; a later call
+  // may succeed, because the camera is reopened. DEADLINE_EXCEEDED when no frame came before
+  // `deadline`. Other errors are permanent: the frames cannot be used.
   virtual absl::StatusOr<SensorFrame> Next(absl::Time deadline) = 0;
 
-  // Whether frames come, without waiting for one.
+  // Whether the camera delivers frames; does not wait for one.
   virtual bool IsReady() = 0;
 
-  // Whether it is a recording at its end: no later call of Next gives a frame.
+  // Whether a recording has ended: no later call of Next returns a frame.
   virtual bool HasEnded() { return false; }
 
-  // What a person calls it, e.g. "Kinect v1 (libfreenect) no. 0".
+  // Display name, e.g. "Kinect v1 (libfreenect) no. 0".
   virtual std::string Name() const = 0;
 };
 
-// Writes `time` into the scan too, as its time of capture.
+// Sets `time` and the capture time of the scan.
 void SetTime(absl::Time time, SensorFrame& frame);
 
 }  // namespace graspdb::client

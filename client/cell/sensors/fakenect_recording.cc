@@ -18,10 +18,10 @@ namespace {
 constexpr char kIndexFile[] = "INDEX.txt";
 constexpr double kFramesPerSecond = 30;
 constexpr double kTicksPerSecond = 60e6;    // of the Kinect's clock
-constexpr double kFirstSecond = 1'000'000;  // any; 0 would count as none
+constexpr double kFirstSecond = 1'000'000;  // arbitrary; 0 would mean no time
 constexpr std::size_t kRawPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
 
-// libfreenect has centimetres.
+// libfreenect uses centimetres.
 absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
   google::protobuf::Struct document;
   JsonObject device(&document);
@@ -40,7 +40,7 @@ absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
 std::string PgmOf(const std::vector<std::uint16_t>& raw) {
   std::string bytes = absl::StrCat("P5 ", kKinectV1Width, " ", kKinectV1Height, " 65535\n");
   bytes.reserve(bytes.size() + 2 * raw.size());
-  for (const std::uint16_t value : raw) {  // not PGM's order of bytes: fakenect's
+  for (const std::uint16_t value : raw) {  // fakenect's byte order, not PGM's
     bytes.push_back(static_cast<char>(value & 0xFFU));
     bytes.push_back(static_cast<char>(value >> 8U));
   }
@@ -54,7 +54,7 @@ absl::StatusOr<FakenectRecording> FakenectRecording::Create(
   std::error_code error;
   if (std::filesystem::exists(folder / kIndexFile, error)) {
     return absl::AlreadyExistsError(
-        absl::StrCat(folder.string(), " holds a recording; choose another folder or remove it"));
+        absl::StrCat(folder.string(), " contains a recording; choose another folder or remove it"));
   }
   const absl::StatusOr<std::string> device = DeviceJson(calibration);
   if (!device.ok()) return device.status();
@@ -67,7 +67,7 @@ absl::StatusOr<FakenectRecording> FakenectRecording::Create(
 std::string FakenectRecording::NextName() {
   const double seconds = static_cast<double>(frames_++) / kFramesPerSecond;
   const auto ticks = static_cast<std::uint32_t>(
-      static_cast<std::int64_t>(seconds * kTicksPerSecond));  // goes round, as the camera's clock
+      static_cast<std::int64_t>(seconds * kTicksPerSecond));  // wraps like the camera's clock
   std::string name = absl::StrFormat("d-%f-%u.pgm", kFirstSecond + seconds, ticks);
   absl::StrAppend(&index_, name, "\n");
   return name;

@@ -1,4 +1,4 @@
-// Recordings that libfreenect's fakenect library plays in the place of a Kinect v1.
+// Recordings that libfreenect's fakenect library plays instead of a Kinect v1.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +15,32 @@
 
 namespace graspdb::client {
 
-// Writes a recording: INDEX.txt with a file a line, "d-SECONDS-TICKS.pgm" with a line of PGM header
-// and the raw 11-bit disparities as little-endian 16-bit numbers, and device.json, by which newer
-// libraries know the calibration. The format is that of fakenect-record (libfreenect 0.5); pictures
-// and accelerations are not written. Played with
+// Writes a recording: INDEX.txt with one file per line, "d-SECONDS-TICKS.pgm" with a line of PGM
+// header and the raw 11-bit disparities as little-endian 16-bit numbers, and device.json, from
+// which newer libraries read the calibration. The format is that of fakenect-record (libfreenect
+// 0.5), without images and accelerations. Played with
 //
 //   fakenect FOLDER PROGRAM ...
 //
-// Debian's library ends with the last frame, as if the camera were unplugged; newer ones begin
-// again, unless FAKENECT_LOOP is 0. Not thread-safe.
+// Debian's library ends after the last frame, as if the camera were unplugged; newer ones loop,
+// unless FAKENECT_LOOP is 0. Not thread-safe.
 class FakenectRecording {
  public:
-  // ALREADY_EXISTS when there is a recording in `folder`; the errors of WriteFileAtomically.
+  // ALREADY_EXISTS when `folder` contains a recording; the errors of WriteFileAtomically.
   static absl::StatusOr<FakenectRecording> Create(const std::filesystem::path& folder,
                                                   const KinectV1Calibration& calibration = {});
 
-  // Shows `frame` (640 x 480) for `duration`, 30 times a second and once at least: the camera
-  // stands still. INVALID_ARGUMENT for another size; the errors of WriteFileAtomically.
+  // Repeats `frame` (640 x 480) for `duration`, 30 times a second and at least once.
+  // INVALID_ARGUMENT for another size; the errors of WriteFileAtomically.
   absl::Status Show(const DepthFrame& frame, absl::Duration duration);
-  // The same with raw disparities, row by row, as a camera sent them.
+  // The same with the camera's raw disparities, row by row.
   absl::Status ShowRaw(const std::vector<std::uint16_t>& raw, absl::Duration duration);
 
-  // Where the camera is pulled out: the library reports an error here, once, and goes on with what
-  // follows when it is opened again.
+  // Simulates an unplugged camera: the library reports an error here, once, and continues after the
+  // camera is reopened.
   absl::Status PullOut();
 
-  // Writes INDEX.txt: before this there is no recording.
+  // Writes INDEX.txt, which completes the recording.
   absl::Status Finish();
 
  private:

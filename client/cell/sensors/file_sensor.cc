@@ -78,7 +78,7 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
   std::error_code error;
   if (!fs::exists(path, error)) {
     return absl::NotFoundError(absl::StrCat(
-        path.string(), " does not exist; name a folder, a capture set or a file to play"));
+        path.string(), " does not exist; give a folder, a capture set or a file to play"));
   }
   std::vector<Entry> entries = {{.path = path, .world_sensor = {}}};
   if (fs::is_directory(path, error)) {
@@ -88,7 +88,7 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
   }
   if (entries.empty() || !IsPlayable(entries.front().path)) {
     return absl::FailedPreconditionError(absl::StrCat(
-        path.string(), " has nothing to play; .pcd, .ply and 16-bit .png files can be"));
+        path.string(), " has nothing to play; .pcd, .ply and 16-bit .png files are supported"));
   }
   return std::unique_ptr<FileSensor>(
       new FileSensor(absl::StrCat("files of ", path.string()), std::move(entries), playback));
@@ -102,14 +102,14 @@ absl::StatusOr<FileSensor::Entry> FileSensor::Take(absl::Time deadline) {
     if (next_ == entries_.size()) {
       if (!playback_.loop) {
         return absl::UnavailableError(absl::StrCat(name_, ": all ", entries_.size(),
-                                                   " were shown; add ?loop to begin again"));
+                                                   " were played; add ?loop to start again"));
       }
       next_ = 0;
     }
     due = std::max(due_, absl::Now());
     if (due > deadline) {
       return absl::DeadlineExceededError(
-          absl::StrCat("the next of the ", name_, " is not due yet; ask with a later deadline"));
+          absl::StrCat("the next of the ", name_, " is not due yet; use a later deadline"));
     }
     if (playback_.rate_hz > 0) due_ = due + absl::Seconds(1 / playback_.rate_hz);
     entry = entries_[next_++];

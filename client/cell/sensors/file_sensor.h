@@ -17,26 +17,27 @@
 namespace graspdb::client {
 
 struct FilePlayback {
-  bool loop = false;   // begin again after the last file
-  double rate_hz = 0;  // frames a second at most; 0: as often as asked
+  bool loop = false;   // start again after the last file
+  double rate_hz = 0;  // maximum frames per second; 0: no limit
 };
 
-// Gives one file after the other: .pcd and .ply (see point_file.h), and .png with 16-bit depths and
-// intrinsics.json beside it (see depth_png.h). A frame's time is that of reading it. Thread-safe.
+// Plays files in order: .pcd and .ply (see point_file.h), and .png with 16-bit depths and
+// intrinsics.json in the same folder (see depth_png.h). A frame's time is when it was read.
+// Thread-safe.
 class FileSensor : public DepthSensor {
  public:
-  // `path` is a file, a capture set (its captures in their order, with their sensor poses) or a
-  // folder (its files in the order of their names). Nothing of them is read yet.
+  // `path` is a file, a capture set (its captures in order, with their sensor poses) or a folder
+  // (its files in order of their names). The files are not read yet.
   //
-  // NOT_FOUND when there is no such path, FAILED_PRECONDITION when there is no file to play in it;
-  // errors as LoadCaptureSet.
+  // NOT_FOUND when the path does not exist, FAILED_PRECONDITION when it has no file to play; errors
+  // as LoadCaptureSet.
   static absl::StatusOr<std::unique_ptr<FileSensor>> Open(const std::filesystem::path& path,
                                                           const FilePlayback& playback);
 
-  // After the last file UNAVAILABLE. The errors of the readers for a file that cannot be used; the
-  // next call goes on with the next file.
+  // UNAVAILABLE after the last file. The errors of the readers for an invalid file; the next call
+  // continues with the next file.
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
-  // Whether there is a file left.
+  // Whether a file is left.
   bool IsReady() override ABSL_LOCKS_EXCLUDED(mutex_);
   bool HasEnded() override { return !IsReady(); }
   std::string Name() const override { return name_; }
@@ -44,7 +45,7 @@ class FileSensor : public DepthSensor {
  private:
   struct Entry {
     std::filesystem::path path;
-    std::optional<recognition::Pose> world_sensor;  // where the capture set says it
+    std::optional<recognition::Pose> world_sensor;  // from the capture set
   };
 
   FileSensor(std::string name, std::vector<Entry> entries, const FilePlayback& playback);

@@ -13,7 +13,7 @@ FrameMailbox::FrameMailbox(absl::Duration silence) : silence_(silence), last_(ab
 void FrameMailbox::Put(SensorFrame frame) {
   auto newest = std::make_shared<const SensorFrame>(std::move(frame));
   const absl::MutexLock lock(&mutex_);
-  newest_.swap(newest);  // what was there is freed after the lock
+  newest_.swap(newest);  // the old frame is freed after the lock
   last_ = absl::Now();
   changed_.SignalAll();
 }
@@ -25,7 +25,7 @@ void FrameMailbox::Fail(absl::Status why) {
 }
 
 absl::Status FrameMailbox::Silent() const {
-  return absl::UnavailableError(absl::StrCat("the camera has given no frame for ",
+  return absl::UnavailableError(absl::StrCat("no frame from the camera for ",
                                              absl::FormatDuration(silence_),
                                              "; check its cable and its power supply"));
 }
@@ -39,8 +39,7 @@ absl::StatusOr<SensorFrame> FrameMailbox::Wait(absl::Time after, absl::Time dead
       if (!why_.ok()) return why_;
       if (now >= GoneAt()) return Silent();
       if (now >= deadline) {
-        return absl::DeadlineExceededError(
-            "no frame came in time; give the camera a later deadline");
+        return absl::DeadlineExceededError("no frame came in time; use a later deadline");
       }
       changed_.WaitWithDeadline(&mutex_, std::min(deadline, GoneAt()));
     }

@@ -1,4 +1,4 @@
-// Between a camera's thread and those who wait for frames.
+// Passes frames from a camera's thread to waiting threads.
 #pragma once
 
 #include <memory>
@@ -15,15 +15,15 @@ namespace graspdb::client {
 // Keeps the newest frame. Thread-safe.
 class FrameMailbox {
  public:
-  // Without a frame for `silence` the camera counts as gone, from now on.
+  // After `silence` without a frame, starting now, the camera counts as disconnected.
   explicit FrameMailbox(absl::Duration silence);
 
-  // A frame came, with its time.
+  // Stores a new frame, with its time set.
   void Put(SensorFrame frame) ABSL_LOCKS_EXCLUDED(mutex_);
-  // No more frames will come. The first reason stays.
+  // No more frames will come. The first error is kept.
   void Fail(absl::Status why) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // A frame whose time is not before `after`. The reason of Fail; UNAVAILABLE after the silence;
+  // A frame whose time is not before `after`. The error of Fail; UNAVAILABLE after the silence;
   // DEADLINE_EXCEEDED.
   absl::StatusOr<SensorFrame> Wait(absl::Time after, absl::Time deadline)
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -39,7 +39,7 @@ class FrameMailbox {
   mutable absl::Mutex mutex_;
   absl::CondVar changed_;
   std::shared_ptr<const SensorFrame> newest_ ABSL_GUARDED_BY(mutex_);
-  absl::Time last_ ABSL_GUARDED_BY(mutex_);  // when a frame came; at first the beginning
+  absl::Time last_ ABSL_GUARDED_BY(mutex_);  // time of the last frame, initially of construction
   absl::Status why_ ABSL_GUARDED_BY(mutex_);
 };
 

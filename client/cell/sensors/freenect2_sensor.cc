@@ -23,12 +23,12 @@ namespace {
 constexpr double kUnitM = 0.0001;
 constexpr double kCountsPerMm = 0.001 / kUnitM;
 
-// Takes depths from the library's threads.
+// Receives depth frames on the library's threads.
 class Listener : public libfreenect2::FrameListener {
  public:
   explicit Listener(absl::Duration silence) : frames_(silence) {}
 
-  // Once, while frames may come already: the camera says it only after the start.
+  // Called once, after the start, when the intrinsics are known; frames may come already.
   void Calibrate(const recognition::CameraIntrinsics& camera,
                  const std::array<double, 5>& distortion) {
     camera_ = camera;
@@ -36,7 +36,7 @@ class Listener : public libfreenect2::FrameListener {
     is_calibrated_ = true;
   }
 
-  // The frame stays the library's.
+  // The library keeps ownership of the frame.
   bool onNewFrame(libfreenect2::Frame::Type type, libfreenect2::Frame* frame) override {
     if (!is_calibrated_ || type != libfreenect2::Frame::Depth || frame->status != 0) return false;
     if (frame->width != kKinectV2Width || frame->height != kKinectV2Height ||
@@ -59,7 +59,7 @@ class Listener : public libfreenect2::FrameListener {
   FrameMailbox& frames() { return frames_; }
 
  private:
-  // What is not positive or no number was not measured.
+  // 0, not measured, for values that are not positive or NaN.
   static std::uint16_t CountOf(float depth_mm) {
     const double counts = std::round(static_cast<double>(depth_mm) * kCountsPerMm);
     const bool fits = counts > 0 && counts <= std::numeric_limits<std::uint16_t>::max();
@@ -68,7 +68,7 @@ class Listener : public libfreenect2::FrameListener {
 
   recognition::CameraIntrinsics camera_;
   std::vector<std::int32_t> table_;
-  std::atomic<bool> is_calibrated_ = false;  // what is above is no longer written
+  std::atomic<bool> is_calibrated_ = false;  // the members above are no longer written
   FrameMailbox frames_;
 };
 
@@ -86,12 +86,12 @@ class Freenect2Sensor : public DepthSensor {
   absl::Status Open(const SensorSettings& settings) {
     absl::Status size = CheckIntrinsics(settings, Name(), kKinectV2Width, kKinectV2Height);
     if (!size.ok()) return size;
-    const int there = library_.enumerateDevices();
-    if (serial_.empty() && there > 0) serial_ = library_.getDefaultDeviceSerialNumber();
-    if (there > 0) device_ = library_.openDevice(serial_);
+    const int count = library_.enumerateDevices();
+    if (serial_.empty() && count > 0) serial_ = library_.getDefaultDeviceSerialNumber();
+    if (count > 0) device_ = library_.openDevice(serial_);
     if (device_ == nullptr) {
       return absl::UnavailableError(absl::StrCat(
-          Name(), " cannot be opened, of ", there,
+          Name(), " cannot be opened, of ", count,
           " connected; check its power supply and its USB 3 cable, and libfreenect2's udev rules"));
     }
     listener_.emplace(settings.silence);
@@ -127,7 +127,7 @@ class Freenect2Sensor : public DepthSensor {
   }
 
   std::string serial_;
-  // In this order: the library, which owns its devices, ends before the listener.
+  // In this order: the library, which owns its devices, is destroyed before the listener.
   std::optional<Listener> listener_;
   libfreenect2::Freenect2 library_;
   libfreenect2::Freenect2Device* device_ = nullptr;
@@ -145,8 +145,8 @@ absl::StatusOr<std::unique_ptr<DepthSensor>> OpenFreenect2(const std::string& se
 std::vector<std::string> ListFreenect2() {
   libfreenect2::Freenect2 library;
   std::vector<std::string> serials;
-  const int there = library.enumerateDevices();
-  for (int i = 0; i < there; ++i) serials.push_back(library.getDeviceSerialNumber(i));
+  const int count = library.enumerateDevices();
+  for (int i = 0; i < count; ++i) serials.push_back(library.getDeviceSerialNumber(i));
   return serials;
 }
 

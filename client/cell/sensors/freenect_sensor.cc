@@ -25,7 +25,7 @@
 #include "files/depth_message.h"
 #include "program/log_field.h"
 
-// fakenect, which takes the library's place, has not all of its functions.
+// fakenect, which replaces the library, lacks some of its functions.
 #pragma weak freenect_copy_registration
 #pragma weak freenect_destroy_registration
 #pragma weak freenect_list_device_attributes
@@ -35,10 +35,10 @@ namespace graspdb::client {
 namespace {
 
 constexpr timeval kPoll = {.tv_sec = 0, .tv_usec = 100'000};
-constexpr int kInterrupted = -10;  // LIBUSB_ERROR_INTERRUPTED: a signal came, and no camera left
+constexpr int kInterrupted = -10;  // LIBUSB_ERROR_INTERRUPTED: a signal, not an unplugged camera
 constexpr std::size_t kPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
 
-// fakenect ends the program where it has nothing to play.
+// fakenect exits the process if it has nothing to play.
 absl::Status CheckFakenect() {
   Dl_info library = {};
   if (dladdr(reinterpret_cast<const void*>(&freenect_init), &library) == 0 ||
@@ -93,24 +93,24 @@ class Handles {
   freenect_device* device = nullptr;
 };
 
-// What the device says of itself; fakenect of Debian 12 cannot say it.
+// The device's own calibration, which Debian 12's fakenect does not provide.
 KinectV1Calibration CalibrationOf(freenect_device* device) {
   KinectV1Calibration calibration;
   if (&freenect_copy_registration == nullptr || &freenect_destroy_registration == nullptr) {
     return calibration;
   }
-  freenect_registration said = freenect_copy_registration(device);
-  const freenect_zero_plane_info& plane = said.zero_plane_info;  // centimetres
+  freenect_registration registration = freenect_copy_registration(device);
+  const freenect_zero_plane_info& plane = registration.zero_plane_info;  // centimetres
   if (plane.reference_distance > 0 && plane.reference_pixel_size > 0 &&
-      plane.dcmos_emitter_dist > 0 && said.const_shift > 0) {
+      plane.dcmos_emitter_dist > 0 && registration.const_shift > 0) {
     calibration = {.reference_distance_m = 0.01 * static_cast<double>(plane.reference_distance),
                    .reference_pixel_m = 0.01 * static_cast<double>(plane.reference_pixel_size),
                    .baseline_m = 0.01 * static_cast<double>(plane.dcmos_emitter_dist),
-                   .const_shift = said.const_shift};
+                   .const_shift = registration.const_shift};
   } else {
-    spdlog::warn("event=kinect_v1_without_calibration taken=\"what most devices say\"");
+    spdlog::warn("event=kinect_v1_without_calibration taken=\"values of most devices\"");
   }
-  freenect_destroy_registration(&said);
+  freenect_destroy_registration(&registration);
   return calibration;
 }
 
@@ -131,9 +131,9 @@ class FreenectSensor : public DepthSensor {
     if (absl::Status status = handles_.Start(); !status.ok()) return status;
     if (absl::Status status = OpenDevice(); !status.ok()) return status;
     if (absl::Status status = StartDepth(); !status.ok()) return status;
-    frames_.emplace(settings_.silence);  // only now: to open takes its time
+    frames_.emplace(settings_.silence);  // only now, because opening is slow
     thread_ = std::thread([this] { Receive(); });
-    // A camera that is there but gives nothing is not open.
+    // A camera without frames counts as not open.
     return frames_->Wait(absl::InfinitePast(), absl::InfiniteFuture()).status();
   }
 
@@ -147,14 +147,14 @@ class FreenectSensor : public DepthSensor {
 
  private:
   absl::Status OpenDevice() {
-    const int there = freenect_num_devices(handles_.context);
+    const int count = freenect_num_devices(handles_.context);
     int number = 0;
-    // Serial numbers are longer than the number of any camera.
+    // Serial numbers are longer than camera numbers.
     const bool by_serial = which_.size() > 2;
     if (!by_serial && !which_.empty() && !absl::SimpleAtoi(which_, &number)) number = -1;
-    if (there < 1 || (!by_serial && (number < 0 || number >= there))) {
+    if (count < 1 || (!by_serial && (number < 0 || number >= count))) {
       return absl::UnavailableError(
-          absl::StrCat(Name(), " is not there, of ", std::max(there, 0),
+          absl::StrCat(Name(), " is not there, of ", std::max(count, 0),
                        " connected; check its USB cable and its power supply, and count from 0"));
     }
     const int opened = by_serial ? freenect_open_device_by_camera_serial(
@@ -185,7 +185,7 @@ class FreenectSensor : public DepthSensor {
     return absl::OkStatus();
   }
 
-  // Until the end: the library calls back from here.
+  // Runs until the sensor is destroyed; calls the library's callbacks.
   void Receive() {
     while (!stopping_) {
       timeval poll = kPoll;
@@ -202,7 +202,7 @@ class FreenectSensor : public DepthSensor {
     static_cast<FreenectSensor*>(freenect_get_user(device))->Take(depth);
   }
 
-  // `raw`: kPixels disparities of 16 bits; fakenect puts them anywhere, also at odd addresses.
+  // `raw`: kPixels disparities of 16 bits, which fakenect does not align.
   void Take(const void* raw) {
     const absl::Time time = absl::Now() - kExposureToArrival;
     std::vector<std::uint16_t> counts(kPixels);

@@ -1,4 +1,4 @@
-// No frame that is too old is an answer.
+// Rejects frames that are too old.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,14 @@
 
 namespace graspdb::client {
 
-// Hands out the frames of another sensor as long as they are fresh. Thread-safe.
+// Returns the frames of another sensor if they are fresh. Thread-safe.
 class FreshSensor : public DepthSensor {
  public:
   FreshSensor(std::unique_ptr<DepthSensor> sensor, absl::Duration max_age)
       : sensor_(std::move(sensor)), max_age_(max_age) {}
 
   // The errors of the sensor; UNAVAILABLE when the frame is older than the limit, or from the
-  // future, as a clock that was set makes it.
+  // future, e.g. after the clock was set.
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override;
   bool IsReady() override { return sensor_->IsReady(); }
   bool HasEnded() override { return sensor_->HasEnded(); }

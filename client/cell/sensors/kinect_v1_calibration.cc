@@ -18,7 +18,7 @@ std::array<std::uint16_t, kKinectV1RawValues> DepthOfRaw(const KinectV1Calibrati
     const double disparity =
         static_cast<double>(raw) / kStepsPerPixel - c.const_shift - kShiftOffset;
     const double moved_m = disparity * c.reference_pixel_m;
-    if (moved_m >= c.baseline_m) break;  // behind infinity, as all that follow
+    if (moved_m >= c.baseline_m) break;  // beyond infinity, like all that follow
     const double depth_m = c.reference_distance_m * c.baseline_m / (c.baseline_m - moved_m);
     const double counts = std::round(depth_m / kKinectV1DepthUnitM);
     if (counts > std::numeric_limits<std::uint16_t>::max()) break;

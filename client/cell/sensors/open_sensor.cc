@@ -23,13 +23,13 @@
 namespace graspdb::client {
 namespace {
 
-// What OpenNI's cameras are asked for, where they can.
+// The requested resolution of OpenNI cameras, if supported.
 constexpr int kOpenNi2Width = 640;
 constexpr int kOpenNi2Height = 480;
 
 using OpenedSensor = absl::StatusOr<std::unique_ptr<DepthSensor>>;
 
-// Fresh frames of a camera that is found again, each time it is opened.
+// A camera that is reopened after a loss, with fresh frames only.
 OpenedSensor KeepOpen(const std::string& name, const SensorSettings& settings,
                       const SensorFactory& open) {
   const SensorFactory open_fresh = [open, max_age = settings.max_age]() -> OpenedSensor {
@@ -39,11 +39,10 @@ OpenedSensor KeepOpen(const std::string& name, const SensorSettings& settings,
   };
   return std::make_unique<ReconnectingSensor>(
       name, open_fresh,
-      ReconnectSettings{.first_pause = settings.first_pause,
-                        .longest_pause = settings.longest_pause});
+      ReconnectSettings{.first_pause = settings.first_pause, .max_pause = settings.max_pause});
 }
 
-// The settings with the intrinsics that the options give, if they do.
+// The settings, with the intrinsics of the options if given.
 SensorSettings WithIntrinsics(SensorOptions& options, int width, int height,
                               SensorSettings settings) {
   const auto intrinsics = options.Intrinsics(width, height);
@@ -104,7 +103,7 @@ OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& given
   const SensorSettings settings = WithIntrinsics(options, kOpenNi2Width, kOpenNi2Height, given);
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   if (is_recording) {
-    // What has ended is not begun again as a camera would be.
+    // A recording that has ended is not reopened like a camera.
     OpenedSensor sensor = OpenOpenNi2(spec.target, loop, settings);
     if (!sensor.ok()) return sensor;
     return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
@@ -171,7 +170,7 @@ absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& text,
     if (spec->kind == kind.name) return kind.open(*spec, settings);
     names.push_back(kind.is_built
                         ? kind.name
-                        : absl::StrCat(kind.name, " (not built; wants ", kind.package, ")"));
+                        : absl::StrCat(kind.name, " (not built; needs ", kind.package, ")"));
   }
   return absl::InvalidArgumentError(absl::StrCat("there is no kind of sensor \"", spec->kind,
                                                  "\"; there are ", absl::StrJoin(names, ", ")));
@@ -201,7 +200,7 @@ std::string SensorsText(const std::vector<SensorListing>& listing) {
   std::string text;
   for (const SensorListing& kind : listing) {
     absl::StrAppend(&text, kind.kind, ": ", kind.what);
-    if (!kind.is_built) absl::StrAppend(&text, "; not built, wants ", kind.package);
+    if (!kind.is_built) absl::StrAppend(&text, "; not built, needs ", kind.package);
     absl::StrAppend(&text, "\n");
     for (const std::string& camera : kind.connected) absl::StrAppend(&text, "  ", camera, "\n");
     if (!kind.trouble.empty()) absl::StrAppend(&text, "  ", kind.trouble, "\n");

@@ -1,4 +1,4 @@
-// Depth cameras by name, as a config file has them.
+// Opens depth cameras by name, e.g. from a config file.
 #pragma once
 
 #include <memory>
@@ -16,35 +16,35 @@ namespace graspdb::client {
 //   files:PATH[?loop&rate=HZ]       point files and depth images, see file_sensor.h
 //   simulated[:KEY=VALUE,...]       random scenes of sample parts; parts=ID+ID, camera=v1|v2, seed,
 //                                   objects-per-scene, area, look-down, distance, noise as the
-//                                   flags of `graspdb simulate`; scene=FOLDER: what somebody lays
-//                                   out there instead, see scene_file.h
+//                                   flags of `graspdb simulate`; scene=FOLDER: the scene in that
+//                                   folder instead, see scene_file.h
 //   freenect[:N or SERIAL]          Kinect v1, see freenect_sensor.h
 //   openni2[:URI or FILE.oni[?loop]]  cameras of OpenNI 2 and their recordings
-//   freenect2[:SERIAL]              Kinect v2, where built with libfreenect2
+//   freenect2[:SERIAL]              Kinect v2, if built with libfreenect2
 //
-// Cameras are opened in the background, and again after they were unplugged: without the camera
-// this succeeds, and Next is UNAVAILABLE until it is there. No frame is older than
+// Cameras are opened in the background, and reopened after they were unplugged: without the camera
+// this succeeds, and Next is UNAVAILABLE until it is connected. No frame is older than
 // settings.max_age.
 //
-// INVALID_ARGUMENT for a kind or option that there is not; UNIMPLEMENTED for a kind that is not
-// built in; the errors of files and simulations, which are opened at once.
+// INVALID_ARGUMENT for an unknown kind or option; UNIMPLEMENTED for a kind that is not built in;
+// the errors of files and simulations, which are opened at once.
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& spec,
                                                         const SensorSettings& settings);
 
-// A kind of sensor, and what of it is connected to this machine now.
+// A kind of sensor, and the connected cameras of this kind.
 struct SensorListing {
   std::string kind;
-  std::string what;  // for a person
+  std::string what;  // description
   bool is_built = true;
-  std::string package = {};                 // that brings it
+  std::string package = {};                 // that provides it
   std::vector<std::string> connected = {};  // as specs
-  std::string trouble = {};                 // why it cannot be said what is connected
+  std::string trouble = {};                 // why cameras cannot be listed
 };
 
-// Looks at all kinds; may take some seconds. A camera that another program uses is listed too.
+// Lists all kinds; may take some seconds. Includes cameras that another program uses.
 std::vector<SensorListing> ListSensors();
 
-// A line a kind, and one below it for each camera, for a person to read.
+// One line per kind, followed by one per camera.
 std::string SensorsText(const std::vector<SensorListing>& listing);
 
 }  // namespace graspdb::client

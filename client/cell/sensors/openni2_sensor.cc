@@ -27,12 +27,12 @@ namespace {
 constexpr int kPollMs = 100;
 constexpr int kWantedWidth = 640;
 
-// What the library says of the last error, in one line.
+// The library's message for the last error, in one line.
 std::string Reason() {
   return std::string(absl::StripAsciiWhitespace(openni::OpenNI::getExtendedError()));
 }
 
-// The library is started once for the process; it is not made to be started again.
+// The library is started once per process; it does not support a restart.
 absl::Status StartLibrary() {
   static const openni::Status started = openni::OpenNI::initialize();
   if (started == openni::STATUS_OK) return absl::OkStatus();
@@ -45,7 +45,7 @@ double UnitOf(openni::PixelFormat format) {
   return format == openni::PIXEL_FORMAT_DEPTH_100_UM ? 0.0001 : 0;
 }
 
-// 640 columns are better than less, and than more; then the quicker one.
+// Prefers the width nearest to 640, then the higher frame rate.
 bool IsBetter(const openni::VideoMode& a, const openni::VideoMode& b) {
   const int far_a = std::abs(a.getResolutionX() - kWantedWidth);
   const int far_b = std::abs(b.getResolutionX() - kWantedWidth);
@@ -104,7 +104,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     if (!device_.hasSensor(openni::SENSOR_DEPTH) ||
         stream_.create(device_, openni::SENSOR_DEPTH) != openni::STATUS_OK) {
       return absl::FailedPreconditionError(
-          absl::StrCat(Name(), " has no depth camera; name another one"));
+          absl::StrCat(Name(), " has no depth camera; choose another device"));
     }
     if (device_.isFile()) return absl::OkStatus();
     const auto& modes = stream_.getSensorInfo().getSupportedVideoModes();
@@ -113,7 +113,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       if (UnitOf(modes[i].getPixelFormat()) == 0) continue;
       if (best == nullptr || IsBetter(modes[i], *best)) best = &modes[i];
     }
-    // A device with one mode may refuse to be told it.
+    // A device with one mode may reject setting it.
     if (best != nullptr && stream_.setVideoMode(*best) != openni::STATUS_OK) {
       spdlog::debug("event=openni2_mode_kept reason={}", LogField(Reason()));
     }
@@ -130,7 +130,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     const auto vertical = static_cast<double>(stream_.getVerticalFieldOfView());
     if (unit_m_ == 0) {
       return absl::FailedPreconditionError(
-          absl::StrCat(Name(), " has no depths in millimetres; name another camera"));
+          absl::StrCat(Name(), " has no depths in millimetres; choose another camera"));
     }
     absl::Status size =
         CheckIntrinsics(settings_, Name(), mode.getResolutionX(), mode.getResolutionY());
@@ -147,7 +147,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     } else {
       return absl::FailedPreconditionError(
           absl::StrCat(Name(),
-                       " does not say its field of view; give its intrinsics, "
+                       " does not report its field of view; give its intrinsics, "
                        "?fx=F&fy=F&cx=X&cy=Y"));
     }
     return absl::OkStatus();
@@ -162,7 +162,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     openni::VideoStream* const streams[] = {&stream_};
     while (!stopping_) {
       int ready = 0;
-      // Without a frame for too long the mailbox says so.
+      // The mailbox reports a camera without frames.
       if (openni::OpenNI::waitForAnyStream(const_cast<openni::VideoStream**>(streams), 1, &ready,
                                            kPollMs) != openni::STATUS_OK) {
         continue;
@@ -173,7 +173,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       if (last_frame_ && frame.getFrameIndex() >= *last_frame_) {
         has_ended_ = true;
         frames_->Fail(absl::UnavailableError(
-            absl::StrCat(Name(), ": the recording is at its end; add ?loop to begin again")));
+            absl::StrCat(Name(), ": the recording is at its end; add ?loop to start again")));
         return;
       }
     }
@@ -189,7 +189,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       return false;
     }
     const auto width = static_cast<std::size_t>(frame.getWidth());
-    const bool mirrored = stream_.getMirroringEnabled();  // as a recording may be
+    const bool mirrored = stream_.getMirroringEnabled();  // recordings may be
     std::vector<std::uint16_t> counts;
     counts.reserve(width * static_cast<std::size_t>(frame.getHeight()));
     for (int v = 0; v < frame.getHeight(); ++v) {
@@ -208,8 +208,8 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
     return true;
   }
 
-  const std::string uri_;   // as it was asked for; empty: any
-  std::string opened_uri_;  // of the device itself, from Open on
+  const std::string uri_;   // as requested; empty: any
+  std::string opened_uri_;  // of the opened device, set by Open
   const SensorSettings settings_;
   openni::Device device_;
   openni::VideoStream stream_;
@@ -228,7 +228,7 @@ absl::StatusOr<std::unique_ptr<DepthSensor>> OpenOpenNi2(const std::string& uri,
                                                          const SensorSettings& settings) {
   std::error_code error;
   if (absl::EndsWithIgnoreCase(uri, ".oni") && !std::filesystem::exists(uri, error)) {
-    return absl::NotFoundError(absl::StrCat(uri, " does not exist; name a recording of OpenNI 2"));
+    return absl::NotFoundError(absl::StrCat(uri, " does not exist; give a recording of OpenNI 2"));
   }
   if (absl::Status status = StartLibrary(); !status.ok()) return status;
   auto sensor = std::make_unique<OpenNi2Sensor>(uri, settings);

@@ -41,7 +41,7 @@ void ReconnectingSensor::Run() {
       if (gave_frames_) pause = settings_.first_pause;
     }
     Pause(pause);
-    pause = std::min(2 * pause, settings_.longest_pause);
+    pause = std::min(2 * pause, settings_.max_pause);
   }
 }
 
@@ -61,7 +61,7 @@ void ReconnectingSensor::Open() {
     lost_ = false;
     spdlog::info("event=camera_opened camera={}", LogField(name_));
   } else {
-    // Once a reason is enough in the log of a year.
+    // Logged once per reason, so that a long outage does not fill the log.
     if (why_ != opened.status()) {
       spdlog::warn("event=camera_not_opened camera={} error={}", LogField(name_),
                    LogField(std::string(opened.status().message())));
@@ -109,7 +109,7 @@ absl::Status ReconnectingSensor::WaitForSensor(absl::Time deadline) {
   while (opening_ && absl::Now() < deadline) changed_.WaitWithDeadline(&mutex_, deadline);
   if (opening_) {
     return why_.ok() ? absl::UnavailableError(
-                           absl::StrCat(name_, " is still being opened; ask again in a moment"))
+                           absl::StrCat(name_, " is still being opened; try again in a moment"))
                      : why_;
   }
   return sensor_ == nullptr || lost_ ? why_ : absl::OkStatus();
@@ -120,7 +120,7 @@ absl::StatusOr<SensorFrame> ReconnectingSensor::Next(absl::Time deadline) {
   {
     const absl::MutexLock lock(&mutex_);
     if (absl::Status status = WaitForSensor(deadline); !status.ok()) return status;
-    ++callers_;  // the sensor stays until they are out
+    ++callers_;  // keeps the sensor alive until they return
     sensor = sensor_.get();
   }
   absl::StatusOr<SensorFrame> frame = sensor->Next(deadline);

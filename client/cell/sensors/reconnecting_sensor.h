@@ -1,4 +1,4 @@
-// A camera that is plugged in again is found again.
+// Reopens a camera after it was unplugged.
 #pragma once
 
 #include <functional>
@@ -18,31 +18,30 @@ namespace graspdb::client {
 using SensorFactory = std::function<absl::StatusOr<std::unique_ptr<DepthSensor>>()>;
 
 struct ReconnectSettings {
-  // The pause before an attempt to open the camera: the first, doubled after every attempt up to
-  // the longest. It starts again with the first one when frames have come.
+  // The pause before an attempt to open the camera: doubled after every attempt up to the longest,
+  // reset to the first after frames have come.
   absl::Duration first_pause = absl::Milliseconds(250);
-  absl::Duration longest_pause = absl::Seconds(5);
-  // How often a camera that nobody asks is looked after.
+  absl::Duration max_pause = absl::Seconds(5);
+  // Period of checking an idle camera.
   absl::Duration watch = absl::Seconds(1);
 };
 
-// Opens a sensor in the background, and closes and opens it again after it was UNAVAILABLE: to a
-// caller, or by IsReady while nobody asked. Never two of the factory's sensors are there at once.
-// Thread-safe.
+// Opens a sensor in the background, and reopens it after it was UNAVAILABLE in Next or, while idle,
+// not IsReady. At most one of the factory's sensors exists at a time. Thread-safe.
 class ReconnectingSensor : public DepthSensor {
  public:
-  // `open` runs on a thread of its own, and may take its time.
+  // `open` runs on a thread of its own, and may be slow.
   ReconnectingSensor(std::string name, SensorFactory open, const ReconnectSettings& settings);
-  // Waits for an attempt to open that is under way. Nobody may be in Next any more.
+  // Waits for an attempt to open in progress. No call of Next may be in progress.
   ~ReconnectingSensor() override;
   ReconnectingSensor(const ReconnectingSensor&) = delete;
   ReconnectingSensor& operator=(const ReconnectingSensor&) = delete;
 
-  // Waits for the end of an attempt to open that is under way. Where none is, and no camera, the
-  // error of the last one comes at once: a robot is told sooner.
+  // Waits for an attempt to open in progress. If there is none, and no camera, returns the error of
+  // the last attempt at once, so that a robot need not wait.
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsReady() override ABSL_LOCKS_EXCLUDED(mutex_);
-  // As the sensor calls itself; before it was there for the first time, `name`.
+  // The name of the sensor; `name` until it was opened for the first time.
   std::string Name() const override ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -64,7 +63,7 @@ class ReconnectingSensor : public DepthSensor {
   bool lost_ ABSL_GUARDED_BY(mutex_) = false;
   bool gave_frames_ ABSL_GUARDED_BY(mutex_) = false;  // since it was opened
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  absl::Status why_ ABSL_GUARDED_BY(mutex_);  // there is no sensor
+  absl::Status why_ ABSL_GUARDED_BY(mutex_);  // why there is no sensor
   std::thread thread_;
 };
 

@@ -1,4 +1,4 @@
-// What a cell wants of its depth camera, whatever kind it is.
+// Settings for depth cameras of any kind.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,20 @@
 namespace graspdb::client {
 
 struct SensorSettings {
-  // A frame that is older when it is handed out is an error and no answer.
+  // Maximum age of a frame; an older one is an error.
   absl::Duration max_age = absl::Seconds(1);
-  // The camera as it was calibrated; none: as the camera itself or its library says. Not for files,
-  // which have it beside them.
+  // Calibrated intrinsics; absent: those of the camera or its library. Not for files, which have
+  // their own.
   std::optional<recognition::CameraIntrinsics> intrinsics = {};
-  // A camera that gives no frame for so long counts as unplugged. The first one may take as long.
+  // A camera without a frame for this time counts as unplugged; also the limit for the first frame.
   absl::Duration silence = absl::Seconds(3);
-  // Between attempts to open a camera that is not there: the first pause, doubled after every
-  // attempt up to the longest.
+  // Pause between attempts to open a missing camera, doubled after every attempt up to the longest.
   absl::Duration first_pause = absl::Milliseconds(250);
-  absl::Duration longest_pause = absl::Seconds(5);
+  absl::Duration max_pause = absl::Seconds(5);
 };
 
-// FAILED_PRECONDITION, with what to do, when intrinsics are given for images of another size than
-// those of `camera`, as a person calls it. Thread-safe.
+// FAILED_PRECONDITION when intrinsics are given for another image size than that of `camera` (its
+// display name). Thread-safe.
 absl::Status CheckIntrinsics(const SensorSettings& settings, const std::string& camera, int width,
                              int height);
 

@@ -76,32 +76,31 @@ bool SensorOptions::Flag(const std::string& key) {
   return flag;
 }
 
-std::string SensorOptions::Text(const std::string& key, const std::string& otherwise) {
+std::string SensorOptions::Text(const std::string& key, const std::string& fallback) {
   const std::optional<std::string> value = Take(key);
-  if (!value) return otherwise;
+  if (!value) return fallback;
   if (value->empty()) Complain(key, "has no value");
   return *value;
 }
 
-double SensorOptions::Number(const std::string& key, double otherwise, double least, double most) {
+double SensorOptions::Number(const std::string& key, double fallback, double min, double max) {
   const std::optional<std::string> value = Take(key);
-  if (!value) return otherwise;
+  if (!value) return fallback;
   double number = 0;
-  if (!absl::SimpleAtod(*value, &number) || !(number >= least && number <= most)) {
-    Complain(key, absl::StrCat("is \"", *value, "\" and no number from ", least, " to ", most));
-    return otherwise;
+  if (!absl::SimpleAtod(*value, &number) || !(number >= min && number <= max)) {
+    Complain(key, absl::StrCat("is \"", *value, "\" and no number from ", min, " to ", max));
+    return fallback;
   }
   return number;
 }
 
-int SensorOptions::Integer(const std::string& key, int otherwise, int least, int most) {
+int SensorOptions::Integer(const std::string& key, int fallback, int min, int max) {
   const std::optional<std::string> value = Take(key);
-  if (!value) return otherwise;
+  if (!value) return fallback;
   int number = 0;
-  if (!absl::SimpleAtoi(*value, &number) || number < least || number > most) {
-    Complain(key,
-             absl::StrCat("is \"", *value, "\" and no whole number from ", least, " to ", most));
-    return otherwise;
+  if (!absl::SimpleAtoi(*value, &number) || number < min || number > max) {
+    Complain(key, absl::StrCat("is \"", *value, "\" and no whole number from ", min, " to ", max));
+    return fallback;
   }
   return number;
 }
@@ -124,9 +123,9 @@ std::optional<recognition::CameraIntrinsics> SensorOptions::Intrinsics(int width
   return any ? std::optional(out) : std::nullopt;
 }
 
-std::uint64_t SensorOptions::Seed(const std::string& key, std::uint64_t otherwise) {
+std::uint64_t SensorOptions::Seed(const std::string& key, std::uint64_t fallback) {
   const std::optional<std::string> value = Take(key);
-  std::uint64_t seed = otherwise;
+  std::uint64_t seed = fallback;
   if (value && !absl::SimpleAtoi(*value, &seed)) Complain(key, "is no whole number");
   return seed;
 }

@@ -1,4 +1,4 @@
-// Simulated scenes as a recording of a Kinect v1.
+// Records simulated scenes as a Kinect v1 would.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace graspdb::client {
 
-// Writes a recording that fakenect plays (see fakenect_recording.h): each scene of `plan` as
-// SimulatedKinectV1 sees it, standing still for `hold`, and what is where (see scene_file.h). One
-// image a scene is kept; the noise is the same as long as it stands.
+// Writes a recording for fakenect (see fakenect_recording.h): each scene of `plan` as rendered by
+// SimulatedKinectV1, repeated for `hold`, and the ground truth (see scene_file.h). One image is
+// stored per scene, so its noise does not change during `hold`.
 //
 // Errors as FakenectRecording and DepthCamera::Render; INVALID_ARGUMENT for a scene with a
-// workpiece that `parts` has not, or without scenes.
+// workpiece that is not in `parts`, or without scenes.
 absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
                                      const std::vector<Workpiece>& parts,
                                      const std::vector<PlannedCapture>& plan, absl::Duration hold);

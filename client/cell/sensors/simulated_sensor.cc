@@ -16,7 +16,7 @@ constexpr int kFirstScenes = 32;
 }  // namespace
 
 SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options) {
-  // The first scenes do not depend on how many follow: more are planned when they are at an end.
+  // The first scenes do not depend on the count, so more are planned when needed.
   struct Plan {
     std::vector<Workpiece> parts;
     RandomSceneOptions options;
@@ -64,8 +64,7 @@ absl::StatusOr<SensorFrame> SimulatedSensor::Next(absl::Time deadline) {
       SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
   if (!frame.ok()) return frame.status();
   if (absl::Now() > deadline) {
-    return absl::DeadlineExceededError(
-        "the simulated camera was not quick enough; give it a later deadline");
+    return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
   }
   SensorFrame out = {
       .scan = DepthMessage(ToCounts(*frame, kDepthUnitM), camera_.model().intrinsics, kDepthUnitM),

@@ -16,25 +16,25 @@
 
 namespace graspdb::client {
 
-// What the camera is to see next: workpieces, the camera's pose and the seed of its noise. One call
-// at a time. Its error is that of Next: UNAVAILABLE plays an unplugged camera.
+// The next scene: workpieces, the camera's pose and the seed of its noise. Called from one thread
+// at a time. Next returns its errors: UNAVAILABLE simulates an unplugged camera.
 using SceneSource = std::function<absl::StatusOr<PlannedCapture>()>;
 
-// Another random scene at every call, the same ones for the same options; `options.count` is not
-// read. `parts` as PlanRandomScenes wants them.
+// A new random scene at every call, the same ones for the same options; `options.count` is ignored.
+// `parts` as in PlanRandomScenes.
 SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options);
 
-// Renders a depth image, in whole millimetres, of a scene at every call, with the camera's pose.
+// Renders a scene as a depth image in whole millimetres at every call, with the camera's pose.
 // Thread-safe.
 class SimulatedSensor : public DepthSensor {
  public:
-  // What there is to see: `parts`, on a table. Errors as DepthCamera::Create.
+  // The scenes show `parts` on a table. Errors as DepthCamera::Create.
   static absl::StatusOr<std::unique_ptr<SimulatedSensor>> Create(const DepthCameraModel& camera,
                                                                  std::vector<Workpiece> parts,
                                                                  SceneSource scenes);
 
   // The errors of the source and of DepthCamera::Render; INVALID_ARGUMENT when a scene has a
-  // workpiece that `parts` has not; DEADLINE_EXCEEDED when it took too long.
+  // workpiece that is not in `parts`; DEADLINE_EXCEEDED when rendering was too slow.
   absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsReady() override { return true; }
   std::string Name() const override { return "simulated camera"; }

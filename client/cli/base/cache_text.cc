@@ -6,13 +6,12 @@ namespace graspdb::client {
 namespace {
 
 constexpr double kBytesPerMib = 1 << 20;
-// Where more are missing than this, frames are noticeably slower.
+// With a higher miss rate, frames are noticeably slower.
 constexpr double kFewMissing = 0.05;
-// A cache that has this share of its budget will drop what it has; before, what is missing has just
-// not been asked for yet.
+// Above this share of its budget a cache evicts entries; below it, misses are first requests.
 constexpr double kFull = 0.9;
 
-double Asked(const v1::CacheStatus& cache) {
+double RequestCount(const v1::CacheStatus& cache) {
   return static_cast<double>(cache.hit_count() + cache.miss_count());
 }
 
@@ -37,16 +36,16 @@ std::string CacheText(const v1::CacheStatus& cache) {
   const std::string memory =
       absl::StrFormat("%.0f of %.0f MiB", static_cast<double>(cache.byte_count()) / kBytesPerMib,
                       static_cast<double>(cache.byte_budget()) / kBytesPerMib);
-  if (Asked(cache) == 0) return memory + ", not asked for yet";
+  if (RequestCount(cache) == 0) return memory + ", no requests yet";
   return absl::StrFormat("%.1f %% of %.0f found, %s",
-                         100 * static_cast<double>(cache.hit_count()) / Asked(cache), Asked(cache),
-                         memory);
+                         100 * static_cast<double>(cache.hit_count()) / RequestCount(cache),
+                         RequestCount(cache), memory);
 }
 
 std::string CacheAdvice(const v1::CacheStatus& models) {
   const auto budget = static_cast<double>(models.byte_budget());
   if (static_cast<double>(models.byte_count()) < kFull * budget) return "";
-  if (static_cast<double>(models.miss_count()) <= kFewMissing * Asked(models)) return "";
+  if (static_cast<double>(models.miss_count()) <= kFewMissing * RequestCount(models)) return "";
   return "models that are not in memory are fused from their views, some 10 ms each; start the "
          "server with a larger --memory-mib";
 }

@@ -1,4 +1,4 @@
-// What a server found in memory, in words.
+// Cache and memory statistics of a server as text.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace graspdb::client {
 
-// What was asked for between two looks at a cache; its bytes are as of the second.
+// The requests to a cache between two statuses; its bytes are as of the second.
 v1::CacheStatus Between(const v1::CacheStatus& before, const v1::CacheStatus& after);
 
-// What the whole server has in memory, of what it may.
+// The memory of the whole server and its budget.
 std::string MemoryText(const v1::MemoryStatus& memory);
 
 // "97.3 % of 4230 found, 168 of 192 MiB"
 std::string CacheText(const v1::CacheStatus& cache);
 
-// What to do about models that are often not found in a memory that is full; else empty.
+// Advice when the model cache is full and often misses; else empty.
 std::string CacheAdvice(const v1::CacheStatus& models);
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// Depth cameras of commands that talk to a server too.
+// Depth cameras of commands that also call a server.
 #pragma once
 
 #include <memory>
@@ -10,11 +10,11 @@
 
 namespace graspdb::client {
 
-// What a camera or a robot's agent says, for the end of the program: UNAVAILABLE, which ends it as
-// a missing server does, becomes FAILED_PRECONDITION.
+// The status of a camera or a robot's agent as the exit status: UNAVAILABLE, which would be
+// reported as a missing server, becomes FAILED_PRECONDITION.
 absl::Status NotOfServer(const absl::Status& status);
 
-// As OpenSensor with its usual settings; errors of both, the opening and the sensor, are
+// As OpenSensor with its default settings; errors of OpenSensor and of the sensor pass through
 // NotOfServer. Thread-safe as any DepthSensor.
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenCamera(const std::string& spec);
 

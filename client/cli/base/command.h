@@ -1,4 +1,4 @@
-// What all commands of `graspdb` share.
+// Shared by all commands of `graspdb`.
 #pragma once
 
 #include <google/protobuf/struct.pb.h>
@@ -13,17 +13,17 @@
 
 namespace graspdb::client {
 
-// Flags that stand before or behind any command.
+// Flags that may precede or follow any command.
 struct GlobalOptions {
   std::string server = "127.0.0.1:50051";
   double timeout_s = 30;
   bool json = false;
 };
 
-// What the chosen command does after the command line was read.
+// The chosen command, run after the command line was parsed.
 using Action = std::function<absl::Status()>;
 
-// A client as the flags say.
+// A client that connects as the flags specify.
 Client Connect(const GlobalOptions& options);
 
 // A command with the given name under `parent`; global flags may follow it.
@@ -38,7 +38,7 @@ absl::Status PrintJson(const google::protobuf::Struct& document);
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
-// True once Ctrl-C was pressed; the first call begins to watch for it.
+// True after Ctrl-C was pressed; the first call installs the signal handler.
 bool Interrupted();
 
 }  // namespace graspdb::client

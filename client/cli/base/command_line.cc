@@ -30,10 +30,10 @@ int Execute(const Action& action) {
 
 void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
   app.add_option("--server", global->server, "HOST:PORT of the server")->capture_default_str();
-  app.add_option("--timeout", global->timeout_s, "Seconds that a call may take")
+  app.add_option("--timeout", global->timeout_s, "Time limit of a call, seconds")
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
-  app.add_flag("--json", global->json, "Print answers as JSON, one document a line");
+  app.add_flag("--json", global->json, "Print results as JSON, one document per line");
 }
 
 int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string> other_commands,
@@ -44,7 +44,7 @@ int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string>
     std::fprintf(stderr, "A subcommand is required\nRun with --help for more information.\n");
     return kWrongUsage;
   }
-  StartLog("graspdb", "warn");  // standard output is for answers
+  StartLog("graspdb", "warn");  // standard output is for results
   return Execute(action);
 }
 

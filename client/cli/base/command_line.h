@@ -1,4 +1,4 @@
-// What the programs of the command line do alike.
+// Shared by the command-line programs.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,12 +9,12 @@
 
 namespace graspdb::client {
 
-// The flags that stand before or behind any command.
+// The flags that may precede or follow any command.
 void AddGlobalFlags(CLI::App& app, GlobalOptions* global);
 
 // Reads the command line into `app`, whose commands set `*action`, and runs that. Returns the exit
-// status: 0 done, 1 understood but failed, 2 wrong usage, 3 no server there. A settings file may
-// have sections of `other_commands`, which are another program's.
+// status: 0 done, 1 failed, 2 wrong usage, 3 no server reachable. A settings file may have sections
+// of `other_commands`, which belong to another program.
 int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string> other_commands,
                    int argc, char** argv);
 

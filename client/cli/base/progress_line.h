@@ -1,4 +1,4 @@
-// How far a long command is, on stderr.
+// Progress of a long command, on stderr.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace graspdb::client {
 // On a terminal a bar that is redrawn; elsewhere a line at every quarter.
 class ProgressLine {
  public:
-  // `unit`: what is counted.
+  // `unit`: the counted items.
   explicit ProgressLine(std::string unit = "captures");
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
@@ -19,7 +19,7 @@ class ProgressLine {
  private:
   std::string unit_;
   bool is_terminal_;
-  int last_ = -1;  // what was drawn: per cent on a terminal, else quarters
+  int last_ = -1;  // last drawn: per cent on a terminal, else quarters
 };
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// Which captures of a set a command works on.
+// The captures of a set that a command processes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,7 +16,7 @@ void AddSplitFlag(CLI::App& command, std::string* split);
 std::vector<const v1::Capture*> CapturesOfSplit(const v1::CaptureSet& set,
                                                 const std::string& split);
 
-// Those of them that say which object in which stable pose they show.
+// The captures of the split that name an object and a stable pose.
 std::vector<const v1::Capture*> TeachableCaptures(const v1::CaptureSet& set,
                                                   const std::string& split);
 

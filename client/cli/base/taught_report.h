@@ -1,4 +1,4 @@
-// What came of teaching.
+// The result of teaching.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@ namespace graspdb::client {
 
 struct TaughtViews {
   int created = 0;
-  std::optional<int> existing = {};  // were there already, where that is known
+  std::optional<int> existing = {};  // already in the catalogue, where known
 };
 
-// Prints how many views were taught and how many the catalogue has now, as text, with `rest` at the
-// end, or as JSON; and gives the state of the catalogue. Errors of Client::GetCatalogStatus.
+// Prints the number of taught views and of views in the catalogue, as text, with `rest` at the end,
+// or as JSON; returns the status of the catalogue. Errors of Client::GetCatalogStatus.
 absl::StatusOr<v1::CatalogStatus> ReportTaught(const GlobalOptions& global, Client& client,
                                                const TaughtViews& views,
                                                const std::string& rest = "");

@@ -21,9 +21,9 @@ using recognition::kMmPerM;
 using recognition::Pose;
 
 constexpr char kLevelFooter[] =
-    R"(Fits the plane of the empty table and sets the cell's sensor pose: its height and level, keeping
-x, y and the turn about the vertical where the cell has a pose, else with the origin under the
-image centre. Makes the cell where there is none.
+    R"(Fits the plane of the empty table and sets the height and level of the cell's sensor pose.
+Keeps x, y and the turn about the vertical if the cell has a pose; else the origin is under
+the image centre. Creates the cell if it does not exist.
 
 Example:
   graspdb cells level press-3 --frame empty-table.pcd
@@ -38,7 +38,7 @@ struct CalibrationOptions {
 absl::Status Level(const GlobalOptions& global, const CalibrationOptions& options) {
   const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
   if (!scan.ok()) return scan.status();
-  const absl::StatusOr<SeenTable> table = FindTable(scan->points);
+  const absl::StatusOr<DetectedTable> table = FindTable(scan->points);
   if (!table.ok()) return table.status();
   Client client = Connect(global);
   absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
@@ -76,11 +76,12 @@ absl::Status Level(const GlobalOptions& global, const CalibrationOptions& option
 
 void AddLevelCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<CalibrationOptions>();
-  CLI::App* level = AddCommand(cells, "level", "Find how the camera stands over the table");
+  CLI::App* level =
+      AddCommand(cells, "level", "Calibrate the camera's height and level over the table");
   level->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   CLI::Option_group* table = level->add_option_group("table", "The empty table");
-  table->add_option("--frame", options->frame, "A frame of it, .pcd or .ply");
-  table->add_option("--sensor", options->sensor, "The camera that looks at it, e.g. freenect");
+  table->add_option("--frame", options->frame, "A frame of the table, .pcd or .ply");
+  table->add_option("--sensor", options->sensor, "The camera above it, e.g. freenect");
   table->require_option(1);
   level->footer(kLevelFooter);
   level->callback([=, &global] { *action = [=, &global] { return Level(global, *options); }; });

@@ -28,11 +28,13 @@ using recognition::kMmPerM;
 using recognition::Pose;
 
 constexpr char kCheckFooter[] =
-    R"(With --frame: how the table lies against the cell's sensor pose. With --poses and --target: how
-well the cell's calibration agrees with poses of the robot that it was not made from. Each line of
-the file names a frame (beside the file) and T_base_flange, metres and a quaternion:
+    R"(With --frame: the height and tilt error of the cell's sensor pose. With --poses and
+--target: the error of the cell's hand-eye calibration at robot poses that were not used
+to compute it. Each line of the file names a frame (beside the file) and T_base_flange,
+metres and a quaternion:
   frame-1.pcd X Y Z QX QY QZ QW
-With --json each of the two is a line: {"height_mm", "tilt_deg", "rms_mm", "share"} and {"poses"}.
+With --json each of the two checks prints one line:
+{"height_mm", "tilt_deg", "rms_mm", "share"} and {"poses"}.
 
 Example:
   graspdb cells check press-3 --frame empty-table.pcd --target objects/block --poses poses.txt)";
@@ -93,10 +95,10 @@ absl::StatusOr<std::vector<HandEyeSample>> FindTargets(Client& client, const v1:
   for (const PosedFrame& frame : *frames) {
     const absl::StatusOr<StillScan> scan = FrameFrom(frame.frame);
     if (!scan.ok()) return scan.status();
-    const absl::StatusOr<SeenTarget> seen =
+    const absl::StatusOr<DetectedTarget> seen =
         MountOf(cell) == CameraMount::kFixed
             ? FindGrippedTarget(*target, *scan, FromMessage(cell.sensor_pose()), {})
-            : FindStandingTarget(client, *target, *scan);
+            : FindTargetOnTable(client, *target, *scan);
     if (!seen.ok()) {
       std::fprintf(stderr, "%s: %s\n", frame.frame.c_str(),
                    std::string(seen.status().message()).c_str());
@@ -150,8 +152,8 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
   if (!cell.has_sensor_pose() && cell.has_flange_sensor_pose()) {
     return absl::FailedPreconditionError(
         absl::StrCat("the camera of ", cell.name(),
-                     " is on the robot's flange, so that no frame alone says how "
-                     "it stands over the table; give --poses and --target"));
+                     " is on the robot's flange, so its pose over the table "
+                     "depends on the robot; give --poses and --target"));
   }
   if (!cell.has_sensor_pose()) {
     return absl::FailedPreconditionError(
@@ -159,7 +161,7 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
   }
   const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
   if (!scan.ok()) return scan.status();
-  const absl::StatusOr<SeenTable> table = FindTable(scan->points);
+  const absl::StatusOr<DetectedTable> table = FindTable(scan->points);
   if (!table.ok()) return table.status();
   const LevelError off = LevelErrorOf(*table, FromMessage(cell.sensor_pose()));
   if (as_json) {
@@ -201,11 +203,11 @@ absl::Status Check(const GlobalOptions& global, const CheckOptions& options) {
 
 void AddCheckCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* check = AddCommand(cells, "check", "How far off a calibration is");
+  CLI::App* check = AddCommand(cells, "check", "Measure the errors of a calibration");
   check->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   CLI::Option* frame =
       check->add_option("--frame", options->frame, "Frame of the empty table, .pcd or .ply");
-  check->add_option("--sensor", options->sensor, "The camera that looks at the empty table")
+  check->add_option("--sensor", options->sensor, "The camera above the empty table")
       ->excludes(frame);
   CLI::Option* poses =
       check->add_option("--poses", options->poses, "File with the robot's poses and frames");

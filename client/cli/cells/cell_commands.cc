@@ -29,8 +29,8 @@ struct SetOptions {
 };
 
 constexpr char kSetFooter[] =
-    R"(Makes the cell, or changes what is given and keeps the rest. --from takes the JSON of a
-cell, as `graspdb cells show NAME --json` prints it; flags go before it.
+    R"(Creates the cell, or changes the given fields and keeps the rest. --from reads a cell as
+`graspdb cells show NAME --json` prints it; other flags override it.
 
 Example:
   graspdb cells set press-3 --sensor-pose 0,-0.5,0.6,-0.891,0,0,0.454 \
@@ -62,13 +62,13 @@ absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
   if (status.ok()) return absl::OkStatus();
-  std::string reason(status.message());  // its other lines point into the text
+  std::string reason(status.message());  // its other lines quote the text
   reason.resize(std::min(reason.size(), reason.find('\n')));
   return absl::InvalidArgumentError(absl::StrCat(
-      path, " is no cell: ", reason, "; give what `graspdb cells show NAME --json` prints"));
+      path, " is not a cell: ", reason, "; use the output of `graspdb cells show NAME --json`"));
 }
 
-// The cell as the flags give it, and which of its fields they gave.
+// The cell that the flags specify, with a mask of the given fields.
 absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   v1::UpdateCellRequest request;
   v1::Cell* cell = request.mutable_cell();
@@ -130,15 +130,15 @@ absl::Status ListCells(const GlobalOptions& global) {
 
 void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<SetOptions>();
-  CLI::App* set = AddCommand(cells, "set", "Make or change a cell");
+  CLI::App* set = AddCommand(cells, "set", "Create or change a cell");
   set->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   set->add_option("--from", options->from, "File with the JSON of a cell");
-  set->add_option("--display-name", options->display_name, "What people call it");
+  set->add_option("--display-name", options->display_name, "Name for people");
   set->add_option("--sensor-pose", options->sensor_pose, "T_world_sensor: X,Y,Z,QX,QY,QZ,QW")
       ->delimiter(',')
       ->expected(7);
   set->add_option("--robot-base-pose", options->robot_base_pose,
-                  "T_world_base, where the robot stands: as --sensor-pose")
+                  "T_world_base, the pose of the robot: as --sensor-pose")
       ->delimiter(',')
       ->expected(7);
   set->add_option("--flange-sensor-pose", options->flange_sensor_pose,
@@ -146,10 +146,10 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
       ->delimiter(',')
       ->expected(7);
   set->add_option("--region", options->region,
-                  "Where objects stand: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, m")
+                  "Region with the objects: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, m")
       ->delimiter(',')
       ->expected(6);
-  set->add_option("--workspace", options->workspace, "Where the tool may go, as --region")
+  set->add_option("--workspace", options->workspace, "Region that the tool may enter, as --region")
       ->delimiter(',')
       ->expected(6);
   set->footer(kSetFooter);
@@ -168,11 +168,11 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
 void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* cells = AddCommand(app, "cells", "List, show, set, level, check and delete cells");
   cells->require_subcommand(1);
-  AddCommand(*cells, "list", "All cells")->callback([=, &global] {
+  AddCommand(*cells, "list", "List all cells")->callback([=, &global] {
     *action = [&global] { return ListCells(global); };
   });
   auto id = std::make_shared<std::string>();
-  CLI::App* show = AddCommand(*cells, "show", "One cell");
+  CLI::App* show = AddCommand(*cells, "show", "Print a cell");
   show->add_option("CELL", *id, "Id, e.g. press-3")->required();
   show->callback([=, &global] {
     *action = [=, &global] {
@@ -182,7 +182,7 @@ void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   AddSetCommand(*cells, global, action);
   AddLevelCommand(*cells, global, action);
   AddCheckCommand(*cells, global, action);
-  CLI::App* remove = AddCommand(*cells, "delete", "Forget a cell");
+  CLI::App* remove = AddCommand(*cells, "delete", "Delete a cell");
   remove->add_option("CELL", *id, "Id, e.g. press-3")->required();
   remove->callback([=, &global] {
     *action = [=, &global] { return Connect(global).DeleteCell(ResourceName("cells", *id)); };

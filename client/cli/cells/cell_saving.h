@@ -1,4 +1,4 @@
-// Cells that may not be there yet.
+// Creates or updates cells.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -6,7 +6,7 @@
 
 namespace graspdb::client {
 
-// Updates the cell, or makes it as the request has it where it is not there. Errors of the client.
+// Updates the cell if it exists (`is_there`), else creates it. Errors of the client.
 absl::StatusOr<v1::Cell> SaveCell(Client& client, const v1::UpdateCellRequest& update,
                                   bool is_there);
 

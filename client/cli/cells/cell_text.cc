@@ -23,7 +23,7 @@ std::string BoxText(const v1::AxisAlignedBox& box) {
                          box.min().z(), box.max().x(), box.max().y(), box.max().z());
 }
 
-// How far a camera looks below the horizon; its z axis is the line of sight.
+// Angle of a camera below the horizon; its z axis is the line of sight.
 double LookDownDeg(const v1::Pose& world_sensor) {
   const double up = FromMessage(world_sensor).linear()(2, 2);
   return std::asin(std::clamp(-up, -1.0, 1.0)) * 180 / std::numbers::pi;
@@ -33,7 +33,7 @@ std::string CameraText(const v1::Cell& cell) {
   if (cell.has_flange_sensor_pose()) {
     return absl::StrCat("on the robot's flange, ", PoseText(cell.flange_sensor_pose()));
   }
-  if (!cell.has_sensor_pose()) return "not known; find it with: graspdb cells level";
+  if (!cell.has_sensor_pose()) return "unknown; calibrate it with: graspdb cells level";
   return absl::StrFormat("%s; looks down by %.1f degrees", PoseText(cell.sensor_pose()),
                          LookDownDeg(cell.sensor_pose()));
 }

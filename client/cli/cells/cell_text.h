@@ -1,4 +1,4 @@
-// Cells for people to read.
+// Cells as human-readable text.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace graspdb::client {
 
-// Some lines: what is known of the cell, and how to find out what is not.
+// Some lines: the calibration and settings of the cell, with a command for a missing calibration.
 std::string CellText(const v1::Cell& cell);
 
 }  // namespace graspdb::client

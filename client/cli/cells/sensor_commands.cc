@@ -27,15 +27,16 @@ namespace {
 
 constexpr char kGrabFooter[] =
     R"(Depth images are written as 16-bit PNG with intrinsics.json beside them, clouds as PCD: a
-folder that "files:DIR" plays. With --json every frame is one line: {"file", "sensor"}.
+folder that the sensor "files:DIR" plays back. With --json each frame prints one line:
+{"file", "sensor"}.
 
 Examples:
   graspdb sensors grab freenect --out /tmp/look
   graspdb sensors grab simulated:seed=7 --frames 20 --out /tmp/scenes)";
 
 constexpr char kFakenectFooter[] =
-    R"(What a Kinect v1 sees of random scenes, one after the other, for programs that run on
-libfreenect; captures.json tells what is where.
+    R"(Records a simulated Kinect v1 over random scenes, one after the other, for programs that use
+libfreenect; captures.json has the true objects and poses.
 
 Example:
   graspdb sensors fakenect --out /tmp/kinect
@@ -102,7 +103,7 @@ absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem
   return stem + ".pcd";
 }
 
-// A camera that is being opened, or was moved, may come within the time.
+// A camera that is being opened, or was moved, may deliver frames before the deadline.
 absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadline) {
   for (;;) {
     absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
@@ -127,7 +128,7 @@ absl::Status PrintKept(bool as_json, const std::string& file, const std::string&
 }
 
 absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
-  spdlog::set_level(spdlog::level::err);  // what is wrong is told at the end
+  spdlog::set_level(spdlog::level::err);  // errors are reported at the end
   const auto sensor = OpenSensor(options.spec, {});
   if (!sensor.ok()) return NotOfServer(sensor.status());
   for (int i = 0; i < options.frames; ++i) {
@@ -173,13 +174,13 @@ absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& o
 void AddGrab(CLI::App& sensors, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<GrabOptions>();
   CLI::App* grab = AddCommand(sensors, "grab", "Write frames of a sensor to files");
-  grab->add_option("SENSOR", options->spec, "As `sensors list` names it, or files:PATH, simulated")
+  grab->add_option("SENSOR", options->spec, "Name from `sensors list`, or files:PATH, simulated")
       ->required();
   grab->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
-  grab->add_option("--frames", options->frames, "How many")
+  grab->add_option("--frames", options->frames, "Number of frames")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  grab->add_option("--wait", options->wait_s, "Seconds to wait for each")
+  grab->add_option("--wait", options->wait_s, "Seconds to wait for each frame")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   grab->footer(kGrabFooter);
@@ -190,21 +191,21 @@ void AddFakenect(CLI::App& sensors, const GlobalOptions& global, Action* action)
   auto options = std::make_shared<FakenectOptions>();
   CLI::App* record = AddCommand(sensors, "fakenect", "Write a recording that fakenect plays");
   record->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
-  record->add_option("--parts", options->parts, "Sample parts to show, by a comma list of ids")
+  record->add_option("--parts", options->parts, "Sample parts to show, ids separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(SamplePartIds()))
       ->type_name("ID,...");
-  record->add_option("--scenes", options->scenes, "How many")
+  record->add_option("--scenes", options->scenes, "Number of scenes")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   record->add_option("--objects-per-scene", options->objects_per_scene, "Objects in a scene")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  record->add_option("--hold", options->hold_s, "Seconds that a scene stands still")
+  record->add_option("--hold", options->hold_s, "Seconds per scene")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  record->add_option("--seed", options->seed, "Another seed gives other scenes and noise")
+  record->add_option("--seed", options->seed, "Seed of the scenes and the noise")
       ->capture_default_str();
   record->footer(kFakenectFooter);
   record->callback(
@@ -214,9 +215,10 @@ void AddFakenect(CLI::App& sensors, const GlobalOptions& global, Action* action)
 }  // namespace
 
 void AddSensorsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* sensors = AddCommand(app, "sensors", "Depth cameras of this machine");
+  CLI::App* sensors =
+      AddCommand(app, "sensors", "List depth cameras, grab frames and write recordings");
   sensors->require_subcommand(1);
-  AddCommand(*sensors, "list", "Kinds that are built in, and what is connected")
+  AddCommand(*sensors, "list", "List the built-in sensor kinds and the connected sensors")
       ->callback([=, &global] { *action = [&global] { return List(global); }; });
   AddGrab(*sensors, global, action);
   AddFakenect(*sensors, global, action);

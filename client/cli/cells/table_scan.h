@@ -1,4 +1,4 @@
-// The empty table, as commands that calibrate are shown it.
+// Scans of the empty table for the calibration commands.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace graspdb::client {
 absl::StatusOr<StillScan> FrameFrom(const std::filesystem::path& path);
 
 // The frame in the file `frame`, or for "" the mean of some frames of the camera `sensor` (see
-// OpenSensor), which has some seconds to come. Errors as FrameFrom; or as OpenCamera and
+// OpenSensor), waiting some seconds for it. Errors as FrameFrom; or as OpenCamera and
 // TakeStillScan.
 absl::StatusOr<StillScan> TableFrom(const std::string& frame, const std::string& sensor);
 

@@ -40,7 +40,7 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
   std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
               order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
-  if (pose.has_min_score()) std::printf("    least score %.2f\n", pose.min_score());
+  if (pose.has_min_score()) std::printf("    minimum score %.2f\n", pose.min_score());
   if (pose.has_mesh_pose()) {
     const v1::Vector3& p = pose.mesh_pose().position();
     std::printf("    mesh frame: origin at %.3f %.3f %.3f m\n", p.x(), p.y(), p.z());
@@ -107,14 +107,15 @@ absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) 
 
 void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* action) {
   auto change = std::make_shared<ObjectChange>();
-  CLI::App* set = AddCommand(objects, "set", "Change what people and robots' jobs call an object");
+  CLI::App* set = AddCommand(objects, "set", "Change the display name and labels of an object");
   set->add_option("OBJECT", change->id, "Id, e.g. mug")->required();
-  set->add_option("--display-name", change->display_name, "What people call it");
+  set->add_option("--display-name", change->display_name, "Name for people");
   CLI::Option* labels =
-      set->add_option("--labels", change->labels, "By which robots' jobs ask for it; replaces all")
+      set->add_option("--labels", change->labels,
+                      "Labels by which robot jobs request it; replaces all labels")
           ->delimiter(',')
           ->type_name("LABEL,...");
-  set->add_flag("--no-labels", change->no_labels, "Take all labels away")->excludes(labels);
+  set->add_flag("--no-labels", change->no_labels, "Remove all labels")->excludes(labels);
   set->callback([=, &global] { *action = [=, &global] { return SetObject(global, *change); }; });
 }
 
@@ -124,7 +125,7 @@ absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
   if (global.json) return PrintJson(*found);
   const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/true);
   for (const std::string& note : notes) std::printf("%s\n", note.c_str());
-  if (notes.empty()) std::printf("nothing that was taught looks alike\n");
+  if (notes.empty()) std::printf("no look-alikes found\n");
   return absl::OkStatus();
 }
 
@@ -166,21 +167,22 @@ absl::Status ShowStatus(const GlobalOptions& global) {
 void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* objects = AddCommand(app, "objects", "List, show, set, check and delete objects");
   objects->require_subcommand(1);
-  AddCommand(*objects, "list", "All objects")->callback([=, &global] {
+  AddCommand(*objects, "list", "List all objects")->callback([=, &global] {
     *action = [&global] { return ListObjects(global); };
   });
   auto id = std::make_shared<std::string>();
-  CLI::App* show = AddCommand(*objects, "show", "An object with its stable poses and grasps");
+  CLI::App* show = AddCommand(*objects, "show", "Print an object with its stable poses and grasps");
   show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   show->callback([=, &global] { *action = [=, &global] { return ShowObject(global, *id); }; });
-  CLI::App* check = AddCommand(
-      *objects, "check", "What may be confused: symmetries that are not declared, look-alikes");
-  check->add_option("OBJECT", *id, "Id, e.g. mug; without it all objects");
+  CLI::App* check =
+      AddCommand(*objects, "check",
+                 "Find objects that may be confused: undeclared symmetries and look-alikes");
+  check->add_option("OBJECT", *id, "Id, e.g. mug; default: all objects");
   check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
   AddSetCommand(*objects, global, action);
   AddThresholdsCommand(*objects, global, action);
   auto force = std::make_shared<bool>(false);
-  CLI::App* remove = AddCommand(*objects, "delete", "Forget an object");
+  CLI::App* remove = AddCommand(*objects, "delete", "Delete an object");
   remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   remove->add_flag("--force", *force, "Delete its stable poses and views as well");
   remove->callback(
@@ -188,7 +190,7 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
 }
 
 void AddStatusCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  AddCommand(app, "status", "Say whether the server is there and what it holds")
+  AddCommand(app, "status", "Print the state of the server and its catalogue")
       ->callback([=, &global] { *action = [&global] { return ShowStatus(global); }; });
 }
 

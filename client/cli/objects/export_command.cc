@@ -21,7 +21,7 @@ struct ExportOptions {
 // The id at the end of a resource name.
 std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
-// A view that is to be written.
+// A view to write.
 struct Entry {
   std::string object_id;
   std::string stable_pose_id;
@@ -85,7 +85,7 @@ absl::Status WriteView(Client& client, const std::string& folder, const Entry& e
 absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options) {
   if (std::filesystem::exists(std::filesystem::path(options.folder) / kCaptureSetFile)) {
     return absl::AlreadyExistsError(
-        absl::StrCat(options.folder, " holds a capture set already; choose another folder"));
+        absl::StrCat(options.folder, " already has a capture set; choose another folder"));
   }
   Client client = Connect(global);
   std::vector<v1::Object> objects;
@@ -123,10 +123,10 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
 void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command = AddCommand(app, "export", "Write the catalogue's views as a capture set");
   auto options = std::make_shared<ExportOptions>();
-  command->add_option("SET", options->folder, "Folder to make")->required();
+  command->add_option("SET", options->folder, "Folder to create")->required();
   command->add_option("--object", options->objects, "Only these objects");
   command->footer(
-      "What is written can be imported again, here or elsewhere.\n\n"
+      "`graspdb import` reads the set, also into another catalogue.\n\n"
       "Example: graspdb export backup/monday --object mug");
   command->callback(
       [=, &global] { *action = [=, &global] { return RunExport(global, *options); }; });

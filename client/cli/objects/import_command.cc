@@ -22,7 +22,7 @@ struct ImportOptions {
   bool replace = false;
 };
 
-// Reads a capture as the view that it teaches.
+// Reads a capture into a request that teaches it as a view.
 absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet& set,
                       const v1::Capture& capture, v1::UploadViewsRequest* request) {
   absl::StatusOr<PointFile> file = ReadPointFile(folder / capture.path());
@@ -85,16 +85,16 @@ absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options
 }  // namespace
 
 void AddImportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "import", "Teach the captures of a set");
+  CLI::App* command = AddCommand(app, "import", "Teach the captures of a capture set");
   auto options = std::make_shared<ImportOptions>();
   command->add_option("SET", options->folder, "Folder with captures.json")->required();
   AddSplitFlag(*command, &options->split);
   command->add_flag(
       "--replace", options->replace,
-      "Teach captures again that are in the catalogue, e.g. after poses were corrected");
+      "Replace views that are already in the catalogue, e.g. after poses were corrected");
   command->footer(
-      "Objects and stable poses are made as needed; those that exist keep their grasps.\n"
-      "An import that was interrupted is run again: what is there is not taught twice.\n\n"
+      "Objects and stable poses are created as needed; existing ones keep their grasps.\n"
+      "Run an interrupted import again to continue it: existing views are skipped.\n\n"
       "Example: graspdb import captures/monday");
   command->callback(
       [=, &global] { *action = [=, &global] { return RunImport(global, *options); }; });

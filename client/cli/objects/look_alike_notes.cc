@@ -9,7 +9,7 @@
 namespace graspdb::client {
 namespace {
 
-// So many stable poses are compared with each other after an import without being asked to.
+// Catalogues of up to this many stable poses are compared after an import.
 constexpr int kCheckedStablePoses = 100;
 constexpr std::size_t kShownNotes = 5;
 
@@ -18,7 +18,7 @@ constexpr std::size_t kShownNotes = 5;
 absl::Status NoteLookAlikes(Client& client, const std::string& object,
                             const v1::CatalogStatus& status) {
   if (status.stable_pose_count() > kCheckedStablePoses) {
-    std::fprintf(stderr, "note: see what may be confused with: graspdb objects check\n");
+    std::fprintf(stderr, "note: find look-alikes with: graspdb objects check\n");
     return absl::OkStatus();
   }
   const auto found = client.FindLookAlikes(object);

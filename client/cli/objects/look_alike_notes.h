@@ -1,4 +1,4 @@
-// What a catalogue may confuse, told after teaching.
+// Look-alikes in a catalogue, reported after teaching.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace graspdb::client {
 
-// Prints on stderr what the stable poses of the object of that resource name may be taken for; of
-// all objects for "". A large catalogue, as `status` says, is not compared unasked: then how to
-// ask. Errors of Client::FindLookAlikes.
+// Prints the look-alikes of the object with this resource name on stderr; of all objects if "". If
+// the catalogue (see `status`) is large, prints only the command that compares it. Errors of
+// Client::FindLookAlikes.
 absl::Status NoteLookAlikes(Client& client, const std::string& object,
                             const v1::CatalogStatus& status);
 

@@ -15,11 +15,12 @@ struct ThresholdsOptions {
   bool apply = false;
 };
 
-absl::StatusOr<v1::ProposeThresholdsResponse> Ask(Client& client, const std::string& object) {
+absl::StatusOr<v1::ProposeThresholdsResponse> Propose(Client& client, const std::string& object) {
   ProgressLine progress;
-  return client.ProposeThresholds(object, [&](const v1::ProposeThresholdsResponse& heard) {
+  return client.ProposeThresholds(object, [&](const v1::ProposeThresholdsResponse& response) {
     if (Interrupted()) return absl::CancelledError("stopped; nothing was changed");
-    if (heard.view_count() > 0) progress.Report(heard.done_view_count(), heard.view_count());
+    if (response.view_count() > 0)
+      progress.Report(response.done_view_count(), response.view_count());
     return absl::OkStatus();
   });
 }
@@ -36,7 +37,7 @@ absl::Status Apply(Client& client, const v1::ThresholdProposal& proposal) {
 
 absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOptions& options) {
   Client client = Connect(global);
-  const auto found = Ask(client, options.id.empty() ? "" : ResourceName("objects", options.id));
+  const auto found = Propose(client, options.id.empty() ? "" : ResourceName("objects", options.id));
   if (!found.ok()) return found.status();
   for (const v1::ThresholdProposal& proposal : found->proposals()) {
     if (!global.json) std::printf("%s\n", ThresholdText(proposal).c_str());
@@ -50,9 +51,9 @@ absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOpti
   }
   if (global.json) return PrintJson(*found);
   if (found->proposals().empty()) {
-    std::printf("there are no views to ask about; teach some with: graspdb import SET\n");
+    std::printf("there are no views to evaluate; teach some with: graspdb import SET\n");
   } else if (!options.apply) {
-    std::printf("nothing was changed; --apply puts these thresholds in force\n");
+    std::printf("nothing was changed; --apply sets these thresholds\n");
   }
   return absl::OkStatus();
 }
@@ -78,12 +79,12 @@ void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action
   auto options = std::make_shared<ThresholdsOptions>();
   CLI::App* command = AddCommand(
       objects, "thresholds",
-      "From which score on answers are to be believed: asks about taught views while they, and "
-      "while their objects, are not taught, and proposes a lower least score for stable poses "
-      "whose right answers score low. Run it again after teaching more.");
-  command->add_option("OBJECT", options->id, "Id, e.g. mug; without it all objects");
+      "Propose minimum scores of stable poses: recognises each taught view without itself, and "
+      "without its object, and proposes a lower minimum score for stable poses whose correct "
+      "detections score low. Run it again after teaching more.");
+  command->add_option("OBJECT", options->id, "Id, e.g. mug; default: all objects");
   command->add_flag("--apply", options->apply,
-                    "Put the proposals in force; stable poses without one get what holds for all");
+                    "Set the proposed scores; stable poses without a proposal get the default");
   command->callback(
       [=, &global] { *action = [=, &global] { return ProposeThresholds(global, *options); }; });
 }

@@ -10,7 +10,7 @@ namespace graspdb::client {
 // Adds it under `objects`.
 void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action* action);
 
-// One line about a stable pose: how its views score, and the threshold that follows.
+// One line per stable pose: the scores of its views and the resulting threshold.
 std::string ThresholdText(const v1::ThresholdProposal& proposal);
 
 }  // namespace graspdb::client

@@ -22,13 +22,13 @@ struct DescribeOptions {
 };
 
 constexpr char kDescribeFooter[] =
-    R"(FILE holds one object's points in metres. Normals are taken from the file; a file
-without them is thinned to 3 mm voxels and gets normals fitted to a radius of 10 mm, as
-the server does it. The viewpoint is the sensor's position in the frame of the points;
-points in the sensor frame have it at 0,0,0.
+    R"(FILE has the points of one object in metres. Normals are read from the file; a file
+without normals is downsampled to 3 mm voxels and its normals are estimated in a radius
+of 10 mm, as on the server. The viewpoint is the sensor's position in the frame of the
+points: 0,0,0 for points in the sensor frame.
 
-VFH-263 and MVFH-300 have a total mass of 1, each part the same share; VFH-308 has 100 a
-part, as the Point Cloud Library scales it.
+The bins of VFH-263 and MVFH-300 sum to 1, with equal shares for all parts; each part of
+VFH-308 sums to 100, as in the Point Cloud Library.
 
 Example: graspdb describe mug.pcd --descriptor vfh308 --json)";
 
@@ -85,7 +85,7 @@ void AddDescribeCommand(CLI::App& app, const GlobalOptions& global, Action* acti
   CLI::App* command = AddCommand(app, "describe", "Print the descriptor of a cloud");
   auto options = std::make_shared<DescribeOptions>();
   command->add_option("FILE", options->file, "Point file (.pcd, .ply)")->required();
-  command->add_option("--descriptor", options->descriptor, "Which descriptor")
+  command->add_option("--descriptor", options->descriptor, "Descriptor to compute")
       ->check(CLI::IsMember(recognition::DescriptorNames()))
       ->capture_default_str();
   command->add_option("--viewpoint", options->viewpoint, "Position of the sensor X,Y,Z, m")

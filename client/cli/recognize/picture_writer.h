@@ -1,4 +1,4 @@
-// Pictures of answers.
+// Pictures of recognition results.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace graspdb::client {
 
-// Writes `folder`/NAME.png for a scan and its answer (the paper's figures 10 and
+// Writes `folder`/NAME.png for a scan and its response (the paper's figures 10 and
 // 16): the scan white, the matched view green as found, shifted and refined, and
-// the axes of the best grasp. Asks the server for the view's cloud.
+// the axes of the best grasp. Fetches the view's cloud from the server.
 absl::Status WritePicture(Client& client, const std::filesystem::path& folder, const ScanTask& task,
                           const v1::RecognizeRequest& request,
                           const v1::RecognizeResponse& response);

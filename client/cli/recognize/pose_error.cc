@@ -10,10 +10,10 @@
 namespace graspdb::client {
 namespace {
 
-// Poses are measured at so many points of the surface ...
+// Poses are compared at this many points of the surface ...
 constexpr int kMeasuredPoints = 1000;
-// ... against so many others: on a 10 cm part these lie less than 0.5 mm apart, which
-// is the smallest error that can be told from none.
+// ... with this many others: on a 10 cm part these are less than 0.5 mm apart, which is
+// the smallest measurable error.
 constexpr int kSearchedPoints = 50'000;
 
 double AngleOf(const Eigen::Matrix3d& rotation) {

@@ -1,4 +1,4 @@
-// How far an answer is from the truth.
+// The error of a pose against the ground truth.
 #pragma once
 
 #include <filesystem>
@@ -21,14 +21,14 @@ struct ObjectModel {
   double diameter_m = 0;
 };
 
-// The models of a capture set's objects that name a mesh, by object id.
+// The models of a capture set's objects that have a mesh, by object id.
 using ObjectModels = std::map<std::string, std::shared_ptr<const ObjectModel>>;
 absl::StatusOr<ObjectModels> LoadModels(const std::filesystem::path& folder,
                                         const v1::CaptureSet& set);
 
 // ADD-S (Hinterstoisser et al. 2012): the mean distance from each point of the
 // model in its true pose to the nearest point of the model in the found pose,
-// metres. Both poses T_world_object. Blind to the object's symmetries.
+// metres. Both poses T_world_object. Invariant to the object's symmetries.
 double AddS(const ObjectModel& model, const recognition::Pose& truth,
             const recognition::Pose& found);
 

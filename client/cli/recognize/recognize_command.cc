@@ -24,12 +24,12 @@ struct RecognizeOptions {
 };
 
 constexpr char kRecognizeFooter[] =
-    R"(A folder is a capture set; of a set whose truth is known, the table says how far each
-pose is off. Without a sensor pose (captures.json, the VIEWPOINT line or the cell) the
-table before the sensor makes the world frame.
+    R"(A folder is a capture set; if its ground truth is known, the printed table has the pose
+errors. Without a sensor pose (captures.json, the VIEWPOINT line or the cell) the world
+frame is fitted to the table in front of the sensor.
 
-With --json every scan is one line {"path": ..., "response": ...}, or {"path": ...,
-"error": ...} for a scan that was refused; then the exit status is 1.
+With --json each scan prints one line {"path": ..., "response": ...}, or {"path": ...,
+"error": ...} if the scan was rejected; the exit status is then 1.
 
 Examples:
   graspdb recognize scan.pcd
@@ -37,7 +37,7 @@ Examples:
   graspdb recognize captures/monday --split QUERY --pictures /tmp/pictures)";
 
 void PrintJsonLine(const std::string& path, const std::string& key, const std::string& json) {
-  // The path goes through protobuf's JSON as well, for the quoting.
+  // Protobuf's JSON printer quotes the path.
   google::protobuf::Value quoted;
   quoted.set_string_value(path);
   std::printf("{\"path\":%s,\"%s\":%s}\n", ToJson(quoted).value_or("\"\"").c_str(), key.c_str(),
@@ -51,7 +51,7 @@ std::string ErrorJson(const absl::Status& status) {
   return ToJson(error).value_or("{}");
 }
 
-// Recognises one scan and prints the answer.
+// Recognises one scan and prints the response.
 absl::Status RecognizeOne(Client& client, const GlobalOptions& global,
                           const RecognizeOptions& options, const ScanTask& task,
                           Scoreboard* board) {
@@ -105,18 +105,18 @@ absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& o
 
 void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command =
-      AddCommand(app, "recognize", "Say what scans show, where, and how to grasp it");
+      AddCommand(app, "recognize", "Recognise the objects in scans, with poses and grasps");
   auto options = std::make_shared<RecognizeOptions>();
   command->add_option("INPUT", options->inputs, "Point files (.pcd, .ply) or capture sets")
       ->required();
   AddSplitFlag(*command, &options->split);
-  command->add_option("--cell", options->cell, "Cell whose calibration and settings apply");
+  command->add_option("--cell", options->cell, "Cell with the calibration and settings to use");
   command->add_flag("--segmented", options->segmented,
-                    "The scan has only one object's points, no table");
+                    "The scan has only the points of one object, no table");
   command->add_option("--pictures", options->pictures,
-                      "Folder for one PNG a scan: found, shifted, refined");
+                      "Folder for one PNG per scan: found, shifted, refined");
   command->add_flag("--omit-timings", options->stable,
-                    "Leave out what a clock measured: the same scan gives the same bytes");
+                    "Omit measured times: the same scan gives the same bytes");
   command->footer(kRecognizeFooter);
   command->callback(
       [=, &global] { *action = [=, &global] { return RunRecognize(global, *options); }; });

@@ -14,14 +14,14 @@ namespace graspdb::client {
 namespace {
 
 constexpr char kReplayFooter[] =
-    R"(A folder means the bundles in it. The answers must be the same bit for bit, but for what a
-clock measured and for the number of the revision. Exit status: 0 all the same, 1 some
-differ or could not be read, 3 no server there.
+    R"(A folder stands for its bundles. The responses must be identical bit for bit, except for
+measured times and the revision number. Exit status: 0 all identical, 1 some differ or are
+unreadable, 3 no server reachable.
 
-A folder of bundles is a regression test: against the next build of the server, or after
-a change of the catalogue, which may well change answers.
+A folder of bundles is a regression test for a new build of the server, or for a change of
+the catalogue, which may change responses.
 
-With --json every bundle is one line: {"bundle", "same", "revisionThen", "revisionNow",
+With --json each bundle prints one line: {"bundle", "same", "revisionThen", "revisionNow",
 "differences"} or {"bundle", "error"}.
 
 Examples:
@@ -84,7 +84,7 @@ absl::Status ReplayOne(Client& client, bool as_json, const std::filesystem::path
   const bool was_unavailable =
       bundle->has_error() &&
       bundle->error().code() == static_cast<int>(absl::StatusCode::kUnavailable);
-  // Nobody there says nothing of the bundle, unless that is what it is about.
+  // An unreachable server is not a difference, unless the bundle has this error.
   if (absl::IsUnavailable(now.status()) && !was_unavailable) return now.status();
   const ReplayResult result = CompareReplay(*bundle, now);
   ++(result.is_same ? tally->same : tally->different);
@@ -114,10 +114,10 @@ absl::Status Replay(const GlobalOptions& global, const std::vector<std::string>&
 }  // namespace
 
 void AddReplayCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command =
-      AddCommand(app, "replay", "Ask again what a cell kept, and compare with what it was told");
+  CLI::App* command = AddCommand(
+      app, "replay", "Resend the requests that a cell recorded and compare the responses");
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command->add_option("BUNDLE", *inputs, "Bundles, or folders of them")->required();
+  command->add_option("BUNDLE", *inputs, "Bundle files, or folders of them")->required();
   command->footer(kReplayFooter);
   command->callback([=, &global] { *action = [=, &global] { return Replay(global, *inputs); }; });
 }

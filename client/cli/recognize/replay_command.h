@@ -1,4 +1,4 @@
-// `graspdb replay`: asks again what a cell's black box kept.
+// `graspdb replay`: resends the requests in a cell's black box.
 #pragma once
 
 #include "client/cli/base/command.h"

@@ -43,7 +43,7 @@ absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
                                     const std::string& split) {
   ScanTasks out;
   for (const std::string& argument : arguments) {
-    std::error_code ignored;  // what is no folder is read as a file, which tells what is wrong
+    std::error_code ignored;  // other paths are read as files, which reports the error
     if (std::filesystem::is_directory(argument, ignored)) {
       absl::Status status = AddSet(argument, split, &out);
       if (!status.ok()) return status;

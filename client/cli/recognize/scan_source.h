@@ -1,4 +1,4 @@
-// What `recognize` is asked to look at: point files and capture sets.
+// The inputs of `recognize`: point files and capture sets.
 #pragma once
 
 #include <functional>
@@ -16,21 +16,21 @@ namespace graspdb::client {
 // One scan to recognise.
 struct ScanTask {
   std::string path;                          // as it is printed
-  std::filesystem::path file;                // what is read
-  v1::Capture capture;                       // without truth for a single file
+  std::filesystem::path file;                // to read
+  v1::Capture capture;                       // no ground truth for a single file
   bool in_set = false;                       // whether `capture` came from a set
   const v1::CaptureSet* set = nullptr;       // its set
   std::shared_ptr<const ObjectModel> model;  // of the true object, where known
 };
 
-// All scans behind the arguments; keeps the sets that the tasks point into.
+// All scans of the arguments; owns the sets that the tasks point into.
 struct ScanTasks {
   std::vector<std::unique_ptr<v1::CaptureSet>> sets;
   std::vector<ScanTask> tasks;
 };
 
-// Expands the arguments: a folder is a capture set, of which `split` is taken,
-// anything else a point file. Errors as LoadCaptureSet and LoadModels.
+// Expands the arguments: a folder is a capture set, of which `split` is used,
+// any other argument a point file. Errors as LoadCaptureSet and LoadModels.
 absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
                                     const std::string& split);
 

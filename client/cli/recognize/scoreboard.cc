@@ -40,7 +40,7 @@ std::string PoseColumns(const std::optional<Verdict>& verdict) {
                          *verdict->rotation_error_deg, add_s);
 }
 
-// T_world_mesh, as options take poses.
+// T_world_mesh, in the format of pose options.
 void PrintMeshPose(const v1::Pose& pose) {
   const v1::Vector3& p = pose.position();
   const v1::Quaternion& q = pose.orientation();

@@ -1,4 +1,4 @@
-// The table that `recognize` prints for people, and its sum at the end.
+// The table that `recognize` prints, with a summary at the end.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace graspdb::client {
 
-// An answer held against the truth.
+// A response compared with the ground truth.
 struct Verdict {
   bool object_right = false;
   bool pose_right = false;                   // ADD-S under 5 % of the diameter
@@ -17,19 +17,19 @@ struct Verdict {
   std::optional<double> translation_error_m;
 };
 
-// The detection that is meant: the one nearest to where the object truly stands, or
-// the first one. Null when there is none.
+// The detection to compare: the nearest to the true position of the object, or the first
+// without ground truth. Null without detections.
 const v1::Detection* MainDetection(const ScanTask& task, const v1::RecognizeResponse& response);
 
-// Nothing for a scan whose truth is not known.
+// Empty for a scan without ground truth.
 std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& response);
 
-// Prints a line a scan, and the shares at the end. Not thread-safe.
+// Prints a line per scan and a summary. Not thread-safe.
 class Scoreboard {
  public:
   void PrintHeader(bool with_truth);
   void Add(const ScanTask& task, const v1::RecognizeResponse& response);
-  // The shares that were right; nothing without truth.
+  // The mean time, and with ground truth the shares of correct results.
   void PrintSummary() const;
 
  private:

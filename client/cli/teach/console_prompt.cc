@@ -4,18 +4,18 @@
 
 namespace graspdb::client {
 
-void ConsolePrompt::Say(const std::string& text) {
+void ConsolePrompt::Print(const std::string& text) {
   std::fprintf(out_, "%s\n", text.c_str());
   std::fflush(out_);
 }
 
-std::optional<std::string> ConsolePrompt::Ask(const std::string& question) {
+std::optional<std::string> ConsolePrompt::ReadLine(const std::string& question) {
   if (Interrupted()) return std::nullopt;
   std::fprintf(out_, "%s", question.c_str());
   std::fflush(out_);
   std::string line;
   int c = 0;
-  // Ctrl-C breaks off the reading, which is the end too.
+  // Ctrl-C interrupts the read, which ends the input too.
   while ((c = std::fgetc(in_)) != EOF && c != '\n') line += static_cast<char>(c);
   if (c == EOF && line.empty()) {
     std::fprintf(out_, "\n");

@@ -9,15 +9,14 @@
 
 namespace graspdb::client {
 
-// Asks on `out` and reads the answers from `in`: at its end, and once Ctrl-C was pressed, nobody
-// answers any more. Not thread-safe.
+// Prints prompts to `out` and reads answers from `in`, until its end or Ctrl-C. Not thread-safe.
 class ConsolePrompt : public TeachingPrompt {
  public:
   // Both must outlive this.
   ConsolePrompt(std::FILE* in, std::FILE* out) : in_(in), out_(out) {}
 
-  void Say(const std::string& text) override;
-  std::optional<std::string> Ask(const std::string& question) override;
+  void Print(const std::string& text) override;
+  std::optional<std::string> ReadLine(const std::string& question) override;
 
  private:
   std::FILE* const in_;

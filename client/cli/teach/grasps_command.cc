@@ -12,21 +12,21 @@
 namespace graspdb::client {
 namespace {
 
-// As the server orders by it.
+// The rate by which the server orders grasps.
 double RateOf(const v1::GraspOutcomeCounts& counts) {
   return recognition::SuccessRate(
       {counts.picked_count(), counts.missed_count(), counts.slipped_count()});
 }
 
 void PrintGrasps(const v1::StablePose& pose) {
-  std::map<std::string, v1::GraspOutcomeCounts> told;
+  std::map<std::string, v1::GraspOutcomeCounts> reported;
   for (const v1::GraspOutcomeCounts& counts : pose.grasp_outcomes()) {
-    told[counts.grasp_id()] = counts;
+    reported[counts.grasp_id()] = counts;
   }
   std::printf("%s\n", pose.name().c_str());
   if (pose.grasps().empty()) std::printf("  no grasps\n");
   for (const v1::Grasp& grasp : pose.grasps()) {
-    const v1::GraspOutcomeCounts& counts = told[grasp.grasp_id()];
+    const v1::GraspOutcomeCounts& counts = reported[grasp.grasp_id()];
     std::printf("%s\n",
                 absl::StrFormat("  %-20s priority %3d  picked %6d  missed %6d  slipped %6d  "
                                 "rate %.2f",
@@ -64,7 +64,7 @@ absl::Status Report(const GlobalOptions& global, const v1::ReportGraspOutcomeReq
 }
 
 void AddReportCommand(CLI::App& grasps, const GlobalOptions& global, Action* action) {
-  struct Told {
+  struct Outcome {
     std::string stable_pose;
     std::string grasp;
     v1::GraspOutcome outcome = v1::GRASP_OUTCOME_UNSPECIFIED;
@@ -73,22 +73,22 @@ void AddReportCommand(CLI::App& grasps, const GlobalOptions& global, Action* act
   const std::map<std::string, v1::GraspOutcome> outcomes = {{"picked", v1::GRASP_OUTCOME_PICKED},
                                                             {"missed", v1::GRASP_OUTCOME_MISSED},
                                                             {"slipped", v1::GRASP_OUTCOME_SLIPPED}};
-  auto told = std::make_shared<Told>();
-  CLI::App* report = AddCommand(grasps, "report", "Tell what became of a grasp, as robots do");
-  report->add_option("STABLE_POSE", told->stable_pose, "Name, objects/ID/stablePoses/ID")
+  auto outcome = std::make_shared<Outcome>();
+  CLI::App* report = AddCommand(grasps, "report", "Report the outcome of a grasp, as robots do");
+  report->add_option("STABLE_POSE", outcome->stable_pose, "Name, objects/ID/stablePoses/ID")
       ->required();
-  report->add_option("GRASP", told->grasp, "Id of the grasp")->required();
-  report->add_option("OUTCOME", told->outcome, "picked, missed or slipped")
+  report->add_option("GRASP", outcome->grasp, "Id of the grasp")->required();
+  report->add_option("OUTCOME", outcome->outcome, "picked, missed or slipped")
       ->required()
       ->transform(CLI::Transformer(outcomes, CLI::ignore_case));
-  report->add_option("--count", told->count, "How often")->capture_default_str();
+  report->add_option("--count", outcome->count, "Number of such outcomes")->capture_default_str();
   report->callback([=, &global] {
     *action = [=, &global] {
       v1::ReportGraspOutcomeRequest request;
-      request.set_name(told->stable_pose);
-      request.set_grasp_id(told->grasp);
-      request.set_outcome(told->outcome);
-      request.set_count(told->count);
+      request.set_name(outcome->stable_pose);
+      request.set_grasp_id(outcome->grasp);
+      request.set_outcome(outcome->outcome);
+      request.set_count(outcome->count);
       return Report(global, request);
     };
   });
@@ -97,10 +97,11 @@ void AddReportCommand(CLI::App& grasps, const GlobalOptions& global, Action* act
 }  // namespace
 
 void AddGraspsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* grasps = AddCommand(app, "grasps", "Taught grasps, and how often they succeed");
+  CLI::App* grasps =
+      AddCommand(app, "grasps", "List, report and import grasps, with their success rates");
   grasps->require_subcommand(1);
   auto id = std::make_shared<std::string>();
-  CLI::App* list = AddCommand(*grasps, "list", "The grasps of an object and what robots told");
+  CLI::App* list = AddCommand(*grasps, "list", "List the grasps of an object with their outcomes");
   list->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   list->callback([=, &global] { *action = [=, &global] { return ListGrasps(global, *id); }; });
   AddReportCommand(*grasps, global, action);

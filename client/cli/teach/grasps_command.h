@@ -1,4 +1,4 @@
-// `graspdb grasps`: what robots told of the taught grasps.
+// `graspdb grasps`: taught grasps and their reported outcomes.
 #pragma once
 
 #include "client/cli/base/command.h"

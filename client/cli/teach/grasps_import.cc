@@ -25,24 +25,24 @@ struct Options {
 };
 
 constexpr char kImportFooter[] =
-    R"(The file is {"grasps": [...]}, each as `graspdb teach --dry-run --json` and capture sets have it.
---frame object: tcpPose is T_object_tcp of the one stable pose that --stable-pose names.
---frame mesh: tcpPose is T_mesh_tcp, in metres; it goes to every stable pose that was taught from the
-mesh and in which it can be taken: not from below, 2 mm above the table. Grasps of the same id are
-replaced, others stay.
+    R"(The file is {"grasps": [...]}, as in capture sets and `graspdb teach --dry-run --json`.
+--frame object: tcpPose is T_object_tcp of the stable pose that --stable-pose names.
+--frame mesh: tcpPose is T_mesh_tcp, in metres; the grasp is added to every stable pose that was
+taught from the mesh and in which it is reachable: not from below, 2 mm above the table. Grasps with
+the same id are replaced, others are kept.
 
 Examples:
   graspdb grasps import bracket grasps.json --frame mesh --dry-run
   graspdb grasps import bracket grasps.json --stable-pose resting-1)";
 
-// A row of the table; `why` is empty where the grasp is taken.
+// A row of the table; `why` is empty for a grasp that is taken.
 void PrintRow(const v1::StablePose& pose, const std::string& grasp, const std::string& why) {
   const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
   std::printf("%-20s %-20s %s\n", id.c_str(), grasp.c_str(),
               why.empty() ? "taken" : ("left out: " + why).c_str());
 }
 
-// The grasps of the file that the stable pose takes.
+// The grasps of the file that are reachable in the stable pose.
 std::vector<v1::Grasp> TakenBy(const v1::StablePose& pose, const std::vector<v1::Grasp>& grasps,
                                bool is_mesh, bool print) {
   if (!is_mesh) {
@@ -59,7 +59,7 @@ std::vector<v1::Grasp> TakenBy(const v1::StablePose& pose, const std::vector<v1:
       out.push_back(grasp);
     } else if (std::ranges::find(pose.grasps(), grasp.grasp_id(), &v1::Grasp::grasp_id) !=
                pose.grasps().end()) {
-      why += "; the one it has stays";
+      why += "; the existing grasp is kept";
     }
     if (print) PrintRow(pose, grasp.grasp_id(), why);
   }
@@ -101,26 +101,26 @@ absl::Status Import(const GlobalOptions& global, const Options& options) {
   if (!grasps.ok()) return grasps.status();
   if (!options.IsMesh() && options.stable_pose.empty()) {
     return absl::InvalidArgumentError(
-        "grasps in the object's frame are of one stable pose; name it with --stable-pose, or give "
-        "--frame mesh");
+        "grasps in the object's frame belong to one stable pose; name it with --stable-pose, or "
+        "give --frame mesh");
   }
   absl::Status fit = options.IsMesh() ? CheckForMesh(*grasps) : absl::OkStatus();
   if (!fit.ok()) return fit;
   Client client = Connect(global);
   const auto poses = PosesOf(client, options);
   if (!poses.ok()) return poses.status();
-  std::size_t asked = 0;
+  std::size_t updated = 0;
   for (const v1::StablePose& pose : *poses) {
     if (options.IsMesh() && !pose.has_mesh_pose()) {
       std::fprintf(stderr, "graspdb: %s has no mesh frame; teach it again with --mesh\n",
                    pose.name().c_str());
       continue;
     }
-    ++asked;
+    ++updated;
     absl::Status given = Give(client, global, options, *grasps, pose);
     if (!given.ok()) return {given.code(), absl::StrCat(pose.name(), ": ", given.message())};
   }
-  if (asked > 0) return absl::OkStatus();
+  if (updated > 0) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(
       "no stable pose of ", options.object, " has a mesh frame; teach it again: graspdb teach ",
       options.object, " --mesh FILE --unit UNIT"));
@@ -130,14 +130,16 @@ absl::Status Import(const GlobalOptions& global, const Options& options) {
 
 void AddGraspsImportCommand(CLI::App& grasps, const GlobalOptions& global, Action* action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = AddCommand(grasps, "import", "Teach the grasps of a file");
+  CLI::App* command = AddCommand(grasps, "import", "Add the grasps of a file to an object");
   command->add_option("OBJECT", options->object, "Id, e.g. mug")->required();
   command->add_option("FILE", options->file, "JSON file of grasps")->required();
-  command->add_option("--frame", options->frame, "In which frame they are given: object or mesh")
+  command->add_option("--frame", options->frame, "Frame of the grasps: object or mesh")
       ->check(CLI::IsMember({"object", "mesh"}))
       ->capture_default_str();
-  command->add_option("--stable-pose", options->stable_pose, "Id of the only stable pose");
-  command->add_flag("--dry-run", options->dry_run, "Print what would be taken; change nothing");
+  command->add_option("--stable-pose", options->stable_pose,
+                      "Id of the stable pose to change; default with --frame mesh: all");
+  command->add_flag("--dry-run", options->dry_run,
+                    "Print which grasps would be taken; change nothing");
   command->footer(kImportFooter);
   command->callback([=, &global] { *action = [=, &global] { return Import(global, *options); }; });
 }

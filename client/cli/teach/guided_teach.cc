@@ -15,11 +15,10 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
   Client client = Connect(global);
   const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.cell));
   if (absl::IsNotFound(cell.status())) {
-    return absl::NotFoundError(
-        absl::StrCat("there is no cell ", options.cell,
-                     " that says where the camera is; empty the table and run "
-                     "`graspdb cells level ",
-                     options.cell, " --sensor ", options.sensor, "`"));
+    return absl::NotFoundError(absl::StrCat("there is no cell ", options.cell,
+                                            " with the camera's pose; empty the table and run "
+                                            "`graspdb cells level ",
+                                            options.cell, " --sensor ", options.sensor, "`"));
   }
   if (!cell.ok()) return cell.status();
   const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenCamera(options.sensor);
@@ -44,7 +43,7 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
           .status();
   if (!reported.ok() || !counts->stopped || !options.unattended.yes) return reported;
   return absl::FailedPreconditionError(
-      "it ended before all views were taught; see what was said of the last one");
+      "teaching stopped before all views were taught; see the message of the last view");
 }
 
 }  // namespace graspdb::client

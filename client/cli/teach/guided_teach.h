@@ -22,9 +22,9 @@ struct GuidedTeachOptions {
   Unattended unattended;
 };
 
-// Leads the person at the terminal through it (on stderr with --json) and prints what came of it.
-// NOT_FOUND, with what to do, when there is no such cell; FAILED_PRECONDITION when nobody was there
-// to end it and it ended before everything was taught; errors of OpenSensor and GuidedTeaching.
+// Guides the person at the terminal (on stderr with --json) and prints the result. NOT_FOUND, with
+// advice, when there is no such cell; FAILED_PRECONDITION when an unattended run ended before
+// everything was taught; errors of OpenSensor and GuidedTeaching.
 absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOptions& options);
 
 }  // namespace graspdb::client

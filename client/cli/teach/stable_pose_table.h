@@ -1,4 +1,4 @@
-// The stable poses of a mesh in words, for who decides what is taught.
+// The stable poses of a mesh as a table, to choose which ones to teach.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace graspdb::client {
 
-// A line for every stable pose: its number and name, how likely it is, when it tips over, what it
-// looks like after turns, its size and grasps; and what was left out. Ends with a line end.
+// A line for every stable pose: its number and name, probability, tip angle, symmetry, size and
+// grasps; and the probability of the omitted ones. Ends with a line end.
 std::string StablePoseTable(const CadPart& part);
 
 }  // namespace graspdb::client

@@ -22,7 +22,7 @@
 namespace graspdb::client {
 namespace {
 
-// Beside what the guided way takes, some of which is said of a mesh, too: what only a mesh needs.
+// The options of guided teaching, some of which apply to a mesh, too, and those of a mesh.
 struct TeachOptions : GuidedTeachOptions {
   std::string mesh;
   std::string unit;
@@ -39,18 +39,19 @@ struct TeachOptions : GuidedTeachOptions {
 };
 
 constexpr char kTeachFooter[] =
-    R"(With a camera: leads you through the stable poses and the steps of a turntable, says how well each
-view was seen and what may be confused with it. The cell says where the camera is, its region where
-the turntable is. Ctrl-D ends it, nothing is lost: the same command again goes on with what is missing.
+    R"(With a camera: guides you through the stable poses and the steps of a turntable, and
+reports the capture quality of each view and the look-alikes. The cell defines the camera's
+pose, its region the place of the turntable. Ctrl-D stops without losing views; run the same
+command again to continue with the missing ones.
 
-From a mesh: finds the ways in which the object rests on the table, how likely each is, their
-symmetries and top grasps, and teaches views of each as the camera would take them. What is there
-keeps its grasps. A command that was interrupted is run again: nothing is taught twice.
+From a mesh: computes the stable poses of the object on the table, their probabilities, symmetries
+and top grasps, and teaches simulated views of each. Existing stable poses keep their grasps. Run an
+interrupted command again to continue it: no view is taught twice.
 
 Examples:
   graspdb teach bracket --sensor freenect --cell press-3         # guided
   graspdb teach bracket --sensor freenect --cell press-3 --yes --settle 5   # motorised turntable
-  graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # the stable poses alone
+  graspdb teach bracket --mesh bracket.stl --unit mm --dry-run   # only print the stable poses
   graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
   graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
 
@@ -85,7 +86,7 @@ absl::StatusOr<CadViews> ViewsOf(const TeachOptions& options, Client& client) {
   return views;
 }
 
-// As a capture set would declare it: for programs.
+// As a capture set declares it, for programs.
 absl::Status PrintDeclaration(const CadPart& part) {
   v1::CapturedObject object;
   for (const Workpiece& workpiece : part.workpieces) {
@@ -130,7 +131,7 @@ absl::Status TeachByMesh(const GlobalOptions& global, const TeachOptions& option
   return Report(global, client, options, *counts);
 }
 
-// Either of them says how it is taught.
+// The options of which one selects how to teach.
 struct Ways {
   CLI::Option* mesh = nullptr;
   CLI::Option* sensor = nullptr;
@@ -138,25 +139,26 @@ struct Ways {
 
 Ways AddWays(CLI::App& command, TeachOptions& o) {
   Ways ways;
-  CLI::Option_group* way = command.add_option_group("way", "From what it is taught");
+  CLI::Option_group* way = command.add_option_group("way", "Source of the views");
   ways.mesh = way->add_option("--mesh", o.mesh, "The object's mesh (STL, PLY, OBJ)")
                   ->check(CLI::ExistingFile);
   ways.sensor = way->add_option("--sensor", o.sensor,
-                                "The depth camera that sees it, e.g. freenect; see "
+                                "The depth camera that views it, e.g. freenect; see "
                                 "`graspdb sensors list`");
   way->require_option(1);
   return ways;
 }
 
 void AddMeshOptions(CLI::App& command, CLI::Option* mesh, TeachOptions& o) {
-  mesh->needs(
-      command
-          .add_option("--unit", o.unit, "Unit of the mesh, which files do not say: mm, cm, m, inch")
-          ->needs(mesh)
-          ->check(CLI::IsMember(LengthUnitNames())));
+  mesh->needs(command
+                  .add_option("--unit", o.unit,
+                              "Unit of the mesh, which files do not specify: mm, cm, m, inch")
+                  ->needs(mesh)
+                  ->check(CLI::IsMember(LengthUnitNames())));
   command
-      .add_option("--min-probability", o.min_probability,
-                  "Stable poses in which a dropped object ends less often are left out ...")
+      .add_option(
+          "--min-probability", o.min_probability,
+          "Omit stable poses that a dropped object comes to rest in with a lower probability ...")
       ->needs(mesh)
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
@@ -168,11 +170,13 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, TeachOptions& o) {
       ->needs(mesh)
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
-  command.add_option("--poses", o.poses, "Only these stable poses, as --dry-run counts them")
+  command
+      .add_option("--poses", o.poses,
+                  "Teach only these stable poses, numbered as --dry-run lists them")
       ->needs(mesh)
       ->delimiter(',')
       ->type_name("N,...");
-  command.add_option("--gripper-max", o.gripper_max_m, "How far the gripper opens, m")
+  command.add_option("--gripper-max", o.gripper_max_m, "Maximum opening of the gripper, m")
       ->needs(mesh)
       ->check(CLI::Range(0.005, 0.5))
       ->capture_default_str();
@@ -181,20 +185,20 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, TeachOptions& o) {
       ->type_name("FOLDER");
   command
       .add_flag("--dry-run", o.dry_run,
-                "Print the stable poses and teach nothing; needs no server. With --json as a "
-                "capture set declares them")
+                "Print the stable poses and teach nothing; needs no server. With --json in the "
+                "format of a capture set")
       ->needs(mesh);
   command
       .add_flag("--add", o.add,
-                "Teach also where a stable pose has views of another mesh or camera")
+                "Add the views even if a stable pose has views of another mesh or camera")
       ->needs(mesh);
 }
 
 void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, TeachOptions& o) {
   command
       .add_option("--camera", o.camera,
-                  "v1 or v2: a Kinect with the noise of pixels alone; kinect-v1, kinect-v2, "
-                  "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
+                  "v1 or v2: a Kinect with pixel noise only; kinect-v1, kinect-v2, realsense-d4xx, "
+                  "carmine: with the holes, frayed edges and distortion of the real camera")
       ->needs(mesh)
       ->check(CLI::IsMember(SimulatedCameras()))
       ->capture_default_str();
@@ -215,26 +219,27 @@ void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, TeachOptions& o) {
   command
       .add_option(
           "--axis", o.axis,
-          "Where the turntable's axis is in the world frame, m; without it in the middle of "
-          "the cell's region")
+          "Position of the turntable's axis in the world frame, m; default: the middle of the "
+          "cell's region")
       ->needs(sensor)
       ->delimiter(',')
       ->expected(2)
       ->type_name("X,Y");
   command
       .add_option("--plate-height", o.plate_height_m,
-                  "How high the turntable's plate is above the table, m")
+                  "Height of the turntable's plate above the table, m")
       ->needs(sensor)
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command
       .add_flag("--yes", o.unattended.yes,
-                "Answer every question as Enter does: one stable pose, nobody at the terminal")
+                "Answer every prompt as Enter does: unattended, one stable pose")
       ->needs(sensor);
   command
       .add_option_function<double>(
           "--settle", [&o](double seconds) { o.unattended.settle = absl::Seconds(seconds); },
-          "Wait so many seconds before each view instead of for Enter, as a motor turns the table")
+          "Wait this long before each view instead of for Enter, e.g. while a motor turns the "
+          "table")
       ->needs(sensor)
       ->check(CLI::Range(0.0, 3600.0))
       ->type_name("SECONDS");
@@ -246,15 +251,15 @@ void AddGuidedOptions(CLI::App& command, CLI::Option* sensor, TeachOptions& o) {
 
 void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
   CLI::App* command =
-      AddCommand(app, "teach", "Teach an object before a camera or from its CAD model");
+      AddCommand(app, "teach", "Teach an object with a camera or from its CAD model");
   auto options = std::make_shared<TeachOptions>();
   command->add_option("OBJECT", options->object, "Id of the object, e.g. bracket")->required();
   const Ways ways = AddWays(*command, *options);
   CLI::Option* cell = command->add_option(
       "--cell", options->cell,
-      "The cell whose camera looks at it; without --sensor its angle and distance are taken");
+      "The cell with the camera; with --mesh it defines the angle and distance of the views");
   ways.sensor->needs(cell);
-  command->add_option("--display-name", options->display_name, "What people call it");
+  command->add_option("--display-name", options->display_name, "Name for people");
   command->add_option("--step", options->step_deg, "Turn between views, degrees")
       ->check(CLI::Range(1.0, 120.0))
       ->capture_default_str();

@@ -11,9 +11,9 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kMaxTries = 3;
-constexpr absl::Duration kWatch = absl::Milliseconds(50);  // Ctrl-C is seen so soon
+constexpr absl::Duration kWatch = absl::Milliseconds(50);  // delay until Ctrl-C is noticed
 
-// False once Ctrl-C was pressed.
+// Returns false after Ctrl-C was pressed.
 bool Wait(absl::Duration time) {
   const absl::Time end = absl::Now() + time;
   while (!Interrupted() && absl::Now() < end) {
@@ -24,25 +24,25 @@ bool Wait(absl::Duration time) {
 
 }  // namespace
 
-std::optional<std::string> UnattendedPrompt::Ask(const std::string& question) {
-  const bool is_view = absl::StartsWith(question, kAskView);
+std::optional<std::string> UnattendedPrompt::ReadLine(const std::string& question) {
+  const bool is_view = absl::StartsWith(question, kViewPrompt);
   if (is_view && (how_.yes || how_.settle)) return TakeView(question);
-  if (!how_.yes) return prompt_.Ask(question);
+  if (!how_.yes) return prompt_.ReadLine(question);
   if (Interrupted()) return std::nullopt;
   std::string answer;
-  if (absl::StartsWith(question, kAskStablePose)) {
-    if (has_stable_pose_) answer = "done";  // another one would be begun for ever
+  if (absl::StartsWith(question, kStablePosePrompt)) {
+    if (has_stable_pose_) answer = "done";  // else it would start new ones for ever
     has_stable_pose_ = true;
   }
-  prompt_.Say(absl::StrCat(question, answer));
+  prompt_.Print(absl::StrCat(question, answer));
   return answer;
 }
 
 std::optional<std::string> UnattendedPrompt::TakeView(const std::string& question) {
   tries_ = question == last_view_ ? tries_ + 1 : 1;
   last_view_ = question;
-  if (tries_ > kMaxTries) return how_.yes ? std::nullopt : prompt_.Ask(question);
-  prompt_.Say(question);
+  if (tries_ > kMaxTries) return how_.yes ? std::nullopt : prompt_.ReadLine(question);
+  prompt_.Print(question);
   if (!Wait(how_.settle.value_or(absl::ZeroDuration()))) return std::nullopt;
   return "";
 }

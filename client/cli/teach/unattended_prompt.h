@@ -1,4 +1,4 @@
-// Teaching without anybody at the terminal, as with a turntable that a motor turns.
+// Unattended teaching, as with a motorised turntable.
 #pragma once
 
 #include <optional>
@@ -10,21 +10,21 @@
 namespace graspdb::client {
 
 struct Unattended {
-  bool yes = false;  // every question is answered as Enter does
-  // Before each view so long is waited instead of for Enter; none: as `yes` says, without waiting.
+  bool yes = false;  // answers every prompt as Enter does
+  // Wait before each view, instead of for Enter; none: `yes` decides, without a wait.
   std::optional<absl::Duration> settle = {};
 };
 
-// Answers for the person who would be asked by `prompt`, which is told everything and asked the
-// rest. With `yes` one stable pose is taught, and a view that fails three times ends it, as Ctrl-C
+// Answers prompts in place of the person at `prompt`, which prints everything and answers the rest.
+// With `yes` one stable pose is taught, and a view that fails three times ends teaching, as Ctrl-C
 // does. Not thread-safe.
 class UnattendedPrompt : public TeachingPrompt {
  public:
   // `prompt` must outlive this.
   UnattendedPrompt(TeachingPrompt& prompt, const Unattended& how) : prompt_(prompt), how_(how) {}
 
-  void Say(const std::string& text) override { prompt_.Say(text); }
-  std::optional<std::string> Ask(const std::string& question) override;
+  void Print(const std::string& text) override { prompt_.Print(text); }
+  std::optional<std::string> ReadLine(const std::string& question) override;
 
  private:
   std::optional<std::string> TakeView(const std::string& question);

@@ -28,11 +28,11 @@ using Side = std::pair<int, int>;
 constexpr double kCoplanarRad = 2e-4;
 
 struct Triangles {
-  std::vector<Triangle> corners;  // positions among the points that Qhull was given
+  std::vector<Triangle> corners;  // positions among the input points of Qhull
   std::vector<Vector3d> normals;
 };
 
-// Qhull and what it has allocated, and what it says of errors.
+// Owns Qhull, its memory and its error output.
 class Run {
  public:
   Run() : errors_(open_memstream(&text_, &size_)) { qh_zero(&qhull_, errors_); }
@@ -61,7 +61,7 @@ class Run {
   absl::Status Failure() {
     std::fflush(errors_);
     std::string reason(text_, size_);
-    reason.resize(std::min(reason.size(), reason.find('\n')));  // its other lines are a manual
+    reason.resize(std::min(reason.size(), reason.find('\n')));  // the other lines are a manual
     return absl::InvalidArgumentError(absl::StrCat(
         "the mesh has no convex hull, as when it is flat (", reason, "); give it a thickness"));
   }
@@ -72,7 +72,7 @@ class Run {
       return Vector3d::Map(coordinates.data() + std::ptrdiff_t{3} * i);
     };
     Triangles out;
-    qhT* const qh = &qhull_;  // the macros ask for this name
+    qhT* const qh = &qhull_;  // the macros require this name
     facetT* facet = nullptr;
     FORALLfacets {
       Triangle t{};

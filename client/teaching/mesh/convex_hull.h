@@ -1,4 +1,4 @@
-// The convex hull of a mesh; the one place where Qhull is known.
+// The convex hull of a mesh; the only file that depends on Qhull is convex_hull.cc.
 #pragma once
 
 #include <Eigen/Core>

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The sine of one degree: level, as poses are written down.
+// The sine of one degree: the tolerance for level poses in files.
 constexpr double kLevel = 0.0175;
 
 absl::Status Bad(const fs::path& path, const std::string& what) {
@@ -52,8 +52,8 @@ absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
   if (!parsed.ok()) {
     const std::string complaint(parsed.message());
     return Bad(path, absl::StrCat(
-                         " is no {\"grasps\": [...]}: ", complaint.substr(0, complaint.find('\n')),
-                         "; write them as `graspdb teach --dry-run --json` does"));
+                         " is not {\"grasps\": [...]}: ", complaint.substr(0, complaint.find('\n')),
+                         "; use the format of `graspdb teach --dry-run --json`"));
   }
   if (read.grasps().empty()) return Bad(path, " has no grasps; give {\"grasps\": [...]}");
   v1::CapturedStablePose grasps;

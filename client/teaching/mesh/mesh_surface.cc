@@ -8,7 +8,7 @@
 namespace graspdb::client {
 namespace {
 
-// Samples lie denser than the points that are made of them.
+// Samples are denser than the points that are computed from them.
 constexpr double kSampleSpacingM = recognition::kSurfaceSpacingM / 2.0;
 constexpr double kMinSamples = 2000;
 constexpr double kMaxSamples = 60'000;

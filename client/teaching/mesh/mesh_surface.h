@@ -1,4 +1,4 @@
-// A mesh as recognition sees surfaces, to ask how alike it looks turned over.
+// The surface of a mesh as recognition models it, to compare its stable poses.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace graspdb::client {
 // as recognition's models, 60,000 at the most. Deterministic.
 recognition::OrientedCloud SurfaceOf(const TriangleMesh& mesh);
 
-// `surface` put down by `object_mesh` (T_object_mesh); its frame is the object's.
+// `surface` transformed by `object_mesh` (T_object_mesh) into the object's frame.
 recognition::SurfaceModel Posed(const recognition::OrientedCloud& surface,
                                 const recognition::Pose& object_mesh);
 

@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 
 // A closed surface's areas sum to zero as vectors; holes up to this share of its area are small.
 constexpr double kOpenShare = 0.01;
-// Volumes beyond these shares of the hull's are not those of a solid: faces are turned inside out,
-// or shells lie in each other.
+// Volumes outside these shares of the hull's are not those of a solid: faces are inverted, or
+// shells are nested.
 constexpr double kMinVolume = 1e-3;
 constexpr double kMaxVolume = 1.01;
-// A facet does not hold from which a smaller tilt makes it roll downhill.
+// A facet is not stable if a smaller tilt makes the object roll downhill.
 constexpr double kMinTip = 0.017455;  // the tangent of one degree
 
 std::size_t At(int i) { return static_cast<std::size_t>(i); }
@@ -41,7 +41,7 @@ double SolidAngle(const Vector3d& eye, const Vector3d& p, const Vector3d& q, con
   return 2 * std::atan2(over, under);
 }
 
-// A hull as its centre of mass sees it.
+// A hull with the height of the centre of mass over each facet.
 class Landscape {
  public:
   Landscape(const ConvexHull& hull, const Vector3d& center) : hull_(hull), center_(center) {
@@ -60,7 +60,7 @@ class Landscape {
     return sum;
   }
 
-  // The facet that it rolls to from `facet`; `facet` itself where it rests.
+  // The facet to which it rolls from `facet`; `facet` itself if it rests there.
   int Next(int facet) const {
     const HullFacet& f = hull_.facets[At(facet)];
     const Vector3d foot = center_ + height(facet) * f.normal;  // below the centre of mass
@@ -80,7 +80,7 @@ class Landscape {
     return next;
   }
 
-  // The largest height while it rolls over an edge.
+  // The maximum height while it rolls over an edge.
   double PassOver(int facet, const HullFacet::Edge& edge) const {
     const double higher = std::max(height(facet), height(edge.neighbor));
     const Vector3d& a = hull_.points[At(edge.from)];

@@ -16,15 +16,16 @@ using recognition::Pose;
 constexpr double kRollLiftShare = 0.005;  // of the diameter
 constexpr double kTouchingShare = 0.002;  // of the diameter
 constexpr double kSameOrientationRad = 12 * std::numbers::pi / 180;
-// An object that rocks between two facets on which it often comes to rest lies in two ways: a few
-// degrees are some millimetres at its ends, which a pose upright on the table cannot follow.
+// An object that rocks between two facets on which it often comes to rest has two stable poses: a
+// few degrees are some millimetres at its ends, which a pose upright on the table cannot represent.
 constexpr double kCommon = 0.05;
 constexpr double kRockingRad = 1 * std::numbers::pi / 180;
 constexpr double kNextFacetRad = 20 * std::numbers::pi / 180;  // of an object that rolls
-// Stricter than recognition::AlikeM: a stable pose too many costs some views, one too few answers.
+// Stricter than recognition::AlikeM: an extra stable pose costs some views, a missing one
+// detections.
 constexpr double kSameLookM = 0.0015;
 
-// Facets of one basin that are near to each other; `down` and `facet` are of the most probable one.
+// Neighbouring facets of one basin; `down` is that of the most probable one.
 struct Orientation {
   Vector3d down;
   int basin = 0;
@@ -38,8 +39,8 @@ bool IsRocking(double probability_of_one, double of_the_other) {
   return std::min(probability_of_one, of_the_other) >= kCommon;
 }
 
-// An object rolls where the next facet of another orientation in the basin is near: what lies on
-// its edge and tips over easily has none.
+// An object rolls if the basin has a near facet of another orientation; an object that lies on its
+// edge and tips over easily has none.
 void MarkRolling(const std::vector<RestingFacet>& facets, const std::vector<std::size_t>& of_facet,
                  std::vector<Orientation>* orientations) {
   for (std::size_t i = 0; i < facets.size(); ++i) {
@@ -75,7 +76,7 @@ std::vector<Orientation> OrientationsOf(const std::vector<RestingFacet>& facets)
   return out;
 }
 
-// An orientation that looks like none before it, with the surface as it then stands.
+// An orientation that does not look like an earlier one, with the surface in that orientation.
 struct Look {
   Orientation orientation;
   recognition::SurfaceModel model;
@@ -110,8 +111,7 @@ std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Orientatio
   return out;
 }
 
-// With the origin on the axis of the symmetry, where there is one: that leads through the centre
-// of mass.
+// Moves the origin to the symmetry axis, which passes through the centre of mass.
 Pose OnAxis(Pose object_mesh, const Vector3d& center) {
   const Vector3d at = object_mesh * center;
   object_mesh.pretranslate(Vector3d(-at.x(), -at.y(), 0));

@@ -1,5 +1,5 @@
-// The ways in which a mesh rests on a table, as a catalogue wants them: few, and each looks
-// different from the others.
+// The stable poses of a mesh on a table, merged for a catalogue: few, and each looks different from
+// the others.
 #pragma once
 
 #include <numbers>
@@ -19,17 +19,17 @@ struct MeshStablePose {
   // T_object_mesh: the mesh as it rests. The object's frame has z up and rests on z = 0; its
   // origin lies below the middle of the bounding box, or on the axis of the symmetry.
   recognition::Pose object_mesh = recognition::Pose::Identity();
-  // That a dropped object comes to rest so, or so that it looks the same: 0 to 1.
+  // Probability that a dropped object comes to rest in this pose, or in one that looks the same.
   double probability = 0;
-  // By how much the table must be tilted before it tips over, rad.
+  // Tilt of the table at which it tips over, rad.
   double tip_angle_rad = 0;
-  // It rolls on over facets that are less than 20 degrees apart: what lies 12 degrees and more from
-  // this orientation, and looks different, is another stable pose.
+  // It rolls over facets that are less than 20 degrees apart: orientations that are 12 degrees or
+  // more from this one, and look different, are other stable poses.
   bool rolls = false;
   // Facets of the hull that are this pose.
   int facet_count = 0;
-  // The turns about z that bring it onto itself. Of no more than nearly symmetric objects: order 1
-  // is to be declared.
+  // The turns about z that map it onto itself. For an object that is only nearly symmetric, declare
+  // order 1.
   recognition::FoundSymmetry symmetry;
 
   int symmetry_order() const { return symmetry.nearly ? 1 : symmetry.order; }
@@ -41,21 +41,21 @@ struct MeshStablePoses {
   MassCenter mass;                    // mesh frame
 };
 
-// Which stable poses are wanted.
+// The selection of stable poses.
 struct StablePoseChoice {
   double min_probability = 0;
-  // Stable poses with at least this tip angle are kept whatever their probability, rad: a bottle is
-  // put upright and not dropped. The default keeps none, as a tip angle is less than pi / 2.
+  // Stable poses with at least this tip angle are kept whatever their probability, rad: bottles are
+  // put upright, not dropped. The default keeps none, as tip angles are less than pi / 2.
   double stands_rad = std::numbers::pi;
 };
 
-// All stable poses of `choice`, see RestingFacets. One pose are facets between
-// which the centre of mass is lifted by less than 0.5 % of the diameter (curved and noisy
-// surfaces) and that are less than 12 degrees apart (1 degree where more than 5 % of all drops end
-// on each of the two: the object rocks), and all poses that look the same on the table to a depth
-// camera (recognition::FindShapeSimilarity within 1.5 mm, where both roll within AlikeM): the sides
-// of a cylinder are one, so are the faces of a cube. Where none is chosen, the most probable one
-// is.
+// All stable poses of `choice`, see RestingFacets. Facets are one pose if the centre of mass is
+// lifted by less than 0.5 % of the diameter between them (curved and noisy surfaces) and they are
+// less than 12 degrees apart (1 degree if more than 5 % of all drops end on each of the two: the
+// object rocks). Poses that look the same on the table to a depth camera are merged
+// (recognition::FindShapeSimilarity within 1.5 mm; if both roll, within AlikeM): the sides of a
+// cylinder are one pose, and so are the faces of a cube. If no pose meets `choice`, the most
+// probable one is returned.
 //
 // Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh; errors as HullOf and RestingFacets.
 absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh,

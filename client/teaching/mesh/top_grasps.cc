@@ -16,11 +16,11 @@ using Eigen::Vector3f;
 constexpr int kSamples = 6000;
 constexpr int kDirections = 24;      // over half a turn
 constexpr double kMinPlayM = 0.003;  // on each side of the object when the gripper comes down
-constexpr double kPlayM = 0.010;     // on each side, where it can open so far
+constexpr double kPlayM = 0.010;     // on each side, if it can open that far
 constexpr double kTouchDepthM = 0.0015;
 constexpr float kMinCosine = 0.9397F;  // of 20 degrees
-// As a share of how far the object reaches from its centre of mass: beyond, it would turn in the
-// grasp.
+// Share of the object's maximum distance from its centre of mass: beyond it, the object would turn
+// in the grasp.
 constexpr double kMaxLever = 0.5;
 constexpr double kMinTouchM2 = 8e-6;
 constexpr double kOtherGraspRad = 45 * std::numbers::pi / 180;
@@ -89,7 +89,7 @@ class Turned {
     return out;
   }
 
-  // With the middle of the fingers at y and their tips at that height.
+  // With the middle of the fingers at y and their tips at height `tips`.
   std::optional<Candidate> At(double y, double tips) const {
     const Span span = SpanOf(y, tips);
     const auto width = static_cast<double>(span.high - span.low);
@@ -136,7 +136,7 @@ v1::Grasp GraspOf(const Candidate& found, const char* id, int priority,
   return grasp;
 }
 
-// Between two ways to close, which look the same after half a turn.
+// Between two closing directions, which are the same after half a turn.
 double AngleBetween(double a, double b) {
   const double apart = std::abs(std::remainder(a - b, std::numbers::pi));
   return std::min(apart, std::numbers::pi - apart);

@@ -14,7 +14,7 @@
 namespace graspdb::client {
 namespace {
 
-// Depths that differ by more than this share are of different surfaces.
+// Depths that differ by more than this share belong to different surfaces.
 constexpr float kSameSurface = 0.01F;
 
 // Pixels of the object, row by row.
@@ -45,7 +45,7 @@ class Frames {
     return out;
   }
 
-  // What was measured at a pixel, m.
+  // The depths measured at a pixel, m.
   std::vector<float> Depths(int row, int column) const {
     std::vector<float> out;
     const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(width()) +

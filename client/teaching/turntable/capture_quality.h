@@ -1,4 +1,4 @@
-// How well a camera saw an object.
+// Capture quality of an object in camera frames.
 #pragma once
 
 #include <span>
@@ -12,20 +12,20 @@ namespace graspdb::client {
 
 struct CaptureQuality {
   int point_count = 0;  // of the object
-  // The rest is known of depth images alone, whose pixels are known.
+  // The other values exist only for depth images, whose pixels are known.
   bool of_image = false;
-  // Of the pixels between the outermost ones of the object in each row, those with a depth: less
-  // than 1 where it is black, glossy or transparent.
+  // Share of the pixels between the outermost ones of the object in each row that have a depth:
+  // less than 1 where it is black, glossy or transparent.
   double measured_share = 1;
-  // Of the object's pixels, those whose depth differs by more than 1 % from frame to frame: edges,
-  // and all of what moves.
+  // Share of the object's pixels whose depth differs by more than 1 % from frame to frame: edges,
+  // and most pixels of a moving object.
   double moving_share = 0;
   // Standard deviation of the object's depths from frame to frame, m: the median of its pixels. 0
-  // of a single frame.
+  // for a single frame.
   double noise_m = 0;
 };
 
-// Of the object with these points (sensor frame, m) in frames of one camera that stands still.
+// For the object with these points (sensor frame, m) in frames of one stationary camera.
 // Errors as ScanOf; INVALID_ARGUMENT without frames.
 absl::StatusOr<CaptureQuality> CaptureQualityOf(std::span<const SensorFrame> frames,
                                                 const recognition::Points& object);

@@ -16,14 +16,14 @@
 namespace graspdb::client {
 namespace {
 
-// So many stable poses are compared with each other without being asked to.
+// Catalogues of up to this many stable poses are compared after teaching.
 constexpr int kComparedStablePoses = 100;
-// An axis that is farther off shows in the models.
+// A larger error of the axis is visible in the models.
 constexpr double kAxisOffM = 0.002;
-// So much more of the views lies on each other then.
+// The matched share of the views is this much larger for the other turning direction.
 constexpr double kTurnedTheOtherWay = 0.15;
 constexpr int kHighestOrder = 360;
-// The region ends so far below the plate: the table is not to be seen.
+// The region ends this far below the plate, which excludes the table.
 constexpr double kBelowPlateM = 0.01;
 
 // The cell's region in the world of the plate, cut off below it.
@@ -40,8 +40,8 @@ absl::StatusOr<Eigen::Vector2d> AxisOf(const GuidedOptions& options) {
   if (options.axis) return *options.axis;
   if (!options.cell.has_region_of_interest()) {
     return absl::FailedPreconditionError(absl::StrCat(
-        "nobody knows where the turntable's axis is; give --axis X,Y, or a region around the "
-        "turntable with `graspdb cells set ",
+        "the turntable's axis is unknown; give --axis X,Y, or a region around the turntable "
+        "with `graspdb cells set ",
         options.cell.name().substr(options.cell.name().find('/') + 1), " --region`"));
   }
   const v1::AxisAlignedBox& region = options.cell.region_of_interest();
@@ -49,7 +49,7 @@ absl::StatusOr<Eigen::Vector2d> AxisOf(const GuidedOptions& options) {
                          (region.min().y() + region.max().y()) / 2);
 }
 
-// -1 when it is none.
+// -1 if invalid.
 int SymmetryOrder(const std::string& answer) {
   if (answer.empty()) return 1;
   if (answer == "any") return 0;
@@ -75,12 +75,12 @@ GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingProm
 absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
   if (absl::Status begun = Begin(); !begun.ok()) return begun;
   while (!counts_.stopped) {
-    const absl::StatusOr<std::string> id = AskStablePose();
+    const absl::StatusOr<std::string> id = PromptForStablePose();
     if (!id.ok()) return id.status();
     if (id->empty()) break;
     const absl::StatusOr<bool> made = MakeStablePose(*id);
     if (absl::IsInvalidArgument(made.status())) {
-      prompt_.Say(std::string(made.status().message()));
+      prompt_.Print(std::string(made.status().message()));
       continue;
     }
     if (!made.ok()) return made.status();
@@ -90,7 +90,7 @@ absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
     }
     absl::Status taught = TeachStablePose(*id);
     if (absl::IsFailedPrecondition(taught)) {
-      prompt_.Say(std::string(taught.message()));
+      prompt_.Print(std::string(taught.message()));
       continue;
     }
     if (!taught.ok()) return taught;
@@ -108,10 +108,10 @@ absl::Status GuidedTeaching::Begin() {
   object.set_object_id(options_.object_id);
   object.set_display_name(options_.display_name);
   if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
-  prompt_.Say(absl::StrCat("put the object on the middle of the turntable, whose axis is at x ",
-                           axis->x(), ", y ", axis->y(), " m, and turn it ",
-                           options_.clockwise ? "clockwise" : "counter-clockwise",
-                           " as seen from above"));
+  prompt_.Print(absl::StrCat("put the object on the middle of the turntable, whose axis is at x ",
+                             axis->x(), ", y ", axis->y(), " m, and turn it ",
+                             options_.clockwise ? "clockwise" : "counter-clockwise",
+                             " as seen from above"));
   return absl::OkStatus();
 }
 
@@ -136,13 +136,13 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
     const auto left = LeftByMove(client_, pose.name(), origin_);
     if (!left.ok()) return left.status();
     if (!left->empty() && !visited_.contains(id)) {
-      prompt_.Say(absl::StrCat(id, " has views about two axes"));
+      prompt_.Print(absl::StrCat(id, " has views about two axes"));
       if (unfinished.empty()) unfinished = id;
     }
     const absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
     if (absl::IsFailedPrecondition(coverage.status())) continue;  // taught in another way
     if (!coverage.ok()) return coverage.status();
-    if (!visited_.contains(id)) prompt_.Say(absl::StrCat(id, " ", coverage->Ring()));
+    if (!visited_.contains(id)) prompt_.Print(absl::StrCat(id, " ", coverage->Ring()));
     if (unfinished.empty() && !visited_.contains(id) && !coverage->Missing().empty()) {
       unfinished = id;
     }
@@ -153,11 +153,11 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
   return absl::StrCat("pose-", number);
 }
 
-absl::StatusOr<std::string> GuidedTeaching::AskStablePose() {
+absl::StatusOr<std::string> GuidedTeaching::PromptForStablePose() {
   absl::StatusOr<std::string> proposed = ProposeStablePose();
   if (!proposed.ok()) return proposed;
-  const std::optional<std::string> answer =
-      prompt_.Ask(absl::StrCat(kAskStablePose, " (Enter: ", *proposed, ", done: that was all) "));
+  const std::optional<std::string> answer = prompt_.ReadLine(
+      absl::StrCat(kStablePosePrompt, " (Enter: ", *proposed, ", done: that was all) "));
   if (!answer) Stop();
   if (!answer) return "";
   const std::string word(absl::StripAsciiWhitespace(*answer));
@@ -172,17 +172,17 @@ absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
   if (!absl::IsNotFound(there.status())) return there.status();
   int order = -1;
   while (order < 0) {
-    const std::optional<std::string> answer = prompt_.Ask(
+    const std::optional<std::string> answer = prompt_.ReadLine(
         "after which turns about the vertical does it look the same? (Enter: none, 2: half a turn, "
         "4: a quarter, …, any: any turn) ");
     if (!answer) return false;
     const std::string word(absl::StripAsciiWhitespace(*answer));
     if (word == "q") return false;
     order = SymmetryOrder(word);
-    if (order < 0) prompt_.Say("answer Enter, \"any\" or a number of 2 to 360");
+    if (order < 0) prompt_.Print("answer Enter, \"any\" or a number of 2 to 360");
   }
   if (order != 1) {
-    prompt_.Say(
+    prompt_.Print(
         "put its axis of symmetry on the axis of the turntable, within a millimetre or two");
   }
   v1::CapturedObject object;
@@ -208,8 +208,8 @@ absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
   if (!turn.Run()) Stop();
   counts_.taught += turn.taught();
   const std::string missing = coverage->MissingText();
-  prompt_.Say(absl::StrCat(id, " ", coverage->Ring(),
-                           missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
+  prompt_.Print(absl::StrCat(id, " ", coverage->Ring(),
+                             missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
   if (turn.taught() == 0) return absl::OkStatus();
   if (absl::Status axis = CheckAxis(id); !axis.ok()) return axis;
   return WarnOfLookAlikes();
@@ -223,32 +223,32 @@ absl::Status GuidedTeaching::CheckAxis(const std::string& id) {
   for (TurnedCloud& view : *views) view.azimuth_rad = -view.azimuth_rad;
   const absl::StatusOr<SeenAxis> mirrored = FindAxis(*views, given);
   if (mirrored.ok() && mirrored->share > kTurnedTheOtherWay + (seen.ok() ? seen->share : 0)) {
-    prompt_.Say(absl::StrCat("note: it was turned the other way, as it seems; delete ", id,
-                             " and teach it again ", options_.clockwise ? "without" : "with",
-                             " --clockwise"));
+    prompt_.Print(absl::StrCat("note: it seems to have been turned the other way; delete ", id,
+                               " and teach it again ", options_.clockwise ? "without" : "with",
+                               " --clockwise"));
     return absl::OkStatus();
   }
-  if (!seen.ok()) return absl::OkStatus();  // too little was seen to say anything
+  if (!seen.ok()) return absl::OkStatus();  // the views do not determine the axis
   return (seen->axis - given).norm() < kAxisOffM ? absl::OkStatus() : OfferAxis(id, seen->axis);
 }
 
 absl::Status GuidedTeaching::OfferAxis(const std::string& id, const Eigen::Vector2d& axis) {
   const std::string text = absl::StrFormat("%.4f,%.4f", axis.x(), axis.y());
-  prompt_.Say(absl::StrFormat(
-      "note: the views fit together about the axis %s, %.1f mm from where it is said to be", text,
-      1000 * (axis - origin_.head<2>()).norm()));
+  prompt_.Print(
+      absl::StrFormat("note: the views fit together about the axis %s, %.1f mm from the given one",
+                      text, 1000 * (axis - origin_.head<2>()).norm()));
   const std::optional<std::string> answer =
-      prompt_.Ask("put them about that axis, and those to come? (Enter: yes, n: no) ");
+      prompt_.ReadLine("use that axis for them and for later views? (Enter: yes, n: no) ");
   if (!answer) Stop();
   if (!answer || !absl::StripAsciiWhitespace(*answer).empty()) {
-    prompt_.Say(absl::StrCat(id, " stays as it is; its views do not fit together"));
+    prompt_.Print(absl::StrCat(id, " keeps its axis; its views do not fit together"));
     return absl::OkStatus();
   }
   absl::Status moved =
       MoveTurn(client_, StablePoseName(options_.object_id, id), axis, RegionOf(options_));
   if (!moved.ok()) return moved;
   origin_.head<2>() = axis;
-  prompt_.Say(absl::StrCat("done; when you teach on this turntable again, give --axis ", text));
+  prompt_.Print(absl::StrCat("done; when you teach on this turntable again, give --axis ", text));
   return absl::OkStatus();
 }
 
@@ -256,13 +256,13 @@ absl::Status GuidedTeaching::WarnOfLookAlikes() {
   const absl::StatusOr<v1::CatalogStatus> status = client_.GetCatalogStatus();
   if (!status.ok()) return status.status();
   if (status->stable_pose_count() > kComparedStablePoses) {
-    prompt_.Say("see what it may be confused with: graspdb objects check");
+    prompt_.Print("find look-alikes with: graspdb objects check");
     return absl::OkStatus();
   }
   const auto found = client_.FindLookAlikes("objects/" + options_.object_id);
   if (!found.ok()) return found.status();
   for (const std::string& text : LookAlikesText(*found, /*nearly_too=*/true)) {
-    prompt_.Say(absl::StrCat("note: ", text));
+    prompt_.Print(absl::StrCat("note: ", text));
   }
   return absl::OkStatus();
 }

@@ -19,20 +19,21 @@ std::string SymmetryText(const v1::StablePoseSymmetry& s) {
   if (s.found_order() == 1) {
     return absl::StrCat(s.stable_pose(), " is declared to look the same after ",
                         TurnsText(s.declared_order()),
-                        ", and its views do not: correct symmetryOrder or the poses of the views");
+                        ", but its views differ: correct symmetryOrder or the poses of the views");
   }
   const std::string what =
       absl::StrCat(s.stable_pose(), " looks ", s.nearly() ? "nearly " : "", "the same after ",
                    TurnsText(s.found_order()), ", ", Apart(s.gap()));
-  if (s.nearly()) return absl::StrCat(what, ": answers may be AMBIGUOUS");
-  return absl::StrCat(what, ": if it need not be told apart, declare symmetryOrder ",
+  if (s.nearly()) return absl::StrCat(what, ": detections may be AMBIGUOUS");
+  return absl::StrCat(what, ": if these orientations are equivalent, declare symmetryOrder ",
                       s.found_order());
 }
 
 std::string PairText(const v1::LookAlikePair& pair) {
-  return absl::StrCat(pair.stable_pose(), " and ", pair.other(), " look ",
-                      pair.nearly() ? "nearly alike, " : "alike, ", Apart(pair.gap()),
-                      pair.nearly() ? ": answers may be AMBIGUOUS" : ": answers will be AMBIGUOUS");
+  return absl::StrCat(
+      pair.stable_pose(), " and ", pair.other(), " look ",
+      pair.nearly() ? "nearly alike, " : "alike, ", Apart(pair.gap()),
+      pair.nearly() ? ": detections may be AMBIGUOUS" : ": detections will be AMBIGUOUS");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a catalogue may confuse, in words for the teacher.
+// Look-alikes in a catalogue as text for the teacher.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace graspdb::client {
 
-// A sentence each, with what to do: symmetries that are not declared as they were found, and pairs
-// that look alike; with `nearly_too` what is only nearly so.
+// A sentence with advice for each symmetry that differs from the declared one and each pair that
+// looks alike; with `nearly_too` also for those that are only nearly so.
 std::vector<std::string> LookAlikesText(const v1::FindLookAlikesResponse& found, bool nearly_too);
 
 }  // namespace graspdb::client

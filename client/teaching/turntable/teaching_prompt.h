@@ -1,4 +1,4 @@
-// Who is taught with: a person at a terminal, or a script.
+// The dialogue of teaching: with a person at a terminal, or a script.
 #pragma once
 
 #include <optional>
@@ -6,20 +6,20 @@
 
 namespace graspdb::client {
 
-// How questions begin that a script must know, because Enter answers them again and again.
-inline constexpr char kAskStablePose[] = "id of the stable pose";
-inline constexpr char kAskView[] = "turn the object to ";
+// Prefixes of the prompts that a script must distinguish, as Enter would repeat them for ever.
+inline constexpr char kStablePosePrompt[] = "id of the stable pose";
+inline constexpr char kViewPrompt[] = "turn the object to ";
 
-// Asked by one thread; need not be thread-safe.
+// Called from one thread; need not be thread-safe.
 class TeachingPrompt {
  public:
   virtual ~TeachingPrompt() = default;
 
-  // Tells a line, without its end.
-  virtual void Say(const std::string& text) = 0;
+  // Prints a line; `text` has no line end.
+  virtual void Print(const std::string& text) = 0;
 
-  // What is answered, without the end of the line; nothing when nobody will answer any more.
-  virtual std::optional<std::string> Ask(const std::string& question) = 0;
+  // Prints a question and returns the answer without its line end; nothing at the end of the input.
+  virtual std::optional<std::string> ReadLine(const std::string& question) = 0;
 };
 
 }  // namespace graspdb::client

@@ -9,12 +9,12 @@
 namespace graspdb::client {
 namespace {
 
-// A view with a smaller share of its neighbours' points is doubtful.
+// A view with a smaller share of its neighbours' points needs confirmation.
 constexpr double kFewPoints = 0.4;
-// Edges flicker, which is a third of the pixels of small objects; a turning object moves in most.
+// Edge pixels flicker, a third of the pixels of small objects; a turning object moves in most.
 constexpr double kMoving = 0.5;
 constexpr double kHoles = 0.8;
-// The centroid of the visible points of an object on the axis is at most so far before the axis.
+// Maximum distance of the visible points' centroid from the axis for an object on the axis.
 constexpr double kFarFromAxisM = 0.1;
 
 }  // namespace
@@ -32,8 +32,8 @@ TurnDialogue::TurnDialogue(ViewTaker& taker, Client& client, TeachingPrompt& pro
 bool TurnDialogue::Run() {
   while (!todo_.empty()) {
     const int step = todo_.front();
-    const std::optional<std::string> answer = prompt_.Ask(
-        absl::StrCat(kAskView, coverage_.AzimuthDeg(step),
+    const std::optional<std::string> answer = prompt_.ReadLine(
+        absl::StrCat(kViewPrompt, coverage_.AzimuthDeg(step),
                      " degrees and press Enter (r: repeat the last one, s: skip, q: stop) "));
     if (!answer) return false;
     const std::string word(absl::StripAsciiWhitespace(*answer));
@@ -43,9 +43,9 @@ bool TurnDialogue::Run() {
     } else if (word == "r" && last_ >= 0) {
       if (step != last_) todo_.push_front(last_);
     } else if (word == "r") {
-      prompt_.Say("there is none to repeat yet");
+      prompt_.Print("there is no view to repeat yet");
     } else if (!word.empty()) {
-      prompt_.Say(absl::StrCat("\"", word, "\" means nothing here; answer Enter, r, s or q"));
+      prompt_.Print(absl::StrCat("\"", word, "\" is not an answer; answer Enter, r, s or q"));
     } else if (Teach(step)) {
       todo_.pop_front();
       last_ = step;
@@ -60,50 +60,50 @@ bool TurnDialogue::Teach(int step) {
   const absl::StatusOr<TakenView> taken = taker_.Take(
       turning_.stable_pose, OnTurntable(turning_.origin.head<2>(), turning_.origin.z(), azimuth));
   if (!taken.ok()) {
-    prompt_.Say(absl::StrCat("not taught: ", std::string(taken.status().message())));
+    prompt_.Print(absl::StrCat("not taught: ", std::string(taken.status().message())));
     return false;
   }
   if (!IsWanted(step, *taken)) {
     Remove(taken->view.name);
     return false;
   }
-  // The one that is repeated goes once the new one is safe.
+  // A repeated view is deleted after the new one is stored.
   if (const TurnView* before = coverage_.At(step); before != nullptr) Remove(before->name);
   coverage_.Set(step, taken->view);
-  Tell(step, *taken);
+  Report(step, *taken);
   return true;
 }
 
 bool TurnDialogue::IsWanted(int step, const TakenView& taken) {
   if (taken.quality.moving_share > kMoving) {
-    prompt_.Say("not taught: it moved while it was looked at; let it come to rest");
+    prompt_.Print("not taught: the object moved during the capture; let it come to rest");
     return false;
   }
   const double usual = coverage_.NeighborPoints(step);
   if (taken.view.point_count >= kFewPoints * usual) return true;
-  prompt_.Say(absl::StrFormat(
-      "only %d points, where the views beside it have %.0f: is a hand or something else before it?",
+  prompt_.Print(absl::StrFormat(
+      "only %d points, where the views beside it have %.0f: is something in front of the object?",
       taken.view.point_count, usual));
   const std::optional<std::string> answer =
-      prompt_.Ask("press Enter to take it again (k: keep it) ");
+      prompt_.ReadLine("press Enter to take it again (k: keep it) ");
   return answer && absl::StripAsciiWhitespace(*answer) == "k";
 }
 
-void TurnDialogue::Tell(int step, const TakenView& taken) {
-  prompt_.Say(
+void TurnDialogue::Report(int step, const TakenView& taken) {
+  prompt_.Print(
       absl::StrCat(coverage_.AzimuthDeg(step), " degrees: ", CaptureQualityText(taken.quality)));
-  prompt_.Say(coverage_.Ring());
+  prompt_.Print(coverage_.Ring());
   if (taken.quality.measured_share < kHoles) {
-    prompt_.Say(
+    prompt_.Print(
         "  it has holes: a black, glossy or transparent surface, or too near to the camera; if "
-        "other light or a matt spray mends that, repeat it with r");
+        "other light or a matt spray fixes that, repeat it with r");
   }
   const double off = (taken.center - turning_.origin).head<2>().norm();
-  if (off > kFarFromAxisM && !told_of_axis_) {
-    told_of_axis_ = true;
-    prompt_.Say(absl::StrFormat(
-        "  it stands %.0f mm beside the turntable's axis at %.3f,%.3f: check --axis, on which it "
-        "depends whether the views fit together",
+  if (off > kFarFromAxisM && !reported_axis_) {
+    reported_axis_ = true;
+    prompt_.Print(absl::StrFormat(
+        "  it stands %.0f mm beside the turntable's axis at %.3f,%.3f: check --axis; with a wrong "
+        "axis the views do not fit together",
         1000 * off, turning_.origin.x(), turning_.origin.y()));
   }
 }
@@ -111,7 +111,7 @@ void TurnDialogue::Tell(int step, const TakenView& taken) {
 void TurnDialogue::Remove(const std::string& view) {
   const absl::Status gone = client_.DeleteView(view);
   if (gone.ok() || absl::IsNotFound(gone)) return;
-  prompt_.Say(absl::StrCat("cannot delete ", view, ": ", std::string(gone.message())));
+  prompt_.Print(absl::StrCat("cannot delete ", view, ": ", std::string(gone.message())));
 }
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// A person turns an object before the camera, step by step.
+// The dialogue with a person who turns an object before the camera, step by step.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,15 +20,15 @@ struct Turning {
   bool clockwise = false;                            // seen from above
 };
 
-// Teaches what is missing of one turn. Every view is safe once it is told of. Not thread-safe.
+// Teaches the missing views of one turn. Each view is stored once it is reported. Not thread-safe.
 class TurnDialogue {
  public:
   // All must outlive this.
   TurnDialogue(ViewTaker& taker, Client& client, TeachingPrompt& prompt,
                TurntableCoverage& coverage, Turning turning);
 
-  // Asks for every step that is missing; false when the person stops. What goes wrong with a view
-  // is told, and the step asked for again.
+  // Prompts for every missing step; false when the person stops. If a view fails, prints the error
+  // and prompts for the step again.
   bool Run();
   // Views that were taught, repeated ones too.
   int taught() const { return taught_; }
@@ -37,7 +37,7 @@ class TurnDialogue {
   // Whether the step is done.
   bool Teach(int step);
   bool IsWanted(int step, const TakenView& taken);
-  void Tell(int step, const TakenView& taken);
+  void Report(int step, const TakenView& taken);
   void Remove(const std::string& view);
 
   ViewTaker& taker_;
@@ -48,7 +48,7 @@ class TurnDialogue {
   std::deque<int> todo_;
   int last_ = -1;
   int taught_ = 0;
-  bool told_of_axis_ = false;
+  bool reported_axis_ = false;
 };
 
 }  // namespace graspdb::client

@@ -12,7 +12,7 @@
 namespace graspdb::client {
 namespace {
 
-// The cloud stays what it is, so that the axis makes the difference (in hundredths of millimetres).
+// The cloud is unchanged, so the id includes the axis (in hundredths of millimetres).
 std::string MovedId(const v1::View& view, const Eigen::Vector2d& axis) {
   return absl::StrFormat("%s_%.0f_%.0f", ContentId(view.cloud()), 1e5 * axis.x(), 1e5 * axis.y());
 }
@@ -71,12 +71,12 @@ absl::Status OfferToEndMove(Client& client, TeachingPrompt& prompt, const std::s
   if (!left.ok()) return left.status();
   if (left->empty()) return absl::OkStatus();
   const v1::Vector3& at = left->front().object_pose().position();
-  prompt.Say(
-      absl::StrFormat("%d of the views are about another axis, %.4f,%.4f, as a move that was "
-                      "broken off leaves them",
+  prompt.Print(
+      absl::StrFormat("%d of the views are about another axis, %.4f,%.4f, as after an "
+                      "interrupted move",
                       left->size(), at.x(), at.y()));
   const std::optional<std::string> answer =
-      prompt.Ask("delete those, and go on with the others? (y: yes, Enter: no) ");
+      prompt.ReadLine("delete these views and continue with the others? (y: yes, Enter: no) ");
   if (!answer || absl::StripAsciiWhitespace(*answer) != "y") return absl::OkStatus();
   std::vector<std::string> names;
   for (const v1::View& view : *left) names.push_back(view.name());

@@ -30,7 +30,7 @@ constexpr float kCellM = 0.002F;
 constexpr float kSameSide = 0.7F;  // cosine of 45 degrees
 constexpr int kMinPairs = 4;
 constexpr double kLargestDeviationM = 0.001;
-// Errors of points that are near each other are alike: a point counts for so much of one.
+// The errors of neighbouring points are correlated: a point counts as this share of one.
 constexpr double kIndependent = 0.02;
 constexpr double kNormalRadiusM = 0.008;
 
@@ -92,7 +92,7 @@ void AddPair(const Pair& pair, std::span<const TurnedCloud> views,
 
 absl::Status Undetermined() {
   return absl::FailedPreconditionError(
-      "these views do not say where the axis of the turntable is; teach more steps of the turn, or "
+      "these views do not determine the axis of the turntable; teach more steps of the turn, or "
       "measure the axis");
 }
 

@@ -28,7 +28,7 @@ absl::Status AnotherTurn(const v1::View& view) {
   const Vector3d at = FromMessage(view.object_pose()).translation();
   return absl::FailedPreconditionError(absl::StrFormat(
       "%s was not taught about this axis: its object stands at %.4f,%.4f, %.4f m high; give --axis "
-      "%.4f,%.4f if that is where the turntable is, or teach another stable pose id",
+      "%.4f,%.4f if the turntable is there, or teach another stable pose id",
       view.name(), at.x(), at.y(), at.z(), at.x(), at.y()));
 }
 

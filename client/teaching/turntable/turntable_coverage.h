@@ -1,4 +1,4 @@
-// Which azimuths of a turn are taught, and which are missing.
+// The taught and the missing azimuths of a turn.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ bool IsOfTurn(const v1::View& view, const Eigen::Vector3d& origin);
 // A view of a turn.
 struct TurnView {
   std::string name;     // resource name
-  int point_count = 0;  // that are kept of the object
+  int point_count = 0;  // of the object, as stored
 };
 
 // The steps of a turn, 0, step, 2 step, … below 360 degrees, and the views taught at them.
@@ -34,24 +34,23 @@ class TurntableCoverage {
   static absl::StatusOr<TurntableCoverage> Create(double step_deg);
 
   // Counts the views whose poses are of the turn at `origin` (world frame, m), `clockwise` as seen
-  // from above. Those between the steps count as others. FAILED_PRECONDITION, with the axis that
-  // would fit, for a view that turns about another axis by more than 1 mm, stands at another
-  // height, or is tilted.
+  // from above. Those between the steps count as others. FAILED_PRECONDITION, with the axis of the
+  // view, for a view whose axis is more than 1 mm off, that has another height, or that is tilted.
   absl::Status Add(const std::vector<v1::View>& views, const Eigen::Vector3d& origin,
                    bool clockwise);
 
   int size() const { return size_; }
   double AzimuthDeg(int step) const { return step * step_deg_; }
-  // Replaces what was taught there.
+  // Replaces the view at the step.
   void Set(int step, const TurnView& view) { taught_[step] = view; }
-  // Null where nothing is taught.
+  // Null if the step is not taught.
   const TurnView* At(int step) const;
   int taught() const { return static_cast<int>(taught_.size()); }
   std::vector<int> Missing() const;
   // Mean points of the nearest taught views to both sides, at most 45 degrees away; 0: none.
   double NeighborPoints(int step) const;
 
-  // "[###.#.....]  taught 4 of 11", and of views between the steps how many.
+  // "[###.#.....]  taught 4 of 11", with the number of views between the steps.
   std::string Ring() const;
   // "60, 100 to 160 degrees"; "" when nothing is missing.
   std::string MissingText() const;

@@ -24,8 +24,8 @@ absl::StatusOr<Pose> CameraOf(const v1::Cell& cell, const SensorFrame& frame) {
   if (frames->flange_sensor) {
     return absl::FailedPreconditionError(absl::StrCat(
         "the camera of ", cell.name(),
-        " is on the robot; drive it to where you teach from, make a cell for that place with "
-        "`graspdb cells level`, and give that as --cell"));
+        " is on the robot; drive it to the teaching position, create a cell for that position with "
+        "`graspdb cells level`, and give it as --cell"));
   }
   return WorldSensor(*frames, std::nullopt, frame.world_sensor);
 }
@@ -38,7 +38,7 @@ Vector3d CenterOf(const recognition::Points& points, const Pose& world_sensor) {
 
 }  // namespace
 
-// Frames of one moment, and where the camera was.
+// Frames of one moment, with the pose of the camera.
 struct ViewTaker::Shot {
   std::vector<SensorFrame> frames;
   Pose world_sensor = Pose::Identity();
@@ -60,7 +60,7 @@ absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
 
 absl::Status ViewTaker::Check() { return Shoot(1).status(); }
 
-absl::StatusOr<TakenView> ViewTaker::LookAtTaught(const std::string& name, const Shot& shot) {
+absl::StatusOr<TakenView> ViewTaker::InspectTaught(const std::string& name, const Shot& shot) {
   const absl::StatusOr<v1::View> view = client_.GetView(name);
   if (!view.ok()) return view.status();
   const absl::StatusOr<recognition::Points> object = PointsFromMessage(view->cloud());
@@ -94,18 +94,17 @@ absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
   if (!counts.ok()) return counts.status();
   if (counts->created == 0) {
     return absl::AlreadyExistsError(
-        "this very frame is taught already; turn the object, and check that the camera is not "
-        "frozen");
+        "this frame is already taught; turn the object, and check that the camera is not frozen");
   }
-  absl::StatusOr<TakenView> taken = LookAtTaught(name, *shot);
+  absl::StatusOr<TakenView> taken = InspectTaught(name, *shot);
   if (taken.ok()) return taken;
-  // Whoever is told of an error takes the view again, and it would be there twice.
+  // After an error the view is taken again, and would exist twice.
   const absl::Status gone = client_.DeleteView(name);
   if (gone.ok() || absl::IsNotFound(gone)) return taken;
   return absl::Status(
       taken.status().code(),
       absl::StrCat(std::string(taken.status().message()), "; ", name,
-                   " is taught all the same and cannot be deleted: ", std::string(gone.message())));
+                   " is taught nevertheless and cannot be deleted: ", std::string(gone.message())));
 }
 
 }  // namespace graspdb::client

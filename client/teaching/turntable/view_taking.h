@@ -1,4 +1,4 @@
-// One view of what stands before the camera: taken, taught, and looked at.
+// Captures a view of the object before the camera, teaches it and computes its quality.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,11 +19,11 @@ namespace graspdb::client {
 // How views are taken.
 struct ViewTaking {
   v1::Cell cell;                                  // whose camera it is
-  std::optional<v1::AxisAlignedBox> region = {};  // that world's; the server's own for none
-  // Of what the object stands on above the table z = 0, m. The views are stored in a world whose
-  // table is that: for all that is looked at, the same as a camera that is so much lower.
+  std::optional<v1::AxisAlignedBox> region = {};  // in that world; none: the server's default
+  // Of the plate under the object above the table z = 0, m. The views are stored in a world whose
+  // table is the plate: equivalent to a camera that is lower by this height.
   double plate_height_m = 0;
-  int frames = 5;                               // a view is the mean of
+  int frames = 5;                               // averaged for a view
   absl::Duration patience = absl::Seconds(10);  // for the frames of a view
 };
 
@@ -40,22 +40,22 @@ class ViewTaker {
   ViewTaker(DepthSensor& sensor, Client& client, ViewTaking how)
       : sensor_(sensor), client_(client), how_(std::move(how)) {}
 
-  // Waits for the camera. FAILED_PRECONDITION, with what to do, when nobody knows where it stands;
-  // errors of the sensor.
+  // Waits for the camera. FAILED_PRECONDITION, with advice, when its pose is unknown; errors of the
+  // sensor.
   absl::Status Check();
 
-  // Teaches what is to be seen now as a view of `stable_pose` (a resource name) at `world_object`.
-  // FAILED_PRECONDITION when nothing stands there; ALREADY_EXISTS when the very same frame was
-  // taught before; errors of the sensor and of the server. Nothing is taught then; where
-  // the server does not let go of the view any more, the message names it.
+  // Teaches the current frames as a view of `stable_pose` (a resource name) at `world_object`.
+  // FAILED_PRECONDITION when there is no object; ALREADY_EXISTS when the same frame was taught
+  // before; errors of the sensor and of the server. After an error nothing is taught; if the view
+  // cannot be deleted again, the message names it.
   absl::StatusOr<TakenView> Take(const std::string& stable_pose,
                                  const recognition::Pose& world_object);
 
  private:
   struct Shot;
   absl::StatusOr<Shot> Shoot(int frames);
-  // What the server has kept of the view `name`.
-  absl::StatusOr<TakenView> LookAtTaught(const std::string& name, const Shot& shot);
+  // The view `name` as the server stored it.
+  absl::StatusOr<TakenView> InspectTaught(const std::string& name, const Shot& shot);
 
   DepthSensor& sensor_;
   Client& client_;

@@ -20,10 +20,10 @@ using Eigen::Vector3d;
 using recognition::Pose;
 
 constexpr std::uint64_t kSeed = 1;
-// A camera whose axis falls by less than this a metre does not look at the table.
+// A camera whose axis falls by less than this per metre does not look at the table.
 constexpr double kMinFall = 0.05;
 constexpr int kMinPixels = 30;
-// Around what turns: noise, and flying pixels.
+// Around the turning object: for noise and flying pixels.
 constexpr double kMarginM = 0.05;
 
 bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
@@ -31,7 +31,7 @@ bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
          p.y() <= box.max().y();
 }
 
-// Where it turns about z, as a whole.
+// The region that the mesh sweeps when it turns about z.
 v1::AxisAlignedBox RegionOf(const TriangleMesh& mesh) {
   double radius = 0;
   double height = 0;
@@ -73,7 +73,7 @@ class Turntable {
     const auto frame =
         camera_.Render(scene, views_.world_sensor, RandomBits(kSeed, Hash(part), azimuth));
     if (!frame.ok()) return frame.status();
-    if (std::ranges::count(frame->surface, 0) < kMinPixels) return OutOfSight(part);
+    if (std::ranges::count(frame->surface, 0) < kMinPixels) return NotVisible(part);
     request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
     v1::View* view = request->mutable_view();
     *view->mutable_cloud() = CloudMessage(ToPoints(*frame, views_.camera.intrinsics), frame->width);
@@ -96,9 +96,9 @@ class Turntable {
     return hash;
   }
 
-  absl::Status OutOfSight(const Workpiece& part) const {
+  absl::Status NotVisible(const Workpiece& part) const {
     return absl::FailedPreconditionError(absl::StrCat(
-        "nothing of ", part.object_id, " is to be seen in ", part.stable_pose_id,
+        "no part of ", part.object_id, " is visible in ", part.stable_pose_id,
         "; the camera measures from ", views_.camera.min_depth_m, " to ", views_.camera.max_depth_m,
         " m, choose another --distance or check the cell's pose"));
   }
@@ -108,7 +108,7 @@ class Turntable {
   DepthCamera camera_;
 };
 
-// The same mesh gives the same frame; what is allowed is what other compilers round.
+// The same mesh gives the same frame; the tolerances allow for rounding by other compilers.
 bool IsSameFrame(const Pose& a, const Pose& b) {
   constexpr double kSameM = 1e-3;
   constexpr double kSameRad = std::numbers::pi / 180;
@@ -117,12 +117,13 @@ bool IsSameFrame(const Pose& a, const Pose& b) {
          Eigen::AngleAxisd(between.linear()).angle() < kSameRad;
 }
 
-// Where the mesh's frame is in a stable pose that is of this mesh: said by what was taught before
-// it was kept, too.
+// Stores the mesh's frame in a stable pose of this mesh that has none, e.g. one taught before
+// frames were stored.
 absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::string& name) {
   if (!part.object_mesh) return absl::OkStatus();
   const absl::StatusOr<v1::StablePose> known = client.GetStablePose(name);
-  if (absl::IsNotFound(known.status())) return absl::OkStatus();  // it will be made with it
+  if (absl::IsNotFound(known.status()))
+    return absl::OkStatus();  // it will be created with the frame
   if (!known.ok()) return known.status();
   if (known->has_mesh_pose()) {
     if (IsSameFrame(FromMessage(known->mesh_pose()), *part.object_mesh)) return absl::OkStatus();
@@ -139,7 +140,8 @@ absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::stri
   return client.UpdateStablePose(request).status();
 }
 
-// What is there of a stable pose must be of this mesh, camera and place: its first view is.
+// Existing views of a stable pose must be of this mesh, camera and place; its first view is
+// checked.
 absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t part) {
   v1::UploadViewsRequest first;
   absl::Status made = turntable.Make(part * turntable.steps(), &first);

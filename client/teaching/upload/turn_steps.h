@@ -1,4 +1,4 @@
-// The steps in which an object is turned about itself.
+// The steps of a turn of an object about itself.
 #pragma once
 
 #include "absl/status/status.h"
@@ -8,7 +8,7 @@ namespace graspdb::client {
 // INVALID_ARGUMENT for a step that is not between 1 and 120 degrees.
 absl::Status CheckStep(double step_deg);
 
-// How many of 0, step, 2 step, … are below 360 degrees; 0 for a step that CheckStep refuses.
+// The number of steps 0, step, 2 step, … below 360 degrees; 0 for a step that CheckStep rejects.
 int StepsOf(double step_deg);
 
 }  // namespace graspdb::client

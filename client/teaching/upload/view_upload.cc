@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-// Views in one upload call: after each call the server has said that they are safe.
+// Views in one upload call: after each call the server has stored them.
 constexpr int kViewsPerCall = 8;
 
 absl::Status IgnoreExisting(const absl::Status& status) {
@@ -31,7 +31,7 @@ absl::Status CreateStablePose(Client& client, const std::string& object_id,
   return IgnoreExisting(client.CreateStablePose(request).status());
 }
 
-// One upload: what is left to send and what came of it.
+// One upload: the views left to send and the results.
 class Upload {
  public:
   Upload(Client& client, const ViewsToTeach& views) : client_(client), views_(views) {}

@@ -1,5 +1,5 @@
-// Views sent to a catalogue: what is there already is not sent again. All functions are
-// thread-safe; they call what they are given from the thread that calls them.
+// Uploads views to a catalogue; existing views are not sent again. All functions are thread-safe;
+// they call their callbacks from the calling thread.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,21 @@ namespace graspdb::client {
 // The resource name of a stable pose.
 std::string StablePoseName(const std::string& object_id, const std::string& stable_pose_id);
 
-// Makes the objects and stable poses that are not there; the others keep what they have, their
-// grasps too. Errors of the server.
+// Creates the objects and stable poses that do not exist; the others are unchanged, including their
+// grasps. Errors of the server.
 absl::Status CreateParents(Client& client, const std::vector<v1::CapturedObject>& objects);
 
 // Views to teach.
 struct ViewsToTeach {
   std::size_t count = 0;
-  // Makes view number 0 … count - 1, its parent and view among them; without `view_id` it gets one
+  // Fills the request for view 0 … count - 1, with parent and view; without `view_id` it gets one
   // from its cloud (ContentId). An error ends the upload.
   std::function<absl::Status(std::size_t, v1::UploadViewsRequest*)> make;
-  // Views that are there are deleted and taught again.
+  // Delete existing views and teach them again.
   bool replace = false;
 };
 
-// Either may be empty.
+// Both callbacks are optional.
 struct UploadWatch {
   std::function<void(std::size_t done)> report;
   std::function<bool()> cancelled;
@@ -39,12 +39,12 @@ struct UploadWatch {
 
 struct UploadCounts {
   int created = 0;
-  int existing = 0;  // were there already
+  int existing = 0;  // already in the catalogue
 };
 
-// Teaches the views in turn, some in a call: each is safe once it is reported, so that an upload
-// that was broken off is done again from the start. CANCELLED when the watch says so, with how many
-// are safe; errors of `make` and of the server.
+// Teaches the views in order, several per call: each is stored once it is reported, so an
+// interrupted upload can be repeated from the start. CANCELLED when the watch requests it, with the
+// number of stored views; errors of `make` and of the server.
 absl::StatusOr<UploadCounts> TeachViews(Client& client, const ViewsToTeach& views,
                                         const UploadWatch& watch);
 

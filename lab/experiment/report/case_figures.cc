@@ -23,7 +23,7 @@ double Percentile(const std::vector<double>& sorted, double share) {
 }
 
 void Count(const Answer& answer, ObjectFigures* of) {
-  ++of->asked;
+  ++of->query_count;
   of->known = answer.known;
   of->falsely_named += !answer.object_right;
   of->pose_wrong += answer.known && answer.posed && !answer.pose_right;
@@ -43,7 +43,7 @@ std::string ObjectOf(const std::string& stable_pose) {
 
 std::optional<std::size_t> PartOfFound(const Answer& answer, const PartSet& set) {
   if (answer.stable_pose.empty()) return std::nullopt;
-  // While the object is right, the pose is told in the frame of the stable pose asked about.
+  // While the object is right, the pose is in the frame of the stable pose of the query.
   if (answer.known && ObjectOf(answer.stable_pose) == set.parts[answer.part].object_id) {
     return answer.part;
   }
@@ -58,8 +58,8 @@ std::vector<ObjectFigures> FiguresByObject(const CaseResult& result) {
   std::vector<ObjectFigures> out;
   for (auto& [object, figures] : by_object) {
     figures.object = object;
-    figures.falsely_named = OverAtLeastOne(figures.falsely_named, figures.asked);
-    figures.pose_wrong = OverAtLeastOne(figures.pose_wrong, figures.asked);
+    figures.falsely_named = OverAtLeastOne(figures.falsely_named, figures.query_count);
+    figures.pose_wrong = OverAtLeastOne(figures.pose_wrong, figures.query_count);
     figures.mean_rotation_deg = OverAtLeastOne(figures.mean_rotation_deg, figures.right_poses);
     figures.mean_translation_mm = OverAtLeastOne(figures.mean_translation_mm, figures.right_poses);
     out.push_back(figures);

@@ -21,7 +21,7 @@ std::optional<std::size_t> PartOfFound(const Answer& answer, const PartSet& set)
 struct ObjectFigures {
   std::string object;  // id
   bool known = true;   // it was taught
-  std::size_t asked = 0;
+  std::size_t query_count = 0;
   // Shares of the questions, 0 to 1. Known: another object or none was named. Not known: any was.
   double falsely_named = 0;
   double pose_wrong = 0;  // known: these, and those with a wrong pose

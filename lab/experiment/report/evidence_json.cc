@@ -9,7 +9,7 @@ void FillEvidence(const recognition::Evidence& evidence,
   JsonObject out(value);
   out.Number("scan_explained", evidence.scan_explained);
   out.Number("model_seen", evidence.model_seen);
-  out.Number("in_sight", evidence.in_sight);
+  out.Number("in_sight", evidence.unoccluded);
   out.Number("rms_mm", evidence.rms_m * 1e3);
   out.Number("score", evidence.score);
   out.Number("confirmed", evidence.confirmed);

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "files/json_object.h"
 #include "lab/experiment/gallery.h"
+#include "lab/experiment/report/answer_drawings.h"
 #include "lab/experiment/report/case_figures.h"
 #include "lab/experiment/report/evidence_json.h"
 #include "lab/experiment/report/settings_text.h"
@@ -61,7 +62,7 @@ void FillSettings(const CaseResult& result, Value* value) {
   const ExperimentCase& e = result.experiment;
   JsonObject out(value);
   FillStand(e.taught, &out.At("taught"));
-  FillStand(e.asked, &out.At("asked"));
+  FillStand(e.queried, &out.At("asked"));
   out.Number("teach_step_deg", e.teach_step_deg);
   out.Bool("between_taught_azimuths", e.between_taught_azimuths);
   out.Number("area_half_width_m", e.area_half_width_m);
@@ -100,7 +101,7 @@ void FillObject(const ObjectFigures& f, Value* value) {
   JsonObject out(value);
   out.Text("object", f.object);
   out.Bool("known", f.known);
-  out.Count("asked", f.asked);
+  out.Count("asked", f.query_count);
   out.Number("falsely_named", f.falsely_named);
   out.Number("pose_wrong", f.pose_wrong);
   out.Count("right_poses", f.right_poses);
@@ -115,6 +116,7 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
   out.Text("object_asked", set.parts[a.part].object_id);
   out.Text("stable_pose_asked", StablePoseName(set.parts[a.part]));
   out.Text("stable_pose_answered", a.stable_pose);
+  out.Text("object_answered", ObjectOf(a.stable_pose));
   out.Bool("known", a.known);
   out.Text("outcome", OutcomeName(a.outcome));
   out.Bool("object_right", a.object_right);
@@ -129,10 +131,21 @@ void FillAnswer(const Answer& a, const PartSet& set, Value* value) {
     out.Number(key, has_error ? number : std::nan(""));
   };
   error("add_s_mm", a.error.add_s_m * 1e3);
+  error("add_s_share", a.error.add_s_m / set.shapes[a.part]->diameter_m);
   error("farthest_mm", a.error.hausdorff_m * 1e3);
   error("rotation_deg", a.error.rotation_rad * 180 / std::numbers::pi);
   error("translation_mm", a.error.translation_m * 1e3);
   out.Number("ms", a.milliseconds);
+}
+
+void FillDescriptor(const DescriptorFigures& f, Value* value) {
+  JsonObject out(value);
+  out.Text("descriptor", f.descriptor);
+  out.Text("distance", f.distance);
+  out.Count("asked", f.query_count);
+  out.Number("object_wrong", f.object_wrong);
+  JsonObject objects(&out.At("false_recognition"));
+  for (const auto& [object, share] : f.false_recognition) objects.Number(object, share);
 }
 
 }  // namespace
@@ -141,6 +154,7 @@ Value CaseAsJson(const CaseResult& result) {
   Value value;
   JsonObject out(&value);
   out.Text("name", result.experiment.name);
+  out.Text("description", SettingsText(result));
   FillSettings(result, &out.At("settings"));
   FillSummary(Summarize(result), &out.At("summary"));
   FillTime(TimesOf(result), &out.At("time"));
@@ -152,14 +166,19 @@ Value CaseAsJson(const CaseResult& result) {
   for (const Answer& answer : result.answers) {
     FillAnswer(answer, result.set, answers->add_values());
   }
+  FillDrawings(result, &out.At("drawings"));
+  FillFirstMatches(result, &out.At("first_matches"));
   return value;
 }
 
 absl::StatusOr<std::string> ReportJson(const std::string& command,
+                                       const std::vector<DescriptorFigures>& descriptors,
                                        const std::vector<Value>& cases) {
   Struct document;
   auto& fields = *document.mutable_fields();
   fields["command"].set_string_value(command);
+  auto* compared = fields["descriptors"].mutable_list_value();
+  for (const DescriptorFigures& f : descriptors) FillDescriptor(f, compared->add_values());
   auto* list = fields["cases"].mutable_list_value();
   for (const Value& value : cases) *list->add_values() = value;
   return PrintDocument(document, JsonLayout::kIndented);

@@ -16,8 +16,8 @@ constexpr char kNothing[] = "–";
 
 Cells CellsOf(const CaseRow& row) {
   const CaseSummary& s = row.summary;
-  const auto percent = [](bool asked, double share) -> std::string {
-    return asked ? absl::StrFormat("%.1f", 100 * share) : kNothing;
+  const auto percent = [](bool has_queries, double share) -> std::string {
+    return has_queries ? absl::StrFormat("%.1f", 100 * share) : kNothing;
   };
   const auto error = [&](double value) -> std::string {
     return s.posed > 0 && s.pose_right > 0 ? absl::StrFormat("%.2f", value) : kNothing;
@@ -59,7 +59,7 @@ std::vector<std::string> NamesIn(const std::vector<DescriptorFigures>& figures, 
 }  // namespace
 
 std::vector<Cells> CaseTable(const std::vector<CaseRow>& rows) {
-  std::vector<Cells> table = {{"case", "asked", "object %", "pose %", "strictly %", "ambiguous %",
+  std::vector<Cells> table = {{"case", "queries", "object %", "pose %", "strictly %", "ambiguous %",
                                "only listed %", "turn °", "shift mm", "unknown rejected %",
                                "mean ms", "median ms", "95th percentile ms"}};
   for (const CaseRow& row : rows) table.push_back(CellsOf(row));

@@ -10,7 +10,7 @@
 namespace graspdb::client {
 
 // The cells of the table of cases, first the headings, as they are shown; units and per cent signs
-// are in the headings. What a case did not ask has "–".
+// are in the headings. "–": the case has no such queries.
 std::vector<std::vector<std::string>> CaseTable(const std::vector<CaseRow>& rows);
 
 // The same of descriptors and distances: how often the nearest of the object's own views was taken

@@ -9,20 +9,21 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "lab/experiment/descriptor_figures.h"
 #include "lab/experiment/experiment.h"
-#include "lab/experiment/report/report_html.h"
+#include "lab/experiment/report/case_figures.h"
 
 namespace graspdb::client {
 
 // Writes into one folder, again after every case, so that a run that is interrupted leaves what was
 // done:
-//   report.html              to be read
-//   cases.md                 its table, for documents; descriptors.md where they are compared
-//   figures/CASE-TITLE.svg   its plots, for documents
-//   report.json              everything, for programs
+//   report.json              everything; the program graspdb-eval-report makes report.html and
+//                            figures/ from it
+//   cases.md                 the table of cases, for documents; descriptors.md where they are
+//                            compared
 //   graspdb_CASE-test.csv    the poses as the BOP challenge takes them
 //   bop_objects.csv          the numbers of the objects in those files
-// What is of the same name is replaced. The same cases give the same bytes, measured times apart.
+// Files of the same name are replaced. The same cases give the same bytes, measured times apart.
 class ReportWriter {
  public:
   // Makes the folder and writes a report without cases, so that a folder that cannot be written is
@@ -34,20 +35,21 @@ class ReportWriter {
   // Appends a case. Errors as WriteFileAtomically and ReportJson.
   absl::Status Add(const CaseResult& result);
 
-  // Puts a section about descriptors before the cases. Errors as Add.
+  // Adds the comparison of descriptors. Errors as Add.
   absl::Status SetDescriptors(std::vector<DescriptorFigures> figures);
 
-  std::filesystem::path page_path() const { return folder_ / "report.html"; }
+  const std::filesystem::path& folder() const { return folder_; }
 
  private:
   ReportWriter(std::filesystem::path folder, const std::string& command);
 
   absl::Status Write() const;
-  absl::Status WriteFigures(const std::string& section, const std::string& markup) const;
 
   std::filesystem::path folder_;
-  ReportPage page_;
-  std::vector<google::protobuf::Value> json_;  // of the cases
+  std::string command_;
+  std::vector<DescriptorFigures> descriptors_;
+  std::vector<CaseRow> rows_;
+  std::vector<google::protobuf::Value> cases_;
   std::string bop_objects_;
 };
 

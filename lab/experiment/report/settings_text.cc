@@ -33,7 +33,7 @@ std::string SettingsText(const CaseResult& result) {
   if (!e.settings.empty()) return e.settings;
   std::string out = absl::StrFormat(
       "Taught: %d of %d parts at the centre, every %.3g°; %s. Asked: %s; ", result.set.taught_count,
-      result.set.parts.size(), e.teach_step_deg, StandText(e.taught), StandText(e.asked));
+      result.set.parts.size(), e.teach_step_deg, StandText(e.taught), StandText(e.queried));
   if (e.between_taught_azimuths) {
     absl::StrAppend(&out, "at the centre, at azimuths between the taught ones.");
   } else {

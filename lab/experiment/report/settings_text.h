@@ -10,7 +10,7 @@ namespace graspdb::client {
 // "Kinect v1", "Kinect v2" or "other camera", by the intrinsics.
 std::string CameraName(const DepthCameraModel& camera);
 
-// Sentences about what was taught and how it was asked.
+// Sentences about the taught views and the queries.
 std::string SettingsText(const CaseResult& result);
 
 }  // namespace graspdb::client

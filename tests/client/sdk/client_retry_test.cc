@@ -1,4 +1,4 @@
-// What a caller sees of a connection that breaks.
+// Retries after a broken connection.
 #include <gmock/gmock.h>
 #include <grpcpp/server_builder.h>
 
@@ -15,7 +15,7 @@ namespace {
 using testing::IsOk;
 using testing::StatusIs;
 
-// Breaks off the first calls.
+// Fails the first calls.
 class Shaky : public v1::CatalogService::Service {
  public:
   explicit Shaky(int broken) : broken_(broken) {}
@@ -54,7 +54,7 @@ class ClientRetryTest : public ::testing::Test {
   std::unique_ptr<grpc::Server> server_;
 };
 
-TEST_F(ClientRetryTest, ACallThatChangesNothingIsMadeAgain) {
+TEST_F(ClientRetryTest, AReadOnlyCallIsRetried) {
   Shaky service(2);
   const auto status = Connect(service).GetCatalogStatus();
   ASSERT_THAT(status, IsOk());
@@ -62,20 +62,20 @@ TEST_F(ClientRetryTest, ACallThatChangesNothingIsMadeAgain) {
   EXPECT_EQ(service.calls(), 3);
 }
 
-TEST_F(ClientRetryTest, ACallThatChangesSomethingIsNot) {
+TEST_F(ClientRetryTest, AMutatingCallIsNotRetried) {
   Shaky service(1);
   EXPECT_THAT(Connect(service).CreateObject({}), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_EQ(service.calls(), 1);
 }
 
-TEST_F(ClientRetryTest, NorIsAnyCallOfAClientThatWantsToSeeErrors) {
+TEST_F(ClientRetryTest, NoCallIsRetriedIfRetriesAreDisabled) {
   Shaky service(1);
   EXPECT_THAT(Connect(service, /*retry=*/false).GetCatalogStatus(),
               StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_EQ(service.calls(), 1);
 }
 
-TEST_F(ClientRetryTest, InTheEndTheReasonIsGiven) {
+TEST_F(ClientRetryTest, TheLastErrorHasTheReason) {
   Shaky service(1000);
   const auto status = Connect(service).GetCatalogStatus();
   ASSERT_THAT(status, StatusIs(absl::StatusCode::kUnavailable));

@@ -1,4 +1,4 @@
-// What `bench` sends.
+// Requests of `bench`.
 #include "lab/commands/bench_frames.h"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 class BenchFramesTest : public ::testing::Test {
  protected:
-  // The requests that `bench` with these words would send.
+  // The requests of `bench` with these arguments.
   absl::StatusOr<std::vector<v1::RecognizeRequest>> Requests(const std::string& words) {
     CLI::App app;
     BenchFrames frames;
@@ -38,7 +38,7 @@ class BenchFramesTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(BenchFramesTest, ScansAreReadAndSettingsGoIntoEach) {
+TEST_F(BenchFramesTest, AppliesTheSettingsToEveryScan) {
   const std::string words = WriteScan("a.pcd") + " " + WriteScan("b.pcd") +
                             " --cell press --segmented --verified-views 3 --min-score 0.5";
   const auto requests = Requests(words);
@@ -54,7 +54,7 @@ TEST_F(BenchFramesTest, ScansAreReadAndSettingsGoIntoEach) {
   EXPECT_EQ(DescribeRequests(*requests), "2 clouds, 0.00 MB each");
 }
 
-TEST_F(BenchFramesTest, WhatIsNotGivenIsLeftToTheServer) {
+TEST_F(BenchFramesTest, LeavesUnsetFieldsToTheServer) {
   const auto requests = Requests(WriteScan("a.pcd"));
   ASSERT_THAT(requests, IsOk());
   EXPECT_FALSE(requests->front().pipeline().has_verified_view_count());
@@ -62,12 +62,12 @@ TEST_F(BenchFramesTest, WhatIsNotGivenIsLeftToTheServer) {
   EXPECT_EQ(requests->front().cell(), "");
 }
 
-TEST_F(BenchFramesTest, AScanThatIsMissingIsToldBeforeTheRun) {
+TEST_F(BenchFramesTest, ReportsAMissingScanBeforeTheRun) {
   EXPECT_THAT(Requests(WriteScan("a.pcd") + " /nonexistent/b.pcd"),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("/nonexistent/b.pcd")));
 }
 
-TEST_F(BenchFramesTest, TheNumberOfFramesIsChosen) {
+TEST_F(BenchFramesTest, LimitsTheNumberOfFrames) {
   const std::string scans = WriteScan("a.pcd") + " " + WriteScan("b.pcd");
   EXPECT_EQ(Requests(scans + " --frames 1")->size(), 1U);
   EXPECT_EQ(Requests(scans + " --frames 5")->size(), 2U);

@@ -5,7 +5,7 @@
 namespace graspdb::client {
 namespace {
 
-TEST(CommandText, CanBeTypedAgain) {
+TEST(CommandText, RepeatsTheCommand) {
   CLI::App app("", "graspdb");
   CLI::App* command = app.add_subcommand("eval");
   std::vector<std::string> meshes;

@@ -18,7 +18,7 @@ constexpr float kFocal = 500;
 constexpr float kWallM = 1;
 constexpr float kPlateM = 0.8F;
 
-// A wall as a camera of 640 x 480 pixels sees it.
+// A wall before a camera of 640 x 480 pixels.
 Points Wall() {
   Points out;
   for (int v = -240; v < 240; ++v) {
@@ -52,12 +52,12 @@ class FramePictureTest : public ::testing::Test {
   FrameResult result_;
 };
 
-TEST_F(FramePictureTest, NoPixelOfAScanWithoutHolesIsBlack) {
+TEST_F(FramePictureTest, HasNoBlackPixelForAScanWithoutHoles) {
   const ShadedPicture picture = DrawFrame(result_, Wall());
   EXPECT_EQ(std::ranges::count(picture.brightness, 0), 0);
 }
 
-TEST_F(FramePictureTest, StraysAndWhatWasNotMeasuredLeaveTheWallInTheWholePicture) {
+TEST_F(FramePictureTest, IgnoresStrayAndMissingPointsInTheCrop) {
   Points scan = Wall();
   scan.emplace_back(0, -50, 0.01F);
   scan.emplace_back(1e30F, 0, 1e-30F);
@@ -68,12 +68,12 @@ TEST_F(FramePictureTest, StraysAndWhatWasNotMeasuredLeaveTheWallInTheWholePictur
   EXPECT_EQ(std::ranges::count(picture.brightness, 0), 0);
 }
 
-TEST_F(FramePictureTest, WithoutAMeasurementItIsBlack) {
+TEST_F(FramePictureTest, IsBlackWithoutAMeasurement) {
   const ShadedPicture picture = DrawFrame(result_, {});
   EXPECT_THAT(picture.brightness, Each(0));
 }
 
-TEST_F(FramePictureTest, AModelIsDrawnWhereItStandsInTheColorOfItsVerdict) {
+TEST_F(FramePictureTest, DrawsAModelAtItsPoseInTheColorOfItsVerdict) {
   result_.posed = {Plate(PosedModel::Verdict::kWrong)};
   const ShadedPicture picture = DrawFrame(result_, Wall());
   ASSERT_FALSE(picture.marks.empty());
@@ -90,7 +90,7 @@ TEST_F(FramePictureTest, AModelIsDrawnWhereItStandsInTheColorOfItsVerdict) {
   }
 }
 
-TEST_F(FramePictureTest, WhatStandsOutsideOfTheImageIsLeftOut) {
+TEST_F(FramePictureTest, ClipsModelsOutsideTheImage) {
   result_.posed = {Plate(PosedModel::Verdict::kRight)};
   result_.posed.front().sensor_object.translation().x() = 10;
   EXPECT_TRUE(DrawFrame(result_, Wall()).marks.empty());

@@ -16,40 +16,40 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What a run says and returns.
-struct Said {
+// Output and status of a run.
+struct RunOutput {
   absl::Status status;
   std::string out;
   std::string err;
 };
 
-Said Simulate(const std::string& arguments) {
+RunOutput Simulate(const std::string& arguments) {
   CLI::App app;
   std::function<absl::Status()> action;
   AddSimulateCommand(app, &action);
   app.parse("simulate " + arguments);
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
-  Said said;
-  said.status = action();
-  said.out = ::testing::internal::GetCapturedStdout();
-  said.err = ::testing::internal::GetCapturedStderr();
-  return said;
+  RunOutput run;
+  run.status = action();
+  run.out = ::testing::internal::GetCapturedStdout();
+  run.err = ::testing::internal::GetCapturedStderr();
+  return run;
 }
 
 TEST(SimulateCommand, WritesASetAndOneLine) {
   const TemporaryFolder folder;
   const std::string set = (folder.path() / "set").string();
-  const Said said = Simulate("--parts flange,wedge --step 90 --look-down 35,50 --out " + set);
-  ASSERT_TRUE(said.status.ok()) << said.status;
-  EXPECT_EQ(said.out, "wrote 16 captures of 2 objects to " + set + "\n");
-  EXPECT_THAT(said.err, HasSubstr("16 of 16 captures\n"));
+  const RunOutput run = Simulate("--parts flange,wedge --step 90 --look-down 35,50 --out " + set);
+  ASSERT_TRUE(run.status.ok()) << run.status;
+  EXPECT_EQ(run.out, "wrote 16 captures of 2 objects to " + set + "\n");
+  EXPECT_THAT(run.err, HasSubstr("16 of 16 captures\n"));
   const auto loaded = LoadCaptureSet(set);
   ASSERT_TRUE(loaded.ok()) << loaded.status();
   EXPECT_EQ(CapturesOf(*loaded, v1::Capture::TEACH).size(), 16U);
 }
 
-TEST(SimulateCommand, TurntableAndRandomScenesFitInOneSet) {
+TEST(SimulateCommand, WritesTurntableAndRandomScenesToOneSet) {
   const TemporaryFolder folder;
   const std::string set = folder.path().string();
   ASSERT_TRUE(Simulate("--turntable --step 180 --random 3 --parts wedge --camera v1 --noise 0 "
@@ -64,28 +64,28 @@ TEST(SimulateCommand, TurntableAndRandomScenesFitInOneSet) {
   EXPECT_EQ(CapturesOf(*LoadCaptureSet(set), v1::Capture::TEACH).size(), 2U);
 }
 
-TEST(SimulateCommand, TakesMeshesInTheirUnitAfterListOptions) {
+TEST(SimulateCommand, AcceptsMeshesAndUnitAfterListOptions) {
   const TemporaryFolder folder;
   const auto mesh = folder.path() / "Block.ply";
   ASSERT_TRUE(WriteMeshPly(mesh, BoxSolid({0, 0, 0}, {80, 40, 30})).ok());
   const std::string set = (folder.path() / "set").string();
   const std::string rest = " --step 180 --out " + set;
-  const Said metres = Simulate(mesh.string() + rest);
+  const RunOutput metres = Simulate(mesh.string() + rest);
   EXPECT_EQ(metres.status.code(), absl::StatusCode::kInvalidArgument);
-  const Said said = Simulate("--unit mm --look-down 40,50 " + mesh.string() + rest);
-  ASSERT_TRUE(said.status.ok()) << said.status;
-  EXPECT_THAT(said.out, HasSubstr("wrote 4 captures of 1 objects"));
+  const RunOutput run = Simulate("--unit mm --look-down 40,50 " + mesh.string() + rest);
+  ASSERT_TRUE(run.status.ok()) << run.status;
+  EXPECT_THAT(run.out, HasSubstr("wrote 4 captures of 1 objects"));
   EXPECT_EQ(LoadCaptureSet(set)->objects(0).object_id(), "block");
   EXPECT_EQ(Simulate("none.stl --out x").status.code(), absl::StatusCode::kNotFound);
 }
 
 TEST(SimulateCommand, ListsTheSampleParts) {
-  const Said said = Simulate("--list-parts");
-  EXPECT_TRUE(said.status.ok());
-  EXPECT_THAT(said.out, HasSubstr("flange\tFlange with four bosses\n"));
+  const RunOutput run = Simulate("--list-parts");
+  EXPECT_TRUE(run.status.ok());
+  EXPECT_THAT(run.out, HasSubstr("flange\tFlange with four bosses\n"));
 }
 
-TEST(SimulateCommand, WrongUsageIsAParseErrorAndSetsNoAction) {
+TEST(SimulateCommand, RejectsWrongUsageWithAParseError) {
   for (const char* wrong : {"", "--out x --parts teapot", "--out x --unit ell", "--out x --step 0",
                             "--out x --random 0", "--out x --camera v3", "--out x --look-down 95",
                             "--out x --split BOTH", "--out x --noise -1", "--out x --colour"}) {

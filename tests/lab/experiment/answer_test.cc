@@ -11,7 +11,7 @@ namespace {
 using recognition::Pose;
 using recognition::RecognitionOutcome;
 
-// The first part stands at the origin and is asked about.
+// The first part is at the origin and is queried.
 class AnswerTest : public ::testing::Test {
  protected:
   AnswerTest() {
@@ -46,15 +46,15 @@ class AnswerTest : public ::testing::Test {
   recognition::Recognition recognition_;
 };
 
-TEST_F(AnswerTest, TheFirstReadingIsJudged) {
+TEST_F(AnswerTest, JudgesTheFirstReading) {
   Detect(0, Pose::Identity(), RecognitionOutcome::kOk);
   const Answer answer = Judged();
   EXPECT_TRUE(answer.strictly_right);
   EXPECT_FALSE(answer.listed);
 }
 
-// A view that was taught without saying where the object was has a frame of its own.
-TEST_F(AnswerTest, OfAPoseInAFrameThatNobodyKnowsTheObjectAloneIsJudged) {
+// A view that was taught without an object pose has its own frame.
+TEST_F(AnswerTest, JudgesOnlyTheObjectInAnUnknownFrame) {
   recognition::TaughtView view = *ViewOf(0);
   view.shares_frame = false;
   Detect(0, Aside(), RecognitionOutcome::kOk).view =
@@ -64,15 +64,15 @@ TEST_F(AnswerTest, OfAPoseInAFrameThatNobodyKnowsTheObjectAloneIsJudged) {
   EXPECT_FALSE(answer.posed);
 }
 
-TEST_F(AnswerTest, AListedPoseOfAnAmbiguousAnswerCountsAndIsMarked) {
+TEST_F(AnswerTest, CountsAndMarksAListedPoseOfAnAmbiguousAnswer) {
   Detect(0, Aside(), RecognitionOutcome::kAmbiguous).equivalent_poses = {Aside(), Pose::Identity()};
   const Answer answer = Judged();
   EXPECT_TRUE(answer.strictly_right);
   EXPECT_TRUE(answer.listed);
-  EXPECT_TRUE(answer.found.isApprox(Aside())) << "what was answered first is told";
+  EXPECT_TRUE(answer.found.isApprox(Aside())) << "the first reading is reported";
 }
 
-TEST_F(AnswerTest, AListedObjectOfAnAmbiguousAnswerCountsAndIsMarked) {
+TEST_F(AnswerTest, CountsAndMarksAListedObjectOfAnAmbiguousAnswer) {
   Detect(1, Pose::Identity(), RecognitionOutcome::kAmbiguous).alternatives = {
       {ViewOf(0), Pose::Identity(), 0.5}};
   const Answer answer = Judged();
@@ -81,7 +81,7 @@ TEST_F(AnswerTest, AListedObjectOfAnAmbiguousAnswerCountsAndIsMarked) {
   EXPECT_EQ(answer.stable_pose, StablePoseName(set_.parts[1]));
 }
 
-TEST_F(AnswerTest, WhatAnAnswerListsThatIsSureDoesNotCount) {
+TEST_F(AnswerTest, IgnoresOtherReadingsOfAnUnambiguousAnswer) {
   recognition::Detection& sure = Detect(1, Pose::Identity(), RecognitionOutcome::kOk);
   sure.alternatives = {{ViewOf(0), Pose::Identity(), 0.5}};
   sure.equivalent_poses = {Pose::Identity()};
@@ -90,14 +90,14 @@ TEST_F(AnswerTest, WhatAnAnswerListsThatIsSureDoesNotCount) {
   EXPECT_FALSE(answer.listed);
 }
 
-TEST_F(AnswerTest, TheRightObjectAtAWrongPlaceIsNoRightPose) {
+TEST_F(AnswerTest, RejectsTheRightObjectAtAWrongPosition) {
   Detect(0, Aside(), RecognitionOutcome::kAmbiguous);
   const Answer answer = Judged();
   EXPECT_TRUE(answer.object_right);
   EXPECT_FALSE(answer.pose_right);
 }
 
-TEST_F(AnswerTest, OfAStrangerSilenceIsRight) {
+TEST_F(AnswerTest, AcceptsNoAnswerForAnUnknownObject) {
   trial_.truth[0].part = set_.taught_count;
   recognition_.outcome = RecognitionOutcome::kNoCluster;
   EXPECT_TRUE(Judged().object_right);

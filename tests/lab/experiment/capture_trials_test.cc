@@ -47,7 +47,7 @@ class CaptureTrialsTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(CaptureTrialsTest, QueriesAreJudgedAndWhatIsNotTaughtMustBeRefused) {
+TEST_F(CaptureTrialsTest, JudgesQueriesAndExpectsRejectionOfUnknownObjects) {
   const auto result = Run(/*leave_one_out=*/false);
   ASSERT_THAT(result, IsOk());
   const CaseSummary summary = Summarize(*result);
@@ -58,7 +58,7 @@ TEST_F(CaptureTrialsTest, QueriesAreJudgedAndWhatIsNotTaughtMustBeRefused) {
   EXPECT_EQ(summary.unknown_rejected, 1);
 }
 
-TEST_F(CaptureTrialsTest, WithoutMeshesPosesAreMeasuredOnWhatWasTaught) {
+TEST_F(CaptureTrialsTest, MeasuresPosesByTaughtViewsWithoutMeshes) {
   Edit([](v1::CaptureSet* set) {
     for (v1::CapturedObject& object : *set->mutable_objects()) object.clear_mesh_path();
   });
@@ -68,7 +68,7 @@ TEST_F(CaptureTrialsTest, WithoutMeshesPosesAreMeasuredOnWhatWasTaught) {
   EXPECT_GT(result->set.shapes[0]->diameter_m, 0.05);
 }
 
-TEST_F(CaptureTrialsTest, WhereNoPosesAreAskedForObjectsAloneAreJudged) {
+TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) {
       if (capture.split() == v1::Capture::QUERY) capture.clear_object_pose();
@@ -81,8 +81,8 @@ TEST_F(CaptureTrialsTest, WhereNoPosesAreAskedForObjectsAloneAreJudged) {
   EXPECT_EQ(summary.posed, 0U);
 }
 
-// The only capture of its stable pose cannot be named while it is left out.
-TEST_F(CaptureTrialsTest, ALeftOutCaptureIsNotTaughtWhileItIsAskedAbout) {
+// The only capture of its stable pose is not recognized when it is left out.
+TEST_F(CaptureTrialsTest, LeavesOutTheQueriedCapture) {
   Edit([](v1::CaptureSet* set) {
     bool seen = false;
     const std::string alone = set->captures(0).object_id();
@@ -103,18 +103,18 @@ TEST_F(CaptureTrialsTest, ALeftOutCaptureIsNotTaughtWhileItIsAskedAbout) {
   }
 }
 
-TEST_F(CaptureTrialsTest, DescriptorsAreComparedOnWhatWasTaught) {
+TEST_F(CaptureTrialsTest, ComparesDescriptorsOnTaughtObjects) {
   const auto loaded = LoadCaptureTrials(folder_.path(), /*leave_one_out=*/true);
   ASSERT_THAT(loaded, IsOk());
   const auto figures = CompareDescriptors(loaded->set, loaded->trials, {});
   ASSERT_THAT(figures, IsOk());
   for (const DescriptorFigures& f : *figures) {
-    EXPECT_EQ(f.asked, 24U);
+    EXPECT_EQ(f.query_count, 24U);
     EXPECT_EQ(MeanFalseRecognition(f), 1) << "every other view is 30 degrees off";
   }
 }
 
-TEST_F(CaptureTrialsTest, ASetWithNothingToAskSaysWhatToDo) {
+TEST_F(CaptureTrialsTest, ReportsASetWithoutQueries) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::TEACH);
   });
@@ -122,7 +122,7 @@ TEST_F(CaptureTrialsTest, ASetWithNothingToAskSaysWhatToDo) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--leave-one-out")));
 }
 
-TEST_F(CaptureTrialsTest, ASetWithNothingToTeachSaysWhatToDo) {
+TEST_F(CaptureTrialsTest, ReportsASetWithoutTaughtCaptures) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::QUERY);
   });

@@ -28,7 +28,7 @@ double Gap(const std::vector<Workpiece>& parts, const Placement& a, const Placem
   return static_cast<double>(gap);
 }
 
-TEST(PlanCloseScenes, ObjectsStandAsFarApartAsAskedFor) {
+TEST(PlanCloseScenes, KeepsTheRequestedGap) {
   const std::vector<Workpiece> parts = SampleParts();
   const auto plan = PlanCloseScenes(parts, {.count = 5, .gap_m = 0.03, .seed = 3});
   ASSERT_THAT(plan, IsOk());
@@ -50,7 +50,7 @@ TEST(PlanCloseScenes, ObjectsStandAsFarApartAsAskedFor) {
   }
 }
 
-TEST(PlanCloseScenes, TooManyObjectsHaveNoRoom) {
+TEST(PlanCloseScenes, FailsWithTooManyObjects) {
   EXPECT_THAT(PlanCloseScenes(SampleParts(), {.count = 1, .objects_per_scene = 13, .gap_m = 0.2}),
               testing::StatusIs(absl::StatusCode::kFailedPrecondition));
 }

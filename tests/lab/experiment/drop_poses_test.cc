@@ -26,14 +26,14 @@ class DropPosesTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(DropPosesTest, AreAskedAsOftenAsTheyFallThatWay) {
+TEST_F(DropPosesTest, AreQueriedByTheirProbability) {
   const auto set = Fall(BoxSolid({0, 0, 0}, {0.03F, 0.06F, 0.09F}), {.falls = 400, .seed = 3});
   ASSERT_THAT(set, IsOk());
   EXPECT_EQ(set->taught_count, 3U) << "a box looks the same on opposite faces";
-  EXPECT_EQ(set->parts.size() - set->taught_count, 6U) << "and falls on all";
-  EXPECT_EQ(set->asked.size(), 400U);
+  EXPECT_EQ(set->parts.size() - set->taught_count, 6U) << "and comes to rest on all";
+  EXPECT_EQ(set->queried_parts.size(), 400U);
   std::size_t flat = 0;
-  for (const std::size_t part : set->asked) {
+  for (const std::size_t part : set->queried_parts) {
     EXPECT_TRUE(set->Knows(part));
     flat += BoundsOf(set->parts[part].mesh).max.z() < 0.031 ? 1 : 0;
   }
@@ -41,7 +41,7 @@ TEST_F(DropPosesTest, AreAskedAsOftenAsTheyFallThatWay) {
   EXPECT_NEAR(static_cast<double>(flat) / 400, 0.655, 0.06);
 }
 
-TEST_F(DropPosesTest, AreRecognisedFromWhatTheMeshTaught) {
+TEST_F(DropPosesTest, AreRecognizedFromTheTaughtMesh) {
   const TriangleMesh angle = ExtrudeAlongY(
       {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.025F, 0.02F}, {0.025F, 0.08F}, {0, 0.08F}}, 0, 0.04F);
   const auto set = Fall(angle, {.falls = 6, .seed = 1});
@@ -50,14 +50,14 @@ TEST_F(DropPosesTest, AreRecognisedFromWhatTheMeshTaught) {
   const ExperimentCase& cad = *std::ranges::find(cases, "cad", &ExperimentCase::name);
   const auto trials = RenderedTrials(cad, *set);
   ASSERT_THAT(trials, IsOk());
-  EXPECT_EQ(trials->asking.count, 6U);
+  EXPECT_EQ(trials->queries.count, 6U);
   const auto result = RunCase(cad, *set, *trials, {});
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(Summarize(*result).known, 6U);
   EXPECT_EQ(Summarize(*result).strictly_right, 1);
 }
 
-TEST_F(DropPosesTest, WithoutAMeshOfThatSizeThereAreNone) {
+TEST_F(DropPosesTest, FailWithoutAMeshWithinTheSizeLimits) {
   EXPECT_THAT(Fall(BoxSolid({0, 0, 0}, {0.01F, 0.01F, 0.01F}), {}),
               StatusIs(absl::StatusCode::kFailedPrecondition));
 }

@@ -1,4 +1,4 @@
-// Case results that are written down, for tests of what is made from them.
+// Fixed case results for tests of reports.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace graspdb::client {
 
-// Some sample parts, of which the last is not taught. Measured with a few points only, since these
-// tests bring their errors with them.
+// Some sample parts, of which the last is not taught. Measured with a few points only, since the
+// errors of these tests are fixed.
 PartSet HandMadeParts();
 
 Answer RightAnswer(const PartSet& set, std::size_t part, std::size_t scene);
 
-// Five questions: two right, one taken for another, one without an answer, one object that is not
-// known and was rejected.
+// Five queries: two right, one wrong object, one without an answer, one unknown object that was
+// rejected.
 CaseResult HandMade(const std::string& name = "hidden-20");
 
 }  // namespace graspdb::client

@@ -34,10 +34,10 @@ TEST(Measure, FindsTheTurnsThatChangeNothing) {
   EXPECT_TRUE(Measure(Part("stepped-shaft")).any_turn);
 }
 
-TEST(ErrorOf, TheTruthHasNone) {
+TEST(ErrorOf, IsZeroForTheTruth) {
   const MeasuredShape shape = Measure(Part("handle"));
   const PoseError error = ErrorOf(shape, At(0.1, 30), At(0.1, 30));
-  EXPECT_LT(error.add_s_m, 0.0005);  // the distance between the points that are searched
+  EXPECT_LT(error.add_s_m, 0.0005);  // the distance between the sampled points
   EXPECT_LT(error.hausdorff_m, 0.002);
   EXPECT_LT(error.rotation_rad, 1e-6);
   EXPECT_LT(error.translation_m, 1e-9);
@@ -45,7 +45,7 @@ TEST(ErrorOf, TheTruthHasNone) {
   EXPECT_TRUE(IsStrictlyRight(shape, error));
 }
 
-TEST(ErrorOf, AShiftIsAShift) {
+TEST(ErrorOf, MeasuresAShift) {
   const MeasuredShape shape = Measure(Part("handle"));
   const PoseError error = ErrorOf(shape, At(0, 0), At(0.02, 0));
   EXPECT_NEAR(error.translation_m, 0.02, 1e-9);
@@ -53,7 +53,7 @@ TEST(ErrorOf, AShiftIsAShift) {
   EXPECT_FALSE(IsStrictlyRight(shape, error));
 }
 
-TEST(ErrorOf, ASymmetricTurnIsNone) {
+TEST(ErrorOf, IgnoresASymmetricTurn) {
   const MeasuredShape flange = Measure(Part("flange"));
   const PoseError quarter = ErrorOf(flange, At(0, 10), At(0, 100));
   EXPECT_LT(quarter.rotation_rad, 1e-6);
@@ -62,8 +62,8 @@ TEST(ErrorOf, ASymmetricTurnIsNone) {
   EXPECT_NEAR(off.rotation_rad * 180 / std::numbers::pi, 5, 1e-6);
 }
 
-// What ADD-S forgives: the mean over the surface is small, one end is far off.
-TEST(IsStrictlyRight, AsksForEveryPoint) {
+// ADD-S accepts it: the mean over the surface is small, but one end is far off.
+TEST(IsStrictlyRight, ChecksEveryPoint) {
   const MeasuredShape shape = Measure(Part("stepped-block"));
   const PoseError turned = ErrorOf(shape, At(0, 0), At(0, 180));
   EXPECT_GT(turned.hausdorff_m, 0.008);

@@ -25,7 +25,7 @@ class ChooseTest : public ::testing::Test {
   }
 };
 
-TEST_F(ChooseTest, RoundObjectsAreNoneOfTheMainOnes) {
+TEST_F(ChooseTest, ExcludesRoundObjectsFromTheMainCases) {
   const auto main = Choose(All(), PartChoice::kMain, {});
   const auto round = Choose(All(), PartChoice::kRound, {});
   ASSERT_THAT(main, IsOk());
@@ -35,7 +35,7 @@ TEST_F(ChooseTest, RoundObjectsAreNoneOfTheMainOnes) {
   EXPECT_EQ(main->taught_count, main->parts.size());
 }
 
-TEST_F(ChooseTest, StrangersAreShownAndNotTaught) {
+TEST_F(ChooseTest, ShowsUnknownObjectsWithoutTeachingThem) {
   const auto set = Choose(All(), PartChoice::kStrangers, {.main = {"flange", "handle"}});
   ASSERT_THAT(set, IsOk());
   EXPECT_EQ(set->taught_count, 2U);
@@ -43,7 +43,7 @@ TEST_F(ChooseTest, StrangersAreShownAndNotTaught) {
   EXPECT_EQ(set->shapes.size(), set->parts.size());
 }
 
-TEST_F(ChooseTest, AnUnknownNameIsAnError) {
+TEST_F(ChooseTest, RejectsAnUnknownName) {
   EXPECT_THAT(Choose(All(), PartChoice::kMain, {.main = {"teapot"}}),
               StatusIs(absl::StatusCode::kInvalidArgument));
 }

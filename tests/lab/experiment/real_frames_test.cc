@@ -1,4 +1,4 @@
-// Frames that lie in a folder beside their frames.json: rendered here, so that all is known.
+// Frames in a folder with frames.json: rendered here, so that the ground truth is known.
 #include "lab/experiment/real_frames.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ std::string Rows(const Pose& pose) {
 
 class RealFramesTest : public ::testing::Test {
  protected:
-  // A bracket on the table, and what the file says of it: where it is, moved by `moved`.
+  // A bracket on the table, and its entry in the file: its pose, moved by `moved`.
   void WriteFrame(const std::string& object, const Pose& moved) const {
     const auto parts = SampleParts({"l-bracket"});
     ASSERT_THAT(parts, IsOk());
@@ -53,29 +53,31 @@ class RealFramesTest : public ::testing::Test {
     file.width = 512;
     file.height = 424;
     ASSERT_THAT(WritePcd(folder_.path() / "frame.pcd", file), IsOk());
-    Say(absl::StrFormat(R"([{"frame": "frame.pcd", "objects": [{"object": "%s",
+    WriteFramesJson(absl::StrFormat(R"([{"frame": "frame.pcd", "objects": [{"object": "%s",
       "mesh": "l.ply", "meshUnit": "m", "T_sensor_mesh": %s}]}])",
-                        object, Rows(world_sensor.inverse() * moved)));
+                                    object, Rows(world_sensor.inverse() * moved)));
   }
 
-  void Say(const std::string& json) const { std::ofstream(folder_.path() / "frames.json") << json; }
+  void WriteFramesJson(const std::string& json) const {
+    std::ofstream(folder_.path() / "frames.json") << json;
+  }
 
-  absl::StatusOr<FrameResult> Ask() {
+  absl::StatusOr<FrameResult> Recognize() {
     auto frames = LoadFrames(folder_.path());
     if (!frames.ok()) return frames.status();
     frames_ = *std::move(frames);
     auto catalogue = FramesCatalogue::Teach(frames_, {});
     if (!catalogue.ok()) return catalogue.status();
-    return AskFrame(frames_.front(), {}, catalogue->get());
+    return RecognizeFrame(frames_.front(), {}, catalogue->get());
   }
 
   const TemporaryFolder folder_;
   std::vector<RealFrame> frames_;
 };
 
-TEST_F(RealFramesTest, AnObjectWhereTheFileSaysIsFound) {
+TEST_F(RealFramesTest, FindsAnObjectAtItsTruePose) {
   WriteFrame("l-bracket", Pose::Identity());
-  const auto result = Ask();
+  const auto result = Recognize();
   ASSERT_THAT(result, IsOk());
   EXPECT_TRUE(result->error.empty()) << result->error;
   ASSERT_EQ(result->instances.size(), 1U);
@@ -94,9 +96,9 @@ TEST_F(RealFramesTest, AnObjectWhereTheFileSaysIsFound) {
   }
 }
 
-TEST_F(RealFramesTest, AnObjectElsewhereIsNotFoundAndTheAnswerIsWrong) {
+TEST_F(RealFramesTest, CountsAMisplacedObjectAsMissedAndWrong) {
   WriteFrame("l-bracket", Pose(Eigen::Translation3d(0.15, 0, 0)));
-  const auto result = Ask();
+  const auto result = Recognize();
   ASSERT_THAT(result, IsOk());
   ASSERT_EQ(result->instances.size(), 1U);
   EXPECT_FALSE(result->instances[0].found);
@@ -105,16 +107,16 @@ TEST_F(RealFramesTest, AnObjectElsewhereIsNotFoundAndTheAnswerIsWrong) {
   EXPECT_TRUE(result->detections[0].IsWrong());
 }
 
-TEST_F(RealFramesTest, AFileThatSaysSomethingElseIsRefusedWithTheFrame) {
-  EXPECT_THAT(Ask(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("frames.json")));
+TEST_F(RealFramesTest, RejectsAMalformedFileWithTheFrame) {
+  EXPECT_THAT(Recognize(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("frames.json")));
   for (
       const char* json :
       {"{", "{}", "[{}]", R"([{"frame": "f.pcd", "objects": [{"object": "a"}]}])",
        R"([{"frame": "f.pcd", "objects": [{"object": "a", "mesh": "a.ply", "meshUnit": "inch"}]}])",
        R"([{"frame": "f.pcd", "objects": [{"object": "a", "mesh": "a.ply", "meshUnit": "m",
              "T_sensor_mesh": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}]}])"}) {
-    Say(json);
-    EXPECT_THAT(Ask(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("frames.json")))
+    WriteFramesJson(json);
+    EXPECT_THAT(Recognize(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("frames.json")))
         << json;
   }
 }

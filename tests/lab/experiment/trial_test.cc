@@ -45,7 +45,7 @@ class TrialTest : public ::testing::Test {
   const std::vector<Workpiece> parts_ = SampleParts();
 };
 
-TEST_F(TrialTest, AnObstacleHidesItsShareFromAnySide) {
+TEST_F(TrialTest, ObstacleHidesItsShareFromAnySide) {
   const auto all = static_cast<double>(Above({}));
   ASSERT_GT(all, 500);
   for (const double direction : {0.0, 1.0, 2.5, 4.0, 5.5}) {
@@ -54,7 +54,7 @@ TEST_F(TrialTest, AnObstacleHidesItsShareFromAnySide) {
   }
 }
 
-TEST_F(TrialTest, TheProjectorsShadowOfAnObstacleHidesNoMore) {
+TEST_F(TrialTest, ObstacleShadowDoesNotExceedTheHiddenShare) {
   DepthCameraModel camera = Ideal();
   camera.effects.shadow_baseline_m = 0.075;
   const auto all = static_cast<double>(Above({}, camera));
@@ -65,12 +65,12 @@ TEST_F(TrialTest, TheProjectorsShadowOfAnObstacleHidesNoMore) {
   }
 }
 
-TEST(Cases, OneThatOnlyAsksOtherwiseTeachesTheSame) {
+TEST(Cases, WithOtherQueriesOnlyTeachAlike) {
   const ExperimentCase seen{.name = "seen"};
   ExperimentCase other = seen;
   other.name = "other";
   other.hidden_share = 0.4;
-  other.asked.camera = Carmine();
+  other.queried.camera = Carmine();
   other.parts = PartChoice::kStrangers;
   EXPECT_TRUE(TeachesAlike(seen, other));
   other.parts = PartChoice::kRound;
@@ -83,19 +83,19 @@ TEST(Cases, OneThatOnlyAsksOtherwiseTeachesTheSame) {
   EXPECT_FALSE(TeachesAlike(seen, other));
 }
 
-TEST(Cases, QuestionsOfThePaperLieBetweenTheTaughtAzimuths) {
+TEST(Cases, OfThePaperQueryBetweenTheTaughtAzimuths) {
   PartSet set;
   set.Add(TwinParts(), 0);
   set.taught_count = 1;
   for (const ExperimentCase& experiment : ExperimentCases()) {
     if (!experiment.between_taught_azimuths) continue;
     const auto taught = PlanTeaching(experiment, set);
-    const auto asked = PlanQuestions(experiment, set);
+    const auto questions = PlanQuestions(experiment, set);
     ASSERT_THAT(taught, IsOk());
-    ASSERT_THAT(asked, IsOk());
+    ASSERT_THAT(questions, IsOk());
     EXPECT_EQ(taught->size(), 24U);
-    EXPECT_EQ(asked->size(), 96U);
-    for (const PlannedCapture& question : *asked) {
+    EXPECT_EQ(questions->size(), 96U);
+    for (const PlannedCapture& question : *questions) {
       for (const PlannedCapture& view : *taught) {
         EXPECT_FALSE(question.placements[0].world_object.isApprox(view.placements[0].world_object));
       }
@@ -105,7 +105,7 @@ TEST(Cases, QuestionsOfThePaperLieBetweenTheTaughtAzimuths) {
   FAIL() << "the paper's protocol is not among the cases";
 }
 
-TEST(Cases, EveryCaseHasAnotherName) {
+TEST(Cases, HaveUniqueNames) {
   std::set<std::string> names;
   for (const ExperimentCase& experiment : ExperimentCases()) {
     EXPECT_TRUE(names.insert(experiment.name).second) << experiment.name;

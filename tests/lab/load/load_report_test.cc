@@ -1,4 +1,4 @@
-// What a load test tells.
+// Reports of a load test.
 #include "lab/load/load_report.h"
 
 #include <gmock/gmock.h>
@@ -45,7 +45,7 @@ google::protobuf::Struct Json(const LoadReport& report) {
   return out;
 }
 
-TEST(LoadText, SaysHowManyHowFastAndWhere) {
+TEST(LoadText, HasCountsLatenciesAndSteps) {
   const std::string text = LoadText(Report(0));
   EXPECT_THAT(text, AllOf(HasSubstr("graspdb 9.8 at 127.0.0.1:5, 0 objects, 192 views"),
                           HasSubstr("101 requests in 4.00 s: 100 answered (25.00/s), 1 failed"),
@@ -60,7 +60,7 @@ TEST(LoadText, SaysHowManyHowFastAndWhere) {
   EXPECT_THAT(text, Not(HasSubstr("before sending")));
 }
 
-TEST(LoadText, ARateThatWasNotKeptIsSaidClearly) {
+TEST(LoadText, WarnsAboutARateThatWasNotKept) {
   LoadReport report = Report(50);
   EXPECT_THAT(LoadText(report),
               AllOf(HasSubstr("50 requests/s, evenly spaced, at most 2 in flight"),
@@ -71,7 +71,7 @@ TEST(LoadText, ARateThatWasNotKeptIsSaidClearly) {
                                       HasSubstr("THE RATE OF 50/s WAS NOT KEPT")));
 }
 
-TEST(LoadText, ModelsThatWereNotInMemoryAreSaid) {
+TEST(LoadText, ReportsModelCacheMisses) {
   LoadReport report = Report(0);
   EXPECT_THAT(LoadText(report), Not(HasSubstr("models in memory")));
   report.models.set_hit_count(3);
@@ -83,7 +83,7 @@ TEST(LoadText, ModelsThatWereNotInMemoryAreSaid) {
   EXPECT_THAT(LoadText(report), HasSubstr("--memory-mib"));
 }
 
-TEST(LoadText, WithoutAnAnswerThereIsNoLatency) {
+TEST(LoadText, HasNoLatencyWithoutAnAnswer) {
   LoadReport report;
   report.result.tally.AddError({}, absl::UnavailableError("gone"));
   EXPECT_THAT(LoadText(report),
@@ -114,7 +114,7 @@ TEST(LoadJson, HasEverything) {
   EXPECT_NEAR(server.at("share").number_value(), 0.3, 1e-6);
 }
 
-TEST(LoadJson, AClosedLoopHasNoSchedule) {
+TEST(LoadJson, HasNoScheduleForAClosedLoop) {
   const google::protobuf::Struct json = Json(Report(0));
   EXPECT_EQ(json.fields().count("schedule"), 0U);
   const auto& first = json.fields().at("steps").list_value().values(0).struct_value().fields();
@@ -122,7 +122,7 @@ TEST(LoadJson, AClosedLoopHasNoSchedule) {
   EXPECT_EQ(json.fields().at("plan").struct_value().fields().at("loop").string_value(), "closed");
 }
 
-TEST(LatencyBins, HoldEveryTimeOnceAndOutliersInTheLast) {
+TEST(LatencyBins, CountEveryTimeOnceAndOutliersInTheLast) {
   LatencyHistogram histogram;
   for (int i = 0; i < 990; ++i) histogram.Record(milliseconds(10 + i % 10));
   for (int i = 0; i < 5; ++i) histogram.Record(milliseconds(5000));
@@ -139,7 +139,7 @@ TEST(LatencyBins, HoldEveryTimeOnceAndOutliersInTheLast) {
   EXPECT_EQ(count, histogram.count());
 }
 
-TEST(LatencyBins, OfOneTimeThereIsOne) {
+TEST(LatencyBins, HaveOneBinForEqualTimes) {
   LatencyHistogram histogram;
   EXPECT_TRUE(BinsOf(histogram).empty());
   for (int i = 0; i < 7; ++i) histogram.Record(milliseconds(3));

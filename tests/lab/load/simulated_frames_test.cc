@@ -25,7 +25,7 @@ TEST(SimulatedFrames, AreDepthImagesOfACalibratedCamera) {
     EXPECT_EQ(image.intrinsics().height(), 424);
     EXPECT_GT(image.intrinsics().fx(), 0);
     ASSERT_EQ(image.data().size(), 2U * 512 * 424);
-    // The camera looks at the origin, 0.8 m away, where something may stand before the table.
+    // The camera looks at the origin, 0.8 m away, where an object may be before the table.
     std::uint16_t middle = 0;
     std::memcpy(&middle, image.data().data() + kMiddle, sizeof(middle));
     EXPECT_NEAR(middle * image.depth_unit_m(), 0.7, 0.15);
@@ -35,7 +35,7 @@ TEST(SimulatedFrames, AreDepthImagesOfACalibratedCamera) {
   EXPECT_NE((*requests)[0].depth_image().data(), (*requests)[1].depth_image().data());
 }
 
-TEST(SimulatedFrames, TheSeedDecides) {
+TEST(SimulatedFrames, DependOnTheSeed) {
   SimulatedFrames frames;
   frames.parts = {"wedge"};
   frames.count = 1;

@@ -1,4 +1,4 @@
-// What a load test counts of answers and errors.
+// Counts of answers and errors in a load test.
 #include "lab/load/tally.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ using std::chrono::nanoseconds;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-// Due at 0, sent and finished so many milliseconds later.
+// Due at 0, sent and finished the given milliseconds later.
 RequestTimes Times(int sent_ms, int finished_ms) {
   const RequestTimes::Time start;
   return {start, start + milliseconds(sent_ms), start + milliseconds(finished_ms)};
@@ -38,14 +38,14 @@ std::vector<std::pair<std::string, nanoseconds>> SumsOf(const Tally& tally) {
   return out;
 }
 
-TEST(Tally, LatencyCountsFromWhenARequestWasDue) {
+TEST(Tally, LatencyCountsFromTheDueTime) {
   Tally tally;
   tally.AddAnswer(Times(5, 20), Response(v1::OK));
   EXPECT_EQ(tally.latency().Max(), milliseconds(20));
   EXPECT_EQ(tally.lateness().Max(), milliseconds(5));
 }
 
-TEST(Tally, TheStepsOfAnAnswerMakeUpItsLatency) {
+TEST(Tally, StepsAddUpToTheLatency) {
   Tally tally;
   tally.AddAnswer(Times(5, 20), Response(v1::OK));
   EXPECT_THAT(SumsOf(tally),
@@ -61,7 +61,7 @@ TEST(Tally, TheStepsOfAnAnswerMakeUpItsLatency) {
   }
 }
 
-TEST(Tally, OutcomesAndErrorsAreCountedByName) {
+TEST(Tally, CountsOutcomesAndErrorsByName) {
   Tally tally;
   tally.AddAnswer(Times(0, 1), Response(v1::OK));
   tally.AddAnswer(Times(0, 1), Response(v1::UNKNOWN_OBJECT));
@@ -80,7 +80,7 @@ TEST(Tally, OutcomesAndErrorsAreCountedByName) {
   EXPECT_EQ(tally.latency().Max(), milliseconds(1));  // an error is no answer
 }
 
-TEST(Tally, MergedTalliesAreThoseOfOneThatCountedAll) {
+TEST(Tally, MergedTalliesEqualOneTally) {
   Tally whole;
   Tally mine;
   Tally other;

@@ -46,7 +46,7 @@ class JudgePickTest : public ::testing::Test {
   const Pose world_object_ = Pose(Eigen::Translation3d(0.1, -0.05, 0)) * TurnAboutZ(1);
 };
 
-TEST_F(JudgePickTest, TheTaughtPoseHolds) {
+TEST_F(JudgePickTest, AcceptsTheTaughtPose) {
   const PickError error = Judge(0, Tool(0, 0));
   EXPECT_EQ(error.object, "bar");
   EXPECT_EQ(error.grasp_id, "end");
@@ -55,7 +55,7 @@ TEST_F(JudgePickTest, TheTaughtPoseHolds) {
   EXPECT_TRUE(WouldHold(error));
 }
 
-TEST_F(JudgePickTest, ThreeMillimetresAndTwoDegreesAreTheLimit) {
+TEST_F(JudgePickTest, HasLimitsOfThreeMillimetresAndTwoDegrees) {
   const auto shifted = [&](double metres) {
     return Judge(0, Tool(0, 0, Pose(Eigen::Translation3d(metres, 0, 0))));
   };
@@ -68,14 +68,14 @@ TEST_F(JudgePickTest, ThreeMillimetresAndTwoDegreesAreTheLimit) {
   EXPECT_FALSE(WouldHold(turned(2.1)));
 }
 
-TEST_F(JudgePickTest, TurnsOfTheSymmetryHoldAndOthersDoNot) {
+TEST_F(JudgePickTest, AcceptsOnlyTurnsOfTheSymmetry) {
   EXPECT_TRUE(WouldHold(Judge(1, Tool(1, 120 * recognition::kRadiansPerDegree))));
   EXPECT_FALSE(WouldHold(Judge(1, Tool(1, 30 * recognition::kRadiansPerDegree))));
   EXPECT_FALSE(WouldHold(Judge(0, Tool(0, 60 * recognition::kRadiansPerDegree))));
   EXPECT_TRUE(WouldHold(Judge(2, Tool(2, 1.2345))));
 }
 
-TEST_F(JudgePickTest, TheNearestObjectIsMeant) {
+TEST_F(JudgePickTest, ComparesToTheNearestObject) {
   PlannedCapture scene;
   scene.placements = {{1, Pose(Eigen::Translation3d(-0.2, 0, 0))}, {0, world_object_}};
   EXPECT_EQ(JudgePick(parts_, scene, Tool(0, 0)).object, "bar");

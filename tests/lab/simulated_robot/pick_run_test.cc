@@ -1,4 +1,4 @@
-// A simulated robot before an agent that answers what a test tells it to.
+// A simulated robot with an agent whose answers are scripted.
 #include "lab/simulated_robot/pick_run.h"
 
 #include <gmock/gmock.h>
@@ -25,8 +25,8 @@ using testing::StatusIs;
 
 enum Job { kGrasps = 1, kNothing = 2, kPicked = 7, kMissed = 8 };
 
-// Looks at the scene that the robot has laid out, and gives the first grasp of what is there, moved
-// by `off_m` along the tool's x axis. Jobs 7 and 8 hear of picks.
+// Reads the robot's scene and returns the grasp of its first object, moved by `off_m` along the
+// tool's x axis. Jobs 7 and 8 report picks.
 class SeeingRunner : public ScriptedRunner {
  public:
   SeeingRunner(std::filesystem::path scene, std::vector<Workpiece> parts)
@@ -40,10 +40,10 @@ class SeeingRunner : public ScriptedRunner {
 
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     if (request.job == kPicked || request.job == kMissed) {
-      if (absl::Status told = Tell(
+      if (absl::Status reported = ReportOutcome(
               request.robot, request.job == kPicked ? PickOutcome::kPicked : PickOutcome::kMissed);
-          !told.ok()) {
-        return told;
+          !reported.ok()) {
+        return reported;
       }
     }
     if (request.job != kGrasps) return ScriptedRunner::Run(request);
@@ -78,7 +78,7 @@ class PickRunTest : public ::testing::Test {
   absl::StatusOr<std::vector<Pick>> Run() {
     auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
     if (!robot.ok()) return robot.status();
-    return RunPicks(*robot, parts_, options_, [this](const Pick&) { ++heard_; });
+    return RunPicks(*robot, parts_, options_, [this](const Pick&) { ++picks_; });
   }
 
   const TemporaryFolder folder_;
@@ -88,16 +88,16 @@ class PickRunTest : public ::testing::Test {
   GriProtocol protocol_{jobs_};
   std::unique_ptr<RobotServer> server_;
   PickRunOptions options_;
-  int heard_ = 0;
+  int picks_ = 0;
 };
 
-TEST_F(PickRunTest, PicksThatHoldAreHeardOf) {
+TEST_F(PickRunTest, ReportsPicksThatHold) {
   options_.picked_job = kPicked;
   options_.missed_job = kMissed;
   const auto picks = Run();
   ASSERT_THAT(picks, IsOk());
   ASSERT_THAT(*picks, SizeIs(3));
-  EXPECT_EQ(heard_, 3);
+  EXPECT_EQ(picks_, 3);
   for (std::size_t i = 0; i < 3; ++i) {
     const Pick& pick = (*picks)[i];
     EXPECT_EQ(pick.code, GriCode::kNoError);
@@ -106,22 +106,22 @@ TEST_F(PickRunTest, PicksThatHoldAreHeardOf) {
     EXPECT_EQ(pick.error.object, pick.shown);
     EXPECT_LT(pick.error.shift_m, 1e-6);
   }
-  ASSERT_THAT(runner_.told(), SizeIs(3));
-  for (const auto& [grasp, outcome] : runner_.told()) EXPECT_EQ(outcome, PickOutcome::kPicked);
+  ASSERT_THAT(runner_.outcomes(), SizeIs(3));
+  for (const auto& [grasp, outcome] : runner_.outcomes()) EXPECT_EQ(outcome, PickOutcome::kPicked);
 }
 
-TEST_F(PickRunTest, SoAreThoseThatDoNot) {
+TEST_F(PickRunTest, ReportsPicksThatDoNotHold) {
   runner_.off_m = 0.005;
   options_.picked_job = kPicked;
   options_.missed_job = kMissed;
   const auto picks = Run();
   ASSERT_THAT(picks, IsOk());
   for (const Pick& pick : *picks) EXPECT_FALSE(pick.held);
-  ASSERT_THAT(runner_.told(), SizeIs(3));
-  for (const auto& [grasp, outcome] : runner_.told()) EXPECT_EQ(outcome, PickOutcome::kMissed);
+  ASSERT_THAT(runner_.outcomes(), SizeIs(3));
+  for (const auto& [grasp, outcome] : runner_.outcomes()) EXPECT_EQ(outcome, PickOutcome::kMissed);
 }
 
-TEST_F(PickRunTest, ThePoseIsInTheRobotsBaseFrame) {
+TEST_F(PickRunTest, ConvertsPosesFromTheRobotBaseFrame) {
   options_.world_base = Pose(Eigen::Translation3d(0, 0, 0.1));
   const auto picks = Run();
   ASSERT_THAT(picks, IsOk());
@@ -131,7 +131,7 @@ TEST_F(PickRunTest, ThePoseIsInTheRobotsBaseFrame) {
   }
 }
 
-TEST_F(PickRunTest, NobodyHearsOfRequestsWithoutAPose) {
+TEST_F(PickRunTest, DoesNotReportRequestsWithoutAPose) {
   options_.job = kNothing;
   options_.picked_job = kPicked;
   options_.missed_job = kMissed;
@@ -141,12 +141,12 @@ TEST_F(PickRunTest, NobodyHearsOfRequestsWithoutAPose) {
   for (const Pick& pick : *picks) {
     EXPECT_EQ(pick.code, GriCode::kNoPosesFound);
     EXPECT_FALSE(pick.held);
-    EXPECT_GT(pick.cycle.count(), 0);
+    EXPECT_GT(pick.latency.count(), 0);
   }
-  EXPECT_THAT(runner_.told(), SizeIs(0));
+  EXPECT_THAT(runner_.outcomes(), SizeIs(0));
 }
 
-TEST_F(PickRunTest, AJobThatCannotHearOfPicksIsAnError) {
+TEST_F(PickRunTest, FailsIfAJobCannotReportPicks) {
   options_.picked_job = 99;
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition,
                               ::testing::AllOf(HasSubstr("99"), HasSubstr("JOB_DOES_NOT_EXIST"))));
@@ -156,7 +156,7 @@ TEST_F(PickRunTest, AJobThatCannotHearOfPicksIsAnError) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("MISCONFIGURED_JOB")));
 }
 
-TEST_F(PickRunTest, AnAgentThatGoesAwayIsUnavailable) {
+TEST_F(PickRunTest, ReturnsUnavailableWithoutAnAgent) {
   auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
   ASSERT_THAT(robot, IsOk());
   server_.reset();

@@ -18,7 +18,7 @@ TEST(IdleCoresTest, EachJobRunsOnce) {
   }
 }
 
-TEST(IdleCoresTest, JobsMayHaveJobsThemselves) {
+TEST(IdleCoresTest, JobsMayBeNested) {
   std::vector<std::atomic<int>> runs(100);
   ForEachIndex(
       10, [&](std::size_t i) { ForEachIndex(10, [&](std::size_t j) { ++runs[10 * i + j]; }); });
@@ -38,7 +38,7 @@ TEST(IdleCoresTest, ManyThreadsMayCallItAtOnce) {
   EXPECT_EQ(runs, 8 * 50 * 7);
 }
 
-TEST(IdleCoresTest, AnExceptionReachesTheCallerWhenAllJobsAreDone) {
+TEST(IdleCoresTest, AnExceptionIsRethrownWhenAllJobsAreDone) {
   std::atomic<int> runs = 0;
   const auto job = [&](std::size_t i) {
     ++runs;

@@ -14,14 +14,14 @@ TEST(TopScores, AnyScoreIsAmongTheFirst) {
   EXPECT_EQ(top.min(), 0);
 }
 
-TEST(TopScores, AShareOfTheLargestIsNeeded) {
+TEST(TopScores, AShareOfTheLargestIsRequired) {
   TopScores top(10, 0.5);
   top.Add(0.8);
   top.Add(0.1);
   EXPECT_EQ(top.min(), 0.4);
 }
 
-TEST(TopScores, TheSmallestOfTheLargestIsNeeded) {
+TEST(TopScores, TheSmallestOfTheLargestIsRequired) {
   constexpr std::size_t kCount = 24;
   TopScores top(kCount, 0.01);
   std::mt19937 random_numbers(1);

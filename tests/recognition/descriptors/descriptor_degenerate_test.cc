@@ -1,4 +1,4 @@
-// Inputs for which some equation has no answer.
+// Degenerate inputs of the equations.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -83,19 +83,19 @@ TEST_P(DescriptorDegenerateTest, FewerThanTenPointsHaveNoDescriptor) {
   ExpectFinite(DescribeIt(cloud, {0, 0, 0.5}));
 }
 
-TEST_P(DescriptorDegenerateTest, PointsInOnePlaceHaveNoDescriptor) {
+TEST_P(DescriptorDegenerateTest, CoincidentPointsHaveNoDescriptor) {
   const OrientedCloud cloud{Points(50, {0.1F, 0.2F, 0.3F}), Normals(50, {0, 0, 1})};
   EXPECT_THAT(DescribeIt(cloud, {0, 0, 0.5}),
-              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("one place")));
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("all points coincide")));
 }
 
-TEST_P(DescriptorDegenerateTest, PointWithoutANormalIsRefused) {
+TEST_P(DescriptorDegenerateTest, PointWithoutANormalIsRejected) {
   OrientedCloud cloud = UprightRing();
   cloud.normals.pop_back();
   EXPECT_THAT(DescribeIt(cloud, {0, 0, 0.5}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
-TEST_P(DescriptorDegenerateTest, NumbersThatAreNotFiniteAreRefused) {
+TEST_P(DescriptorDegenerateTest, NonFiniteValuesAreRejected) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   OrientedCloud point = UprightRing();
   point.points[3].y() = nan;
@@ -117,8 +117,8 @@ TEST_P(DescriptorDegenerateTest, DegenerateCloudsHaveFiniteDescriptors) {
   ExpectFinite(DescribeIt(Ring([](int, const Vector3d& out) { return out; }), above));
 }
 
-// The direction to the viewpoint stands in for the mean normal: u = z, w = out.
-TEST(DescriptorWithoutMeanNormalTest, DirectionToTheViewpointTakesItsPlace) {
+// The direction to the viewpoint replaces the mean normal: u = z, w = out.
+TEST(DescriptorWithoutMeanNormalTest, DirectionToTheViewpointReplacesIt) {
   const auto mvfh = Describe(BalancedRing(), {0, 0, 0.5}, DescriptorKind::kMvfh300);
   ASSERT_TRUE(mvfh.ok());
   EXPECT_NEAR(Mass(*mvfh), 1, 1e-5);

@@ -49,7 +49,7 @@ void AddRing(int count, double radius, double z, const RingNormal& n, OrientedCl
 // A value that a share of the points has.
 using Share = std::pair<double, double>;
 
-// The part holds these values and nothing else; its whole mass is `mass`.
+// The part contains exactly these values; its whole mass is `mass`.
 void ExpectPart(const Descriptor& descriptor, const Part& part, double mass,
                 const std::vector<Share>& shares) {
   SCOPED_TRACE(part.name);

@@ -1,4 +1,4 @@
-// What MVFH tells apart and VFH does not: poses that are mirror images of each other.
+// Mirrored poses, which MVFH distinguishes and VFH does not.
 //
 // Under a mirror v = d x u changes its sign and w = u x v does not. So cos(alpha) and
 // cos(alpha^M) are turned round, and every other angle keeps its histogram.
@@ -46,8 +46,8 @@ Vector3d YawedViewpoint(double yaw_deg) {
   return 0.6 * Vector3d(std::sin(yaw), 0, std::cos(yaw));
 }
 
-// An asymmetric cloud and its mirror image at x = 0, with the centroid moved into that
-// plane so that it holds the line of sight.
+// An asymmetric cloud and its mirror image at x = 0, with the centroid moved into that plane so
+// that it contains the line of sight.
 class MirrorImageTest : public ::testing::Test {
  protected:
   MirrorImageTest() {
@@ -114,7 +114,7 @@ OrientedCloud LopsidedRoof() {
 }
 
 // Figure 9b and 9c of the paper.
-TEST(YawTest, VfhDoesNotTellYawPlus30FromMinus30AndMvfhDoes) {
+TEST(YawTest, MvfhDistinguishesYawPlus30FromMinus30AndVfhDoesNot) {
   const OrientedCloud roof = LopsidedRoof();
   const auto distance = [&](DescriptorKind kind) {
     return ChiSquareDistance(Described(roof, YawedViewpoint(30), kind),
@@ -124,7 +124,7 @@ TEST(YawTest, VfhDoesNotTellYawPlus30FromMinus30AndMvfhDoes) {
   EXPECT_GT(distance(DescriptorKind::kMvfh300), 0.2);
 }
 
-TEST(YawTest, BothTellYawPlus30FromNoYaw) {
+TEST(YawTest, BothDistinguishYawPlus30FromNoYaw) {
   const OrientedCloud roof = LopsidedRoof();
   for (const DescriptorKind kind : {DescriptorKind::kVfh263, DescriptorKind::kMvfh300}) {
     EXPECT_GT(ChiSquareDistance(Described(roof, YawedViewpoint(30), kind),

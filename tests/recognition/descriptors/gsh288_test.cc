@@ -67,7 +67,7 @@ TEST(Gsh288, OrderPlaceAndATurnAboutTheVerticalDoNotMatter) {
   }
 }
 
-// What VFH and MVFH cannot tell: all normals of a flat face are alike.
+// VFH and MVFH cannot distinguish them: all normals of a flat face are alike.
 TEST(Gsh288, AFlatFaceIsNotItsMirrorImage) {
   const Pose eye = At({0, -0.6, 0.4});
   const Descriptor left = DescribeGsh288(Moved(YawPose(30), Face()), eye);
@@ -75,7 +75,7 @@ TEST(Gsh288, AFlatFaceIsNotItsMirrorImage) {
   EXPECT_GT(ChiSquareDistance(left, right), 0.5);
 }
 
-// A small turn moves a count from bin to bin by its share, and not at once.
+// A small turn moves a count gradually from bin to bin.
 TEST(Gsh288, ASmallTurnIsASmallDistance) {
   Random random(3);
   const OrientedCloud cloud = WavySurface(random, 2000);
@@ -85,9 +85,8 @@ TEST(Gsh288, ASmallTurnIsASmallDistance) {
   EXPECT_LT(near, 0.1 * far);
 }
 
-// A camera straight above, a little off the centre to one side or the other: what it sees is the
-// same.
-TEST(Gsh288, SeenFromAboveItDoesNotMatterOnWhichSide) {
+// A camera straight above, a little off the centre to one side or the other: its view is the same.
+TEST(Gsh288, FromAboveTheCamerasSideDoesNotMatter) {
   const OrientedCloud face = Face();
   Pose above(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));  // looks down
   above.translation() = Centroid(face.points) + Vector3d(0.02, 0, 0.5);

@@ -20,27 +20,27 @@ Pose LookingFrom(const Vector3d& eye, const Vector3d& down) {
   return pose;
 }
 
-TEST(SideSeen, WhereTheCameraLooksObliquelyItIsTheCamerasSide) {
+TEST(SideSeen, IsTheCamerasSideForAnObliqueView) {
   const Pose sensor = LookingFrom({0.6, 0, 0.5}, -Vector3d::UnitZ());
   EXPECT_TRUE(SideSeen(sensor, Vector3d::Zero()).isApprox(Vector3d::UnitX(), 1e-9));
   const Vector3d off = SideSeen(sensor, {0, 0.2, 0});
   EXPECT_NEAR(std::atan2(off.y(), off.x()), std::atan2(-0.2, 0.6), 1e-9);
 }
 
-TEST(SideSeen, WhereTheCameraLooksDownItIsTheLowerSideOfTheImageWhereverAThingStands) {
+TEST(SideSeen, IsTheLowerSideOfTheImageForAViewFromAbove) {
   const Pose sensor = LookingFrom({0, 0, 0.8}, -Vector3d::UnitY());
   for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(-0.1, 0.05, 0), Vector3d(0, 0, 0)}) {
     EXPECT_TRUE(SideSeen(sensor, point).isApprox(-Vector3d::UnitY(), 1e-9));
   }
 }
 
-TEST(SideSeen, InTheSensorsOwnFrameNothingTurnsInTheMiddleOfTheImage) {
+TEST(SideSeen, IsConstantInTheMiddleOfTheImageInTheSensorFrame) {
   for (const Vector3d& point : {Vector3d(0.02, 0.01, 0.8), Vector3d(-0.02, -0.01, 0.8)}) {
     EXPECT_TRUE(SideSeen(Pose::Identity(), point).isApprox(Vector3d::UnitY(), 1e-9));
   }
 }
 
-TEST(SideSeen, BetweenObliqueAndSteepThereIsNoJump) {
+TEST(SideSeen, IsContinuousBetweenObliqueAndSteep) {
   Vector3d before = SideSeen(LookingFrom({0.01, 0, 1}, -Vector3d::UnitY()), Vector3d::Zero());
   for (double off = 0.02; off < 0.6; off += 0.01) {
     // The image's lower side stays at -y, the camera moves to +x.

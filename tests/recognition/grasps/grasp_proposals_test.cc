@@ -30,7 +30,7 @@ std::vector<std::string> IdsOf(const std::vector<GraspProposal>& proposals) {
   return out;
 }
 
-TEST(DeclaredTurns, AreThoseOfTheSymmetryTheSmallestFirst) {
+TEST(DeclaredTurns, FollowTheSymmetryTheSmallestFirst) {
   EXPECT_THAT(DeclaredTurns(1), ElementsAre(0));
   EXPECT_THAT(DeclaredTurns(2), ElementsAre(0, DoubleNear(kPi, 1e-12)));
   EXPECT_THAT(DeclaredTurns(4), ElementsAre(0, DoubleNear(kPi / 2, 1e-12),
@@ -38,7 +38,7 @@ TEST(DeclaredTurns, AreThoseOfTheSymmetryTheSmallestFirst) {
   EXPECT_THAT(DeclaredTurns(0), SizeIs(12));
 }
 
-TEST(DeclaredTurns, OfManyTwelveAreGivenThatTheSymmetryAllows) {
+TEST(DeclaredTurns, AreAtMostTwelveThatTheSymmetryAllows) {
   const std::vector<double> turns = DeclaredTurns(30);
   EXPECT_THAT(turns, SizeIs(12));
   for (const double turn : turns) {
@@ -55,7 +55,7 @@ TEST(ProposeGrasps, EveryGraspOnceForEachTurnThePriorityFirst) {
   EXPECT_NEAR(proposals[1].world_tcp.translation().x(), 0.15, 1e-12);
 }
 
-TEST(SuccessRate, BeginsAtNineInTenAndFollowsWhatIsTold) {
+TEST(SuccessRate, BeginsAtNineInTenAndFollowsReports) {
   EXPECT_DOUBLE_EQ(SuccessRate({}), 0.9);
   EXPECT_LT(SuccessRate({.picked = 0, .missed = 1, .slipped = 0}), 0.9);
   EXPECT_GT(SuccessRate({.picked = 1, .missed = 0, .slipped = 0}), 0.9);
@@ -63,7 +63,7 @@ TEST(SuccessRate, BeginsAtNineInTenAndFollowsWhatIsTold) {
   EXPECT_NEAR(SuccessRate({.picked = 30'000, .missed = 0, .slipped = 10'000}), 0.75, 1e-3);
 }
 
-TEST(ProposeGrasps, OfOnePriorityThoseThatSucceedComeFirst) {
+TEST(ProposeGrasps, SuccessfulGraspsComeFirstWithinAPriority) {
   TaughtStablePose pose{"pose", 1, {Grasp("fails", 1), Grasp("holds", 1), Grasp("wanted", 2)}};
   pose.grasps[0].picks = {.picked = 4, .missed = 3, .slipped = 3};
   pose.grasps[1].picks = {.picked = 10, .missed = 0, .slipped = 0};
@@ -72,7 +72,7 @@ TEST(ProposeGrasps, OfOnePriorityThoseThatSucceedComeFirst) {
               ElementsAre("wanted", "holds", "fails"));
 }
 
-TEST(ProposeGrasps, OneFailureIsChanceAndTwoAreNot) {
+TEST(ProposeGrasps, OneFailureKeepsTheOrderAndTwoChangeIt) {
   TaughtStablePose pose{"pose", 1, {Grasp("first", 1), Grasp("second", 1)}};
   pose.grasps[0].picks.missed = 1;
   EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
@@ -85,7 +85,7 @@ TEST(ProposeGrasps, OneFailureIsChanceAndTwoAreNot) {
               ElementsAre("first", "second"));
 }
 
-TEST(ProposeGrasps, NineteenSuccessesChangeNothingAndTwentyDo) {
+TEST(ProposeGrasps, NineteenSuccessesKeepTheOrderAndTwentyChangeIt) {
   TaughtStablePose pose{"pose", 1, {Grasp("first", 1), Grasp("second", 1)}};
   pose.grasps[1].picks.picked = 19;
   EXPECT_EQ(ProposeGrasps(pose, Pose::Identity(), std::nullopt)[0].grasp.id, "first");
@@ -93,14 +93,14 @@ TEST(ProposeGrasps, NineteenSuccessesChangeNothingAndTwentyDo) {
   EXPECT_EQ(ProposeGrasps(pose, Pose::Identity(), std::nullopt)[0].grasp.id, "second");
 }
 
-TEST(ProposeGrasps, SuccessGoesBeforeTheLeastTurn) {
+TEST(ProposeGrasps, SuccessPrecedesTheSmallestTurn) {
   TaughtStablePose pose{"pose", 2, {Grasp("fails", 1), Grasp("holds", 1)}};
   pose.grasps[0].picks.missed = 10;
   EXPECT_THAT(IdsOf(ProposeGrasps(pose, Pose::Identity(), std::nullopt)),
               ElementsAre("holds", "holds", "fails", "fails"));
 }
 
-TEST(ProposeGrasps, ATurnedOneIsGivenWhereTheTaughtOneIsOutOfReach) {
+TEST(ProposeGrasps, ATurnedGraspReplacesAnUnreachableTaughtOne) {
   TaughtStablePose pose{"pose", 2, {Grasp("side", 1)}};
   const Box left{{-1, -1, -1}, {0, 1, 1}};
   const auto proposals = ProposeGrasps(pose, Pose::Identity(), left);
@@ -110,7 +110,7 @@ TEST(ProposeGrasps, ATurnedOneIsGivenWhereTheTaughtOneIsOutOfReach) {
   EXPECT_THAT(ProposeGrasps(pose, Pose::Identity(), left), IsEmpty());
 }
 
-TEST(ProposeGrasps, AFreeTurnIsTriedEveryThirtyDegreesAndAtItsEnds) {
+TEST(ProposeGrasps, AFreeTurnHasStepsOfThirtyDegreesAndItsEnds) {
   TaughtStablePose pose{"pose", 1, {Grasp("rim", 1)}};
   pose.grasps[0].free_turn = FreeTurn{-kPi / 4, kPi / 6};
   const auto proposals = ProposeGrasps(pose, Pose::Identity(), std::nullopt);
@@ -123,7 +123,7 @@ TEST(ProposeGrasps, AFreeTurnIsTriedEveryThirtyDegreesAndAtItsEnds) {
                                  DoubleNear(-kPi / 4, 1e-9)));
 }
 
-TEST(ProposeGrasps, TurnsThatSymmetryAndFreedomBothAllowAreGivenOnce) {
+TEST(ProposeGrasps, TurnsOfBothSymmetryAndFreeTurnAreGivenOnce) {
   TaughtStablePose pose{"pose", 2, {Grasp("rim", 1)}};
   pose.grasps[0].free_turn = FreeTurn{-kPi, kPi};
   EXPECT_THAT(ProposeGrasps(pose, Pose::Identity(), std::nullopt), SizeIs(12));

@@ -52,7 +52,7 @@ class ApproximateIndexTest : public ::testing::Test {
     return made.ok() ? exact_.WithApproximate(*made) : exact_;
   }
 
-  // As after a restart: other views of the same names, and some have gone meanwhile.
+  // As after a restart: other views of the same names, and some deleted meanwhile.
   static DescriptorIndex Reloaded(const ApproximateIndex& index, const DescriptorIndex& now) {
     const auto saved = index.Save();
     EXPECT_THAT(saved, IsOk());
@@ -108,7 +108,7 @@ TEST_F(ApproximateIndexTest, FindsNearlyAllAndRanksThemByTheExactDistance) {
   EXPECT_GE(hits, 190U);
 }
 
-TEST_F(ApproximateIndexTest, MeasuresWhatItMisses) {
+TEST_F(ApproximateIndexTest, MeasuresItsRecall) {
   const double few = RecallAt10(Approximate(kFew));
   EXPECT_GT(few, 0.1);
   EXPECT_LT(few, 0.99);
@@ -122,7 +122,7 @@ TEST_F(ApproximateIndexTest, MoreNeighborsAreFoundExactly) {
   EXPECT_EQ(NearestOf(index, query, 600), NearestOf(exact_, query, 600));
 }
 
-TEST_F(ApproximateIndexTest, ALoadedOneAnswersAsTheSavedOne) {
+TEST_F(ApproximateIndexTest, ALoadedIndexAnswersAsTheSavedOne) {
   const DescriptorIndex index = Approximate(kFew);
   const DescriptorIndex loaded = Reloaded(*index.approximate(), exact_);
   bool differs_from_exact = false;
@@ -135,7 +135,7 @@ TEST_F(ApproximateIndexTest, ALoadedOneAnswersAsTheSavedOne) {
   EXPECT_TRUE(differs_from_exact);
 }
 
-TEST_F(ApproximateIndexTest, ALoadedOneAnswersAsTheSavedOneWhenViewsHaveComeAndGone) {
+TEST_F(ApproximateIndexTest, ALoadedIndexAnswersAsTheSavedOneAfterChanges) {
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < views_.size(); i += 3) names.insert(views_[i].view->name);
   std::vector<Descriptor> more(700);
@@ -163,7 +163,7 @@ TEST_F(ApproximateIndexTest, ALoadedOneAnswersAsTheSavedOneWhenViewsHaveComeAndG
   EXPECT_EQ(index.Nearest(more[5], 1)[0].view, newer[5].view);
 }
 
-TEST_F(ApproximateIndexTest, AViewThatIsTaughtAgainIsFoundAsItIsNow) {
+TEST_F(ApproximateIndexTest, ARetaughtViewIsFoundWithItsNewDescriptor) {
   const IndexedView& old = views_[17];
   auto again = std::make_shared<TaughtView>(*old.view);
   const Descriptor descriptor = shapes_.Next();
@@ -175,7 +175,7 @@ TEST_F(ApproximateIndexTest, AViewThatIsTaughtAgainIsFoundAsItIsNow) {
   EXPECT_GT(index.Nearest(old.descriptor, 1)[0].distance, 0);
 }
 
-TEST_F(ApproximateIndexTest, WhenAllViewsAreGoneNoneIsFound) {
+TEST_F(ApproximateIndexTest, NoViewIsFoundAfterAllAreDeleted) {
   std::unordered_set<std::string> names;
   for (const IndexedView& v : views_) names.insert(v.view->name);
   const DescriptorIndex none = Approximate(kMany).Without(names);
@@ -198,7 +198,7 @@ TEST_F(ApproximateIndexTest, EqualViewsAreFoundByName) {
   EXPECT_EQ(NearestOf(*index, query, 10), NearestOf(exact, query, 10));
 }
 
-TEST_F(ApproximateIndexTest, TooFewViewsAndOtherLibrariesAreRefused) {
+TEST_F(ApproximateIndexTest, TooFewViewsAndOtherLibrariesAreRejected) {
   const DescriptorIndex few = DescriptorIndex(kBins).With(std::span(views_).first(20));
   EXPECT_THAT(ApproximateIndex::Build(few.chunks(), kMany),
               StatusIs(absl::StatusCode::kFailedPrecondition));

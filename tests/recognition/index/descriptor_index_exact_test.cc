@@ -1,4 +1,4 @@
-// Searches of so many views that bytes are of projections: the same as comparing with every view.
+// Searches of enough views for projections: the same results as comparing with every view.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ class DescriptorIndexExactTest : public ::testing::Test {
   Shapes shapes_{random_};
 };
 
-TEST_F(DescriptorIndexExactTest, LikeViews) {
+TEST_F(DescriptorIndexExactTest, SimilarViews) {
   std::vector<Descriptor> taught(kViews);
   std::ranges::generate(taught, [&] { return shapes_.Next(); });
   const auto views = ViewsOf(taught);
@@ -125,7 +125,7 @@ TEST_F(DescriptorIndexExactTest, ViewsThatDifferInTheLastDigit) {
   ExpectExact(index, views, taught[1]);
 }
 
-TEST_F(DescriptorIndexExactTest, ViewsUnlikeThoseThatItWasFittedTo) {
+TEST_F(DescriptorIndexExactTest, ViewsUnlikeTheFittedOnes) {
   std::vector<Descriptor> taught(kViews);
   std::ranges::generate(taught, [&] { return shapes_.Next(); });
   Shapes others(random_);
@@ -144,7 +144,7 @@ TEST_F(DescriptorIndexExactTest, ViewsUnlikeThoseThatItWasFittedTo) {
   ExpectExact(index, left, taught[3]);
 }
 
-TEST_F(DescriptorIndexExactTest, JoinedPartsAreCodedAsTheWholeWouldBe) {
+TEST_F(DescriptorIndexExactTest, JoinedPartsAreCodedAsTheWhole) {
   std::vector<Descriptor> taught(kViews);
   std::ranges::generate(taught, [&] { return shapes_.Next(); });
   const auto views = ViewsOf(taught);

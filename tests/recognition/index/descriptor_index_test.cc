@@ -100,7 +100,7 @@ TEST(DescriptorIndexTest, StoredDescriptorFindsItselfAtZero) {
   }
 }
 
-TEST(DescriptorIndexTest, OrderInWhichViewsCameDoesNotMatter) {
+TEST(DescriptorIndexTest, InsertionOrderDoesNotMatter) {
   Random random(43);
   std::vector<IndexedView> views = RandomViews(random, 700);
   const DescriptorIndex whole = IndexOf(views);
@@ -116,7 +116,7 @@ TEST(DescriptorIndexTest, OrderInWhichViewsCameDoesNotMatter) {
   }
 }
 
-TEST(DescriptorIndexTest, JoinedIndicesFindWhatOneOfAllViewsFinds) {
+TEST(DescriptorIndexTest, JoinedIndicesFindTheSameAsOneOfAllViews) {
   Random random(17);
   const std::vector<IndexedView> views = RandomViews(random, 1500);
   const std::span<const IndexedView> all(views);
@@ -147,7 +147,7 @@ TEST(DescriptorIndexTest, EqualDistancesComeByNameAcrossChunks) {
               ElementsAre("0001", "0002", "0003"));
 }
 
-TEST(DescriptorIndexTest, WritesLeaveEarlierSnapshotsAlone) {
+TEST(DescriptorIndexTest, WritesDoNotChangeEarlierSnapshots) {
   Random random(46);
   const std::vector<IndexedView> views = RandomViews(random, 600);
   const DescriptorIndex before = IndexOf(views);
@@ -176,14 +176,14 @@ TEST(DescriptorIndexTest, ViewsAreRemovedFromEveryChunk) {
   EXPECT_EQ(fewer.view_count(), views.size());
   ExpectNearest(fewer, views, RandomDescriptor(random), 2000);
 
-  // What comes after a removal is found, too.
+  // Views added after a removal are found, too.
   const std::vector<IndexedView> more = {View("a", RandomDescriptor(random)),
                                          View("b", RandomDescriptor(random))};
   views.insert(views.end(), more.begin(), more.end());
   ExpectNearest(fewer.With(more), views, RandomDescriptor(random), 2000);
 }
 
-TEST(DescriptorIndexTest, WithoutUnknownNamesNothingChanges) {
+TEST(DescriptorIndexTest, RemovingUnknownNamesChangesNothing) {
   Random random(48);
   const std::vector<IndexedView> views = RandomViews(random, 20);
   EXPECT_EQ(IndexOf(views).Without({"objects/none", "objects"}).view_count(), 20U);
@@ -204,7 +204,7 @@ TEST(DescriptorIndexTest, CountLargerThanTheIndexGivesAll) {
   EXPECT_THAT(IndexOf(views).Nearest(RandomDescriptor(random), 50), SizeIs(5));
 }
 
-TEST(DescriptorIndexTest, NothingComesOfAnEmptyIndexAWrongLengthOrNoCount) {
+TEST(DescriptorIndexTest, NoMatchesForAnEmptyIndexAWrongLengthOrNoCount) {
   Random random(50);
   const DescriptorIndex index = IndexOf(RandomViews(random, 5));
   EXPECT_THAT(DescriptorIndex(kMvfhBins).Nearest(RandomDescriptor(random), 5), IsEmpty());

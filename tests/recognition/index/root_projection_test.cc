@@ -18,7 +18,7 @@ using Rows = std::vector<std::vector<float>>;
 
 constexpr std::size_t kRowBins = 60;
 
-// Sums of a few patterns, and a little of everything.
+// Sums of a few patterns, and a little of every bin.
 Rows Sample(Random& random, std::size_t count) {
   Rows out;
   for (std::size_t i = 0; i < count; ++i) {
@@ -60,7 +60,7 @@ TEST(RootProjectionTest, DistancesBecomeNoLarger) {
   EXPECT_GE(kept / static_cast<double>(rows.size() - 1), 0.9);
 }
 
-TEST(RootProjectionTest, DistancesOfWhatItWasNotFittedToBecomeNoLargerEither) {
+TEST(RootProjectionTest, DistancesOfOtherHistogramsBecomeNoLargerEither) {
   Random random(6);
   const auto projection = RootProjection::Fit(Sample(random, 500));
   ASSERT_NE(projection, nullptr);
@@ -75,7 +75,7 @@ TEST(RootProjectionTest, DistancesOfWhatItWasNotFittedToBecomeNoLargerEither) {
   }
 }
 
-TEST(RootProjectionTest, ThereIsNoneWhereItWouldKeepLittle) {
+TEST(RootProjectionTest, IsNullWhereItWouldKeepLittleVariance) {
   Random random(7);
   Rows independent(2000, std::vector<float>(288));
   for (auto& row : independent) {
@@ -84,7 +84,7 @@ TEST(RootProjectionTest, ThereIsNoneWhereItWouldKeepLittle) {
   EXPECT_EQ(RootProjection::Fit(independent), nullptr);
 }
 
-TEST(RootProjectionTest, ThereIsNoneForTooLittleAndForWhatIsNotFinite) {
+TEST(RootProjectionTest, IsNullForTooFewRowsAndForNonFiniteValues) {
   Random random(8);
   Rows rows = Sample(random, 100);
   EXPECT_NE(RootProjection::Fit(rows), nullptr);

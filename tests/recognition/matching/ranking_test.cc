@@ -1,4 +1,4 @@
-// Which explanations are as good as the best one.
+// Hypotheses that are as good as the best one.
 #include "recognition/matching/ranking.h"
 
 #include <gmock/gmock.h>
@@ -34,12 +34,12 @@ Pose Turn(double deg) {
   return Pose(Eigen::AngleAxisd(deg * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()));
 }
 
-TEST(LargestGap, ATurnThatChangesNothingLeavesNone) {
+TEST(LargestGap, IsZeroForATurnByASymmetry) {
   const SurfaceModel plate = Plate();
   EXPECT_LT(LargestGap(plate, Turn(10), plate, Turn(190)), 0.003);
 }
 
-TEST(LargestGap, IsThatOfThePointThatIsFarthestOff) {
+TEST(LargestGap, IsThatOfTheFarthestPoint) {
   const SurfaceModel plate = Plate();
   Pose moved = Turn(10);
   moved.translation().z() = 0.012;
@@ -97,7 +97,7 @@ Detection MustDetect(ViewClouds& clouds, const CatalogueSnapshot& catalogue, con
   return found.ok() && found->detections.size() == 1 ? found->detections[0] : Detection{};
 }
 
-TEST(Ambiguity, ObjectsOfOneShapeAreToldToBe) {
+TEST(Ambiguity, ObjectsOfOneShapeAreAmbiguous) {
   Twins twins;
   CatalogueSnapshot snapshot = twins.snapshot();
   std::vector<IndexedView> views;
@@ -118,7 +118,7 @@ TEST(Ambiguity, ObjectsOfOneShapeAreToldToBe) {
   EXPECT_EQ(MustDetect(twins, snapshot, "bracket").outcome, RecognitionOutcome::kOk);
 }
 
-TEST(Ambiguity, WhatIsUniqueIsNot) {
+TEST(Ambiguity, AUniqueObjectIsNotAmbiguous) {
   TaughtShapes taught;
   const Detection tower = MustDetect(taught, taught.snapshot(), "tower");
   EXPECT_EQ(tower.outcome, RecognitionOutcome::kOk);

@@ -28,7 +28,7 @@ double ShareIn(const Points& points, const Eigen::Vector3f& center, float radius
   return static_cast<double>(inside) / static_cast<double>(points.size());
 }
 
-TEST(ReachableShare, NoSphereHoldsMore) {
+TEST(ReachableShare, NoSphereContainsMore) {
   const Points points = PointsIn({0.4F, 0.1F, 0.05F}, 500);
   const ReachableShare reachable(points, 1);
   for (const float radius_m : {0.0F, 0.001F, 0.02F, 0.05F, 0.1F, 0.3F}) {
@@ -38,7 +38,7 @@ TEST(ReachableShare, NoSphereHoldsMore) {
   }
 }
 
-TEST(ReachableShare, ASphereHoldsLittleMoreThanItsWidth) {
+TEST(ReachableShare, ASphereContainsLittleMoreThanItsWidth) {
   const ReachableShare reachable(PointsIn({0.4F, 0.1F, 0.05F}, 20'000), 1);
   EXPECT_NEAR(reachable.Within(0.05F), 0.25, 0.08);
   EXPECT_EQ(reachable.Within(0.21F), 1);
@@ -51,13 +51,13 @@ TEST(ReachableShare, HeightsAreThoseOfThePoints) {
   EXPECT_EQ(reachable.NotHigher(0.05F), 1);
 }
 
-TEST(ReachableShare, PointsInOnePlaceAreAllReached) {
+TEST(ReachableShare, CoincidentPointsAreAllReached) {
   const ReachableShare reachable(Points(100, Eigen::Vector3f(1, 2, 3)), 7);
   EXPECT_EQ(reachable.Within(0), 1);
   EXPECT_EQ(reachable.NotHigher(3), 1);
 }
 
-TEST(ReachableShare, NothingIsSaidWithoutPoints) {
+TEST(ReachableShare, IsOneWithoutPoints) {
   const ReachableShare reachable({}, 1);
   EXPECT_EQ(reachable.Within(0), 1);
   EXPECT_EQ(reachable.NotHigher(0), 1);

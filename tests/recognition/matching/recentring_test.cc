@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using ::graspdb::testing::SeenFromAbove;
 
-// A roof whose ridge of 12 cm goes along x: nothing but its ends tells where along x it is.
+// A roof whose ridge of 12 cm goes along x: only its ends constrain its position along x.
 OrientedCloud Roof() {
   const float slope = std::sqrt(0.5F);
   OrientedCloud out;
@@ -35,19 +35,19 @@ Pose Along(double x) {
 
 class RecentringTest : public ::testing::Test {
  protected:
-  // The pose that is recentred on from `x` m along the ridge, of which the score is `score_at(x)`.
+  // The recentred pose from `x` m along the ridge, with scores of `score_at(x)`.
   template <typename ScoreAt>
-  double RecentredX(double x, const InformationMatrix& held, const ScoreAt& score_at) const {
+  double RecentredX(double x, const InformationMatrix& information, const ScoreAt& score_at) const {
     const Judge judge = [&](const Pose& pose) {
       Evidence out;
       out.score = score_at(pose.translation().x());
       return out;
     };
     const Recentred refined = {Along(x), judge(Along(x))};
-    return Recentre(model_, refined, held, judge).world_object.translation().x();
+    return Recentre(model_, refined, information, judge).world_object.translation().x();
   }
 
-  InformationMatrix HeldBut(int direction, double weight) const {
+  InformationMatrix WeakAlong(int direction, double weight) const {
     InformationMatrix out = 500 * InformationMatrix::Identity();
     out.topLeftCorner<3, 3>() *= std::pow(static_cast<double>(model_.radius_m), 2);
     out(direction, direction) = weight;
@@ -57,25 +57,25 @@ class RecentringTest : public ::testing::Test {
   const SurfaceModel model_{Roof(), 1};
 };
 
-TEST_F(RecentringTest, WhatIsLooseIsPutIntoTheMiddleOfWhatIsAsGood) {
+TEST_F(RecentringTest, AWeakAxisMovesToTheMiddleOfTheBestScores) {
   // As good from -3 to 5 mm, and worse by 0.01 a millimetre beyond.
   const auto score_at = [](double x) { return 0.99 - 10 * std::max({0.0, -0.003 - x, x - 0.005}); };
-  const InformationMatrix loose = HeldBut(3, 0.01);
+  const InformationMatrix loose = WeakAlong(3, 0.01);
   EXPECT_NEAR(RecentredX(0, loose, score_at), 0.001, 2e-4);
   EXPECT_NEAR(RecentredX(0.008, loose, score_at), 0.001, 3e-4);
   EXPECT_NEAR(RecentredX(-0.006, loose, score_at), 0.001, 3e-4);
 }
 
-TEST_F(RecentringTest, TheFirmerItIsHeldTheLessItMoves) {
+TEST_F(RecentringTest, AFirmerAxisMovesLess) {
   const auto score_at = [](double x) { return 0.99 - 10 * std::abs(x - 0.004); };
-  const double firm = RecentredX(0, HeldBut(3, 20), score_at);
-  const double loose = RecentredX(0, HeldBut(3, 1), score_at);
+  const double firm = RecentredX(0, WeakAlong(3, 20), score_at);
+  const double loose = RecentredX(0, WeakAlong(3, 1), score_at);
   EXPECT_LT(firm, loose);
   EXPECT_NEAR(loose, 0.004, 1e-4);
-  EXPECT_EQ(RecentredX(0, HeldBut(3, 400), score_at), 0);
+  EXPECT_EQ(RecentredX(0, WeakAlong(3, 400), score_at), 0);
 }
 
-TEST_F(RecentringTest, ATurnAboutItsMiddleSettles) {
+TEST_F(RecentringTest, AWeakTurnIsRecentredAboutTheCenter) {
   const Vector3d center = model_.center.cast<double>();
   const double rim = static_cast<double>(model_.radius_m);
   const auto turn_of = [](const Pose& pose) {
@@ -87,13 +87,13 @@ TEST_F(RecentringTest, ATurnAboutItsMiddleSettles) {
     return out;
   };
   const Recentred recentred = Recentre(model_, {Pose::Identity(), judge(Pose::Identity())},
-                                       HeldBut(2, 0.01 * rim * rim), judge);
+                                       WeakAlong(2, 0.01 * rim * rim), judge);
   EXPECT_NEAR(turn_of(recentred.world_object), 0.05, 0.005);
   EXPECT_LT((recentred.world_object * center - center).norm(), 1e-9);
   EXPECT_EQ(recentred.evidence.score, judge(recentred.world_object).score);
 }
 
-TEST_F(RecentringTest, TheEndsOfARidgeSayMoreThanItsResiduals) {
+TEST_F(RecentringTest, TheEndsOfARidgeOutweighItsResiduals) {
   const SeenFromAbove seen(Roof());
   const RefinementTarget target = seen.Target(/*on_table=*/false);
   const Judge judge = [&](const Pose& pose) {

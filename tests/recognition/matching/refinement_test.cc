@@ -41,7 +41,7 @@ class RefinementTest : public ::testing::Test {
   std::optional<SeenFromAbove> seen_;
 };
 
-TEST_F(RefinementTest, FindsBackFromAnyDirection) {
+TEST_F(RefinementTest, ConvergesFromAnyDirection) {
   for (int i = 0; i < 20; ++i) {
     const Pose initial = RandomMotion(random_, truth_.translation(), 0.12, 0.01) * truth_;
     const Pose found = Refine(model_, Target(false), initial, {.iterations = 20}).world_object;
@@ -62,7 +62,7 @@ TEST_F(RefinementTest, AFirmTableKeepsHeightAndTilt) {
 }
 
 // The calibration is off by a degree; the table shows how the object stands.
-TEST_F(RefinementTest, AMeasuredTableIsWhatTheObjectStandsOn) {
+TEST_F(RefinementTest, AMeasuredTableReplacesTheCalibratedOne) {
   const Eigen::AngleAxisd off(0.0175, Eigen::Vector3d::UnitX());
   RefinementTarget target = Target(true);
   target.table = Plane{off * Eigen::Vector3d::UnitZ(), 0};

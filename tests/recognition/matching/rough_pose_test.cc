@@ -22,8 +22,8 @@ constexpr double kTableReachM = 0.006;
 
 Pose WorldSensor() { return graspdb::testing::LookAt({-0.6, 0, 0.6}, Vector3d::Zero()); }
 
-// A plate of 20 x 10 cm, 5 mm thick, and a leg of 8 cm that stands up at its far end: what the
-// camera sees of it.
+// A plate of 20 x 10 cm, 5 mm thick, and a leg of 8 cm that stands up at its far end: the visible
+// points.
 OrientedCloud AnglePlate() {
   OrientedCloud out;
   for (int i = 0; i < 80; ++i) {
@@ -47,7 +47,7 @@ Pose Displaced() {
   return out;
 }
 
-// What is left of it as a segment where everything up to `table_reach_m` was removed.
+// The segment after removing all points up to `table_reach_m`.
 SeenSegment Seen(double table_reach_m) {
   Points points;
   for (const Vector3f& p : AnglePlate().points) {
@@ -74,16 +74,16 @@ std::vector<double> Offs(const SeenSegment& segment, const DepthBuffer::Sides& h
   return out;
 }
 
-TEST(RoughPoses, WhatIsSeenWholeIsPutWhereItIs) {
+TEST(RoughPoses, AFullyVisibleObjectIsPlacedExactly) {
   EXPECT_THAT(Offs(Seen(/*table_reach_m=*/0)), ElementsAre(Lt(0.015)));
 }
 
-TEST(RoughPoses, WhatStandsUpFromAPlateThatWentWithTheTableSaysWhereThePlateIs) {
+TEST(RoughPoses, AnUprightLegLocatesAPlateRemovedWithTheTable) {
   EXPECT_THAT(Offs(Seen(kTableReachM)), ElementsAre(Gt(0.04), Lt(0.015)));
 }
 
 // The left half of the plate in the image, without a table.
-TEST(RoughPoses, AnySideOfWhatIsSeenAloneMayBeHidden) {
+TEST(RoughPoses, AnySideOfASegmentedScanMayBeHidden) {
   Points half;
   const Eigen::Isometry3f sensor_world = WorldSensor().inverse().cast<float>();
   for (const Vector3f& p : AnglePlate().points) {
@@ -102,7 +102,7 @@ TEST(RoughPoses, AnySideOfWhatIsSeenAloneMayBeHidden) {
   EXPECT_LT(nearest({.left = true, .right = true, .top = true, .bottom = true}), 0.01);
 }
 
-TEST(RoughPoses, WhereNothingWasRemovedAllOfItIsLookedFor) {
+TEST(RoughPoses, WithoutRemovedPointsTheWholeModelIsMatched) {
   SeenSegment leg = Seen(kTableReachM);
   leg.table_reach_m = 0;
   EXPECT_THAT(Offs(leg), ElementsAre(Gt(0.04)));

@@ -43,7 +43,7 @@ TEST_F(CloudsInMemoryTest, AModelIsMadeOnceForAllViewsThatShareAFrame) {
   EXPECT_EQ((*alone)->fine.cloud.points.size(), 30U);
 }
 
-TEST_F(CloudsInMemoryTest, AModelFollowsItsViews) {
+TEST_F(CloudsInMemoryTest, AModelChangesWithItsViews) {
   TaughtStablePose pose;
   pose.views = {Teach("a", 40, true), Teach("b", 50, true)};
   ASSERT_THAT(clouds_.LoadModel(*pose.views[0], pose), IsOk());
@@ -53,7 +53,7 @@ TEST_F(CloudsInMemoryTest, AModelFollowsItsViews) {
   EXPECT_EQ((*rest)->view_count, 1);
 }
 
-TEST_F(CloudsInMemoryTest, WhatWasNotGivenIsNotFound) {
+TEST_F(CloudsInMemoryTest, AnUnknownCloudIsNotFound) {
   TaughtStablePose pose;
   pose.views = {Teach("a", 40, true)};
   TaughtView unknown = *pose.views[0];

@@ -48,9 +48,9 @@ TEST(FindSymmetry, OfPrismsIsTheNumberOfCorners) {
   }
 }
 
-TEST(FindSymmetry, OfSomethingRoundIsAnyTurn) { EXPECT_EQ(FindSymmetry(Prism(72, 0.04)).order, 0); }
+TEST(FindSymmetry, OfARoundObjectIsAnyTurn) { EXPECT_EQ(FindSymmetry(Prism(72, 0.04)).order, 0); }
 
-TEST(FindSymmetry, ANoseEndsIt) { EXPECT_EQ(FindSymmetry(Prism(4, 0.04, 0.04)).order, 1); }
+TEST(FindSymmetry, ANoseBreaksIt) { EXPECT_EQ(FindSymmetry(Prism(4, 0.04, 0.04)).order, 1); }
 
 TEST(FindShapeSimilarity, TheSameObjectTaughtTwiceIsFoundInItsTurn) {
   const SurfaceModel a = Prism(4, 0.04, 0.04);

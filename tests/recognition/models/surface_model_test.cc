@@ -42,7 +42,7 @@ TEST(FuseViews, ViewsFromAnywhereLieOnOneSurface) {
   }
 }
 
-TEST(FuseViews, WhatOneOfManyViewsSawIsNoise) {
+TEST(FuseViews, PointsOfOneOfManyViewsAreNoise) {
   Random random(2);
   const OrientedCloud object = WavySurface(random, 5000);
   std::vector<PosedCloud> views(7, View(object, Pose::Identity()));
@@ -53,13 +53,13 @@ TEST(FuseViews, WhatOneOfManyViewsSawIsNoise) {
   const auto model = FuseViews(views);
   ASSERT_TRUE(model);
   for (const auto& p : model->fine.cloud.points) EXPECT_LT(p.z(), 0.1F);
-  // A single view is all that there is.
+  // A single view is kept completely.
   const auto alone = FuseViews(std::span(views).last(1));
   ASSERT_TRUE(alone);
   EXPECT_GT(alone->radius_m, 0.1F);
 }
 
-// How far from the surface the points of a model are that eight views with noise make, m.
+// Distances from the surface of the points of a model from eight noisy views, m.
 struct OffSurface {
   double mean = 0;
   double rms = 0;
@@ -82,7 +82,7 @@ OffSurface OffFusedSurface(const Surface& at, const Distance& distance) {
   const auto model = FuseViews(views);
   OffSurface out;
   if (model == nullptr) {
-    ADD_FAILURE() << "eight views have made no model";
+    ADD_FAILURE() << "no model from eight views";
     return out;
   }
   const auto count = static_cast<double>(model->fine.cloud.points.size());
@@ -140,7 +140,7 @@ TEST(FuseViews, TheTwoSidesOfASheetStayApart) {
   EXPECT_EQ(2 * up, model->fine.cloud.normals.size());
 }
 
-TEST(FuseViews, NothingMakesNoModel) {
+TEST(FuseViews, NoViewsGiveNoModel) {
   EXPECT_FALSE(FuseViews({}));
   EXPECT_FALSE(FuseViews(std::vector<PosedCloud>{View({}, Pose::Identity())}));
 }

@@ -60,7 +60,7 @@ TEST(CellGridTest, ABlockHasAllPointsWithinItsCoverage) {
   }
 }
 
-TEST(CellGridTest, NoPointsAreNoCells) {
+TEST(CellGridTest, NoPointsGiveNoCells) {
   EXPECT_THAT(CellGrid({}, 0.01F).OccupiedCells(), IsEmpty());
 }
 
@@ -71,7 +71,7 @@ TEST(CellGridTest, FarPointsNeitherGrowTheCellsNorTheMemory) {
   EXPECT_THAT(grid.OccupiedCells(), SizeIs(3));
 }
 
-TEST(CellGridTest, AListOfCellsFindsWhatATableFinds) {
+TEST(CellGridTest, AListOfCellsFindsTheSameAsATable) {
   Random random(4);
   const Points points = RandomPoints(random, 3000, 0.2);
   Points with_far = points;
@@ -88,7 +88,7 @@ TEST(CellGridTest, AListOfCellsFindsWhatATableFinds) {
   }
 }
 
-TEST(CellGridTest, OnceCancelledItHasNoPoints) {
+TEST(CellGridTest, ACancelledGridHasNoPoints) {
   for (const float cell_m : {0.02F, 1e-4F}) {
     const CellGrid grid({{0, 0, 0}, {0.1F, 0.1F, 0.1F}}, cell_m, [] { return true; });
     EXPECT_THAT(grid.OccupiedCells(), IsEmpty());

@@ -15,25 +15,25 @@ using ::graspdb::testing::WavySurface;
 constexpr float kCell = 0.003F;
 constexpr float kReach = 0.02F;
 
-TEST(NearestGrid, GivesNearlyTheNearestPoint) {
+TEST(NearestGrid, FindsNearlyTheNearestPoint) {
   Random random(5);
   const Points points = WavySurface(random, 3000).points;
   const NearestGrid grid(points, kCell, kReach);
   const PointSearch exact(points);
   const float diagonal = kCell * std::sqrt(3.0F);
-  int asked = 0;
+  int queries = 0;
   for (const Eigen::Vector3f& query : RandomPoints(random, 4000, 0.15)) {
     const float nearest = std::sqrt(exact.Nearest(query).squared_distance);
     const int found = grid.Nearest(query);
     if (nearest > kReach) continue;
     ASSERT_GE(found, 0);
-    ++asked;
+    ++queries;
     EXPECT_LE((points[static_cast<std::size_t>(found)] - query).norm(), nearest + diagonal);
   }
-  EXPECT_GT(asked, 500);
+  EXPECT_GT(queries, 500);
 }
 
-TEST(NearestGrid, ReachesAsFarAsItIsToldInEveryDirection) {
+TEST(NearestGrid, ReachesTheGivenDistanceInEveryDirection) {
   const Points point = {{0.0004F, -0.0011F, 0.0007F}};
   const NearestGrid grid(point, kCell, kReach);
   Random random(6);
@@ -42,14 +42,14 @@ TEST(NearestGrid, ReachesAsFarAsItIsToldInEveryDirection) {
     if (distance < kReach) {
       EXPECT_EQ(grid.Nearest(query), 0);
     }
-    // A cell knows what its centre is near enough to, and is twice as large that far away.
+    // A cell stores a point near enough to its centre, and is twice as large that far away.
     if (distance > kReach + 4 * kCell) {
       EXPECT_EQ(grid.Nearest(query), -1);
     }
   }
 }
 
-TEST(NearestGrid, FarFromThePointsThereIsNone) {
+TEST(NearestGrid, FindsNoneFarFromThePoints) {
   const NearestGrid grid({{0, 0, 0}, {0.05F, 0, 0}}, kCell, kReach);
   EXPECT_EQ(grid.Nearest({0, 0, 0.06F}), -1);
   EXPECT_EQ(grid.Nearest({1, 1, 1}), -1);
@@ -87,7 +87,7 @@ TEST(NearestGrid, ScatteredPointsDoNotFillTheMemory) {
   EXPECT_GE(grid.Nearest(points[7]), 0);
 }
 
-TEST(NearestGrid, WithoutPointsThereIsNone) {
+TEST(NearestGrid, FindsNoneWithoutPoints) {
   EXPECT_EQ(NearestGrid({}, kCell, kReach).Nearest({0, 0, 0}), -1);
 }
 

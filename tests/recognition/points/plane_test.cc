@@ -76,7 +76,7 @@ TEST(FindPlaneTest, LargerOfTwoPlanesIsTaken) {
 }
 
 // The larger plane is a wall; only the table stands upright.
-TEST(FindPlaneTest, PlaneTiltedTooFarIsPassedOver) {
+TEST(FindPlaneTest, PlaneTiltedTooFarIsSkipped) {
   Random random(9);
   Points points = OnPlane(random, {Vector3d::UnitX(), 0.5}, 2000, 0.001);
   Append(OnPlane(random, {Vector3d(0, 0.1, 1).normalized(), 0}, 800, 0.001), &points);
@@ -92,7 +92,7 @@ TEST(FindPlaneTest, PlaneTiltedTooFarIsPassedOver) {
   }
 }
 
-TEST(FindPlaneTest, PlaneFarFromTheOriginIsPassedOver) {
+TEST(FindPlaneTest, PlaneFarFromTheOriginIsSkipped) {
   Random random(10);
   Points points = OnPlane(random, {Vector3d::UnitZ(), 0.2}, 2000, 0.001);
   Append(OnPlane(random, {Vector3d::UnitZ(), 0.01}, 800, 0.001), &points);
@@ -104,7 +104,7 @@ TEST(FindPlaneTest, PlaneFarFromTheOriginIsPassedOver) {
   EXPECT_NEAR(found->offset, 0.01, 0.001);
 }
 
-TEST(FindPlaneTest, PlaneWithTooSmallAShareIsNone) {
+TEST(FindPlaneTest, PlaneWithTooSmallAShareIsRejected) {
   Random random(11);
   Points points = OnPlane(random, {}, 300, 0.001);
   Append(RandomPoints(random, 2700, 1), &points);
@@ -114,7 +114,7 @@ TEST(FindPlaneTest, PlaneWithTooSmallAShareIsNone) {
 }
 
 // A plane that has just the share it needs must not be missed by bad luck in the draws.
-TEST(FindPlaneTest, PlaneWithJustEnoughOfAShareIsFound) {
+TEST(FindPlaneTest, PlaneWithJustTheMinimumShareIsFound) {
   PlaneConstraint constraint;
   constraint.min_share = 0.10;
   int found = 0;
@@ -135,7 +135,7 @@ TEST(FindPlaneTest, FewerThanThreePointsHaveNoPlane) {
   EXPECT_TRUE(FindPlane({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, Above(), {}));
 }
 
-TEST(FindPlaneTest, PointsInOnePlaceHaveNoPlane) {
+TEST(FindPlaneTest, CoincidentPointsHaveNoPlane) {
   EXPECT_FALSE(FindPlane(Points(100, {0.1F, 0.2F, 0.3F}), Above(), {}));
 }
 

@@ -24,7 +24,7 @@ std::vector<float> SortedDistances(const Points& points, const Eigen::Vector3f& 
   return out;
 }
 
-// Every neighbour is another point and lies where it says.
+// Every neighbour is another point, at its reported distance.
 void ExpectConsistent(const Points& points, const Eigen::Vector3f& query,
                       const std::vector<Neighbor>& found) {
   std::set<int> indices;
@@ -86,7 +86,7 @@ TEST_P(PointSearchTest, PointsWithinARadiusAgreeWithBruteForce) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, PointSearchTest, ::testing::Values(1, 2, 12, 13, 300, 5000));
 
-TEST(PointSearchDuplicatesTest, PointsInOnePlaceAreAllFound) {
+TEST(PointSearchDuplicatesTest, CoincidentPointsAreAllFound) {
   const Points points(1000, Eigen::Vector3f(0.1F, -0.2F, 0.3F));
   const PointSearch search(points);
   std::vector<Neighbor> found;

@@ -1,4 +1,4 @@
-// Scans that no camera should send, and cameras do.
+// Invalid scans, which cameras do send.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using ::testing::SizeIs;
 
 bool Never() { return false; }
 
-// More points than voxels that are segmented, in a cube of `size_m`.
+// More points than the voxel limit, in a cube of `size_m`.
 Scan ManyPoints(double size_m) {
   Random random(6);
   Scan out;
@@ -92,7 +92,7 @@ TEST_F(BoundedSegmentationTest, PointsBeyondTheRangeAreLeftOutAndCounted) {
   EXPECT_EQ(LeftOut("range"), -1);
 }
 
-TEST_F(BoundedSegmentationTest, WhatIsTooLargeToBeOneObjectSaysSo) {
+TEST_F(BoundedSegmentationTest, ATooLargeSegmentIsMarked) {
   Random random(3);
   Scan scan = Part(random);
   ASSERT_FALSE(Run(scan)->segments.front().too_large);
@@ -100,7 +100,7 @@ TEST_F(BoundedSegmentationTest, WhatIsTooLargeToBeOneObjectSaysSo) {
   ASSERT_TRUE(Run(scan)->segments.front().too_large);
 }
 
-TEST_F(BoundedSegmentationTest, FarStraysOverATableUnderAHugeRegionHideNothing) {
+TEST_F(BoundedSegmentationTest, FarStraysInAHugeRegionHideNothing) {
   Random random(4);
   Scan scan;
   scan.world_sensor = LookAt({0, -0.4, 0.5}, {0, 0, 0});
@@ -133,17 +133,17 @@ TEST_F(BoundedSegmentationTest, ManyPointsInOnePlaceAreOneVoxel) {
   EXPECT_EQ(found->outcome, SegmentationOutcome::kNoCluster);
 }
 
-TEST_F(BoundedSegmentationTest, AScanOfMoreVoxelsThanAreLookedAtIsRefused) {
+TEST_F(BoundedSegmentationTest, AScanOfTooManyVoxelsIsRejected) {
   Scan scan = ManyPoints(0.8);
   EXPECT_THAT(Run(scan), StatusIs(absl::StatusCode::kInvalidArgument));
   scan.segmented = true;
   EXPECT_THAT(Run(scan), StatusIs(absl::StatusCode::kInvalidArgument));
-  // As many points in fewer voxels are looked at.
+  // As many points in fewer voxels are accepted.
   for (Eigen::Vector3f& p : scan.points) p *= 0.03F;
   EXPECT_THAT(Run(scan), IsOk());
 }
 
-TEST_F(BoundedSegmentationTest, OnceCancelledNoFurtherStepBegins) {
+TEST_F(BoundedSegmentationTest, NoStepBeginsAfterCancellation) {
   const Scan scan = ManyPoints(0.02);
   StageLog log;
   int polls = 0;  // since the table was looked for
@@ -157,7 +157,7 @@ TEST_F(BoundedSegmentationTest, OnceCancelledNoFurtherStepBegins) {
   EXPECT_THAT(found.status().message(), HasSubstr("table plane"));
 }
 
-TEST_F(BoundedSegmentationTest, CancellingIsNoticedWithinEachStep) {
+TEST_F(BoundedSegmentationTest, CancellationIsPolledWithinEachStep) {
   Random random(5);
   Scan scan;
   scan.points = RandomPoints(random, 300'000, 0.5);
@@ -169,11 +169,11 @@ TEST_F(BoundedSegmentationTest, CancellingIsNoticedWithinEachStep) {
   // Far more often than between its steps.
   EXPECT_GT(calls, 50);
   for (int last = 1; last < calls; last += 1 + calls / 20) {
-    int asked = 0;
+    int polls = 0;
     EXPECT_THAT(SegmentScan(
-                    scan, parameters_, {}, [&] { return ++asked >= last; }, &log),
+                    scan, parameters_, {}, [&] { return ++polls >= last; }, &log),
                 StatusIs(absl::StatusCode::kCancelled));
-    EXPECT_EQ(asked, last);
+    EXPECT_EQ(polls, last);
   }
 }
 

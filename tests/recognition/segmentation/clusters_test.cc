@@ -76,7 +76,7 @@ TEST_F(JoinUnsupportedTest, TheNearerOfTwoSupportsIsTaken) {
               ElementsAre(ElementsAre(0, 1), ElementsAre(2, 3, 4)));
 }
 
-TEST_F(JoinUnsupportedTest, PartsStackedInTheAirAllComeDown) {
+TEST_F(JoinUnsupportedTest, PartsStackedInTheAirAllJoin) {
   const Points points = Line({1, 3.9F, 7, 10});
   EXPECT_THAT(Join(points, {{3}, {2}, {1}, {0}}, 3.2), ElementsAre(ElementsAre(0, 1, 2, 3)));
   EXPECT_THAT(Join(points, {{0}, {1}, {2}, {3}}, 3.2), ElementsAre(ElementsAre(0, 1, 2, 3)));

@@ -38,7 +38,7 @@ TEST(VoxelsTest, VoxelsMeetAtTheOriginAndDoNotStraddleIt) {
   EXPECT_EQ(voxels.points[1], Vector3f(0.4F, 0, 0));
 }
 
-TEST(VoxelsTest, VoxelsComeInTheOrderOfZThenYThenX) {
+TEST(VoxelsTest, VoxelsAreSortedByZThenYThenX) {
   const VoxelCloud voxels = DownsampleToVoxels(
       {{0.5F, 0.5F, 1.5F}, {0.5F, 1.5F, 0.5F}, {1.5F, 0.5F, 0.5F}, {0.5F, 0.5F, 0.5F}}, 1);
   EXPECT_THAT(voxels.voxel_of, ElementsAre(3, 2, 1, 0));
@@ -56,7 +56,7 @@ TEST(VoxelsTest, OrderOfTheInputDoesNotMatter) {
   }
 }
 
-TEST(VoxelsTest, EveryPointLiesInTheVoxelThatItIsSaidToBeIn) {
+TEST(VoxelsTest, EveryPointLiesInItsReportedVoxel) {
   Random random(9);
   const Points points = RandomPoints(random, 2000, 0.05);
   const VoxelCloud voxels = DownsampleToVoxels(points, 0.003);
@@ -80,7 +80,7 @@ TEST(OutliersTest, PointFarFromTheRestIsRemoved) {
 }
 
 // Two pieces of wall, of which the nearer one has nine tenths of the points.
-TEST(OutliersTest, WhatIsFarFromTheCameraIsNoOutlierForHavingItsPointsFartherApart) {
+TEST(OutliersTest, SparsePointsFarFromTheCameraAreNoOutliers) {
   Points points;
   for (int row = 0; row < 60; ++row) {
     for (int column = 0; column < 60; ++column) {
@@ -115,7 +115,7 @@ TEST(OutliersTest, PointsInOnePlaceAreAllKept) {
   EXPECT_THAT(*RemoveStatisticalOutliers(Points(100, {1, 2, 3}), 10, 0), SizeIs(100));
 }
 
-TEST(OutliersTest, WhatWouldTakeTooLongIsNotDone) {
+TEST(OutliersTest, FailsWhereItWouldTakeTooLong) {
   // Half of them in one place: each has all of these as its nearest.
   Random random(14);
   Points points = RandomPoints(random, 100'000, 0.5);
@@ -137,10 +137,10 @@ TEST(OutliersTest, FarStraysChangeNothingElse) {
 
 TEST(OutliersTest, CancellingEndsIt) {
   Random random(16);
-  int asked = 0;
+  int polls = 0;
   EXPECT_FALSE(RemoveStatisticalOutliers(RandomPoints(random, 200'000, 0.3), 50, 2,
-                                         [&] { return ++asked == 3; }));
-  EXPECT_EQ(asked, 3);
+                                         [&] { return ++polls == 3; }));
+  EXPECT_EQ(polls, 3);
 }
 
 TEST(NormalsTest, NormalsOfAPlaneAreItsOwnAndFaceTheViewpoint) {

@@ -22,7 +22,7 @@ using ::graspdb::testing::SharedDataMissing;
 // The object's cloud was unprojected from a depth image of its own, with other rounding.
 constexpr double kSamePoint = 1e-3;  // m
 
-// Where the object's points stand in the frame.
+// Positions of the object's points in the frame.
 std::set<std::int32_t> Locate(const Points& frame, const Points& object) {
   const PointSearch search(object);
   std::set<std::int32_t> out;

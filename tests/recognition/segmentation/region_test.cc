@@ -34,7 +34,7 @@ TEST(RegionTest, AnyFinitePointOffTheSensorIsAMeasurement) {
   EXPECT_TRUE(IsMeasurement({0, 1e-30F, 0}));
 }
 
-TEST(RegionTest, WhatIsNoMeasurementIsDroppedAndIndicesStayRight) {
+TEST(RegionTest, InvalidPointsAreDroppedAndIndicesStayRight) {
   const Points scan = {{kNan, 0, 1}, {1, 2, 3}, {0, 0, 0}, {4, 5, 6}, {0, kInfinity, 0}};
   const RegionPoints cropped = CropToRegion(scan, Pose::Identity(), std::nullopt);
   EXPECT_THAT(cropped.indices, ElementsAre(1, 3));
@@ -67,7 +67,7 @@ TEST(RegionTest, FacesOfTheBoxBelongToIt) {
   EXPECT_THAT(CropToRegion(scan, Pose::Identity(), box).indices, ElementsAre(0, 1, 2, 3, 8));
 }
 
-TEST(RegionTest, BoxIsTestedInTheFrameThatThePointsAreMovedTo) {
+TEST(RegionTest, BoxIsTestedInTheTargetFrame) {
   // The sensor at (0, 0, 1) looks straight down, its x axis along the world's.
   Pose world_sensor = Pose::Identity();
   world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
@@ -86,7 +86,7 @@ TEST(RegionTest, ZeroIsDroppedInTheSensorFrameAndNotInTheWorldFrame) {
   EXPECT_THAT(CropToRegion(scan, world_sensor, std::nullopt).indices, ElementsAre(1));
 }
 
-TEST(RegionTest, WhatNoDepthCameraSeesIsNoMeasurement) {
+TEST(RegionTest, PointsBeyondTheSensorRangeAreNoMeasurement) {
   const Points scan = {{0, 0, 99}, {0, 0, 101}, {1e30F, 0, 0}, {0, -3e38F, 0}};
   EXPECT_THAT(CropToRegion(scan, Pose::Identity(), std::nullopt).indices, ElementsAre(0));
 }

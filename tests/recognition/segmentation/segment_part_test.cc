@@ -34,7 +34,7 @@ TEST_F(PartsOfTest, EachPartHasItsVoxelsAndItsPointsOfTheScan) {
   EXPECT_EQ(parts[1].indices.front(), 1);
 }
 
-TEST_F(PartsOfTest, OnceCancelledTheRestIsNotLookedAt) {
+TEST_F(PartsOfTest, StopsWhenCancelled) {
   int looked = 0;
   const IsPartOf is_part = [&](const Eigen::Vector3f&) { return ++looked > 0; };
   PartOf(scan_, seen_, whole_, is_part, [&] { return looked > 0; });

@@ -1,4 +1,4 @@
-// Scans that give no segment, and why.
+// Scans without a segment, and the reasons.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,12 +37,12 @@ class SegmentationFailureTest : public ::testing::Test {
         scan_, parameters_, {}, [] { return false; }, &log_);
   }
 
-  // Runs with a caller who loses interest when asked for the `asked`-th time.
-  absl::StatusOr<Segmentation> RunUntilAsked(int asked) {
+  // Runs with a caller that cancels at the `polls`-th poll.
+  absl::StatusOr<Segmentation> RunUntilPolled(int polls) {
     log_ = StageLog();
     int count = 0;
     return SegmentScan(
-        scan_, parameters_, {}, [&] { return ++count >= asked; }, &log_);
+        scan_, parameters_, {}, [&] { return ++count >= polls; }, &log_);
   }
 
   std::vector<std::string> Stages() const {
@@ -115,7 +115,7 @@ TEST_F(SegmentationFailureTest, ClusterHasTenVoxelsAtLeastWhateverIsConfigured) 
   ExpectNoSegment(SegmentationOutcome::kNoCluster);
 }
 
-// A dense ball in the air: no plane holds a tenth of its points.
+// A dense ball in the air: no plane contains a tenth of its points.
 Points Ball() {
   Random random(63);
   Points out;
@@ -141,21 +141,21 @@ TEST_F(SegmentationFailureTest, WithoutAPlaneAnUnknownPoseIsAFailedPrecondition)
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("sensor pose")));
 }
 
-TEST_F(SegmentationFailureTest, TableBeyondReachIsNoWorldFrame) {
+TEST_F(SegmentationFailureTest, TableBeyondReachGivesNoWorldFrame) {
   scan_.world_sensor.reset();
   for (auto& p : scan_.points) p *= 4;
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("1.5 m")));
 }
 
-TEST_F(SegmentationFailureTest, CancellationIsHeardBetweenTheSteps) {
-  EXPECT_THAT(RunUntilAsked(1), StatusIs(absl::StatusCode::kCancelled));
+TEST_F(SegmentationFailureTest, CancellationIsPolledBetweenTheSteps) {
+  EXPECT_THAT(RunUntilPolled(1), StatusIs(absl::StatusCode::kCancelled));
   EXPECT_THAT(Stages(), ElementsAre("region"));
-  EXPECT_THAT(RunUntilAsked(2), StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_THAT(RunUntilPolled(2), StatusIs(absl::StatusCode::kCancelled));
   EXPECT_THAT(Stages(), ElementsAre("region", "plane"));
-  EXPECT_THAT(RunUntilAsked(1000), IsOk());
+  EXPECT_THAT(RunUntilPolled(1000), IsOk());
 }
 
-TEST_F(SegmentationFailureTest, StagesTellWhatEachStepLeft) {
+TEST_F(SegmentationFailureTest, StagesReportThePointsOfEachStep) {
   ASSERT_THAT(Run(), IsOk());
   EXPECT_THAT(Stages(), ElementsAre("region", "plane", "outliers", "voxels", "clusters"));
   const std::vector<StageReport>& reports = log_.reports();

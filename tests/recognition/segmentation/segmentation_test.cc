@@ -1,4 +1,4 @@
-// From a picture of boxes on a table to one segment a box.
+// From a depth image of boxes on a table to one segment a box.
 #include "recognition/segmentation/segmentation.h"
 
 #include <gmock/gmock.h>
@@ -120,7 +120,7 @@ TEST_F(TwoBoxesTest, UnknownSensorPoseGivesTheSameSegmentsOnATableAtZero) {
   }
 }
 
-TEST_F(TwoBoxesTest, RegionLeavesOutWhatIsOutside) {
+TEST_F(TwoBoxesTest, PointsOutsideTheRegionAreLeftOut) {
   scan_.region = Box{{-0.2, 0, -0.05}, {0.2, 0.3, 0.3}};
   const Segmentation found = Must();
   ASSERT_THAT(found.segments, SizeIs(1));
@@ -153,8 +153,8 @@ TEST_F(TwoBoxesTest, SameScanGivesTheSameBits) {
   }
 }
 
-// A flap in the air behind a box, held by a rod that the box hides.
-TEST_F(TwoBoxesTest, PartHeldByWhatIsHiddenBelongsToWhatStandsBesideIt) {
+// A flap in the air behind a box, on a rod that the box hides.
+TEST_F(TwoBoxesTest, PartOnAHiddenSupportJoinsItsNeighbour) {
   Solid handle = BoxOnTable(0, 0, {0.06, 0.06, 0.05});
   handle.boxes.push_back({{-0.03, 0.05, 0.05}, {0.03, 0.09, 0.055}});  // 2 cm behind, in the air
   handle.boxes.push_back({{-0.002, -0.001, 0.01}, {0.002, 0.06, 0.0101}});
@@ -166,7 +166,7 @@ TEST_F(TwoBoxesTest, PartHeldByWhatIsHiddenBelongsToWhatStandsBesideIt) {
   ExpectShows(found.segments[0], 0);
 }
 
-TEST_F(TwoBoxesTest, SegmentedScanIsOneSegmentWhateverItHolds) {
+TEST_F(TwoBoxesTest, SegmentedScanIsOneSegmentWhateverItContains) {
   scan_.segmented = true;
   const Segmentation found = Must();
   ASSERT_THAT(found.segments, SizeIs(1));

@@ -45,13 +45,13 @@ struct Cloud {
   std::vector<float> z;
 };
 
-class WideTest : public ::testing::TestWithParam<const Functions*> {
+class KernelsTest : public ::testing::TestWithParam<const Functions*> {
  protected:
   const Functions& kernels_ = *GetParam();
   Random random_{11};
 };
 
-TEST_P(WideTest, DistancesCountsAndRootsAreThoseOfAPlainLoop) {
+TEST_P(KernelsTest, DistancesCountsAndRootsEqualAPlainLoop) {
   const Cloud cloud(random_);
   const float query[3] = {0.1F, -0.2F, 0.3F};
   std::vector<float> squared(kCount);
@@ -73,7 +73,7 @@ TEST_P(WideTest, DistancesCountsAndRootsAreThoseOfAPlainLoop) {
               FloatNear(static_cast<float>(roots), 1e-4F));
 }
 
-TEST_P(WideTest, MomentsAreThoseOfThePointsWithinTheRadius) {
+TEST_P(KernelsTest, MomentsCoverThePointsWithinTheRadius) {
   const Cloud cloud(random_);
   const float query[3] = {0, 0.1F, 0};
   const Moments found = kernels_.moments(cloud.coordinates(), query, 0.25F);
@@ -94,7 +94,7 @@ TEST_P(WideTest, MomentsAreThoseOfThePointsWithinTheRadius) {
   EXPECT_THAT(found.second[4], FloatNear(static_cast<float>(yz), 1e-4F));
 }
 
-TEST_P(WideTest, PointsNearAPlaneAreCountedOnBothSides) {
+TEST_P(KernelsTest, PointsNearAPlaneAreCountedOnBothSides) {
   std::vector<float> z(kCount, 0);
   z[0] = 0.9F;
   z[1] = 1.1F;
@@ -107,7 +107,7 @@ TEST_P(WideTest, PointsNearAPlaneAreCountedOnBothSides) {
             2U);
 }
 
-TEST_P(WideTest, BytesAreFarthestApartWhereTheyDifferMost) {
+TEST_P(KernelsTest, BytesAreFarthestApartWhereTheyDifferMost) {
   const std::vector<std::uint8_t> rows = [] {
     std::vector<std::uint8_t> out(64, 0);
     std::fill_n(out.begin(), 32, 255);
@@ -120,7 +120,7 @@ TEST_P(WideTest, BytesAreFarthestApartWhereTheyDifferMost) {
   EXPECT_THAT(found, ElementsAreArray({32 * 255 * 255, 9}));
 }
 
-TEST_P(WideTest, ChiSquareLeavesOutWhatIsEmptyInBoth) {
+TEST_P(KernelsTest, ChiSquareLeavesOutBinsEmptyInBoth) {
   std::vector<float> a(16, 0);
   std::vector<float> b(16, 0);
   a[1] = 0.5F;
@@ -129,7 +129,7 @@ TEST_P(WideTest, ChiSquareLeavesOutWhatIsEmptyInBoth) {
   EXPECT_FLOAT_EQ(kernels_.chi_square(a.data(), b.data(), 16), 1);
 }
 
-TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
+TEST_P(KernelsTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
   const std::vector<std::uint16_t> counts = {0, 1000, 1000, 1000, 2000};
   const std::vector<float> column = {0, -0.5F, 0, 0.5F, 0};
   DepthRow row;
@@ -155,7 +155,7 @@ TEST_P(WideTest, PixelsAreInsideUpToTheFacesOfTheRegion) {
   EXPECT_FLOAT_EQ(z[1], 1);
 }
 
-// What cells of 1 m know of two points in a row of three blocks, of which the last one is first in
+// Cells of 1 m around two points in a row of three blocks, of which the last one is first in
 // memory.
 std::vector<std::int32_t> Spread(const Functions& kernels) {
   const std::int32_t begins[3] = {kBlockCells, 2 * kBlockCells, 0};
@@ -176,11 +176,11 @@ std::vector<std::int32_t> Spread(const Functions& kernels) {
   return out;
 }
 
-TEST_P(WideTest, CellsKnowTheNearestPointWithinReach) {
+TEST_P(KernelsTest, CellsStoreTheNearestPointWithinReach) {
   EXPECT_THAT(Spread(kernels_), ElementsAreArray({-1, -1, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, -1, -1}));
 }
 
-TEST_P(WideTest, TheBitsAreThoseOfThePortableFunctions) {
+TEST_P(KernelsTest, BitsEqualThePortableFunctions) {
   const Functions& portable = Portable();
   const float query[3] = {0.05F, -0.3F, 0.2F};
   for (int round = 0; round < 50; ++round) {
@@ -204,7 +204,7 @@ TEST_P(WideTest, TheBitsAreThoseOfThePortableFunctions) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Functions, WideTest, ::testing::Values(&Portable(), &Best()),
+INSTANTIATE_TEST_SUITE_P(Functions, KernelsTest, ::testing::Values(&Portable(), &Best()),
                          [](const auto& test) {
                            return test.index == 0 ? std::string("Portable") : std::string("Best");
                          });

@@ -1,4 +1,4 @@
-// The SIMD kernels about surfaces against plain loops, and against each other bit by bit.
+// The SIMD kernels for surfaces against plain loops, and against each other bit by bit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ void ExpectNear(const NormalEquations& found, const Sums& expected) {
   }
 }
 
-// A window of pixels of which each shows something else than its neighbour.
+// A window of pixels, each different from its neighbour.
 struct Window {
   static constexpr int kSide = 40;
   static constexpr int kBorder = 3;
@@ -110,9 +110,9 @@ struct Window {
 
 // A wavy patch, and the same moved a little; both 1 m before a sensor that sees the patch from its
 // upper side.
-class WideSurfaceTest : public ::testing::TestWithParam<const Functions*> {
+class SurfaceKernelsTest : public ::testing::TestWithParam<const Functions*> {
  protected:
-  WideSurfaceTest() {
+  SurfaceKernelsTest() {
     sensor_.linear() = Vector3d(1, -1, -1).asDiagonal();
     sensor_.translation().z() = 1;
   }
@@ -125,7 +125,7 @@ class WideSurfaceTest : public ::testing::TestWithParam<const Functions*> {
             .reach = kReach,
             .spacing = kSpacing,
             .edge_weight = 0.3F,
-            .least_agreement = kAgreement};
+            .min_agreement = kAgreement};
   }
 
   EdgeResiduals EdgeResidualsOf(bool alone) const {
@@ -137,8 +137,8 @@ class WideSurfaceTest : public ::testing::TestWithParam<const Functions*> {
             .center = {0.01F, 0.02F, -0.01F},
             .reach = kReach,
             .spacing = kSpacing,
-            .least_facing = kFacing,
-            .least_agreement = kAgreement};
+            .min_facing = kFacing,
+            .min_agreement = kAgreement};
   }
 
   const Functions& kernels_ = *GetParam();
@@ -152,7 +152,7 @@ class WideSurfaceTest : public ::testing::TestWithParam<const Functions*> {
   const Window window_{random_};
 };
 
-TEST_P(WideSurfaceTest, PointsPullTheSurfaceThatTheyAreNearTo) {
+TEST_P(SurfaceKernelsTest, PointsHaveResidualsToTheNearSurface) {
   Sums expected;
   for (std::size_t i = 0; i < cloud_.points.size(); ++i) {
     const Vector3d p = moved_ * cloud_.points[i].cast<double>();
@@ -169,7 +169,7 @@ TEST_P(WideSurfaceTest, PointsPullTheSurfaceThatTheyAreNearTo) {
   ExpectNear(kernels_.accumulate_point_to_plane(ResidualsOf()), expected);
 }
 
-TEST_P(WideSurfaceTest, EdgesThatTheCameraDeniesArePulledAlongTheSurface) {
+TEST_P(SurfaceKernelsTest, ContradictedEdgesHaveResidualsAlongTheSurface) {
   for (const bool alone : {false, true}) {
     Sums expected;
     for (std::size_t i = 0; i < cloud_.points.size(); ++i) {
@@ -195,7 +195,7 @@ TEST_P(WideSurfaceTest, EdgesThatTheCameraDeniesArePulledAlongTheSurface) {
   }
 }
 
-TEST_P(WideSurfaceTest, SupportIsThatOfPointsWithinTheTolerance) {
+TEST_P(SurfaceKernelsTest, SupportCountsPointsWithinTheTolerance) {
   constexpr double kTolerance = 0.004;
   double explained = 0;
   double squares = 0;
@@ -222,7 +222,7 @@ TEST_P(WideSurfaceTest, SupportIsThatOfPointsWithinTheTolerance) {
   EXPECT_EQ(static_cast<double>(found.near), near);
 }
 
-TEST_P(WideSurfaceTest, WhatIsLookedAtIsThereHiddenDeniedOrMissing) {
+TEST_P(SurfaceKernelsTest, PointsAreConfirmedHiddenContradictedOrMissing) {
   constexpr float kTolerance = 0.008F;
   const RigidTransform seen(Pose(sensor_ * moved_));
   const std::size_t count = columns_.coordinates().points.count;
@@ -262,7 +262,7 @@ TEST_P(WideSurfaceTest, WhatIsLookedAtIsThereHiddenDeniedOrMissing) {
   EXPECT_NEAR(static_cast<double>(looked.unmeasured), areas[Window::Kind::kUnmeasured], 1e-4 * all);
 }
 
-TEST_P(WideSurfaceTest, TheBitsAreThoseOfThePortableFunctions) {
+TEST_P(SurfaceKernelsTest, BitsEqualThePortableFunctions) {
   const Functions& portable = Portable();
   for (int round = 0; round < 20; ++round) {
     moved_ = RandomMotion(random_, Vector3d::Zero(), 0.2, 0.01);
@@ -289,7 +289,7 @@ TEST_P(WideSurfaceTest, TheBitsAreThoseOfThePortableFunctions) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Functions, WideSurfaceTest, ::testing::Values(&Portable(), &Best()),
+INSTANTIATE_TEST_SUITE_P(Functions, SurfaceKernelsTest, ::testing::Values(&Portable(), &Best()),
                          [](const auto& test) {
                            return test.index == 0 ? std::string("Portable") : std::string("Best");
                          });

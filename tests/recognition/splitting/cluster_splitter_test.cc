@@ -1,4 +1,4 @@
-// Objects that the camera sees as one.
+// Objects that the camera sees as one cluster.
 #include "recognition/splitting/cluster_splitter.h"
 
 #include <gmock/gmock.h>
@@ -42,8 +42,8 @@ class TouchingTest : public ::testing::Test {
         << object;
   }
 
-  // Something that was never taught, as large as the others.
-  static Solid Stranger(double x, double y) {
+  // An object that was never taught, as large as the others.
+  static Solid UnknownSolid(double x, double y) {
     Solid out;
     out.world_solid.translation() = Eigen::Vector3d(x, y, 0);
     out.boxes = {{{-0.03, -0.03, 0}, {0.03, 0.03, 0.07}}, {{-0.05, -0.01, 0}, {0.05, 0.01, 0.10}}};
@@ -65,7 +65,7 @@ TEST_F(TouchingTest, TwoKnownObjectsAreBothNamedWhereTheyStand) {
   EXPECT_LE((found[0].centroid - sensor).norm(), (found[1].centroid - sensor).norm());
 }
 
-TEST_F(TouchingTest, AScanOfOneObjectAloneIsNotParted) {
+TEST_F(TouchingTest, AScanOfOneObjectAloneIsNotSplit) {
   const Scan frame = TaughtShapes::See(
       {TaughtShapes::Part("bracket", -0.05, 0, 0), TaughtShapes::Part("tower", 0.027, 0.01, 0)});
   StageLog log;
@@ -82,9 +82,9 @@ TEST_F(TouchingTest, AScanOfOneObjectAloneIsNotParted) {
   EXPECT_FALSE(found->detections[0].touching);
 }
 
-TEST_F(TouchingTest, AKnownObjectThatTouchesAStrangerSaysSo) {
+TEST_F(TouchingTest, AKnownObjectThatTouchesAnUnknownOneIsMarked) {
   const Solid slab = TaughtShapes::Part("slab", -0.061, 0, 0);
-  const Scan scan = TaughtShapes::See({slab, Stranger(0.05, 0.02)});
+  const Scan scan = TaughtShapes::See({slab, UnknownSolid(0.05, 0.02)});
   StageLog log;
   const auto seen = SegmentScan(
       scan, {}, {}, [] { return false; }, &log);
@@ -96,35 +96,35 @@ TEST_F(TouchingTest, AKnownObjectThatTouchesAStrangerSaysSo) {
   answer.model = taught_.LoadModel(*answer.view, pose).value();
   answer.refined_pose = slab.world_solid;
   answer.score = 0.8;
-  int asked = 0;
-  const RecognizeAlone knows_nothing = [&](const Segment&) {
-    ++asked;
+  int calls = 0;
+  const RecognizeAlone recognize_nothing = [&](const Segment&) {
+    ++calls;
     return Detection();
   };
   const auto objects = PartTouching({scan, *seen, seen->segments[0]}, answer, SplittingOptions(),
-                                    knows_nothing, knows_nothing, [] { return false; });
+                                    recognize_nothing, recognize_nothing, [] { return false; });
   ASSERT_THAT(objects, IsOk());
   ASSERT_THAT(*objects, SizeIs(1));
   EXPECT_EQ(objects->front().detection.view, answer.view);
   EXPECT_TRUE(objects->front().detection.touching);
-  EXPECT_GT(asked, 0);
+  EXPECT_GT(calls, 0);
 }
 
-TEST_F(TouchingTest, WhatIsCancelledWhileItIsPartedHasNoAnswer) {
-  const Scan scan = TaughtShapes::See({Stranger(0.05, 0.02)});
+TEST_F(TouchingTest, CancellationWhileSplittingGivesNoAnswer) {
+  const Scan scan = TaughtShapes::See({UnknownSolid(0.05, 0.02)});
   StageLog log;
   const auto seen = SegmentScan(
       scan, {}, {}, [] { return false; }, &log);
   ASSERT_THAT(seen, IsOk());
-  const RecognizeAlone knows_nothing = [](const Segment&) { return Detection(); };
+  const RecognizeAlone recognize_nothing = [](const Segment&) { return Detection(); };
   const auto objects =
-      PartTouching({scan, *seen, seen->segments[0]}, Detection(), SplittingOptions(), knows_nothing,
-                   knows_nothing, [] { return true; });
+      PartTouching({scan, *seen, seen->segments[0]}, Detection(), SplittingOptions(),
+                   recognize_nothing, recognize_nothing, [] { return true; });
   EXPECT_EQ(objects.status().code(), absl::StatusCode::kCancelled);
 }
 
 // Two blocks of 300,000 voxels, 1 cm apart.
-TEST_F(TouchingTest, OfHugeClustersNoMoreIsAskedThanTakesLittleTime) {
+TEST_F(TouchingTest, RecognitionsOfHugeClustersAreLimited) {
   Scan scan;
   Segmentation seen;
   Segment whole;
@@ -135,24 +135,24 @@ TEST_F(TouchingTest, OfHugeClustersNoMoreIsAskedThanTakesLittleTime) {
                                     0.003F * static_cast<float>(i / 10'000 % 30));
     whole.cloud.normals.emplace_back(0.0F, 0.0F, 1.0F);
   }
-  int asked = 0;
-  const RecognizeAlone knows_nothing = [&](const Segment&) {
-    ++asked;
+  int calls = 0;
+  const RecognizeAlone recognize_nothing = [&](const Segment&) {
+    ++calls;
     return Detection();
   };
   const auto objects = PartTouching({scan, seen, whole}, Detection(), SplittingOptions(),
-                                    knows_nothing, knows_nothing, [] { return false; });
+                                    recognize_nothing, recognize_nothing, [] { return false; });
   ASSERT_THAT(objects, IsOk());
-  EXPECT_EQ(asked, 2);  // the blocks, and not the halves as well
+  EXPECT_EQ(calls, 2);  // the blocks, and not the halves as well
 }
 
-TEST_F(TouchingTest, AStrangerIsNotTakenForObjectsThatTouch) {
-  const auto found = See({Stranger(0, 0), Stranger(0.1, 0.02)});
+TEST_F(TouchingTest, AnUnknownObjectIsNotSplit) {
+  const auto found = See({UnknownSolid(0, 0), UnknownSolid(0.1, 0.02)});
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_FALSE(found[0].view);
 }
 
-TEST_F(TouchingTest, ObjectsThatStandAloneDoNotTouch) {
+TEST_F(TouchingTest, SeparateObjectsDoNotTouch) {
   const auto found =
       See({TaughtShapes::Part("bracket", -0.08, 0, 40), TaughtShapes::Part("tower", 0.08, 0, 70)});
   ASSERT_THAT(found, SizeIs(2));

@@ -57,7 +57,7 @@ class FragmentsTest : public ::testing::Test {
   std::vector<AnsweredSegment> answers_;
 };
 
-TEST_F(FragmentsTest, WhatLiesOnTheModelIsAPieceOfIt) {
+TEST_F(FragmentsTest, ASegmentOnTheModelIsAPieceOfIt) {
   See(Strip(0.03, 0.1, 0.03));
   const std::size_t all =
       answers_[0].segment.cloud.points.size() + answers_[1].segment.cloud.points.size();
@@ -68,14 +68,14 @@ TEST_F(FragmentsTest, WhatLiesOnTheModelIsAPieceOfIt) {
   EXPECT_NEAR(answers_[0].detection.centroid.x(), 0, 0.01);
 }
 
-TEST_F(FragmentsTest, WhatStandsElsewhereStaysUnknown) {
+TEST_F(FragmentsTest, ASegmentElsewhereStaysUnknown) {
   See(Strip(0.03, 0.1, 0.05));   // above the bar
   See(Strip(0.08, 0.16, 0.03));  // mostly beyond its end
   Join();
   EXPECT_THAT(answers_, SizeIs(3));
 }
 
-TEST_F(FragmentsTest, WithoutAnAnswerThereIsNothingToBeAPieceOf) {
+TEST_F(FragmentsTest, WithoutAnAnswerNothingIsJoined) {
   See(Strip(0.03, 0.1, 0.03));
   answers_[0].detection.view = nullptr;
   Join();

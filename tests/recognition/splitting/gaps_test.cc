@@ -45,7 +45,7 @@ class SplitAtGapsTest : public ::testing::Test {
   Segment whole_;
 };
 
-TEST_F(SplitAtGapsTest, ABridgeLowOverTheTableHoldsNothingTogether) {
+TEST_F(SplitAtGapsTest, ABridgeLowOverTheTableConnectsNothing) {
   Block(0, 0.03, 0.004, 0.04);
   Block(0.03, 0.06, 0.004, 0.006);  // the bridge
   Block(0.06, 0.09, 0.004, 0.04);
@@ -58,12 +58,12 @@ TEST_F(SplitAtGapsTest, ABridgeLowOverTheTableHoldsNothingTogether) {
   }
   EXPECT_LT(parts[0].centroid.x(), 0.03);
   EXPECT_GT(parts[1].centroid.x(), 0.06);
-  // The bridge's middle is nobody's, its ends are the blocks'.
+  // The bridge's middle belongs to no part, its ends to the blocks.
   const std::size_t sum = parts[0].cloud.points.size() + parts[1].cloud.points.size();
   EXPECT_LT(sum, whole_.cloud.points.size());
 }
 
-TEST_F(SplitAtGapsTest, ABridgeThatStandsHighIsPartOfTheObject) {
+TEST_F(SplitAtGapsTest, AHighBridgeIsPartOfTheObject) {
   Block(0, 0.03, 0.004, 0.04);
   Block(0.03, 0.06, 0.004, 0.015);
   Block(0.06, 0.09, 0.004, 0.04);
@@ -84,7 +84,7 @@ TEST_F(SplitAtGapsTest, ASkirtOfTableIsLeftOut) {
   EXPECT_LT(parts[0].cloud.points.size(), whole_.cloud.points.size());
 }
 
-TEST_F(SplitAtGapsTest, WhatIsLowAltogetherStaysWhole) {
+TEST_F(SplitAtGapsTest, AnEntirelyLowSegmentStaysWhole) {
   Block(0, 0.03, 0.004, 0.006);
   Block(0.05, 0.08, 0.004, 0.006);
   EXPECT_THAT(Split(), IsEmpty());

@@ -16,7 +16,7 @@ SurfaceModel ModelOf(int views, float deviation_m) {
   return model;
 }
 
-// All of the object is seen.
+// All of the object is visible.
 Evidence Perfect() {
   return {
       .scan_explained = 1, .model_seen = 1, .rms_m = 0.001, .confirmed = 1, .point_count = 1000};
@@ -28,7 +28,7 @@ TEST(NoiseAt, IsThatOfTheTable) {
   EXPECT_EQ(NoiseAt(seen, {}), 0.0025);
 }
 
-TEST(NoiseAt, GrowsWithTheDistanceWhereNoTableIsSeen) {
+TEST(NoiseAt, GrowsWithTheDistanceWithoutATable) {
   const Segmentation seen;  // from the origin
   Segment segment;
   segment.centroid = {0, 0, 0.4};
@@ -44,14 +44,14 @@ TEST(ConfidenceFeaturesOf, AResidualLikeTheNoiseIsExpected) {
   EXPECT_NEAR(ConfidenceFeaturesOf(Perfect(), model, 0.0005, 0.008).residual, 0.96, 0.01);
 }
 
-TEST(ConfidenceFeaturesOf, ViewsThatWereTaughtApartExcuseAResidual) {
+TEST(ConfidenceFeaturesOf, MisalignedTaughtViewsRaiseTheExpectedResidual) {
   Evidence evidence = Perfect();
   evidence.rms_m = 0.002;
   EXPECT_GT(ConfidenceFeaturesOf(evidence, ModelOf(24, 0.001F), 0.001, 0.008).residual, 0.8);
   EXPECT_EQ(ConfidenceFeaturesOf(evidence, ModelOf(24, 0.002F), 0.001, 0.008).residual, 0);
 }
 
-TEST(ConfidenceFeaturesOf, NoiseAccountsForSomeOfWhatIsNotExplained) {
+TEST(ConfidenceFeaturesOf, NoiseAccountsForSomeUnexplainedPoints) {
   const SurfaceModel model = ModelOf(24, 0);
   Evidence evidence = Perfect();
   evidence.scan_explained = 0.95;
@@ -61,7 +61,7 @@ TEST(ConfidenceFeaturesOf, NoiseAccountsForSomeOfWhatIsNotExplained) {
   EXPECT_GE(noisy.scan, 0);
 }
 
-TEST(ConfidenceFeaturesOf, WhatIsHiddenOrNotMeasuredDoesNotContradict) {
+TEST(ConfidenceFeaturesOf, HiddenOrUnmeasuredSurfaceDoesNotContradict) {
   const SurfaceModel model = ModelOf(24, 0);
   Evidence evidence = Perfect();
   evidence.confirmed = 0.6;
@@ -72,21 +72,21 @@ TEST(ConfidenceFeaturesOf, WhatIsHiddenOrNotMeasuredDoesNotContradict) {
   EXPECT_NEAR(ConfidenceFeaturesOf(evidence, model, 0.001, 0.008).contradicted, 0.25, 1e-12);
 }
 
-TEST(ConfidenceFeaturesOf, APieceOfTheObjectIsTooLittle) {
+TEST(ConfidenceFeaturesOf, APieceOfTheObjectLacksEvidence) {
   Evidence evidence = Perfect();
   evidence.confirmed = 0.3;
   evidence.point_count = 150;
   const ConfidenceFeatures features = ConfidenceFeaturesOf(evidence, ModelOf(24, 0), 0.002, 0.008);
   EXPECT_NEAR(features.unseen, std::log(2.0), 1e-9);
   EXPECT_NEAR(features.little, std::log(2.0), 0.05);
-  // A camera of half the noise tells as much with a quarter of the points.
+  // A camera of half the noise gives as much information with a quarter of the points.
   EXPECT_EQ(ConfidenceFeaturesOf(evidence, ModelOf(24, 0), 0.001, 0.008).little, 0);
   evidence.point_count = 150 / 4;
   EXPECT_NEAR(ConfidenceFeaturesOf(evidence, ModelOf(24, 0), 0.001, 0.008).little, features.little,
               0.02);
 }
 
-TEST(ConfidenceFeaturesOf, WithoutEvidenceNothingIsInfinite) {
+TEST(ConfidenceFeaturesOf, AreFiniteWithoutEvidence) {
   const ConfidenceFeatures features = ConfidenceFeaturesOf({}, ModelOf(1, 0), 0.001, 0.008);
   EXPECT_TRUE(std::isfinite(features.unseen) && std::isfinite(features.little));
   EXPECT_EQ(features.contradicted, 0);
@@ -104,14 +104,14 @@ TEST(Confidence, FallsWithEveryFeature) {
   EXPECT_LT(Confidence({.little = std::log(4.0)}), 0.5);
 }
 
-TEST(HeaviestFeature, NamesWhatSpeaksMostAgainstIt) {
+TEST(HeaviestFeature, IsTheLargestContribution) {
   EXPECT_EQ(HeaviestFeature({.scan = 0.9}), Gate::kScan);
   EXPECT_EQ(HeaviestFeature({.scan = 0.1, .contradicted = 0.3}), Gate::kModel);
   EXPECT_EQ(HeaviestFeature({.scan = 0.01, .contradicted = 0.01, .residual = 2}), Gate::kResidual);
   EXPECT_EQ(HeaviestFeature({.scan = 0.1, .unseen = 0.7, .little = 0.7}), Gate::kLittleSeen);
 }
 
-TEST(MaxConfidence, NoExplanationOfSoManyPointsIsSurer) {
+TEST(MaxConfidence, BoundsTheConfidenceOfThatManyPoints) {
   for (const std::size_t count : {60U, 150U, 400U}) {
     for (const int views : {1, 24, 400}) {
       for (const float deviation : {0.0F, 0.001F, 0.004F}) {

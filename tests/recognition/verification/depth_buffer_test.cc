@@ -12,7 +12,7 @@ class DepthBufferTest : public ::testing::Test {
  protected:
   static constexpr float kPitchM = 0.002F;
 
-  // Measures what lies in the strip `from_m` <= x < `to_m` and is not the plate.
+  // Measures points in the strip `from_m` <= x < `to_m` that are not on the plate.
   void See(float from_m, float to_m, float depth_m) {
     for (float x = from_m; x < to_m; x += kPitchM) {
       for (float y = -0.1F; y < 0.1F; y += kPitchM) {
@@ -37,7 +37,7 @@ class DepthBufferTest : public ::testing::Test {
   Segment segment_;
 };
 
-TEST_F(DepthBufferTest, BeforeAWallNothingIsHidden) {
+TEST_F(DepthBufferTest, AWallBehindHidesNothing) {
   See(-0.1F, 0.1F, 1.1F);
   const DepthBuffer depth_buffer = Look();
   EXPECT_EQ(depth_buffer.HiddenSides(), DepthBuffer::Sides{});
@@ -55,7 +55,7 @@ TEST_F(DepthBufferTest, PointsInTheLensMakeNoWindow) {
   EXPECT_EQ(depth_buffer.HiddenSides(), DepthBuffer::Sides{});
 }
 
-TEST_F(DepthBufferTest, APointBesideTheLensMakesNoWindowWithoutEnd) {
+TEST_F(DepthBufferTest, APointBesideTheLensMakesNoEndlessWindow) {
   segment_.indices.push_back(static_cast<std::int32_t>(scan_.points.size()));
   scan_.points.emplace_back(90.0F, -90.0F, 0.02F);
   const simd::DepthWindow window = Look().window();
@@ -63,7 +63,7 @@ TEST_F(DepthBufferTest, APointBesideTheLensMakesNoWindowWithoutEnd) {
   EXPECT_LE(window.size[1], 2001);
 }
 
-TEST_F(DepthBufferTest, WhatStandsNearerHidesASide) {
+TEST_F(DepthBufferTest, ANearerObjectHidesASide) {
   See(-0.1F, -0.05F, 0.8F);
   See(-0.05F, 0.1F, 1.1F);
   const DepthBuffer depth_buffer = Look();
@@ -71,7 +71,7 @@ TEST_F(DepthBufferTest, WhatStandsNearerHidesASide) {
   EXPECT_EQ(depth_buffer.UnseenSides(), DepthBuffer::Sides{.left = true});
 }
 
-TEST_F(DepthBufferTest, WhereNothingWasMeasuredSomethingMayHideASide) {
+TEST_F(DepthBufferTest, UnmeasuredPixelsMayHideASide) {
   See(-0.05F, 0.1F, 1.1F);
   const DepthBuffer depth_buffer = Look();
   EXPECT_EQ(depth_buffer.HiddenSides(), DepthBuffer::Sides{});

@@ -89,11 +89,11 @@ class VerificationTest : public ::testing::Test {
   const Pose truth_ = At(0.02, 0.01, 0.5);
 };
 
-TEST_F(VerificationTest, TheTruthIsExplainedInBothDirections) {
+TEST_F(VerificationTest, TheTruePoseIsExplainedInBothDirections) {
   const Evidence evidence = MustVerify(model_, truth_, {BoxAt(truth_)});
   EXPECT_GT(evidence.scan_explained, 0.9);
   EXPECT_GT(evidence.model_seen, 0.9);
-  EXPECT_GT(evidence.in_sight, 0.9);
+  EXPECT_GT(evidence.unoccluded, 0.9);
   EXPECT_GT(evidence.confirmed, 0.9);
   EXPECT_LT(evidence.contradicted + evidence.unmeasured, 0.1);
   EXPECT_GT(evidence.score, 0.9);
@@ -101,7 +101,7 @@ TEST_F(VerificationTest, TheTruthIsExplainedInBothDirections) {
   EXPECT_GT(evidence.point_count, 100U);
 }
 
-TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
+TEST_F(VerificationTest, ATooLargeModelIsContradicted) {
   const Box larger{{-0.04, -0.03, 0}, {0.07, 0.03, 0.05}};
   const Evidence evidence = MustVerify(SurfaceModel(SurfaceOf(larger), 1), truth_, {BoxAt(truth_)});
   EXPECT_GT(evidence.scan_explained, 0.8);
@@ -110,7 +110,7 @@ TEST_F(VerificationTest, AThingTooLargeIsLookedThrough) {
   EXPECT_LT(evidence.unmeasured, evidence.contradicted);
 }
 
-TEST_F(VerificationTest, AThingTooSmallLeavesTheScanUnexplained) {
+TEST_F(VerificationTest, ATooSmallModelLeavesTheScanUnexplained) {
   const Box smaller{{-0.04, -0.03, 0}, {0.015, 0.03, 0.05}};
   const Evidence evidence =
       MustVerify(SurfaceModel(SurfaceOf(smaller), 1), truth_, {BoxAt(truth_)});
@@ -130,7 +130,7 @@ TEST_F(VerificationTest, AScoreThatTheSegmentsPointsExcludeIsNotComputed) {
   EXPECT_EQ(score(bound + 1e-9), 0);
 }
 
-TEST_F(VerificationTest, WhatAScanOfOneObjectDoesNotShowSpeaksLessAgainstItThanFreeSight) {
+TEST_F(VerificationTest, MissingPointsInASegmentedScanCountLessThanFreeSpace) {
   const Box half{{-0.04, -0.03, 0}, {0, 0.03, 0.05}};
   const Evidence cut_out = MustVerify(model_, truth_, {BoxAt(truth_, half)}, /*segmented=*/true);
   const Evidence whole = MustVerify(model_, truth_, {BoxAt(truth_, half)});
@@ -142,13 +142,13 @@ TEST_F(VerificationTest, WhatAScanOfOneObjectDoesNotShowSpeaksLessAgainstItThanF
   EXPECT_GT(whole.contradicted, 0.2);
 }
 
-TEST_F(VerificationTest, WhatAnotherObjectHidesIsNotHeldAgainstThePose) {
+TEST_F(VerificationTest, OccludedSurfaceDoesNotCountAgainstThePose) {
   // A post near the camera, out of the region of interest.
   const Box post{{-0.02, -0.01, 0}, {0.02, 0.01, 0.3}};
   const Evidence evidence =
       MustVerify(model_, truth_, {BoxAt(truth_), BoxAt(At(0.02, -0.2, 0), post)});
-  EXPECT_LT(evidence.in_sight, 0.9);
-  EXPECT_GT(evidence.in_sight, 0.2);
+  EXPECT_LT(evidence.unoccluded, 0.9);
+  EXPECT_GT(evidence.unoccluded, 0.2);
   EXPECT_GT(evidence.model_seen, 0.85);
   EXPECT_GT(evidence.score, 0.85);
   EXPECT_LT(evidence.confirmed, 0.9);

@@ -23,7 +23,7 @@ ParsedAgentOptions Parse(std::vector<std::string> arguments) {
   return ParseAgentOptions(static_cast<int>(argv.size()), argv.data());
 }
 
-TEST(AgentOptions, CellAndSensorAreAllThatIsNeeded) {
+TEST(AgentOptions, RequiresOnlyCellAndSensor) {
   const ParsedAgentOptions parsed = Parse({"--cell", "press-3", "--sensor", "simulated"});
   ASSERT_FALSE(parsed.done);
   EXPECT_EQ(parsed.options.cell, "press-3");
@@ -33,7 +33,7 @@ TEST(AgentOptions, CellAndSensorAreAllThatIsNeeded) {
   EXPECT_EQ(Parse({"--cell", "press-3"}).exit_status, 2);
 }
 
-TEST(AgentOptions, JobsAreGivenOneByOneOrInAFile) {
+TEST(AgentOptions, JobsAreRepeatedFlagsOrAListInAFile) {
   EXPECT_THAT(Parse({"--cell", "c", "--sensor", "s", "--job", "1 any", "--job", "2 object=nut"})
                   .options.jobs,
               ElementsAre("1 any", "2 object=nut"));
@@ -47,7 +47,7 @@ TEST(AgentOptions, JobsAreGivenOneByOneOrInAFile) {
   EXPECT_THAT(CheckAddresses(parsed.options), IsOk());
 }
 
-TEST(AgentOptions, RobotsOfOtherMachinesMustBeAllowed) {
+TEST(AgentOptions, RemoteRobotsMustBeAllowed) {
   AgentOptions options;
   options.gri = "0.0.0.0:7100";
   EXPECT_THAT(CheckAddresses(options),
@@ -61,7 +61,7 @@ TEST(AgentOptions, RobotsOfOtherMachinesMustBeAllowed) {
   EXPECT_THAT(CheckAddresses(options), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
-TEST(AgentOptions, APoseFormatOfTheLineProtocolMayBeSetForTheCell) {
+TEST(AgentOptions, LineFormatSetsTheDefaultPoseFormat) {
   AgentOptions options;
   EXPECT_FALSE(LineOptions(options)->pose_format);
   options.line_format = "kuka";

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 constexpr char kCell[] = "cells/press-3";
 
-TEST(ParseCalibrations, EveryWordIsHeard) {
+TEST(ParseCalibrations, ParsesAllWords) {
   const auto configs = ParseCalibrations(
       {"0 target=block", "3 target=objects/cup mount=flange frames=9", "4 target=block region=0.3"},
       kCell);
@@ -35,7 +35,7 @@ TEST(ParseCalibrations, EveryWordIsHeard) {
   EXPECT_EQ((*configs)[2].setup.region->max, Eigen::Vector3d(0.3, 0.3, 0.5));
 }
 
-TEST(ParseCalibrations, WhatIsNoneIsRefusedWithTheLine) {
+TEST(ParseCalibrations, InvalidLinesAreRejectedWithTheLine) {
   for (const char* line :
        {"", "block", "-1 target=block", "0 mount=fixed", "0 target=", "0 target=block mount=wall",
         "0 target=block frames=0", "0 target=block region=3", "0 target=block region=nan",
@@ -48,7 +48,7 @@ TEST(ParseCalibrations, WhatIsNoneIsRefusedWithTheLine) {
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("taken")));
 }
 
-TEST(Calibrations, ThereAreThosePipelinesThatAreConfigured) {
+TEST(Calibrations, HasTheConfiguredPipelines) {
   ScriptedServer server;
   Client client = server.Connect();
   FakeCamera camera([] { return absl::UnavailableError("unplugged"); });

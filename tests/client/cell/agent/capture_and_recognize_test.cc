@@ -32,20 +32,20 @@ class CaptureAndRecognizeTest : public ::testing::Test {
       return grpc::Status::OK;
     };
     server_.recognize = [this](const v1::RecognizeRequest& request, v1::RecognizeResponse* answer) {
-      ++asked_;
+      ++calls_;
       *answer->mutable_sensor_pose() = request.sensor_pose();
       answer->set_catalog_revision(request.depth_image().intrinsics().width());
-      return asked_ <= refused_ ? refusal_ : grpc::Status::OK;
+      return calls_ <= failures_ ? refusal_ : grpc::Status::OK;
     };
   }
 
-  absl::StatusOr<Look> Run(absl::Duration limit = absl::Seconds(60)) {
-    CellCache keeper(client_, "cells/press-3", absl::Hours(1));
-    CaptureAndRecognize capture_and_recognize(sensor_, client_, keeper, "cells/press-3");
-    Look look;
-    absl::Status status = capture_and_recognize.Run(base_flange_, absl::Now() + limit, &look);
+  absl::StatusOr<CaptureResult> Run(absl::Duration limit = absl::Seconds(60)) {
+    CellCache cache(client_, "cells/press-3", absl::Hours(1));
+    CaptureAndRecognize capture_and_recognize(sensor_, client_, cache, "cells/press-3");
+    CaptureResult capture;
+    absl::Status status = capture_and_recognize.Run(base_flange_, absl::Now() + limit, &capture);
     if (!status.ok()) return status;
-    return look;
+    return capture;
   }
 
   ScriptedServer server_;
@@ -58,20 +58,20 @@ class CaptureAndRecognizeTest : public ::testing::Test {
                       }),
                       absl::Seconds(1)};
   std::optional<Pose> base_flange_;
-  int asked_ = 0;
-  int refused_ = 0;
+  int calls_ = 0;
+  int failures_ = 0;
   grpc::Status refusal_;
 };
 
-TEST_F(CaptureAndRecognizeTest, AFrameIsAskedAboutWithTheCellsCalibration) {
-  const auto look = Run();
-  ASSERT_THAT(look, IsOk());
-  EXPECT_EQ(look->request.cell(), "cells/press-3");
-  EXPECT_EQ(look->response.catalog_revision(), 640);
-  EXPECT_TRUE(FromMessage(look->response.sensor_pose()).isApprox(AtX(0.5)));
+TEST_F(CaptureAndRecognizeTest, SendsTheFrameWithTheCellsCalibration) {
+  const auto capture = Run();
+  ASSERT_THAT(capture, IsOk());
+  EXPECT_EQ(capture->request.cell(), "cells/press-3");
+  EXPECT_EQ(capture->response.catalog_revision(), 640);
+  EXPECT_TRUE(FromMessage(capture->response.sensor_pose()).isApprox(AtX(0.5)));
 }
 
-TEST_F(CaptureAndRecognizeTest, ACameraOnTheRobotIsWhereTheRobotSays) {
+TEST_F(CaptureAndRecognizeTest, AFlangeCameraUsesTheRobotsPose) {
   server_.get_cell = [](v1::Cell* cell) {
     *cell->mutable_robot_base_pose() = ToMessage(AtX(-1));
     *cell->mutable_flange_sensor_pose() = ToMessage(AtX(0.1));
@@ -79,12 +79,12 @@ TEST_F(CaptureAndRecognizeTest, ACameraOnTheRobotIsWhereTheRobotSays) {
   };
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("flange")));
   base_flange_ = AtX(0.7);
-  const auto look = Run();
-  ASSERT_THAT(look, IsOk());
-  EXPECT_TRUE(FromMessage(look->request.sensor_pose()).isApprox(AtX(-0.2)));
+  const auto capture = Run();
+  ASSERT_THAT(capture, IsOk());
+  EXPECT_TRUE(FromMessage(capture->request.sensor_pose()).isApprox(AtX(-0.2)));
 }
 
-TEST_F(CaptureAndRecognizeTest, ACellThatNobodyCalibratedOrMadeIsSaidSo) {
+TEST_F(CaptureAndRecognizeTest, UncalibratedAndMissingCellsAreReported) {
   server_.get_cell = [](v1::Cell*) { return grpc::Status::OK; };
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
   server_.get_cell = [](v1::Cell*) { return grpc::Status(grpc::StatusCode::NOT_FOUND, "none"); };
@@ -92,44 +92,44 @@ TEST_F(CaptureAndRecognizeTest, ACellThatNobodyCalibratedOrMadeIsSaidSo) {
                               HasSubstr("graspdb cells set press-3")));
 }
 
-TEST_F(CaptureAndRecognizeTest, AServerThatIsAwayForAMomentIsAskedAgain) {
-  refused_ = 2;
+TEST_F(CaptureAndRecognizeTest, RetriesAServerThatIsUnavailableForAMoment) {
+  failures_ = 2;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "restarting"};
   ASSERT_THAT(Run(), IsOk());
-  EXPECT_EQ(asked_, 3);
+  EXPECT_EQ(calls_, 3);
 }
 
-TEST_F(CaptureAndRecognizeTest, AServerThatIsBusyIsAskedAgain) {
-  refused_ = 1;
+TEST_F(CaptureAndRecognizeTest, RetriesABusyServer) {
+  failures_ = 1;
   refusal_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, "queue is full"};
   ASSERT_THAT(Run(), IsOk());
-  EXPECT_EQ(asked_, 2);
+  EXPECT_EQ(calls_, 2);
 }
 
-TEST_F(CaptureAndRecognizeTest, WithoutAServerTheJobEndsWithinItsTime) {
-  refused_ = 1000000;
+TEST_F(CaptureAndRecognizeTest, WithoutAServerTheJobEndsAtItsDeadline) {
+  failures_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
   EXPECT_THAT(Run(absl::Milliseconds(200)), StatusIs(absl::StatusCode::kUnavailable));
 }
 
-TEST_F(CaptureAndRecognizeTest, ALastCallWithoutTimeDoesNotHideThatNobodyWasThere) {
+TEST_F(CaptureAndRecognizeTest, ALastCallWithoutTimeKeepsTheUnavailableError) {
   const absl::Time deadline = absl::Now() + absl::Seconds(2);
   server_.recognize = [this, deadline](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
-    if (++asked_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - absl::Now());
+    if (++calls_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - absl::Now());
     return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
   };
   EXPECT_THAT(Run(deadline - absl::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
 }
 
-TEST_F(CaptureAndRecognizeTest, WhatTheServerRefusesIsNotAskedAgain) {
-  refused_ = 1;
+TEST_F(CaptureAndRecognizeTest, RejectedRequestsAreNotRetried) {
+  failures_ = 1;
   refusal_ = {grpc::StatusCode::INVALID_ARGUMENT, "no frame"};
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no frame")));
-  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(calls_, 1);
 }
 
-TEST_F(CaptureAndRecognizeTest, ACameraThatComesBackIsUsed) {
+TEST_F(CaptureAndRecognizeTest, RetriesACameraThatIsReconnected) {
   give_ = [this]() -> absl::StatusOr<SensorFrame> {
     if (given_ < 3) return absl::UnavailableError("unplugged");
     return FrameNow();
@@ -138,15 +138,15 @@ TEST_F(CaptureAndRecognizeTest, ACameraThatComesBackIsUsed) {
   EXPECT_EQ(given_, 3);
 }
 
-TEST_F(CaptureAndRecognizeTest, ACameraThatStaysAwayIsNotTakenForTheServer) {
+TEST_F(CaptureAndRecognizeTest, AMissingCameraIsNotReportedAsTheServer) {
   give_ = [] { return absl::UnavailableError("unplugged; look at the cable"); };
   EXPECT_THAT(Run(absl::Milliseconds(100)),
               StatusIs(absl::StatusCode::kAborted, HasSubstr("cable")));
-  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(calls_, 0);
 }
 
-TEST_F(CaptureAndRecognizeTest, TheServersFaultIsNotPutOnACameraThatHasNoTimeLeft) {
-  refused_ = 1000000;
+TEST_F(CaptureAndRecognizeTest, AMissingServerIsNotReportedAsTheCamera) {
+  failures_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
   const absl::Time deadline = absl::Now() + absl::Seconds(2);
   give_ = [this, deadline]() -> absl::StatusOr<SensorFrame> {
@@ -156,27 +156,27 @@ TEST_F(CaptureAndRecognizeTest, TheServersFaultIsNotPutOnACameraThatHasNoTimeLef
   };
   EXPECT_THAT(Run(deadline - absl::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
-  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(calls_, 1);
 }
 
-TEST_F(CaptureAndRecognizeTest, AnOldFrameIsNoAnswer) {
+TEST_F(CaptureAndRecognizeTest, OldFramesAreRejected) {
   give_ = []() -> absl::StatusOr<SensorFrame> {
     SensorFrame frame = FrameNow();
     frame.time -= absl::Seconds(3);
     return frame;
   };
   EXPECT_THAT(Run(absl::Milliseconds(100)), StatusIs(absl::StatusCode::kAborted, HasSubstr("old")));
-  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(calls_, 0);
 }
 
 TEST_F(CaptureAndRecognizeTest, StoppingEndsTheWait) {
-  refused_ = 1000000;
+  failures_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
-  CellCache keeper(client_, "cells/press-3", absl::Hours(1));
-  CaptureAndRecognize capture_and_recognize(sensor_, client_, keeper, "cells/press-3");
+  CellCache cache(client_, "cells/press-3", absl::Hours(1));
+  CaptureAndRecognize capture_and_recognize(sensor_, client_, cache, "cells/press-3");
   capture_and_recognize.Stop();
-  Look look;
-  EXPECT_THAT(capture_and_recognize.Run({}, absl::InfiniteFuture(), &look),
+  CaptureResult capture;
+  EXPECT_THAT(capture_and_recognize.Run({}, absl::InfiniteFuture(), &capture),
               StatusIs(absl::StatusCode::kUnavailable));
 }
 

@@ -42,7 +42,7 @@ class CellRunnerTest : public ::testing::Test {
     return runner_.Run({.job = job, .robot = "r", .base_flange = flange});
   }
 
-  // Before anybody asks.
+  // Called before the first request.
   Client Script() {
     server_.Change([this](ScriptedServer& server) {
       server.recognize = MugOnTheTable;
@@ -71,19 +71,19 @@ class CellRunnerTest : public ::testing::Test {
   FakeCamera camera_{[]() -> absl::StatusOr<SensorFrame> {
     return SensorFrame{.scan = v1::DepthImage(), .time = absl::Now(), .world_sensor = {}};
   }};
-  CellCache keeper_{client_, "cells/press-3", absl::Hours(1)};
-  CaptureAndRecognize capture_and_recognize_{camera_, client_, keeper_, "cells/press-3"};
+  CellCache cache_{client_, "cells/press-3", absl::Hours(1)};
+  CaptureAndRecognize capture_and_recognize_{camera_, client_, cache_, "cells/press-3"};
   Counters counters_;
-  std::vector<JobReport> heard_;
+  std::vector<JobReport> reports_;
   CellRunner runner_{*ParseJobs({"1 any", "2 label=cups", "3 label=plates", "4 any protocol=line",
                                  "80 show=side", "90 outcome=picked"}),
                      JobProtocol::kGri,
                      {},
-                     {camera_, client_, keeper_, capture_and_recognize_, counters_,
-                      [this](const JobReport& report) { heard_.push_back(report); }}};
+                     {camera_, client_, cache_, capture_and_recognize_, counters_,
+                      [this](const JobReport& report) { reports_.push_back(report); }}};
 };
 
-TEST_F(CellRunnerTest, ARobotIsGivenGraspsInItsBaseFrame) {
+TEST_F(CellRunnerTest, ReturnsGraspsInTheRobotsBaseFrame) {
   const auto poses = Run(1);
   ASSERT_THAT(poses, IsOk());
   ASSERT_THAT(*poses, SizeIs(1));
@@ -92,7 +92,7 @@ TEST_F(CellRunnerTest, ARobotIsGivenGraspsInItsBaseFrame) {
   EXPECT_EQ(poses->front().grasp_id, "rim");
 }
 
-TEST_F(CellRunnerTest, UnknownJobsAndThoseOfOtherProtocolsAreRefused) {
+TEST_F(CellRunnerTest, UnknownJobsAndJobsOfOtherProtocolsAreRejected) {
   EXPECT_THAT(runner_.Check(1), IsOk());
   EXPECT_THAT(runner_.Check(5), StatusIs(absl::StatusCode::kNotFound));
   EXPECT_THAT(runner_.Check(4), StatusIs(absl::StatusCode::kPermissionDenied));
@@ -101,13 +101,13 @@ TEST_F(CellRunnerTest, UnknownJobsAndThoseOfOtherProtocolsAreRefused) {
   EXPECT_FALSE(runner_.ReturnsPoses(90));
 }
 
-TEST_F(CellRunnerTest, LabelsAreAskedForOncePerRevision) {
+TEST_F(CellRunnerTest, LabelsAreReadOncePerRevision) {
   EXPECT_THAT(*Run(2), SizeIs(1));
   EXPECT_THAT(*Run(3), IsEmpty());
   EXPECT_EQ(listed_, 1);
 }
 
-TEST_F(CellRunnerTest, TheWorkspaceOfTheCellIsKept) {
+TEST_F(CellRunnerTest, RespectsTheWorkspaceOfTheCell) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
       *cell->mutable_sensor_pose() = ToMessage(AtXZ(0));
@@ -117,12 +117,12 @@ TEST_F(CellRunnerTest, TheWorkspaceOfTheCellIsKept) {
       return grpc::Status::OK;
     };
   });
-  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  ASSERT_THAT(cache_.Refresh(), IsOk());
   EXPECT_THAT(*Run(1), IsEmpty());
 }
 
-TEST_F(CellRunnerTest, ReadyMeansCameraAndServer) {
-  ASSERT_THAT(keeper_.Refresh(), IsOk());
+TEST_F(CellRunnerTest, IsReadyWithCameraAndServer) {
+  ASSERT_THAT(cache_.Refresh(), IsOk());
   EXPECT_TRUE(runner_.IsReady());
   camera_.ready = false;
   EXPECT_FALSE(runner_.IsReady());
@@ -130,23 +130,23 @@ TEST_F(CellRunnerTest, ReadyMeansCameraAndServer) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell*) { return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone"); };
   });
-  EXPECT_THAT(keeper_.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(cache_.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_FALSE(runner_.IsReady());
 }
 
-TEST_F(CellRunnerTest, WhoKeepsJobsHearsOfThem) {
+TEST_F(CellRunnerTest, CallsTheJobCallback) {
   ASSERT_THAT(Run(1), IsOk());
-  ASSERT_THAT(heard_, SizeIs(1));
-  EXPECT_EQ(heard_[0].request.robot, "r");
-  EXPECT_THAT(heard_[0].status, IsOk());
-  EXPECT_EQ(heard_[0].look.response.catalog_revision(), 7);
-  EXPECT_THAT(heard_[0].poses, SizeIs(1));
+  ASSERT_THAT(reports_, SizeIs(1));
+  EXPECT_EQ(reports_[0].request.robot, "r");
+  EXPECT_THAT(reports_[0].status, IsOk());
+  EXPECT_EQ(reports_[0].capture.response.catalog_revision(), 7);
+  EXPECT_THAT(reports_[0].poses, SizeIs(1));
   EXPECT_THAT(counters_.Text(), HasSubstr("jobs=1 with_pose=1"));
 }
 
-TEST_F(CellRunnerTest, AShownGraspFollowsTheObjectThatTheRobotsJobSaw) {
+TEST_F(CellRunnerTest, AShownGraspUsesThePreviousDetection) {
   ASSERT_THAT(Run(1), IsOk());
-  // The hand hides the object now: nothing is to be seen.
+  // The gripper occludes the object now: nothing is detected.
   server_.Change([](ScriptedServer& server) {
     server.recognize = [](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
       return grpc::Status::OK;
@@ -162,14 +162,14 @@ TEST_F(CellRunnerTest, AShownGraspFollowsTheObjectThatTheRobotsJobSaw) {
   EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(AtXZ(0.05, 0.05) * down, 1e-9));
 }
 
-TEST_F(CellRunnerTest, WithACameraOnTheRobotAGraspIsShownAfterALook) {
+TEST_F(CellRunnerTest, WithAFlangeCameraAGraspIsShownAfterARecognisingJob) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
       *cell->mutable_flange_sensor_pose() = ToMessage(AtXZ(0));
       return grpc::Status::OK;
     };
   });
-  ASSERT_THAT(keeper_.Refresh(), IsOk());
+  ASSERT_THAT(cache_.Refresh(), IsOk());
   const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
   EXPECT_THAT(Run(80, AtXZ(0.25, 0.05) * down),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("recognising job first")));
@@ -177,17 +177,17 @@ TEST_F(CellRunnerTest, WithACameraOnTheRobotAGraspIsShownAfterALook) {
   EXPECT_THAT(Run(80, AtXZ(0.25, 0.05) * down), IsOk());
 }
 
-TEST_F(CellRunnerTest, WithoutAPoseNoGraspIsShown) {
+TEST_F(CellRunnerTest, ShowingAGraspRequiresAPose) {
   EXPECT_THAT(Run(80, std::nullopt), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
-TEST_F(CellRunnerTest, AToolThatIsNearNothingIsAWrongRequestNotAWrongJob) {
+TEST_F(CellRunnerTest, ShowingAGraspAwayFromObjectsIsAnInvalidRequest) {
   EXPECT_THAT(Run(80, AtXZ(9)), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
   EXPECT_THAT(Run(80, AtXZ(1.2, -0.1)),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("below the table")));
 }
 
-TEST_F(CellRunnerTest, WhatTheServerRefusesIsNoErrorOfJobOrCamera) {
+TEST_F(CellRunnerTest, RejectionsByTheServerAreDataLoss) {
   ASSERT_THAT(Run(1), IsOk());
   const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
   server_.Change([](ScriptedServer& server) {
@@ -203,61 +203,63 @@ TEST_F(CellRunnerTest, WhatTheServerRefusesIsNoErrorOfJobOrCamera) {
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such pose")));
   EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("PERMISSION_DENIED")));
   runner_.Given("r", Run(1)->front());
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed),
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such grasp")));
 }
 
-TEST_F(CellRunnerTest, APoseGivenWhileAnOutcomeFailsIsTheOneToldOfNext) {
+TEST_F(CellRunnerTest, APoseGivenWhileReportingFailsIsReportedNext) {
   const auto given = *Run(1);
   JobPose newer = given.front();
   newer.grasp_id = "handle";
-  std::string told;
+  std::string reported;
   server_.Change([&](ScriptedServer& server) {
     server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
-      told = request.grasp_id();
-      if (told == "handle") return grpc::Status::OK;
+      reported = request.grasp_id();
+      if (reported == "handle") return grpc::Status::OK;
       runner_.Given("r", newer);
       return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
     };
   });
   runner_.Given("r", given.front());
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked), IsOk());
-  EXPECT_EQ(told, "handle");
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
+              StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kPicked), IsOk());
+  EXPECT_EQ(reported, "handle");
 }
 
-TEST_F(CellRunnerTest, AnOutcomeIsOfWhatWasGivenLastAndOnce) {
-  v1::ReportGraspOutcomeRequest told;
+TEST_F(CellRunnerTest, AnOutcomeRefersToTheLastPoseOnce) {
+  v1::ReportGraspOutcomeRequest reported;
   server_.Change([&](ScriptedServer& server) {
     server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
-      told = request;
+      reported = request;
       return grpc::Status::OK;
     };
   });
   EXPECT_THAT(Run(90), StatusIs(absl::StatusCode::kFailedPrecondition));
   runner_.Given("r", Run(1)->front());
   EXPECT_THAT(Run(90), IsOk());
-  EXPECT_EQ(told.name(), "objects/mug/stablePoses/upright");
-  EXPECT_EQ(told.grasp_id(), "rim");
-  EXPECT_EQ(told.outcome(), v1::GRASP_OUTCOME_PICKED);
+  EXPECT_EQ(reported.name(), "objects/mug/stablePoses/upright");
+  EXPECT_EQ(reported.grasp_id(), "rim");
+  EXPECT_EQ(reported.outcome(), v1::GRASP_OUTCOME_PICKED);
   EXPECT_THAT(counters_.Text(), HasSubstr("picked=1"));
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kPicked),
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kPicked),
               StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
-TEST_F(CellRunnerTest, AnOutcomeThatTheServerDidNotKeepMayBeToldAgain) {
+TEST_F(CellRunnerTest, AFailedOutcomeMayBeRetried) {
   const auto answer_with = [this](grpc::StatusCode code) {
     server_.Change([code](ScriptedServer& server) {
       server.report_outcome = [code](const v1::ReportGraspOutcomeRequest& /*request*/) {
-        return grpc::Status(code, "said so");
+        return grpc::Status(code, "scripted status");
       };
     });
   };
   runner_.Given("r", Run(1)->front());
   answer_with(grpc::StatusCode::UNAVAILABLE);
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
+              StatusIs(absl::StatusCode::kUnavailable));
   answer_with(grpc::StatusCode::OK);
-  EXPECT_THAT(runner_.Tell("r", PickOutcome::kMissed), IsOk());
+  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed), IsOk());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A camera that gives what it is told to.
+// A camera with scripted frames.
 #pragma once
 
 #include <atomic>
@@ -16,13 +16,13 @@ class FakeCamera : public DepthSensor {
   explicit FakeCamera(Give give) : give_(std::move(give)) {}
 
   absl::StatusOr<SensorFrame> Next(absl::Time /*deadline*/) override {
-    ++asked;
+    ++calls;
     return give_();
   }
   bool IsReady() override { return ready; }
   std::string Name() const override { return "fake camera"; }
 
-  std::atomic<int> asked = 0;
+  std::atomic<int> calls = 0;
   std::atomic<bool> ready = true;
 
  private:

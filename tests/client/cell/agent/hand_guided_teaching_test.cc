@@ -55,13 +55,13 @@ class HandGuidedTeachingTest : public ::testing::Test {
   const Pose world_mug_ = At(0.1, 0, 0) * Pose(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ()));
   ScriptedServer server_;
   Client client_ = server_.Connect();
-  HandGuidedTeaching showing_{client_, absl::Minutes(10)};
+  HandGuidedTeaching teaching_{client_, absl::Minutes(10)};
   SeenScene scene_;
   JobConfig job_;
 };
 
-TEST_F(HandGuidedTeachingTest, TheGraspIsStoredInTheFrameOfTheNearestObject) {
-  ASSERT_THAT(showing_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
+TEST_F(HandGuidedTeachingTest, StoresTheGraspInTheFrameOfTheNearestObject) {
+  ASSERT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 2);
   const v1::Grasp& top = server_.stable_pose.grasps(1);
   EXPECT_EQ(top.grasp_id(), "top");
@@ -69,43 +69,43 @@ TEST_F(HandGuidedTeachingTest, TheGraspIsStoredInTheFrameOfTheNearestObject) {
   EXPECT_EQ(top.approach_distance_m(), 0.1);
   EXPECT_EQ(top.retreat_distance_m(), 0.2);
   EXPECT_EQ(top.priority(), 3);
-  // Carried along to where the mug was, it is where the tool was.
+  // Transformed by the mug's pose, it is the tool's pose.
   const Pose world_tcp = world_mug_ * FromMessage(top.tcp_pose());
   EXPECT_TRUE(world_tcp.isApprox(At(0.1, 0, 0.09, kPi), 1e-9));
 }
 
-TEST_F(HandGuidedTeachingTest, AGraspOfThatNameIsReplaced) {
+TEST_F(HandGuidedTeachingTest, ReplacesAGraspWithTheSameId) {
   job_.grasp_id = "rim";
-  ASSERT_THAT(showing_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
+  ASSERT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 1);
   EXPECT_EQ(server_.stable_pose.grasps(0).priority(), 3);
 }
 
-TEST_F(HandGuidedTeachingTest, AToolBelowTheTableIsRefused) {
-  EXPECT_THAT(showing_.Store(job_, scene_, ToolOverMug(-0.02)),
+TEST_F(HandGuidedTeachingTest, AToolBelowTheTableIsRejected) {
+  EXPECT_THAT(teaching_.Store(job_, scene_, ToolOverMug(-0.02)),
               StatusIs(absl::StatusCode::kOutOfRange, HasSubstr("20 mm below the table")));
-  // Pointing up, as when the z axis of the tool is taken the other way round.
+  // Pointing up, e.g. when the z axis of the tool is inverted.
   const Pose up = scene_.frames.world_base.inverse() * At(0.1, 0, 0.05);
-  EXPECT_THAT(showing_.Store(job_, scene_, up),
+  EXPECT_THAT(teaching_.Store(job_, scene_, up),
               StatusIs(absl::StatusCode::kOutOfRange, HasSubstr("50 mm below the table")));
   EXPECT_EQ(server_.stable_pose.grasps_size(), 1);
 }
 
-TEST_F(HandGuidedTeachingTest, FarFromEverythingThereIsNothingToGrasp) {
+TEST_F(HandGuidedTeachingTest, NoObjectNearTheToolIsAnError) {
   const Pose far = scene_.frames.world_base.inverse() * At(1, 0, 0.1, kPi);
-  EXPECT_THAT(showing_.Store(job_, scene_, far), StatusIs(absl::StatusCode::kNotFound));
+  EXPECT_THAT(teaching_.Store(job_, scene_, far), StatusIs(absl::StatusCode::kNotFound));
   job_.object = "objects/plate";
-  EXPECT_THAT(showing_.Store(job_, scene_, ToolOverMug(0.09)),
+  EXPECT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("objects/plate")));
 }
 
-TEST_F(HandGuidedTeachingTest, ScenesAreRememberedForEachRobotForAWhile) {
-  showing_.Remember("left", scene_);
-  EXPECT_TRUE(showing_.Recall("left"));
-  EXPECT_FALSE(showing_.Recall("right"));
+TEST_F(HandGuidedTeachingTest, ScenesAreKeptPerRobotForALimitedTime) {
+  teaching_.Remember("left", scene_);
+  EXPECT_TRUE(teaching_.Recall("left"));
+  EXPECT_FALSE(teaching_.Recall("right"));
   scene_.time = absl::Now() - absl::Minutes(11);
-  showing_.Remember("left", scene_);
-  EXPECT_FALSE(showing_.Recall("left"));
+  teaching_.Remember("left", scene_);
+  EXPECT_FALSE(teaching_.Recall("left"));
 }
 
 }  // namespace

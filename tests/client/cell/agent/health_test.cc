@@ -44,7 +44,7 @@ char StateOf(const std::string& address) {
   return slice.size() < 2 ? '\0' : static_cast<char>(slice.begin()[1]);
 }
 
-TEST(Health, SaysWhetherTheCellIsReady) {
+TEST(Health, ReportsWhetherTheCellIsReady) {
   std::atomic<bool> ready = false;
   const auto health = Health::Start(
       "127.0.0.1:0", [&] { return ready.load(); }, absl::Milliseconds(1));
@@ -55,7 +55,7 @@ TEST(Health, SaysWhetherTheCellIsReady) {
   while (StateOf((*health)->address()) != kServing) std::this_thread::yield();
 }
 
-TEST(Health, APortThatIsTakenIsAnError) {
+TEST(Health, APortInUseIsAnError) {
   const auto first = Health::Start(
       "127.0.0.1:0", [] { return true; }, absl::Seconds(1));
   ASSERT_THAT(first, IsOk());

@@ -73,7 +73,7 @@ class PosesForTest : public ::testing::Test {
   Reach reach_;
 };
 
-TEST_F(PosesForTest, GraspsComeInTheOrderOfTheAnswerWithTheirObjectRelated) {
+TEST_F(PosesForTest, GraspsAreInResponseOrderWithTheirObjectRelated) {
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side", "objects/nut top"));
   const JobPose first = Poses()[0];
   EXPECT_TRUE(first.base_primary.isApprox(AtXYZ(1, 0, 0) * ToolAt(0.1, 0, 0.1)));
@@ -94,7 +94,7 @@ TEST_F(PosesForTest, APrimaryObjectHasItsGraspsRelated) {
   EXPECT_TRUE(mug.base_related[1].isApprox(AtXYZ(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
 }
 
-TEST_F(PosesForTest, AJobForAnObjectOrALabelGivesNoOther) {
+TEST_F(PosesForTest, FiltersByObjectAndLabel) {
   job_.object = "objects/mug";
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side"));
   job_.object.clear();
@@ -104,13 +104,13 @@ TEST_F(PosesForTest, AJobForAnObjectOrALabelGivesNoOther) {
   EXPECT_THAT(Ids(), IsEmpty());
 }
 
-TEST_F(PosesForTest, WhatIsNotSureEnoughIsLeftOut) {
+TEST_F(PosesForTest, SkipsObjectsBelowTheMinimumScore) {
   answer_.mutable_detections(0)->set_score(0.7);
   job_.min_score = 0.8;
   EXPECT_THAT(Ids(), ElementsAre("objects/nut top"));
 }
 
-TEST_F(PosesForTest, WhatIsNotOkIsLeftOut) {
+TEST_F(PosesForTest, SkipsObjectsThatAreNotOk) {
   for (const auto status :
        {v1::UNKNOWN_OBJECT, v1::AMBIGUOUS, v1::OUT_OF_WORKSPACE, v1::NO_GRASP}) {
     answer_.mutable_detections(0)->set_status(status);
@@ -118,34 +118,34 @@ TEST_F(PosesForTest, WhatIsNotOkIsLeftOut) {
   }
 }
 
-TEST_F(PosesForTest, AnObjectWithoutGraspsIsStillSomewhere) {
+TEST_F(PosesForTest, AnObjectWithoutGraspsHasAPose) {
   answer_.mutable_detections(1)->set_status(v1::NO_GRASP);
   answer_.mutable_detections(1)->clear_grasps();
   job_.primary = JobPrimary::kObject;
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut "));
 }
 
-TEST_F(PosesForTest, ObjectsThatStandAloneComeFirst) {
+TEST_F(PosesForTest, IsolatedObjectsComeFirst) {
   answer_.mutable_detections(0)->set_touching(true);
   EXPECT_THAT(Ids(), ElementsAre("objects/nut top", "objects/mug rim", "objects/mug side"));
 }
 
-TEST_F(PosesForTest, GraspsOutOfReachAreLeftOutAndSoAreObjectsWithoutAny) {
+TEST_F(PosesForTest, SkipsUnreachableGraspsAndObjectsWithoutReachableOnes) {
   reach_.max_m = 1.2;  // from the base: of the mug the rim is 1.1 m away, the nut 1.3
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/mug side"));
   job_.primary = JobPrimary::kObject;
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim"));
 }
 
-TEST_F(PosesForTest, TheApproachMustBeInTheWorkspaceToo) {
+TEST_F(PosesForTest, ApproachAndRetreatMustBeInTheWorkspace) {
   reach_.workspace = recognition::Box{{-1, -1, 0}, {1, 1, 0.29}};  // the rim's retreat ends at 0.3
   EXPECT_THAT(Ids(), ElementsAre("objects/mug side", "objects/nut top"));
   reach_.workspace = recognition::Box{{-1, -1, 0}, {1, 1, 0.14}};
   EXPECT_THAT(Ids(), IsEmpty());
 }
 
-TEST_F(PosesForTest, NoMoreThanTheJobWants) {
-  job_.most_poses = 1;
+TEST_F(PosesForTest, ReturnsAtMostTheJobsNumberOfPoses) {
+  job_.max_poses = 1;
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim"));
 }
 

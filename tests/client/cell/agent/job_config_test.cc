@@ -11,7 +11,7 @@ using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
 using ::testing::HasSubstr;
 
-TEST(ParseJob, AnyTakesWhateverIsRecognised) {
+TEST(ParseJob, AnyHasNoFilter) {
   const auto job = ParseJob("1 any");
   ASSERT_THAT(job, IsOk());
   EXPECT_EQ(job->id, 1);
@@ -22,7 +22,7 @@ TEST(ParseJob, AnyTakesWhateverIsRecognised) {
   EXPECT_FALSE(job->time_limit);
 }
 
-TEST(ParseJob, EveryWordIsHeard) {
+TEST(ParseJob, ParsesAllWords) {
   const auto job = ParseJob(
       "65535\tobject=flange  primary=object limit=500ms min-score=0.8 poses=3 protocol=line");
   ASSERT_THAT(job, IsOk());
@@ -31,11 +31,11 @@ TEST(ParseJob, EveryWordIsHeard) {
   EXPECT_EQ(job->primary, JobPrimary::kObject);
   EXPECT_EQ(job->time_limit, absl::Milliseconds(500));
   EXPECT_EQ(job->min_score, 0.8);
-  EXPECT_EQ(job->most_poses, 3U);
+  EXPECT_EQ(job->max_poses, 3U);
   EXPECT_EQ(job->protocol, JobProtocol::kLine);
 }
 
-TEST(ParseJob, AGraspIsShownWithItsMeasures) {
+TEST(ParseJob, ParsesAShownGrasp) {
   const auto job = ParseJob(
       "80 show=top opening=0.06 approach=0.12 retreat=0.05 priority=-2 object=objects/mug");
   ASSERT_THAT(job, IsOk());
@@ -48,7 +48,7 @@ TEST(ParseJob, AGraspIsShownWithItsMeasures) {
   EXPECT_EQ(job->priority, -2);
 }
 
-TEST(ParseJob, OutcomesAreJobs) {
+TEST(ParseJob, ParsesOutcomes) {
   EXPECT_EQ(ParseJob("1 outcome=picked")->kind, JobKind::kPicked);
   EXPECT_EQ(ParseJob("1 outcome=missed")->kind, JobKind::kMissed);
   EXPECT_EQ(ParseJob("1 outcome=slipped")->kind, JobKind::kSlipped);
@@ -56,14 +56,14 @@ TEST(ParseJob, OutcomesAreJobs) {
 
 struct BadJob {
   const char* line;
-  const char* says;
+  const char* message;
 };
 
 class BadJobTest : public ::testing::TestWithParam<BadJob> {};
 
-TEST_P(BadJobTest, IsRefusedWithTheLineAndWhatMayStandThere) {
+TEST_P(BadJobTest, IsRejectedWithTheLineAndTheAllowedWords) {
   const auto job = ParseJob(GetParam().line);
-  EXPECT_THAT(job, StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().says)));
+  EXPECT_THAT(job, StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message)));
   EXPECT_THAT(std::string(job.status().message()), HasSubstr(GetParam().line));
 }
 
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadJob{"1 show=top outcome=picked", "two different jobs"},
                       BadJob{"1 object=mug object=cup", "twice"}));
 
-TEST(ParseJobs, TwoOfOneNumberAreRefused) {
+TEST(ParseJobs, DuplicateNumbersAreRejected) {
   EXPECT_THAT(ParseJobs({"1 any", "1 label=x"}),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("number 1 is taken")));
   const auto jobs = ParseJobs({"1 any", "2 label=x"});

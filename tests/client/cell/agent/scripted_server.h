@@ -1,4 +1,4 @@
-// A graspdb server that answers what it is told to, over a channel inside the process.
+// A graspdb server with scripted answers, over an in-process channel.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -22,18 +22,18 @@ class ScriptedServer : private v1::RecognitionService::Service,
 
   Client Connect(ConnectionOptions options = {.timeout = absl::Seconds(5), .retry = false});
 
-  // Changes what the services do; calls wait for it.
+  // Changes the script; calls wait for it.
   void Change(const std::function<void(ScriptedServer&)>& change) {
     absl::MutexLock lock(&mutex_);
     change(*this);
   }
 
-  // What the services do. Read and set by Change once calls are made.
+  // The script. After the first call, access it only in Change.
   std::function<grpc::Status(const v1::RecognizeRequest&, v1::RecognizeResponse*)> recognize;
   std::function<grpc::Status(v1::Cell*)> get_cell;
   std::function<grpc::Status(v1::ListObjectsResponse*)> list_objects;
   std::function<grpc::Status(const v1::ReportGraspOutcomeRequest&)> report_outcome;
-  v1::StablePose stable_pose;  // that GetStablePose gives and UpdateStablePose changes
+  v1::StablePose stable_pose;  // for GetStablePose and UpdateStablePose
 
  private:
   grpc::Status Recognize(grpc::ServerContext* /*context*/, const v1::RecognizeRequest* request,

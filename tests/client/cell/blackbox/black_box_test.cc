@@ -25,9 +25,9 @@ v1::Bundle BundleOf(int job) {
 
 class BlackBoxTest : public ::testing::Test {
  protected:
-  std::unique_ptr<BlackBox> Open(std::size_t most_waiting = 1000) const {
+  std::unique_ptr<BlackBox> Open(std::size_t max_waiting = 1000) const {
     auto box = BlackBox::Open(
-        {.ring = {.folder = folder_.path(), .least_free_bytes = 0}, .most_waiting = most_waiting});
+        {.ring = {.folder = folder_.path(), .min_free_bytes = 0}, .max_waiting = max_waiting});
     EXPECT_THAT(box, IsOk());
     return *std::move(box);
   }
@@ -43,7 +43,7 @@ class BlackBoxTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(BlackBoxTest, KeepsInTheOrderInWhichItIsGiven) {
+TEST_F(BlackBoxTest, KeepsBundlesInOrder) {
   const auto box = Open();
   for (int job = 1; job <= 3; ++job) EXPECT_TRUE(box->Keep(BundleOf(job)));
   box->Flush();
@@ -51,14 +51,14 @@ TEST_F(BlackBoxTest, KeepsInTheOrderInWhichItIsGiven) {
   EXPECT_EQ(box->counts().kept, 3);
 }
 
-TEST_F(BlackBoxTest, WritesWhatWaitsBeforeItGoes) {
+TEST_F(BlackBoxTest, TheDestructorWritesQueuedBundles) {
   auto box = Open();
   for (int job = 1; job <= 50; ++job) EXPECT_TRUE(box->Keep(BundleOf(job)));
   box.reset();
   EXPECT_EQ(Jobs().size(), 50U);
 }
 
-TEST_F(BlackBoxTest, MoreThanMayWaitAreDroppedAndCounted) {
+TEST_F(BlackBoxTest, BundlesBeyondTheQueueAreDroppedAndCounted) {
   const auto box = Open(0);
   EXPECT_FALSE(box->Keep(BundleOf(1)));
   box->Flush();
@@ -66,7 +66,7 @@ TEST_F(BlackBoxTest, MoreThanMayWaitAreDroppedAndCounted) {
   EXPECT_EQ(box->counts().kept, 0);
 }
 
-TEST_F(BlackBoxTest, ManyRobotsMayTellAtOnceAndEverythingIsCounted) {
+TEST_F(BlackBoxTest, ConcurrentBundlesAreAllCounted) {
   const auto box = Open(4);
   std::vector<std::thread> robots;
   robots.reserve(4);
@@ -83,16 +83,16 @@ TEST_F(BlackBoxTest, ManyRobotsMayTellAtOnceAndEverythingIsCounted) {
   EXPECT_EQ(Jobs().size(), static_cast<std::size_t>(counts.kept));
 }
 
-TEST_F(BlackBoxTest, WhatTheDiskRefusesIsCounted) {
-  auto box = BlackBox::Open(
-      {.ring = {.folder = folder_.path(), .byte_limit = 100, .least_free_bytes = 0}});
+TEST_F(BlackBoxTest, WriteErrorsAreCounted) {
+  auto box =
+      BlackBox::Open({.ring = {.folder = folder_.path(), .byte_limit = 100, .min_free_bytes = 0}});
   ASSERT_THAT(box, IsOk());
   EXPECT_TRUE((*box)->Keep(BundleOf(1)));
   (*box)->Flush();
   EXPECT_EQ((*box)->counts().failed, 1);
 }
 
-TEST(IsTroubled, WhatCameToNoGoodEnd) {
+TEST(IsTroubled, ErrorsAndLowScores) {
   v1::Bundle bundle;
   bundle.mutable_error()->set_code(14);
   EXPECT_TRUE(IsTroubled(bundle, 0));

@@ -30,14 +30,14 @@ class BundleFileTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(BundleFileTest, IsReadAsItWasWritten) {
+TEST_F(BundleFileTest, SurvivesARoundTrip) {
   const std::string path = folder_.Write("a.bundle", *BundleBytes(Sample()));
   const auto read = ReadBundle(path);
   ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->SerializeAsString(), Sample().SerializeAsString());
 }
 
-TEST_F(BundleFileTest, WhatIsNoneIsSaid) {
+TEST_F(BundleFileTest, InvalidFilesAreReported) {
   const std::string bytes = *BundleBytes(Sample());
   for (const std::string& wrong :
        {std::string(), std::string("GB"), std::string("PLY\x01 something"), bytes.substr(0, 4),
@@ -52,7 +52,7 @@ TEST_F(BundleFileTest, WhatIsNoneIsSaid) {
   EXPECT_THAT(ReadBundle(folder_.path() / "none"), StatusIs(absl::StatusCode::kNotFound));
 }
 
-TEST_F(BundleFileTest, FoldersMeanTheirBundlesTheOldestFirst) {
+TEST_F(BundleFileTest, ListsTheBundlesOfFoldersTheOldestFirst) {
   const std::string second = folder_.Write("0000000010-x.bundle", "");
   const std::string first = folder_.Write("0000000009-y.bundle", "");
   folder_.Write("notes.txt", "");

@@ -23,7 +23,7 @@ absl::Time Noon() { return absl::FromUnixSeconds(1'783'080'000); }
 class BundleRingTest : public ::testing::Test {
  protected:
   BundleRing Open(std::uint64_t limit = 1000) const {
-    auto ring = BundleRing::Open({.folder = Folder(), .byte_limit = limit, .least_free_bytes = 0});
+    auto ring = BundleRing::Open({.folder = Folder(), .byte_limit = limit, .min_free_bytes = 0});
     EXPECT_THAT(ring, IsOk());
     return *std::move(ring);
   }
@@ -51,7 +51,7 @@ TEST_F(BundleRingTest, FilesAreNumberedAndNamedByTheirTime) {
   EXPECT_EQ(ring.bytes(), 6U);
 }
 
-TEST_F(BundleRingTest, TheOldestLeaveWhereTheLimitIsReached) {
+TEST_F(BundleRingTest, RemovesTheOldestAtTheLimit) {
   BundleRing ring = Open(1000);
   for (int i = 0; i < 25; ++i) {
     ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
@@ -63,7 +63,7 @@ TEST_F(BundleRingTest, TheOldestLeaveWhereTheLimitIsReached) {
   EXPECT_THAT(Names(), SizeIs(1));
 }
 
-TEST_F(BundleRingTest, OneThatIsLargerThanAllMayBeIsRefusedAndNothingLeaves) {
+TEST_F(BundleRingTest, ABundleLargerThanTheLimitIsRejectedAndNothingIsRemoved) {
   BundleRing ring = Open(1000);
   ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
   EXPECT_THAT(ring.Add(std::string(1001, 'x'), Noon()),
@@ -71,7 +71,7 @@ TEST_F(BundleRingTest, OneThatIsLargerThanAllMayBeIsRefusedAndNothingLeaves) {
   EXPECT_EQ(ring.size(), 1U);
 }
 
-TEST_F(BundleRingTest, WhatIsThereIsTakenOver) {
+TEST_F(BundleRingTest, TakesOverExistingBundles) {
   {
     BundleRing ring = Open();
     for (int i = 0; i < 5; ++i) ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
@@ -84,7 +84,7 @@ TEST_F(BundleRingTest, WhatIsThereIsTakenOver) {
   EXPECT_EQ(Names().front().substr(0, 10), "0000000003");
 }
 
-TEST_F(BundleRingTest, LeftoversOfACrashGoAndOtherFilesStay) {
+TEST_F(BundleRingTest, RemovesTemporaryFilesOfACrashAndKeepsOtherFiles) {
   Open();
   for (const char* name : {"0000000007-20260703T120000Z.bundle.4711.tmp", "notes.txt",
                            "mine.bundle", "0000000003-x.txt"}) {
@@ -95,7 +95,7 @@ TEST_F(BundleRingTest, LeftoversOfACrashGoAndOtherFilesStay) {
   EXPECT_THAT(Names(), ElementsAre("0000000003-x.txt", "mine.bundle", "notes.txt"));
 }
 
-TEST_F(BundleRingTest, ABundleThatSomebodyElseTookAwayIsNoError) {
+TEST_F(BundleRingTest, ABundleRemovedByAnotherProcessIsNoError) {
   BundleRing ring = Open(200);
   ASSERT_THAT(ring.Add(std::string(100, 'x'), Noon()), IsOk());
   std::filesystem::remove_all(Folder());
@@ -103,20 +103,20 @@ TEST_F(BundleRingTest, ABundleThatSomebodyElseTookAwayIsNoError) {
   EXPECT_THAT(Names(), SizeIs(1));
 }
 
-TEST_F(BundleRingTest, ADiskWithTooLittleRoomIsLeftToOthers) {
+TEST_F(BundleRingTest, KeepsTheMinimumFreeSpace) {
   {
     BundleRing ring = Open();
     ASSERT_THAT(ring.Add("x", Noon()), IsOk());
   }
   auto ring = BundleRing::Open({.folder = Folder(),
                                 .byte_limit = 1000,
-                                .least_free_bytes = std::numeric_limits<std::uint64_t>::max() / 2});
+                                .min_free_bytes = std::numeric_limits<std::uint64_t>::max() / 2});
   ASSERT_THAT(ring, IsOk());
   EXPECT_EQ(ring->size(), 0U);
   EXPECT_THAT(ring->Add("y", Noon()), StatusIs(absl::StatusCode::kResourceExhausted));
 }
 
-TEST_F(BundleRingTest, AFolderThatCannotBeIsAnError) {
+TEST_F(BundleRingTest, AnUnusableFolderIsAnError) {
   std::ofstream(folder_.path() / "file") << "x";
   EXPECT_FALSE(BundleRing::Open({.folder = folder_.path() / "file" / "inside"}).ok());
 }

@@ -35,13 +35,13 @@ v1::Bundle BundleOf(const v1::RecognizeResponse& answer) {
   return out;
 }
 
-TEST(ReplayTest, AsksTheSameWithoutTimings) {
+TEST(ReplayTest, RequestsTheSameWithoutTimings) {
   v1::RecognizeRequest expected = BundleOf(Answer()).request();
   expected.set_omit_timings(true);
   EXPECT_EQ(ReplayRequest(BundleOf(Answer())).SerializeAsString(), expected.SerializeAsString());
 }
 
-TEST(ReplayTest, ClocksAndRevisionsMakeNoDifference) {
+TEST(ReplayTest, TimingsAndRevisionsAreIgnored) {
   v1::RecognizeResponse then = Answer();
   then.mutable_timings()->set_total_ms(12);
   then.mutable_stages(0)->set_duration_ms(3);
@@ -54,7 +54,7 @@ TEST(ReplayTest, ClocksAndRevisionsMakeNoDifference) {
   EXPECT_THAT(result.differences, IsEmpty());
 }
 
-TEST(ReplayTest, DifferencesAreSaidInWords) {
+TEST(ReplayTest, DifferencesAreReported) {
   v1::RecognizeResponse now = Answer();
   v1::Detection& detection = *now.mutable_detections(0);
   detection.set_score(0.9);
@@ -70,7 +70,7 @@ TEST(ReplayTest, DifferencesAreSaidInWords) {
                   HasSubstr("score 0.8400, now 0.9000"), HasSubstr("grasps top, now side")));
 }
 
-TEST(ReplayTest, AnotherObjectAndAnotherNumberOfObjectsAreSaid) {
+TEST(ReplayTest, DifferentObjectsAndCountsAreReported) {
   v1::RecognizeResponse now = Answer();
   now.mutable_detections(0)->set_object("objects/cap");
   now.add_detections();

@@ -48,7 +48,7 @@ v1::Cell CellWith(const Pose* world_sensor, const Pose* flange_sensor, const Pos
   return cell;
 }
 
-// What a server has after it was told to calibrate `cell`.
+// The cell on a server after calibrating `cell`.
 absl::StatusOr<v1::Cell> Saved(const v1::Cell& cell, const HandEye& hand_eye, CameraMount mount) {
   CalibrationServer server;
   v1::CreateCellRequest create;
@@ -61,7 +61,7 @@ absl::StatusOr<v1::Cell> Saved(const v1::Cell& cell, const HandEye& hand_eye, Ca
   return server.client().UpdateCell(*update);
 }
 
-TEST(CalibratedCell, AFixedCameraIsNoLongerOnTheFlange) {
+TEST(CalibratedCell, AFixedCameraClearsTheFlangeCamera) {
   const auto saved = Saved(CellWith(&sensor_in_world, &camera_on_mount, nullptr),
                            Found(Make({0.5, 0, 1}, 3, {1, 0, 0})), CameraMount::kFixed);
   ASSERT_THAT(saved, IsOk());
@@ -76,7 +76,7 @@ TEST(CalibratedCell, AFixedCameraIsNoLongerOnTheFlange) {
   EXPECT_TRUE(found->isApprox(Make({0.5, 0, 1}, 3, {1, 0, 0}), 1e-9));
 }
 
-TEST(CalibratedCell, ACameraOnTheFlangeNoLongerStandsStill) {
+TEST(CalibratedCell, AFlangeCameraClearsTheFixedCamera) {
   const auto saved = Saved(CellWith(&sensor_in_world, nullptr, &base_in_world),
                            Found(camera_on_mount), CameraMount::kOnFlange);
   ASSERT_THAT(saved, IsOk());
@@ -85,7 +85,7 @@ TEST(CalibratedCell, ACameraOnTheFlangeNoLongerStandsStill) {
   EXPECT_TRUE(FromMessage(saved->flange_sensor_pose()).isApprox(camera_on_mount, 1e-9));
 }
 
-TEST(CalibratedCell, WhereTheRobotStandsStaysWhereItIsKnown) {
+TEST(CalibratedCell, AFlangeCameraKeepsAKnownRobotBase) {
   const auto update = CalibratedCell(CellWith(nullptr, nullptr, &base_in_world),
                                      Found(camera_on_mount), CameraMount::kOnFlange);
   ASSERT_THAT(update, IsOk());
@@ -93,8 +93,8 @@ TEST(CalibratedCell, WhereTheRobotStandsStaysWhereItIsKnown) {
   EXPECT_EQ(update->cell().etag(), "7") << "a cell that was changed meanwhile must stay";
 }
 
-TEST(CalibratedCell, WhereItIsNotKnownTheWorldBeginsUnderTheRobot) {
-  // The target stands on a table 0.1 m below the robot's origin, turned about the vertical.
+TEST(CalibratedCell, WithoutARobotBaseTheOriginIsUnderTheRobot) {
+  // The target is on a table 0.1 m below the robot's origin, turned about the vertical.
   const auto update = CalibratedCell(CellWith(nullptr, nullptr, nullptr),
                                      Found(camera_on_mount, Make({0.5, 0.2, -0.1}, 0.7, {0, 0, 1})),
                                      CameraMount::kOnFlange);
@@ -103,7 +103,7 @@ TEST(CalibratedCell, WhereItIsNotKnownTheWorldBeginsUnderTheRobot) {
   EXPECT_TRUE(world_base.isApprox(Make({0, 0, 0.1}, 0, {0, 0, 1}), 1e-9));
 }
 
-TEST(CalibratedCell, WhatSaysNothingOfTheWorldIsRefused) {
+TEST(CalibratedCell, AnUndeterminedWorldFrameIsRejected) {
   EXPECT_THAT(CalibratedCell(CellWith(nullptr, nullptr, &base_in_world), {}, CameraMount::kFixed),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells level")));
   const HandEye lying = Found(camera_on_mount, Make({0.5, 0, 0}, std::numbers::pi / 2, {0, 1, 0}));
@@ -111,12 +111,12 @@ TEST(CalibratedCell, WhatSaysNothingOfTheWorldIsRefused) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cells set")));
 }
 
-TEST(MountCameraOf, ACellThatIsNotCalibratedIsRefused) {
+TEST(MountCameraOf, AnUncalibratedCellIsRejected) {
   EXPECT_THAT(MountCameraOf(CellWith(&sensor_in_world, nullptr, nullptr)),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("not calibrated")));
 }
 
-TEST(MeanTarget, IsTheNearestToAllAndNoMirrorImage) {
+TEST(MeanTarget, IsTheMeanAndNoReflection) {
   const Vector3d at(0.1, 0.2, 0.3);
   std::vector<HandEyeSample> samples;
   const auto add = [&](int count, double angle, const Vector3d& axis) {

@@ -10,9 +10,9 @@ namespace graspdb::testing {
 
 class CalibrationServer : public CatalogueServer {
  public:
-  // Teaches `part` as this camera sees it from four look-down angles.
+  // Teaches `part` with this camera from four look-down angles.
   void Teach(const std::string& part, const client::DepthCameraModel& camera);
-  // Makes `cells/{id}`; without a sensor pose where there is none.
+  // Creates `cells/{id}`; null: without a sensor pose.
   void MakeCell(const std::string& id, const recognition::Pose* world_sensor);
 };
 

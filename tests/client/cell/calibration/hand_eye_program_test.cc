@@ -1,4 +1,4 @@
-// How good the program of docs/calibration.md can be: with the robot's noise alone.
+// The accuracy of the program of docs/calibration.md with the robot's noise alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,23 +22,23 @@ using recognition::Pose;
 constexpr int kProgramPoses = 12;
 constexpr std::uint64_t kRobots = 300;
 
-// The camera's own place, and what it sees where the target was, root mean square; m.
-struct ProgramOff {
+// Errors of the camera's position, and of points at the target (root mean square); m.
+struct ProgramError {
   double camera = 0;
-  double at_work = 0;
+  double at_target = 0;
 };
 
 class HandEyeProgramTest : public ::testing::TestWithParam<CameraMount> {
  protected:
-  // Calibrates with targets that are seen exactly where they are.
-  static ProgramOff Run(std::uint64_t seed) {
+  // Calibrates with exact target poses.
+  static ProgramError Run(std::uint64_t seed) {
     SimulatedCell cell(GetParam(), "stepped-block", graspdb::testing::SmallKinectV2(), seed);
     const double tilt = GetParam() == CameraMount::kFixed ? 30 * recognition::kRadiansPerDegree
                                                           : 35 * recognition::kRadiansPerDegree;
     std::vector<HandEyeSample> samples;
     for (int i = 0; i < kProgramPoses; ++i) {
-      const Pose told = cell.DriveProgram(i, tilt, 90 * recognition::kRadiansPerDegree);
-      samples.push_back({told, cell.camera_target()});
+      const Pose base_flange = cell.DriveProgram(i, tilt, 90 * recognition::kRadiansPerDegree);
+      samples.push_back({base_flange, cell.camera_target()});
     }
     const auto solved = SolveHandEye(samples, GetParam());
     EXPECT_THAT(solved, IsOk()) << "seed " << seed;
@@ -50,7 +50,7 @@ class HandEyeProgramTest : public ::testing::TestWithParam<CameraMount> {
       squares += (solved->mount_camera * at - truth * at).squaredNorm();
     }
     return {.camera = (solved->mount_camera.translation() - truth.translation()).norm(),
-            .at_work = std::sqrt(squares / kProgramPoses)};
+            .at_target = std::sqrt(squares / kProgramPoses)};
   }
 };
 
@@ -61,16 +61,16 @@ void ExpectWithin(const char* what, std::vector<double> metres, double limit_m) 
   EXPECT_LT(metres.back(), limit_m) << what;
 }
 
-TEST_P(HandEyeProgramTest, TheRobotsNoiseAloneCostsLessThanAMillimetreAndAHalf) {
+TEST_P(HandEyeProgramTest, RobotNoiseAloneCausesLessThanAMillimetreAndAHalf) {
   std::vector<double> camera;
-  std::vector<double> at_work;
+  std::vector<double> at_target;
   for (std::uint64_t seed = 1; seed <= kRobots; ++seed) {
-    const ProgramOff off = Run(seed);
-    camera.push_back(off.camera);
-    at_work.push_back(off.at_work);
+    const ProgramError error = Run(seed);
+    camera.push_back(error.camera);
+    at_target.push_back(error.at_target);
   }
   ExpectWithin("the camera's own place", camera, 0.0015);
-  ExpectWithin("at work", at_work, 0.0015);
+  ExpectWithin("at target", at_target, 0.0015);
 }
 
 INSTANTIATE_TEST_SUITE_P(Mounts, HandEyeProgramTest,

@@ -34,10 +34,10 @@ constexpr char kTarget[] = "objects/stepped-block";
 constexpr char kSessionCell[] = "cells/press-1";
 constexpr int kPoses = 12;
 
-// How far a calibration is from the truth.
-struct Off {
-  double camera_m = 0;   // the camera's own place
-  double at_work_m = 0;  // what it sees where the target was, root mean square
+// Error of a calibration against the ground truth.
+struct CalibrationError {
+  double camera_m = 0;     // of the camera's position
+  double at_target_m = 0;  // of points at the target, root mean square
   double turn_rad = 0;
 };
 
@@ -48,7 +48,7 @@ HandEyeSetup SetupFor(CameraMount mount) {
 }
 
 // The program of docs/calibration.md.
-Pose DriveWell(SimulatedCell& cell, CameraMount mount, int number) {
+Pose DriveProgramPose(SimulatedCell& cell, CameraMount mount, int number) {
   const double tilt = mount == CameraMount::kFixed ? 30 * recognition::kRadiansPerDegree
                                                    : 35 * recognition::kRadiansPerDegree;
   return cell.DriveProgram(number, tilt, 90 * recognition::kRadiansPerDegree);
@@ -56,7 +56,7 @@ Pose DriveWell(SimulatedCell& cell, CameraMount mount, int number) {
 
 class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
  protected:
-  // One for all tests; its folder is named after the first.
+  // Shared by all tests; its folder is named after the first.
   void SetUp() override {
     if (shared_server != nullptr) return;
     shared_server = new CalibrationServer;
@@ -74,15 +74,16 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
     shared_server->MakeCell("press-1", GetParam() == CameraMount::kFixed ? &world_camera : nullptr);
   }
 
-  // Calibrates with `poses` good poses; `off`, against what is in the cell then.
-  static absl::StatusOr<CalibrationReport> Run(SimulatedCell& cell, int poses, Off* off) {
+  // Calibrates with `poses` good poses; `error`: of the saved cell.
+  static absl::StatusOr<CalibrationReport> Run(SimulatedCell& cell, int poses,
+                                               CalibrationError* error) {
     HandEyeSession session(client(), cell, SetupFor(GetParam()));
     if (absl::Status status = session.Init(); !status.ok()) return status;
     std::vector<Eigen::Vector3d> seen;
     for (int i = 0; i < poses; ++i) {
-      const Pose told = DriveWell(cell, GetParam(), i);
-      absl::Status status = session.SetPose(i, told);
-      // A robot's program drives on where the target was not seen.
+      const Pose base_flange = DriveProgramPose(cell, GetParam(), i);
+      absl::Status status = session.SetPose(i, base_flange);
+      // Like a robot's program, continues if the target was not detected.
       if (status.ok()) seen.emplace_back(cell.camera_target().translation());
     }
     auto report = session.Calibrate();
@@ -92,11 +93,11 @@ class HandEyeSessionTest : public ::testing::TestWithParam<CameraMount> {
     const auto found = MountCameraOf(*saved);
     if (!found.ok()) return found.status();
     const Pose truth = cell.mount_camera();
-    off->camera_m = (found->translation() - truth.translation()).norm();
-    off->turn_rad = RotationVector(truth.linear().transpose() * found->linear()).norm();
+    error->camera_m = (found->translation() - truth.translation()).norm();
+    error->turn_rad = RotationVector(truth.linear().transpose() * found->linear()).norm();
     double squares = 0;
     for (const Eigen::Vector3d& at : seen) squares += (*found * at - truth * at).squaredNorm();
-    off->at_work_m = std::sqrt(squares / static_cast<double>(seen.size()));
+    error->at_target_m = std::sqrt(squares / static_cast<double>(seen.size()));
     return report;
   }
 
@@ -111,29 +112,29 @@ std::uint64_t Seeds() {
   return count == nullptr ? 1 : std::strtoull(count, nullptr, 10);
 }
 
-TEST_P(HandEyeSessionTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
+TEST_P(HandEyeSessionTest, TwelveNoisyPosesAreAccurateToAMillimetreAndAHalf) {
   for (std::uint64_t seed = 1; seed <= Seeds(); ++seed) {
     SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), seed);
     MakeCell(cell);
-    Off off;
-    const auto report = Run(cell, kPoses, &off);
+    CalibrationError error;
+    const auto report = Run(cell, kPoses, &error);
     ASSERT_THAT(report, IsOk()) << "seed " << seed;
     std::printf(
-        "seed %2d: used %2zu of %zu, residual %.2f mm %.2f deg; off at work %.2f mm, camera "
+        "seed %2d: used %2zu of %zu, residual %.2f mm %.2f deg; error at target %.2f mm, camera "
         "%.2f mm, %.3f deg\n",
         static_cast<int>(seed), report->used, report->poses, 1e3 * report->shift_m,
-        report->turn_rad / recognition::kRadiansPerDegree, 1e3 * off.at_work_m, 1e3 * off.camera_m,
-        off.turn_rad / recognition::kRadiansPerDegree);
-    EXPECT_LT(off.at_work_m, 0.0015);
-    EXPECT_LT(off.camera_m, 0.0015);
-    EXPECT_LT(off.turn_rad, 0.3 * recognition::kRadiansPerDegree);
+        report->turn_rad / recognition::kRadiansPerDegree, 1e3 * error.at_target_m,
+        1e3 * error.camera_m, error.turn_rad / recognition::kRadiansPerDegree);
+    EXPECT_LT(error.at_target_m, 0.0015);
+    EXPECT_LT(error.camera_m, 0.0015);
+    EXPECT_LT(error.turn_rad, 0.3 * recognition::kRadiansPerDegree);
     EXPECT_GE(report->used, 9U);
     EXPECT_GT(report->shift_m, 0.0001) << "the residuals must not hide the noise";
     EXPECT_THAT(client().DeleteCell(kSessionCell), IsOk());
   }
 }
 
-TEST_P(HandEyeSessionTest, MotionsThatAreTooAlikeAreRefusedAndTheCellStays) {
+TEST_P(HandEyeSessionTest, SimilarPosesAreRejectedAndTheCellIsUnchanged) {
   SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
   MakeCell(cell);
   const auto before = client().GetCell(kSessionCell);
@@ -152,34 +153,34 @@ TEST_P(HandEyeSessionTest, MotionsThatAreTooAlikeAreRefusedAndTheCellStays) {
   EXPECT_EQ(client().GetCell(kSessionCell)->etag(), before->etag());
 }
 
-TEST_P(HandEyeSessionTest, ATargetThatIsNotSeenIsSaidAndLeavesItsSlot) {
+TEST_P(HandEyeSessionTest, AnUndetectedTargetIsReportedAndKeepsItsSlot) {
   SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
   MakeCell(cell);
   HandEyeSession session(client(), cell, SetupFor(GetParam()));
   ASSERT_THAT(session.Init(), IsOk());
   cell.set_hidden(true);
-  EXPECT_THAT(session.SetPose(0, DriveWell(cell, GetParam(), 0)),
+  EXPECT_THAT(session.SetPose(0, DriveProgramPose(cell, GetParam(), 0)),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("not recognised")));
   EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("0 poses")));
   cell.set_hidden(false);
   absl::Status seen = absl::UnknownError("not driven yet");
   for (int i = 0; i < 5 && !seen.ok(); ++i)
-    seen = session.SetPose(0, DriveWell(cell, GetParam(), i));
+    seen = session.SetPose(0, DriveProgramPose(cell, GetParam(), i));
   ASSERT_THAT(seen, IsOk());
   cell.set_hidden(true);
-  EXPECT_THAT(session.SetPose(0, DriveWell(cell, GetParam(), 0)),
+  EXPECT_THAT(session.SetPose(0, DriveProgramPose(cell, GetParam(), 0)),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("not recognised")));
   EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("1 poses")));
 }
 
-TEST_P(HandEyeSessionTest, WhatWasNotBegunIsAnErrorOfItsOwn) {
+TEST_P(HandEyeSessionTest, CallsBeforeInitAreAborted) {
   SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
   HandEyeSession session(client(), cell, SetupFor(GetParam()));
   EXPECT_THAT(session.SetPose(0, Pose::Identity()), StatusIs(absl::StatusCode::kAborted));
   EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kAborted));
 }
 
-TEST_P(HandEyeSessionTest, ASetupThatCannotBeUsedIsRefusedAtOnce) {
+TEST_P(HandEyeSessionTest, AnInvalidSetupIsRejectedAtOnce) {
   SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
   const auto init = [&](const HandEyeSetup& setup) {
     return HandEyeSession(client(), cell, setup).Init();
@@ -203,14 +204,14 @@ INSTANTIATE_TEST_SUITE_P(Mounts, HandEyeSessionTest,
                            return mount.param == CameraMount::kFixed ? "Fixed" : "OnFlange";
                          });
 
-TEST(SymmetricTargetTest, IsRefused) {
+TEST(SymmetricTargetTest, IsRejected) {
   CalibrationServer server;
   server.Teach("z-bar", graspdb::testing::SmallKinectV2());
   EXPECT_THAT(LoadTarget(server.client(), "objects/z-bar"),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("without symmetry")));
 }
 
-TEST(CellCalibratorTest, KnowsItsPipelines) {
+TEST(CellCalibratorTest, HasTheAddedPipelines) {
   CellCalibrator calibrator;
   EXPECT_THAT(calibrator.Check(1), StatusIs(absl::StatusCode::kNotFound));
   CalibrationServer server;

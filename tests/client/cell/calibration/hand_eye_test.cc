@@ -34,9 +34,9 @@ double TurnBetween(const Pose& a, const Pose& b) {
   return AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
 
-// How far off `found` puts what the camera sees: root mean square over where the target was. What
-// the camera's own place is off, a metre away, and its turn make good for each other there.
-double OffAt(const std::vector<HandEyeSample>& seen, const Pose& found, const Pose& truth) {
+// Root mean square error of `found` at the target positions, where errors of the camera's position
+// and of its rotation, a metre away, compensate each other.
+double ErrorAtTarget(const std::vector<HandEyeSample>& seen, const Pose& found, const Pose& truth) {
   double squares = 0;
   for (const HandEyeSample& sample : seen) {
     const Vector3d at = sample.camera_target.translation();
@@ -45,7 +45,7 @@ double OffAt(const std::vector<HandEyeSample>& seen, const Pose& found, const Po
   return std::sqrt(squares / static_cast<double>(seen.size()));
 }
 
-// A cell whose truth is known, and a robot that drives about in it.
+// A cell with known ground truth, and its robot.
 class Cell {
  public:
   Cell(CameraMount mount, std::uint64_t seed)
@@ -56,7 +56,7 @@ class Cell {
         mount_(mount),
         random_(seed) {}
 
-  // `tilt_rad`: how far the tool is tilted from pointing down, about any horizontal axis.
+  // `tilt_rad`: maximum tilt of the tool from pointing down, about a random horizontal axis.
   std::vector<HandEyeSample> Drive(int poses, double tilt_rad, double shift_noise_m = 0,
                                    double turn_noise_rad = 0) {
     std::vector<HandEyeSample> out;
@@ -83,7 +83,7 @@ class Cell {
     return PoseOf(shift_m * Normals(), turn_rad * Normals().norm(), Normals());
   }
 
-  const Pose camera;  // over the table and looking down, or beside the tool
+  const Pose camera;  // over the table pointing down, or beside the tool
   const Pose target;  // in the gripper, or on the table
 
  private:
@@ -101,7 +101,7 @@ class Cell {
 
 class HandEyeTest : public ::testing::TestWithParam<CameraMount> {};
 
-TEST_P(HandEyeTest, WithoutNoiseItIsExact) {
+TEST_P(HandEyeTest, IsExactWithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Cell cell(GetParam(), seed);
     const auto found = SolveHandEye(cell.Drive(8, 0.5), GetParam());
@@ -113,13 +113,13 @@ TEST_P(HandEyeTest, WithoutNoiseItIsExact) {
   }
 }
 
-TEST_P(HandEyeTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
+TEST_P(HandEyeTest, TwelveNoisyPosesAreAccurateToAMillimetreAndAHalf) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Cell cell(GetParam(), seed);
     const auto samples = cell.Drive(12, 0.8, 0.0003, 0.12 * recognition::kRadiansPerDegree);
     const auto found = SolveHandEye(samples, GetParam());
     ASSERT_THAT(found, IsOk());
-    EXPECT_LT(OffAt(samples, found->mount_camera, cell.camera), 0.0015) << seed;
+    EXPECT_LT(ErrorAtTarget(samples, found->mount_camera, cell.camera), 0.0015) << seed;
     EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * recognition::kRadiansPerDegree)
         << seed;
     EXPECT_GT(found->shift_m, 0.0002) << "the residuals must not hide the noise";
@@ -127,12 +127,12 @@ TEST_P(HandEyeTest, TwelveNoisyPosesAreGoodToAMillimetreAndAHalf) {
   }
 }
 
-TEST_P(HandEyeTest, WrongDetectionsAreLeftOutAndSaid) {
+TEST_P(HandEyeTest, OutliersAreLeftOutAndReported) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Cell cell(GetParam(), seed);
     std::vector<HandEyeSample> samples =
         cell.Drive(12, 0.8, 0.0003, 0.1 * recognition::kRadiansPerDegree);
-    // A half turn of a part that nearly has that symmetry, and one that was shifted.
+    // A half turn of a nearly symmetric part, and a shifted part.
     samples[3].camera_target =
         samples[3].camera_target * PoseOf(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitZ());
     samples[7].camera_target.translation().x() += 0.05;
@@ -143,14 +143,14 @@ TEST_P(HandEyeTest, WrongDetectionsAreLeftOutAndSaid) {
     }
     EXPECT_GT(found->residuals[3].turn_rad, 3);
     samples.erase(samples.begin() + 7);
-    EXPECT_LT(OffAt(samples, found->mount_camera, cell.camera), 0.0015);
+    EXPECT_LT(ErrorAtTarget(samples, found->mount_camera, cell.camera), 0.0015);
     EXPECT_LT(TurnBetween(found->mount_camera, cell.camera), 0.3 * recognition::kRadiansPerDegree);
   }
 }
 
-TEST_P(HandEyeTest, MotionsThatAreTooAlikeAreRefused) {
+TEST_P(HandEyeTest, SimilarPosesAreRejected) {
   Cell cell(GetParam(), 1);
-  // Turned about the vertical alone: where the camera is along it cannot be known.
+  // Turns about the vertical alone leave the camera's height undetermined.
   EXPECT_THAT(SolveHandEye(cell.Drive(12, 0), GetParam()),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("too alike")));
   EXPECT_THAT(SolveHandEye(cell.Drive(12, 3 * recognition::kRadiansPerDegree), GetParam()),
@@ -159,7 +159,7 @@ TEST_P(HandEyeTest, MotionsThatAreTooAlikeAreRefused) {
   EXPECT_THAT(SolveHandEye(one, GetParam()), StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
-TEST_P(HandEyeTest, TooFewPosesAreRefused) {
+TEST_P(HandEyeTest, TooFewPosesAreRejected) {
   Cell cell(GetParam(), 1);
   for (int poses = 0; poses < static_cast<int>(kMinHandEyeSamples); ++poses) {
     EXPECT_THAT(SolveHandEye(cell.Drive(poses, 0.5), GetParam()),
@@ -167,7 +167,7 @@ TEST_P(HandEyeTest, TooFewPosesAreRefused) {
   }
 }
 
-TEST_P(HandEyeTest, TooFewPosesThatAgreeAreSaidToBeThat) {
+TEST_P(HandEyeTest, TooFewInliersAreReported) {
   Cell cell(GetParam(), 1);
   std::vector<HandEyeSample> samples = cell.Drive(8, 0.5);
   for (const std::size_t i : {1U, 4U, 6U}) samples[i].camera_target = cell.Noise(0.3, 1);
@@ -175,7 +175,7 @@ TEST_P(HandEyeTest, TooFewPosesThatAgreeAreSaidToBeThat) {
                                                           HasSubstr("only 5 of 8 poses agree")));
 }
 
-TEST_P(HandEyeTest, DetectionsThatDisagreeAreRefused) {
+TEST_P(HandEyeTest, InconsistentDetectionsAreRejected) {
   Cell cell(GetParam(), 1);
   std::vector<HandEyeSample> samples = cell.Drive(12, 0.5);
   for (HandEyeSample& sample : samples) sample.camera_target = cell.Noise(0.3, 1);
@@ -183,7 +183,7 @@ TEST_P(HandEyeTest, DetectionsThatDisagreeAreRefused) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("agree")));
 }
 
-TEST_P(HandEyeTest, ACheckSaysHowFarAnExistingCalibrationIsOff) {
+TEST_P(HandEyeTest, CheckReturnsTheErrorOfAnExistingCalibration) {
   Cell cell(GetParam(), 1);
   const std::vector<HandEyeSample> samples = cell.Drive(5, 0.5);
   for (const HandEyeResidual& r : CheckHandEye(samples, GetParam(), cell.camera, cell.target)) {

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// A plate of `count` points, 12 mm apart, that faces up.
+// An upward plate of `count` points, 12 mm apart.
 recognition::SurfaceModel Plate(int count) {
   recognition::OrientedCloud cloud;
   for (int i = 0; i < count; ++i) {
@@ -22,7 +22,7 @@ recognition::SurfaceModel Plate(int count) {
   return {std::move(cloud), 1};
 }
 
-TEST(SidesOf, NoPointOfASideIsThereTwice) {
+TEST(SidesOf, ASideHasNoDuplicatePoints) {
   std::set<std::size_t> counts;
   for (int size = 20; size <= 80; ++size) {
     for (const Side& side : SidesOf(Plate(size))) {
@@ -34,7 +34,7 @@ TEST(SidesOf, NoPointOfASideIsThereTwice) {
       ASSERT_EQ(side.anchors.size(), std::min<std::size_t>(4, side.points.size()));
     }
   }
-  EXPECT_TRUE(counts.contains(37)) << "the plate is not seen as it was meant";
+  EXPECT_TRUE(counts.contains(37)) << "unexpected view of the plate";
   EXPECT_TRUE(counts.contains(60));
 }
 

@@ -46,8 +46,8 @@ class CovarianceOfTest : public ::testing::Test {
  protected:
   CovarianceOfTest() { sensor_plate_.translation() = Eigen::Vector3d(0.05, -0.02, 0.7); }
 
-  // Of the plate, that is seen as a whole.
-  Matrix6d Seen(bool on_table) const {
+  // Of the fully visible plate.
+  Matrix6d PlateCovariance(bool on_table) const {
     return CovarianceOf(model_, SensorPoints(plate_), sensor_plate_, on_table);
   }
   Points SensorPoints(const recognition::OrientedCloud& cloud) const {
@@ -63,11 +63,11 @@ class CovarianceOfTest : public ::testing::Test {
   Pose sensor_plate_ = Pose::Identity();
 };
 
-TEST_F(CovarianceOfTest, AFlatObjectIsHeldAcrossItselfAndHardlyAlong) {
-  const Matrix6d covariance = Seen(/*on_table=*/false);
+TEST_F(CovarianceOfTest, AFlatObjectIsWeaklyConstrainedAlongItsPlane) {
+  const Matrix6d covariance = PlateCovariance(/*on_table=*/false);
   EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-9));
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance).eigenvalues()[0], 0);
-  // What its edges hold: 1.5 mm along it, 1.5 degrees about its normal.
+  // The constraint of its edges: 1.5 mm along it, 1.5 degrees about its normal.
   EXPECT_NEAR(Deviation(covariance, 3), 0.0015, 0.0001);
   EXPECT_NEAR(Deviation(covariance, 4), 0.0015, 0.0001);
   EXPECT_NEAR(Deviation(covariance, 2), 1.5 * recognition::kRadiansPerDegree,
@@ -77,32 +77,34 @@ TEST_F(CovarianceOfTest, AFlatObjectIsHeldAcrossItselfAndHardlyAlong) {
   EXPECT_LT(Deviation(covariance, 1), 0.75 * Deviation(covariance, 2));
 }
 
-// Detections of the stepped block with faces to all sides in sight are a tenth of a degree off, and
-// those of one face a degree along it: the former must count for much more.
-TEST_F(CovarianceOfTest, AThingWithFacesToAllSidesIsHeldFirmly) {
+// Detections of the stepped block with visible faces in all directions have errors of a tenth of a
+// degree, those of a single face a degree along it: the former must have a much larger weight.
+TEST_F(CovarianceOfTest, FacesInAllDirectionsConstrainThePose) {
   const recognition::OrientedCloud corner = Corner();
-  const Matrix6d held =
+  const Matrix6d corner_covariance =
       CovarianceOf({corner, 1}, SensorPoints(corner), sensor_plate_, /*on_table=*/false);
-  const Matrix6d loose = Seen(/*on_table=*/false);
+  const Matrix6d plate_covariance = PlateCovariance(/*on_table=*/false);
   for (int i = 0; i < 3; ++i)
-    EXPECT_LT(Deviation(held, i), 0.4 * recognition::kRadiansPerDegree) << i;
-  for (int i = 3; i < 6; ++i) EXPECT_LT(Deviation(held, i), 0.0004) << i;
-  EXPECT_LT(Deviation(held, 2), 0.3 * Deviation(loose, 2));
+    EXPECT_LT(Deviation(corner_covariance, i), 0.4 * recognition::kRadiansPerDegree) << i;
+  for (int i = 3; i < 6; ++i) EXPECT_LT(Deviation(corner_covariance, i), 0.0004) << i;
+  EXPECT_LT(Deviation(corner_covariance, 2), 0.3 * Deviation(plate_covariance, 2));
 }
 
-TEST_F(CovarianceOfTest, ATableHoldsItUprightAndAtItsHeight) {
-  const Matrix6d held = Seen(/*on_table=*/false);
-  const Matrix6d standing = Seen(/*on_table=*/true);
-  for (const int i : {0, 1, 5}) EXPECT_LT(Deviation(standing, i), Deviation(held, i)) << i;
-  for (const int i : {2, 3, 4}) EXPECT_NEAR(Deviation(standing, i), Deviation(held, i), 1e-6) << i;
-  EXPECT_LT(Deviation(standing, 5), 0.0004);
+TEST_F(CovarianceOfTest, ATableConstrainsTiltAndHeight) {
+  const Matrix6d off_table = PlateCovariance(/*on_table=*/false);
+  const Matrix6d on_table = PlateCovariance(/*on_table=*/true);
+  for (const int i : {0, 1, 5}) EXPECT_LT(Deviation(on_table, i), Deviation(off_table, i)) << i;
+  for (const int i : {2, 3, 4})
+    EXPECT_NEAR(Deviation(on_table, i), Deviation(off_table, i), 1e-6) << i;
+  EXPECT_LT(Deviation(on_table, 5), 0.0004);
 }
 
-TEST_F(CovarianceOfTest, PointsThatDoNotLieOnItSayNothing) {
+TEST_F(CovarianceOfTest, PointsOffTheObjectAreIgnored) {
   Points beside = SensorPoints(plate_);
   for (const Vector3f& p : SensorPoints(plate_)) beside.push_back(p + Vector3f(0, 0, 0.02F));
   beside.emplace_back(Vector3f::Constant(std::nanf("")));
-  EXPECT_TRUE(CovarianceOf(model_, beside, sensor_plate_, false).isApprox(Seen(false), 1e-12));
+  EXPECT_TRUE(
+      CovarianceOf(model_, beside, sensor_plate_, false).isApprox(PlateCovariance(false), 1e-12));
   const Matrix6d unseen = CovarianceOf(model_, {}, sensor_plate_, false);
   for (int i = 3; i < 6; ++i) EXPECT_NEAR(Deviation(unseen, i), 0.0015, 0.0001) << i;
 }

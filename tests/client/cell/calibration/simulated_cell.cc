@@ -24,10 +24,10 @@ using Eigen::Vector3d;
 using recognition::Pose;
 
 constexpr double kUnitM = 0.0001;
-// Standard deviations of a robot's pose against what it says, in all directions together.
+// Standard deviation of the robot's true pose from its reported one, in all directions together.
 constexpr double kShiftNoiseM = 0.0005;
 constexpr double kTurnNoiseRad = 0.0035;  // 0.2 degrees
-constexpr double kToolLengthM = 0.17;     // from the flange to where the fingers hold
+constexpr double kToolLengthM = 0.17;     // from the flange to the fingertips
 constexpr double kClearanceM = 0.02;      // of open fingers, see TopGrasp
 
 Pose Make(const Vector3d& at, const Vector3d& turn) {
@@ -65,7 +65,7 @@ SimulatedCell::SimulatedCell(CameraMount mount, const std::string& part,
   world_target_ = Make({0.03, -0.02, 0}, {0, 0, std::numbers::pi * Uniform()});
   const v1::Grasp& grasp = part_.grasps.front();
   gripper_ = Gripper(grasp.gripper_opening_m() - kClearanceM);
-  // Not quite as it was taught: a target slips as it is gripped.
+  // Not quite as taught: a target slips when it is gripped.
   flange_target_ = Make({0, 0, kToolLengthM}, {0, 0, 0}) *
                    client::FromMessage(grasp.tcp_pose()).inverse() *
                    Make({0.001 * Uniform(), 0.001 * Uniform(), 0}, {0.01, -0.02, 0.03});
@@ -105,10 +105,10 @@ Pose SimulatedCell::DriveTo(const Place& place, const Vector3d& tilt, double tur
     const Pose around = Make(0.04 * Vector3d(shift.x(), shift.y(), 0), tilt);
     world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
   }
-  Pose told = world_base_.inverse() * world_flange;
-  base_flange_ = told * Make(kShiftNoiseM / std::sqrt(3) * Normals(),
-                             kTurnNoiseRad / std::sqrt(3) * Normals());
-  return told;
+  Pose reported = world_base_.inverse() * world_flange;
+  base_flange_ = reported * Make(kShiftNoiseM / std::sqrt(3) * Normals(),
+                                 kTurnNoiseRad / std::sqrt(3) * Normals());
+  return reported;
 }
 
 Pose SimulatedCell::WorldCameraNow() const {

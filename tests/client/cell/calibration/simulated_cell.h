@@ -1,4 +1,4 @@
-// A cell with a robot and a depth camera, of which the truth is known.
+// A cell with a robot, a depth camera and known ground truth.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@
 namespace graspdb::testing {
 
 // Either a camera beside the table and a part in the gripper, or a camera on the flange and a part
-// on the table. Its frames are what the camera sees where the robot is. Deterministic.
+// on the table. Renders frames at the robot's current pose. Deterministic.
 class SimulatedCell : public client::DepthSensor {
  public:
   SimulatedCell(client::CameraMount mount, const std::string& part,
                 const client::DepthCameraModel& camera, std::uint64_t seed);
 
   // Drives to the next pose of a calibration, the tool tilted by up to `tilt_rad` to any side and
-  // turned about its own axis by up to `turn_rad`; answers where the robot says that it is.
+  // turned about its own axis by up to `turn_rad`; returns the robot's reported pose.
   recognition::Pose Drive(double tilt_rad, double turn_rad);
-  // Drives to pose `number` of the program that docs/calibration.md has: always tilted by
-  // `tilt_rad`, 150 degrees further round each time, and turned by `turn_rad` to one side and the
-  // other; answers as above.
+  // Drives to pose `number` of the program in docs/calibration.md: tilted by `tilt_rad` in a
+  // direction that advances by 150 degrees each time, and turned by `turn_rad` to alternating
+  // sides; returns the reported pose.
   recognition::Pose DriveProgram(int number, double tilt_rad, double turn_rad);
   void set_hidden(bool hidden) { hidden_ = hidden; }
 
@@ -39,11 +39,11 @@ class SimulatedCell : public client::DepthSensor {
   recognition::Pose world_camera() const { return world_camera_; }
   // T_base_camera or T_flange_camera.
   recognition::Pose mount_camera() const;
-  // T_camera_target where the robot is now.
+  // T_camera_target at the robot's current pose.
   recognition::Pose camera_target() const;
 
  private:
-  // About where poses are.
+  // Approximate position of a pose.
   struct Place {
     Eigen::Vector3d world_shown;  // a target in the gripper, before a fixed camera
     double distance_m = 0;        // of a camera on the flange from its target
@@ -65,7 +65,7 @@ class SimulatedCell : public client::DepthSensor {
   recognition::Pose flange_camera_ = recognition::Pose::Identity();  // of one on the flange
   recognition::Pose flange_target_ = recognition::Pose::Identity();  // in the gripper
   recognition::Pose world_target_ = recognition::Pose::Identity();   // on the table
-  recognition::Pose base_flange_ = recognition::Pose::Identity();    // where the robot really is
+  recognition::Pose base_flange_ = recognition::Pose::Identity();    // true pose of the robot
 };
 
 }  // namespace graspdb::testing

@@ -46,7 +46,7 @@ TEST(ScanOf, PixelsLieOnTheirRays) {
   EXPECT_TRUE(scan->points[5].isApprox(Eigen::Vector3f(0.01F, 0.01F, 1), 1e-5F));
 }
 
-TEST(ScanOf, AnImageThatIsNoneIsRefused) {
+TEST(ScanOf, AnInvalidImageIsRejected) {
   SensorFrame frame = First(800);
   std::get<v1::DepthImage>(frame.scan).mutable_data()->pop_back();
   EXPECT_THAT(ScanOf(frame), StatusIs(absl::StatusCode::kInvalidArgument));
@@ -59,7 +59,7 @@ TEST(Averaged, NoiseIsAveraged) {
   EXPECT_NEAR(DepthOfFirst({First(798), First(800), First(803), First(801)}), 0.8005, 1e-6);
 }
 
-TEST(Averaged, WhatWasMeasuredInFewerThanHalfOfTheFramesIsNotThere) {
+TEST(Averaged, PixelsMeasuredInFewerThanHalfOfTheFramesAreNaN) {
   EXPECT_NEAR(DepthOfFirst({First(800), First(0), First(802), First(0)}), 0.801, 1e-6);
   EXPECT_TRUE(std::isnan(DepthOfFirst({First(800), First(0), First(0), First(0)})));
   EXPECT_TRUE(std::isnan(DepthOfFirst({First(800), First(802), First(0), First(0), First(0)})));
@@ -69,7 +69,7 @@ TEST(Averaged, FlyingPixelsAreLeftOut) {
   EXPECT_NEAR(DepthOfFirst({First(800), First(950), First(802)}), 0.801, 1e-6);
 }
 
-TEST(Averaged, OfFramesThatDoNotFitItIsTheLastOne) {
+TEST(Averaged, ReturnsTheLastOfIncompatibleFrames) {
   SensorFrame smaller;
   recognition::CameraIntrinsics camera = kCamera;
   camera.height = 1;
@@ -85,10 +85,10 @@ TEST(Averaged, OfFramesThatDoNotFitItIsTheLastOne) {
   EXPECT_THAT(Averaged({}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
-TEST(TakeStillScan, TakesSoManyFramesAndTellsTheSensorsError) {
+TEST(TakeStillScan, TakesTheNumberOfFramesAndReturnsTheSensorsError) {
   FakeCamera camera([] { return First(800); });
   EXPECT_THAT(TakeStillScan(camera, 3, absl::InfiniteFuture()), IsOk());
-  EXPECT_EQ(camera.asked, 3);
+  EXPECT_EQ(camera.calls, 3);
   FakeCamera unplugged(
       []() -> absl::StatusOr<SensorFrame> { return absl::UnavailableError("unplugged"); });
   EXPECT_THAT(TakeStillScan(unplugged, 3, absl::InfiniteFuture()),
@@ -102,7 +102,7 @@ TEST(AwaitFrames, EndsWhenTheSensorIsReadyOrTheTimeIsUp) {
   const absl::Time deadline = absl::Now() + absl::Milliseconds(30);
   AwaitFrames(camera, deadline);
   EXPECT_GE(absl::Now(), deadline);
-  EXPECT_EQ(camera.asked, 0);
+  EXPECT_EQ(camera.calls, 0);
 }
 
 }  // namespace

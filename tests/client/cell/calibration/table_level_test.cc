@@ -42,7 +42,7 @@ TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
   EXPECT_GT(table->share, 0.95);
   EXPECT_GT(table->rms_m, 0.0005);
   EXPECT_LT(table->rms_m, 0.003);
-  // As somebody measured it with a tape: 2 degrees off the level, 3 cm too high.
+  // As if measured by hand: 2 degrees off the level, 3 cm too high.
   const Pose before =
       Tilted(truth, 2 * recognition::kRadiansPerDegree, Vector3d::UnitX(), {0, 0, 0.03});
   const auto level = LevelOn(*table, before);
@@ -58,13 +58,13 @@ TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
   EXPECT_NEAR(LevelErrorOf(*table, *level).height_m, 0, 1e-9);
 }
 
-TEST(TableLevelTest, ACameraThatWasLoweredSeesTheTableAboveWhereItWas) {
+TEST(TableLevelTest, ALoweredCameraMeasuresTheTableHigher) {
   const Pose truth = LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
-  Pose believed = *LevelOn(*table, truth);
-  believed.translation().z() += 0.012;
-  const LevelError off = LevelErrorOf(*table, believed);
+  Pose estimated = *LevelOn(*table, truth);
+  estimated.translation().z() += 0.012;
+  const LevelError off = LevelErrorOf(*table, estimated);
   EXPECT_NEAR(off.height_m, 0.012, 1e-9);
   EXPECT_LT(off.tilt_rad, 1e-9);
 }
@@ -78,11 +78,11 @@ TEST(TableLevelTest, WithoutAPoseTheOriginIsUnderTheImageCentre) {
   EXPECT_LT((level->translation() - truth.translation()).norm(), 0.002);
 }
 
-TEST(TableLevelTest, WhatIsNoTableIsRefused) {
+TEST(TableLevelTest, InvalidTablesAreRejected) {
   EXPECT_THAT(FindTable({}), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("clear")));
   const Pose along = LookAt(Vector3d::Zero(), 0.8, 10, -90);
   EXPECT_THAT(FindTable(EmptyTable(along)),
-              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("look down")));
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("at most 75")));
   const Pose truth = LookAt(Vector3d::Zero(), 0.8, 50, -90);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());

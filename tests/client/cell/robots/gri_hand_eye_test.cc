@@ -22,7 +22,7 @@ constexpr int kPipeline = 3;
 constexpr std::array kActions = {GriAction::kHecInit, GriAction::kHecSetPose,
                                  GriAction::kHecCalibrate};
 
-// Answers what it is told to.
+// Returns scripted results.
 class FakeCalibrator : public RobotCalibrator {
  public:
   absl::Status Check(int pipeline) override {
@@ -57,7 +57,7 @@ GriRequest RequestOf(GriAction action, int pipeline = kPipeline, int slot = 0) {
 
 class GriHandEyeTest : public ::testing::Test {
  protected:
-  GriCode Ask(GriAction action, int pipeline = kPipeline, int slot = 0) {
+  GriCode Call(GriAction action, int pipeline = kPipeline, int slot = 0) {
     return hand_eye_.Answer(RequestOf(action, pipeline, slot)).code;
   }
 
@@ -65,15 +65,15 @@ class GriHandEyeTest : public ::testing::Test {
   GriHandEye hand_eye_{&calibrator_};
 };
 
-TEST_F(GriHandEyeTest, PosesGoToTheirSlots) {
-  EXPECT_EQ(Ask(GriAction::kHecSetPose, kPipeline, 0), GriCode::kNoError);
-  EXPECT_EQ(Ask(GriAction::kHecSetPose, kPipeline, 8), GriCode::kNoError);
+TEST_F(GriHandEyeTest, SetsPosesInSlots) {
+  EXPECT_EQ(Call(GriAction::kHecSetPose, kPipeline, 0), GriCode::kNoError);
+  EXPECT_EQ(Call(GriAction::kHecSetPose, kPipeline, 8), GriCode::kNoError);
   EXPECT_THAT(calibrator_.poses, ElementsAre(Pair(0, 0.25), Pair(8, 0.25)));
 }
 
-TEST_F(GriHandEyeTest, SlotsThatAreNoneAndUnreadablePosesAreInvalidRequests) {
+TEST_F(GriHandEyeTest, InvalidSlotsAndPosesAreInvalidRequests) {
   for (const int slot : {-1, 9, 1'000'000}) {
-    EXPECT_EQ(Ask(GriAction::kHecSetPose, kPipeline, slot), GriCode::kInvalidRequest) << slot;
+    EXPECT_EQ(Call(GriAction::kHecSetPose, kPipeline, slot), GriCode::kInvalidRequest) << slot;
   }
   GriRequest request = RequestOf(GriAction::kHecSetPose);
   request.pose = {};  // a quaternion of zeros
@@ -81,7 +81,7 @@ TEST_F(GriHandEyeTest, SlotsThatAreNoneAndUnreadablePosesAreInvalidRequests) {
   EXPECT_TRUE(calibrator_.poses.empty());
 }
 
-TEST_F(GriHandEyeTest, TheResidualsAreInTheAnswer) {
+TEST_F(GriHandEyeTest, ReturnsTheResiduals) {
   calibrator_.report = {
       .shift_m = 0.0012345, .turn_rad = 0.25 * std::numbers::pi / 180, .used = 7, .poses = 8};
   const GriResponse answer = hand_eye_.Answer(RequestOf(GriAction::kHecCalibrate));
@@ -91,15 +91,15 @@ TEST_F(GriHandEyeTest, TheResidualsAreInTheAnswer) {
   EXPECT_THAT(answer.data, ElementsAre(0, 1'234'500, 250'000, 7, 0, 0, 0, 0, 0, 0));
 }
 
-TEST_F(GriHandEyeTest, ResidualsBeyondTheMessageDoNotWrap) {
+TEST_F(GriHandEyeTest, LargeResidualsSaturate) {
   calibrator_.report.shift_m = 1000;
   EXPECT_EQ(hand_eye_.Answer(RequestOf(GriAction::kHecCalibrate)).data[1], 2'147'483'647);
 }
 
-TEST_F(GriHandEyeTest, APipelineThatIsNotThereIsSaidForEveryAction) {
+TEST_F(GriHandEyeTest, AMissingPipelineIsAnErrorForEveryAction) {
   GriHandEye without(nullptr);
   for (const GriAction action : kActions) {
-    EXPECT_EQ(Ask(action, kPipeline + 1), GriCode::kPipelineNotAvailable);
+    EXPECT_EQ(Call(action, kPipeline + 1), GriCode::kPipelineNotAvailable);
     EXPECT_EQ(without.Answer(RequestOf(action)).code, GriCode::kPipelineNotAvailable);
   }
 }
@@ -107,7 +107,7 @@ TEST_F(GriHandEyeTest, APipelineThatIsNotThereIsSaidForEveryAction) {
 TEST_F(GriHandEyeTest, EveryErrorHasItsCode) {
   const auto code_of = [&](absl::Status error, GriAction action) {
     calibrator_.answer = std::move(error);
-    return Ask(action);
+    return Call(action);
   };
   for (const GriAction action : kActions) {
     EXPECT_EQ(code_of(absl::NotFoundError(""), action), GriCode::kHecInsufficientDetection);
@@ -121,7 +121,7 @@ TEST_F(GriHandEyeTest, EveryErrorHasItsCode) {
             GriCode::kHecCalibrateError);
 }
 
-TEST(GriProtocolTest, HandEyeActionsNeedNoJob) {
+TEST(GriProtocolTest, HandEyeActionsDoNotNeedAJob) {
   ScriptedRunner runner;  // without jobs
   GriJobs jobs(runner);
   FakeCalibrator calibrator;

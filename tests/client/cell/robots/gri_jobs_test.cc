@@ -23,7 +23,7 @@ Pose At(double x_m) {
   return out;
 }
 
-// Finds what it is told to.
+// Returns scripted poses.
 class FakeRunner : public JobRunner {
  public:
   bool IsReady() override { return ready; }
@@ -38,7 +38,7 @@ class FakeRunner : public JobRunner {
   void Given(const std::string& robot, const JobPose& pose) override {
     given.emplace_back(robot, pose.base_primary.translation().x());
   }
-  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+  absl::Status ReportOutcome(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
     return absl::OkStatus();
   }
 
@@ -54,7 +54,7 @@ class FakeRunner : public JobRunner {
 
 class GriJobsTest : public Test {
  protected:
-  GriResponse Ask(GriAction action, const std::string& robot = "r", int job = kJob) {
+  GriResponse Call(GriAction action, const std::string& robot = "r", int job = kJob) {
     GriRequest request;
     request.pose_format = kQuaternionXyzw;
     request.action = static_cast<std::uint8_t>(action);
@@ -69,7 +69,7 @@ class GriJobsTest : public Test {
   }
 
   void AwaitStatus(GriJobStatus status) {
-    while (Ask(GriAction::kGetJobStatus).data[1] != static_cast<int>(status)) {
+    while (Call(GriAction::kGetJobStatus).data[1] != static_cast<int>(status)) {
       std::this_thread::yield();
     }
   }
@@ -82,17 +82,17 @@ class GriJobsTest : public Test {
   GriJobs jobs_{runner_};
 };
 
-TEST_F(GriJobsTest, StatusSaysWhetherTheCellIsReady) {
-  EXPECT_EQ(Ask(GriAction::kStatus).data[1], 1);
+TEST_F(GriJobsTest, StatusReportsWhetherTheCellIsReady) {
+  EXPECT_EQ(Call(GriAction::kStatus).data[1], 1);
   runner_.ready = false;
-  const GriResponse answer = Ask(GriAction::kStatus, "r", /*job=*/0);
+  const GriResponse answer = Call(GriAction::kStatus, "r", /*job=*/0);
   EXPECT_EQ(answer.code, GriCode::kNoError);
   EXPECT_EQ(answer.data[1], 0);
 }
 
-TEST_F(GriJobsTest, ATriggerIsAnsweredWithTheFirstPoseAndWhatIsLeft) {
+TEST_F(GriJobsTest, ATriggerReturnsTheFirstPoseAndTheNumberLeft) {
   FindTwo();
-  const GriResponse answer = Ask(GriAction::kTriggerJobSync);
+  const GriResponse answer = Call(GriAction::kTriggerJobSync);
   EXPECT_EQ(answer.code, GriCode::kNoError);
   EXPECT_EQ(answer.action, 2);
   EXPECT_EQ(answer.job_id, kJob);
@@ -104,7 +104,7 @@ TEST_F(GriJobsTest, ATriggerIsAnsweredWithTheFirstPoseAndWhatIsLeft) {
   EXPECT_TRUE(runner_.base_flange->isApprox(At(0.25)));
 }
 
-TEST_F(GriJobsTest, APoseComesWithWhatTheGripperNeedsAndWhatTheCameraTook) {
+TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
   JobPose grasp = {At(0.1), {At(0.11)}};
   grasp.gripper_opening_m = 0.0625;
   grasp.approach_distance_m = 0.05;
@@ -113,7 +113,7 @@ TEST_F(GriJobsTest, APoseComesWithWhatTheGripperNeedsAndWhatTheCameraTook) {
   grasp.camera_s = 0.033;
   runner_.found = std::vector<JobPose>{grasp};
   for (const GriAction action : {GriAction::kTriggerJobSync, GriAction::kGetRelatedPose}) {
-    const GriResponse answer = Ask(action);
+    const GriResponse answer = Call(action);
     EXPECT_EQ(answer.data[3], 62'500'000);
     EXPECT_EQ(answer.data[4], 50'000'000);
     EXPECT_EQ(answer.data[5], 100'000'000);
@@ -122,131 +122,131 @@ TEST_F(GriJobsTest, APoseComesWithWhatTheGripperNeedsAndWhatTheCameraTook) {
   }
 }
 
-TEST_F(GriJobsTest, NumbersThatDoNotFitAreTheLargestThatDo) {
+TEST_F(GriJobsTest, LargeNumbersSaturate) {
   JobPose grasp = {At(0.1), {}};
   grasp.approach_distance_m = 5;
   runner_.found = std::vector<JobPose>{grasp};
-  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
 }
 
-TEST_F(GriJobsTest, AJobThatGivesNoPosesSaysThatItIsDoneOnce) {
+TEST_F(GriJobsTest, AJobWithoutPosesReportsDoneOnce) {
   runner_.returns_poses = false;
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound) << "it never ran";
-  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoReturnSpecified);
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kNoPosesFound) << "it never ran";
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).code, GriCode::kNoReturnSpecified);
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
 }
 
-TEST_F(GriJobsTest, APoseThatCannotBeSaidIsPassedOverWithWhatIsRelated) {
+TEST_F(GriJobsTest, AnUnsendablePoseIsSkippedWithItsRelatedPoses) {
   runner_.found = std::vector<JobPose>{{At(3), {At(0.1)}}, {At(0.2), {At(0.3)}}};
-  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kApiResponseError);
-  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 200);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetRelatedPose)), 300);
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).code, GriCode::kApiResponseError);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose)), 200);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetRelatedPose)), 300);
 }
 
-TEST_F(GriJobsTest, TheRunnerIsToldWhatARobotWasGiven) {
+TEST_F(GriJobsTest, ReportsGivenPosesToTheRunner) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync, "left");
-  Ask(GriAction::kGetRelatedPose, "left");
-  Ask(GriAction::kGetNextPose, "left");
-  Ask(GriAction::kGetNextPose, "left");
+  Call(GriAction::kTriggerJobSync, "left");
+  Call(GriAction::kGetRelatedPose, "left");
+  Call(GriAction::kGetNextPose, "left");
+  Call(GriAction::kGetNextPose, "left");
   EXPECT_THAT(runner_.given, ElementsAre(Pair("left", 0.1), Pair("left", 0.2)));
 }
 
-TEST_F(GriJobsTest, RelatedPosesBelongToThePrimaryBefore) {
+TEST_F(GriJobsTest, RelatedPosesBelongToTheLastPrimary) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync);
-  const GriResponse first = Ask(GriAction::kGetRelatedPose);
+  Call(GriAction::kTriggerJobSync);
+  const GriResponse first = Call(GriAction::kGetRelatedPose);
   EXPECT_DOUBLE_EQ(MillimetresOf(first), 110);
   EXPECT_EQ(first.data[1], 1);
   EXPECT_EQ(first.data[2], 1);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetRelatedPose)), 120);
-  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 200);
-  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetRelatedPose)), 120);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose)), 200);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
 }
 
-TEST_F(GriJobsTest, ANextPrimaryForgetsTheRelatedOnesBefore) {
+TEST_F(GriJobsTest, ANewPrimaryDiscardsThePreviousRelatedPoses) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync);
-  const GriResponse second = Ask(GriAction::kGetNextPose);
+  Call(GriAction::kTriggerJobSync);
+  const GriResponse second = Call(GriAction::kGetNextPose);
   EXPECT_EQ(second.data[1], 0);
   EXPECT_EQ(second.data[2], 0);
-  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).code, GriCode::kNoRelatedPoses);
 }
 
 TEST_F(GriJobsTest, AfterTheLastPoseTheJobIsReset) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync);
-  Ask(GriAction::kGetNextPose);
-  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kDone));
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
-  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kInactive));
+  Call(GriAction::kTriggerJobSync);
+  Call(GriAction::kGetNextPose);
+  EXPECT_EQ(Call(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kDone));
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+  EXPECT_EQ(Call(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kInactive));
 }
 
-TEST_F(GriJobsTest, WhereNothingIsFoundTheTriggerSaysSo) {
-  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoPosesFound);
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+TEST_F(GriJobsTest, ATriggerReportsAnEmptyResult) {
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).code, GriCode::kNoPosesFound);
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
 }
 
-TEST_F(GriJobsTest, AnAsynchronousJobRunsWhileTheRobotAsksOn) {
+TEST_F(GriJobsTest, AnAsynchronousJobRunsInTheBackground) {
   FindTwo();
   absl::Notification go_on;
   runner_.go_on = &go_on;
-  EXPECT_EQ(Ask(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
-  EXPECT_EQ(Ask(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kRunning));
+  EXPECT_EQ(Call(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
+  EXPECT_EQ(Call(GriAction::kGetJobStatus).data[1], static_cast<int>(GriJobStatus::kRunning));
   for (const GriAction action : {GriAction::kTriggerJobSync, GriAction::kTriggerJobAsync,
                                  GriAction::kGetNextPose, GriAction::kGetRelatedPose}) {
-    EXPECT_EQ(Ask(action).code, GriCode::kJobStillRunning);
+    EXPECT_EQ(Call(action).code, GriCode::kJobStillRunning);
   }
   go_on.Notify();
   AwaitStatus(GriJobStatus::kDone);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 100);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose)), 100);
 }
 
-TEST_F(GriJobsTest, AFailedJobSaysWhyUntilItIsTriggeredAgain) {
+TEST_F(GriJobsTest, AFailedJobReportsItsErrorUntilTheNextTrigger) {
   runner_.found = absl::UnavailableError("the server is gone");
-  EXPECT_EQ(Ask(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
+  EXPECT_EQ(Call(GriAction::kTriggerJobAsync).code, GriCode::kNoError);
   AwaitStatus(GriJobStatus::kFailed);
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kApiNotReachable);
-  EXPECT_EQ(Ask(GriAction::kGetRelatedPose).code, GriCode::kApiNotReachable);
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kApiNotReachable);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).code, GriCode::kApiNotReachable);
   FindTwo();
-  EXPECT_EQ(Ask(GriAction::kTriggerJobSync).code, GriCode::kNoError);
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).code, GriCode::kNoError);
 }
 
-TEST_F(GriJobsTest, ANewTriggerForgetsWhatWasFound) {
+TEST_F(GriJobsTest, ANewTriggerDiscardsPreviousResults) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync);
+  Call(GriAction::kTriggerJobSync);
   runner_.found = std::vector<JobPose>{{At(0.3), {}}};
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kTriggerJobSync)), 300);
-  EXPECT_EQ(Ask(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kTriggerJobSync)), 300);
+  EXPECT_EQ(Call(GriAction::kGetNextPose).code, GriCode::kNoPosesFound);
 }
 
 TEST_F(GriJobsTest, RobotsDoNotTakeEachOthersPoses) {
   FindTwo();
-  Ask(GriAction::kTriggerJobSync, "left");
-  Ask(GriAction::kTriggerJobSync, "right");
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose, "left")), 200);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose, "right")), 200);
+  Call(GriAction::kTriggerJobSync, "left");
+  Call(GriAction::kTriggerJobSync, "right");
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose, "left")), 200);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose, "right")), 200);
 }
 
-TEST_F(GriJobsTest, AJobThatIsNotThereIsSaidForEveryAction) {
+TEST_F(GriJobsTest, AMissingJobIsAnErrorForEveryAction) {
   for (const GriAction action :
        {GriAction::kTriggerJobSync, GriAction::kTriggerJobAsync, GriAction::kGetJobStatus,
         GriAction::kGetNextPose, GriAction::kGetRelatedPose}) {
-    EXPECT_EQ(Ask(action, "r", 8).code, GriCode::kJobDoesNotExist);
+    EXPECT_EQ(Call(action, "r", 8).code, GriCode::kJobDoesNotExist);
   }
 }
 
-TEST_F(GriJobsTest, APoseBeyondTheMessageIsAnErrorAndTheNextOneIsNot) {
+TEST_F(GriJobsTest, AnOutOfRangePoseDoesNotAffectTheNextOne) {
   runner_.found = std::vector<JobPose>{{At(2.2), {}}, {At(0.1), {}}};
-  const GriResponse answer = Ask(GriAction::kTriggerJobSync);
+  const GriResponse answer = Call(GriAction::kTriggerJobSync);
   EXPECT_EQ(answer.code, GriCode::kApiResponseError);
   EXPECT_EQ(answer.pose.position[0], 0);
-  EXPECT_DOUBLE_EQ(MillimetresOf(Ask(GriAction::kGetNextPose)), 100);
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetNextPose)), 100);
 }
 
-TEST_F(GriJobsTest, AnUnreadablePoseOfTheRobotIsNone) {
+TEST_F(GriJobsTest, AnInvalidRobotPoseIsIgnored) {
   GriRequest request;
   request.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
   request.job_id = kJob;
@@ -254,7 +254,7 @@ TEST_F(GriJobsTest, AnUnreadablePoseOfTheRobotIsNone) {
   EXPECT_FALSE(runner_.base_flange);
 }
 
-TEST(GriCodeTest, IsCalledAsItsDocumentationCallsIt) {
+TEST(GriCodeTest, HasTheDocumentedName) {
   EXPECT_EQ(GriCodeName(GriCode::kNoError), "NO_ERROR");
   EXPECT_EQ(GriCodeName(GriCode::kHecInsufficientDetection), "HEC_INSUFFICIENT_DETECTION");
   EXPECT_EQ(GriCodeName(GriCode::kJobStillRunning), "JOB_STILL_RUNNING");

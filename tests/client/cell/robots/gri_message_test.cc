@@ -93,7 +93,7 @@ TEST(GriMessageTest, AResponseIsLaidOutAsDocumented) {
             "f7ffffff");
 }
 
-TEST(GriMessageTest, AnyBytesBehindTheMagicAreReadAndWrittenAsTheyWere) {
+TEST(GriMessageTest, ArbitraryBytesSurviveARoundTrip) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) {
     std::array<std::uint8_t, kGriRequestBytes> bytes = {'G', 'R', 'I', 0};
@@ -106,7 +106,7 @@ TEST(GriMessageTest, AnyBytesBehindTheMagicAreReadAndWrittenAsTheyWere) {
   }
 }
 
-TEST(GriMessageTest, AResponseComesBack) {
+TEST(GriMessageTest, AResponseSurvivesARoundTrip) {
   GriResponse response;
   response.code = GriCode::kJobStillRunning;
   response.pose.position = {-1, 2, -3};
@@ -116,7 +116,7 @@ TEST(GriMessageTest, AResponseComesBack) {
   EXPECT_EQ(GriBytes(*back), GriBytes(response));
 }
 
-TEST(GriMessageTest, WithoutTheMagicNothingIsRead) {
+TEST(GriMessageTest, MissingMagicIsRejected) {
   auto bytes = GriBytes(GriRequest());
   for (std::size_t at = 0; at < 4; ++at) {
     auto wrong = bytes;
@@ -125,7 +125,7 @@ TEST(GriMessageTest, WithoutTheMagicNothingIsRead) {
   }
 }
 
-TEST(GriMessageTest, AnAnswerOfAnotherProtocolVersionOrLengthIsNone) {
+TEST(GriMessageTest, ResponsesOfOtherVersionsOrLengthsAreRejected) {
   const auto good = GriBytes(GriResponse());
   for (std::size_t at = 0; at < 6; ++at) {
     auto wrong = good;
@@ -134,7 +134,7 @@ TEST(GriMessageTest, AnAnswerOfAnotherProtocolVersionOrLengthIsNone) {
   }
 }
 
-TEST(GriMessageTest, EachFaultOfAHeaderHasItsCode) {
+TEST(GriMessageTest, EveryHeaderErrorHasItsCode) {
   GriRequest good;
   good.action = 1;
   EXPECT_EQ(CheckGriRequest(good), GriCode::kNoError);
@@ -165,7 +165,7 @@ TEST(GriPoseTest, PositionsAreMillionthsOfAMillimetre) {
   EXPECT_THAT(sent->rotation, ElementsAre(0, 0, 0, 1000000));
 }
 
-TEST(GriPoseTest, WhatDoesNotFitIsAnErrorAndNeverWrapped) {
+TEST(GriPoseTest, OutOfRangeNumbersAreErrors) {
   for (const double x : {2.1475, -2.1475, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
     Pose pose = Pose::Identity();
     pose.translation().y() = x;
@@ -174,7 +174,7 @@ TEST(GriPoseTest, WhatDoesNotFitIsAnErrorAndNeverWrapped) {
   }
 }
 
-TEST(GriPoseTest, APoseSurvivesTheWireInEveryFormat) {
+TEST(GriPoseTest, APoseSurvivesARoundTripInEveryFormat) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   for (int format = 1; format <= kLastPoseFormat; ++format) {

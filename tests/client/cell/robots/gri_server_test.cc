@@ -1,4 +1,4 @@
-// Robots that speak the Generic Robot Interface, well and badly, on real connections.
+// Valid and invalid use of the Generic Robot Interface over TCP.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -34,7 +34,7 @@ class EchoRunner : public JobRunner {
     return std::vector<JobPose>{{found, {}}};
   }
   void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
-  absl::Status Tell(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+  absl::Status ReportOutcome(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
     return absl::OkStatus();
   }
 
@@ -74,14 +74,14 @@ class GriServerTest : public ::testing::Test {
     server_ = *std::move(started);
   }
 
-  static GriResponse Ask(SocketRobot& robot, const std::string& request) {
+  static GriResponse Call(SocketRobot& robot, const std::string& request) {
     robot.Send(request);
     return Response(robot.Receive(kGriResponseBytes));
   }
 
   bool IsServing() {
     SocketRobot robot(server_->port());
-    return Ask(robot, RequestBytes(GriAction::kStatus)).data[1] == 1;
+    return Call(robot, RequestBytes(GriAction::kStatus)).data[1] == 1;
   }
 
   EchoRunner runner_;
@@ -90,7 +90,7 @@ class GriServerTest : public ::testing::Test {
   std::unique_ptr<RobotServer> server_;
 };
 
-TEST_F(GriServerTest, OneConnectionCarriesManyQuestionsInOrder) {
+TEST_F(GriServerTest, AnswersManyRequestsInOrder) {
   SocketRobot robot(server_->port());
   std::string all;
   for (int i = 0; i < 50; ++i) all += RequestBytes(GriAction::kTriggerJobSync, 1, 0.01 * i);
@@ -102,62 +102,62 @@ TEST_F(GriServerTest, OneConnectionCarriesManyQuestionsInOrder) {
   }
 }
 
-TEST_F(GriServerTest, AMessageMayComeByteByByte) {
+TEST_F(GriServerTest, AcceptsMessagesByteByByte) {
   SocketRobot robot(server_->port());
   for (const char byte : RequestBytes(GriAction::kTriggerJobSync)) robot.Send({byte});
   EXPECT_EQ(Response(robot.Receive(kGriResponseBytes)).code, GriCode::kNoError);
 }
 
-TEST_F(GriServerTest, FaultsOfAHeaderAreAnsweredAndTheConnectionStays) {
+TEST_F(GriServerTest, HeaderErrorsKeepTheConnection) {
   SocketRobot robot(server_->port());
-  const auto ask_with = [&](std::size_t at, char value) {
+  const auto call_with = [&](std::size_t at, char value) {
     std::string request = RequestBytes(GriAction::kStatus);
     request[at] = value;
-    return Ask(robot, request);
+    return Call(robot, request);
   };
-  EXPECT_EQ(ask_with(4, 2).code, GriCode::kUnknownProtocolVersion);
-  EXPECT_EQ(ask_with(6, 52).code, GriCode::kInvalidRequest);
-  EXPECT_EQ(ask_with(7, 10).code, GriCode::kInvalidAction);
-  EXPECT_EQ(ask_with(7, 10).job_id, 1);
-  EXPECT_EQ(Ask(robot, RequestBytes(GriAction::kTriggerJobSync, 9)).code,
+  EXPECT_EQ(call_with(4, 2).code, GriCode::kUnknownProtocolVersion);
+  EXPECT_EQ(call_with(6, 52).code, GriCode::kInvalidRequest);
+  EXPECT_EQ(call_with(7, 10).code, GriCode::kInvalidAction);
+  EXPECT_EQ(call_with(7, 10).job_id, 1);
+  EXPECT_EQ(Call(robot, RequestBytes(GriAction::kTriggerJobSync, 9)).code,
             GriCode::kJobDoesNotExist);
-  EXPECT_EQ(ask_with(7, 1).code, GriCode::kNoError);
+  EXPECT_EQ(call_with(7, 1).code, GriCode::kNoError);
 }
 
-TEST_F(GriServerTest, AfterAWrongLengthItHangsUp) {
+TEST_F(GriServerTest, AWrongLengthClosesTheConnection) {
   SocketRobot robot(server_->port());
   std::string request = RequestBytes(GriAction::kStatus);
   request[5] = 53;
-  const GriResponse answer = Ask(robot, request);
+  const GriResponse answer = Call(robot, request);
   EXPECT_EQ(answer.code, GriCode::kInvalidRequestLength);
   EXPECT_EQ(answer.action, 1);
   EXPECT_TRUE(robot.IsHungUpOn());
   EXPECT_TRUE(IsServing());
 }
 
-TEST_F(GriServerTest, AnotherVersionIsSaidToBeOneWhateverItsLength) {
+TEST_F(GriServerTest, AnUnknownVersionIsReportedWhateverItsLength) {
   SocketRobot robot(server_->port());
   std::string request = RequestBytes(GriAction::kStatus);
   request[4] = 2;
   request[5] = 53;
-  EXPECT_EQ(Ask(robot, request).code, GriCode::kUnknownProtocolVersion);
+  EXPECT_EQ(Call(robot, request).code, GriCode::kUnknownProtocolVersion);
   EXPECT_TRUE(robot.IsHungUpOn());
 }
 
-TEST_F(GriServerTest, GarbageIsAnsweredOnceAndHungUpOn) {
+TEST_F(GriServerTest, GarbageGetsOneAnswerAndClosesTheConnection) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 100; ++i) {
     SocketRobot robot(server_->port());
     std::string garbage(1 + random() % 20'000, '\0');
     for (char& byte : garbage) byte = static_cast<char>(random());
     garbage[0] = 'X';
-    EXPECT_EQ(Ask(robot, garbage).code, GriCode::kInvalidRequest);
+    EXPECT_EQ(Call(robot, garbage).code, GriCode::kInvalidRequest);
     EXPECT_TRUE(robot.IsHungUpOn());
   }
   EXPECT_TRUE(IsServing());
 }
 
-TEST_F(GriServerTest, AMessageThatStopsHalfWayIsWaitedForOnlySoLong) {
+TEST_F(GriServerTest, AnIncompleteMessageTimesOut) {
   Start({.message_time = std::chrono::milliseconds(50)});
   for (const std::size_t bytes : {1U, 7U, 8U, 53U}) {
     SocketRobot robot(server_->port());
@@ -166,10 +166,10 @@ TEST_F(GriServerTest, AMessageThatStopsHalfWayIsWaitedForOnlySoLong) {
   }
   SocketRobot idle(server_->port());
   std::this_thread::sleep_for(std::chrono::milliseconds(150));
-  EXPECT_EQ(Ask(idle, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  EXPECT_EQ(Call(idle, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
 }
 
-TEST_F(GriServerTest, RobotsThatHangUpInTheMiddleOfAMessageOrAJobDoNoHarm) {
+TEST_F(GriServerTest, ToleratesDisconnectsDuringMessagesAndJobs) {
   for (int i = 0; i < 20; ++i) {
     SocketRobot robot(server_->port());
     robot.Send(RequestBytes(GriAction::kTriggerJobSync).substr(0, 20));
@@ -183,7 +183,7 @@ TEST_F(GriServerTest, RobotsThatHangUpInTheMiddleOfAMessageOrAJobDoNoHarm) {
   EXPECT_TRUE(IsServing());
 }
 
-TEST_F(GriServerTest, AHundredRobotsAreServedAtOnce) {
+TEST_F(GriServerTest, ServesAHundredRobotsAtOnce) {
   std::vector<std::unique_ptr<SocketRobot>> robots;
   robots.reserve(100);
   for (int i = 0; i < 100; ++i) robots.push_back(std::make_unique<SocketRobot>(server_->port()));
@@ -195,7 +195,7 @@ TEST_F(GriServerTest, AHundredRobotsAreServedAtOnce) {
   }
 }
 
-TEST_F(GriServerTest, ASlowJobKeepsNobodyWaiting) {
+TEST_F(GriServerTest, ASlowJobDoesNotBlockOthers) {
   SocketRobot slow(server_->port());
   slow.Send(RequestBytes(GriAction::kTriggerJobSync, 2));
   EXPECT_TRUE(IsServing());
@@ -203,18 +203,18 @@ TEST_F(GriServerTest, ASlowJobKeepsNobodyWaiting) {
   EXPECT_EQ(Response(slow.Receive(kGriResponseBytes)).code, GriCode::kNoError);
 }
 
-TEST_F(GriServerTest, TooManyRobotsAreTurnedAway) {
-  Start({.most_connections = 2});
+TEST_F(GriServerTest, TooManyConnectionsAreRejected) {
+  Start({.max_connections = 2});
   SocketRobot first(server_->port());
   SocketRobot second(server_->port());
-  EXPECT_EQ(Ask(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
-  EXPECT_EQ(Ask(second, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  EXPECT_EQ(Call(second, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
   SocketRobot third(server_->port());
   EXPECT_TRUE(third.IsHungUpOn());
-  EXPECT_EQ(Ask(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
 }
 
-TEST_F(GriServerTest, AServerThatStopsHangsUpAndWaitsForItsJobs) {
+TEST_F(GriServerTest, DestructionClosesConnectionsAndWaitsForJobs) {
   SocketRobot robot(server_->port());
   robot.Send(RequestBytes(GriAction::kTriggerJobSync, 2));
   while (!runner_.started) std::this_thread::yield();
@@ -224,7 +224,7 @@ TEST_F(GriServerTest, AServerThatStopsHangsUpAndWaitsForItsJobs) {
   stop.join();
 }
 
-TEST_F(GriServerTest, APortInUseAndAnAddressThatIsNoneAreErrors) {
+TEST_F(GriServerTest, APortInUseAndAnInvalidAddressAreErrors) {
   EXPECT_THAT(RobotServer::Start(protocol_, {.port = server_->port()}),
               StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_THAT(RobotServer::Start(protocol_, {.address = "nowhere"}),

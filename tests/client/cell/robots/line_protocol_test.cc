@@ -1,4 +1,4 @@
-// Robots that speak the line protocol, by themselves and on real connections.
+// The line protocol, by itself and over TCP.
 #include "client/cell/robots/line_protocol.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::StartsWith;
 
-// A tool that looks down, turned by 30 degrees about the vertical.
+// A tool that points down, turned by 30 degrees about the vertical.
 Pose Down(double x_m) {
   Pose out = Pose::Identity();
   out.linear() = (Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()) *
@@ -60,7 +60,7 @@ class LineProtocolTest : public ::testing::Test {
     runner_.Set(9, absl::UnavailableError("the server is gone"));
   }
 
-  std::string Ask(const std::string& line, const std::string& robot = "r") {
+  std::string Call(const std::string& line, const std::string& robot = "r") {
     return protocol_.Answer(robot, line + "\n").bytes;
   }
 
@@ -68,114 +68,114 @@ class LineProtocolTest : public ::testing::Test {
   LineProtocol protocol_{runner_};
 };
 
-TEST_F(LineProtocolTest, ACycleFromTheFormatToTheOutcome) {
-  EXPECT_EQ(Ask("STATUS"), "OK 1\n");
-  EXPECT_EQ(Ask("FORMAT STAUBLI"), "OK 4\n");
-  EXPECT_EQ(Ask("RUN 7"), "OK 1 1 500.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
-  EXPECT_EQ(Ask("GRASP 7"),
+TEST_F(LineProtocolTest, ACompletePickFromFormatToOutcome) {
+  EXPECT_EQ(Call("STATUS"), "OK 1\n");
+  EXPECT_EQ(Call("FORMAT STAUBLI"), "OK 4\n");
+  EXPECT_EQ(Call("RUN 7"), "OK 1 1 500.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
+  EXPECT_EQ(Call("GRASP 7"),
             "OK 100.000 50.000 40.000 0.9300 objects/bracket objects/bracket/stablePoses/flat "
             "side\n");
-  EXPECT_EQ(Ask("RELATED 7"), "OK 1 0 600.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
-  EXPECT_THAT(Ask("RELATED 7"), StartsWith("ERR 2 NO_RELATED_POSES: "));
-  EXPECT_EQ(Ask("STATE 7"), "OK 3 DONE\n");
-  EXPECT_EQ(Ask("MISSED"), "OK\n");
-  EXPECT_THAT(Ask("NEXT 7"), StartsWith("OK 0 0 550.000 "));
-  EXPECT_EQ(Ask("picked"), "OK\n");
-  EXPECT_THAT(Ask("NEXT 7"), StartsWith("ERR 1 NO_POSES_FOUND: "));
-  EXPECT_EQ(Ask("STATE 7"), "OK 1 INACTIVE\n");
-  EXPECT_THAT(runner_.told(), ElementsAre(Pair("r/side", PickOutcome::kMissed),
-                                          Pair("r/top", PickOutcome::kPicked)));
+  EXPECT_EQ(Call("RELATED 7"), "OK 1 0 600.000 -200.000 12.500 180.0000 0.0000 -30.0000 0.0000\n");
+  EXPECT_THAT(Call("RELATED 7"), StartsWith("ERR 2 NO_RELATED_POSES: "));
+  EXPECT_EQ(Call("STATE 7"), "OK 3 DONE\n");
+  EXPECT_EQ(Call("MISSED"), "OK\n");
+  EXPECT_THAT(Call("NEXT 7"), StartsWith("OK 0 0 550.000 "));
+  EXPECT_EQ(Call("picked"), "OK\n");
+  EXPECT_THAT(Call("NEXT 7"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_EQ(Call("STATE 7"), "OK 1 INACTIVE\n");
+  EXPECT_THAT(runner_.outcomes(), ElementsAre(Pair("r/side", PickOutcome::kMissed),
+                                              Pair("r/top", PickOutcome::kPicked)));
 }
 
-TEST_F(LineProtocolTest, EachVendorReadsItsOwnConvention) {
-  EXPECT_THAT(Ask("FORMAT KUKA RUN 7"), EndsWith(" 12.500 30.0000 0.0000 180.0000 0.0000\n"));
-  EXPECT_THAT(Ask("FORMAT FANUC RUN 7"), EndsWith(" 12.500 180.0000 0.0000 30.0000 0.0000\n"));
+TEST_F(LineProtocolTest, EveryVendorGetsItsOwnConvention) {
+  EXPECT_THAT(Call("FORMAT KUKA RUN 7"), EndsWith(" 12.500 30.0000 0.0000 180.0000 0.0000\n"));
+  EXPECT_THAT(Call("FORMAT FANUC RUN 7"), EndsWith(" 12.500 180.0000 0.0000 30.0000 0.0000\n"));
   // Half a turn has two signs, a quarter has one.
   JobPose quarter = Grasp(0.5, "side");
   quarter.base_primary.linear() =
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
   runner_.Set(7, std::vector<JobPose>{quarter});
-  EXPECT_THAT(Ask("FORMAT ABB RUN 7"), EndsWith(" 12.500 0.707107 0.000000 0.707107 0.000000\n"));
-  EXPECT_THAT(Ask("FORMAT UR RUN 7"), EndsWith(" 12.500 0.000000 1.570796 0.000000 0.000000\n"));
-  EXPECT_THAT(Ask("RUN 7"), HasSubstr("FORMAT STAUBLI")) << "they were for one line each";
+  EXPECT_THAT(Call("FORMAT ABB RUN 7"), EndsWith(" 12.500 0.707107 0.000000 0.707107 0.000000\n"));
+  EXPECT_THAT(Call("FORMAT UR RUN 7"), EndsWith(" 12.500 0.000000 1.570796 0.000000 0.000000\n"));
+  EXPECT_THAT(Call("RUN 7"), HasSubstr("FORMAT STAUBLI")) << "they were for one line each";
 }
 
-TEST_F(LineProtocolTest, WithoutAFormatNothingIsGivenAndNothingIsLost) {
-  EXPECT_THAT(Ask("RUN 7"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
-  EXPECT_EQ(Ask("STATE 7"), "OK 1 INACTIVE\n");
+TEST_F(LineProtocolTest, WithoutAFormatNoPoseIsTaken) {
+  EXPECT_THAT(Call("RUN 7"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  EXPECT_EQ(Call("STATE 7"), "OK 1 INACTIVE\n");
   LineProtocol configured(runner_, {.pose_format = 24});
   EXPECT_THAT(configured.Answer("r", "RUN 7\n").bytes, StartsWith("OK 1 1 500.000 "));
 }
 
 TEST_F(LineProtocolTest, TheRobotsPoseReachesTheJob) {
-  EXPECT_THAT(Ask("FORMAT STAUBLI RUN 7 500 -200 12.5 180 0 -30"), StartsWith("OK"));
+  EXPECT_THAT(Call("FORMAT STAUBLI RUN 7 500 -200 12.5 180 0 -30"), StartsWith("OK"));
   ASSERT_TRUE(runner_.base_flange());
   EXPECT_TRUE(runner_.base_flange()->isApprox(Down(0.5), 1e-9));
 }
 
-TEST_F(LineProtocolTest, AJobMayBeStartedAndAskedForLater) {
-  EXPECT_EQ(Ask("START 7"), "OK\n");
-  while (Ask("STATE 7") == "OK 2 RUNNING\n") std::this_thread::yield();
-  EXPECT_EQ(Ask("STATE 7"), "OK 3 DONE\n");
-  EXPECT_THAT(Ask("GRASP 7"), StartsWith("ERR 1 ")) << "none was given yet";
-  EXPECT_THAT(Ask("FORMAT 4 NEXT 7"), StartsWith("OK 1 1 500.000 "));
+TEST_F(LineProtocolTest, AJobMayBeStartedAndPolled) {
+  EXPECT_EQ(Call("START 7"), "OK\n");
+  while (Call("STATE 7") == "OK 2 RUNNING\n") std::this_thread::yield();
+  EXPECT_EQ(Call("STATE 7"), "OK 3 DONE\n");
+  EXPECT_THAT(Call("GRASP 7"), StartsWith("ERR 1 ")) << "none was given yet";
+  EXPECT_THAT(Call("FORMAT 4 NEXT 7"), StartsWith("OK 1 1 500.000 "));
 }
 
 TEST_F(LineProtocolTest, ErrorsHaveTheNumbersOfTheGenericRobotInterface) {
   runner_.Refuse(10, absl::FailedPreconditionError("job 10 names no object"));
   runner_.Refuse(11, absl::PermissionDeniedError("job 11 is for GRI"));
-  Ask("FORMAT 4");
-  EXPECT_THAT(Ask("RUN 6"), StartsWith("ERR -12 JOB_DOES_NOT_EXIST: "));
-  EXPECT_THAT(Ask("RUN 8"), StartsWith("ERR 1 NO_POSES_FOUND: "));
-  EXPECT_EQ(Ask("RUN 9"), "ERR -3 API_NOT_REACHABLE: the server is gone\n");
-  EXPECT_EQ(Ask("STATE 9"), "OK 4 FAILED\n");
-  EXPECT_EQ(Ask("STATE 10"), "ERR -13 MISCONFIGURED_JOB: job 10 names no object\n");
-  EXPECT_THAT(Ask("START 11"), StartsWith("ERR -11 WRONG_PROTOCOL_FOR_JOB: "));
-  EXPECT_THAT(Ask("JUMP"), StartsWith("ERR -8 INVALID_ACTION: "));
-  EXPECT_THAT(Ask("RUN seven"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
-  EXPECT_THAT(Ask(""), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  Call("FORMAT 4");
+  EXPECT_THAT(Call("RUN 6"), StartsWith("ERR -12 JOB_DOES_NOT_EXIST: "));
+  EXPECT_THAT(Call("RUN 8"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_EQ(Call("RUN 9"), "ERR -3 API_NOT_REACHABLE: the server is gone\n");
+  EXPECT_EQ(Call("STATE 9"), "OK 4 FAILED\n");
+  EXPECT_EQ(Call("STATE 10"), "ERR -13 MISCONFIGURED_JOB: job 10 names no object\n");
+  EXPECT_THAT(Call("START 11"), StartsWith("ERR -11 WRONG_PROTOCOL_FOR_JOB: "));
+  EXPECT_THAT(Call("JUMP"), StartsWith("ERR -8 INVALID_ACTION: "));
+  EXPECT_THAT(Call("RUN seven"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
+  EXPECT_THAT(Call(""), StartsWith("ERR -6 INVALID_REQUEST_ERROR: "));
   runner_.SetReady(false);
-  EXPECT_EQ(Ask("STATUS"), "OK 0\n");
+  EXPECT_EQ(Call("STATUS"), "OK 0\n");
 }
 
-TEST_F(LineProtocolTest, AnOutcomeOfNothingIsRefused) {
-  EXPECT_THAT(Ask("PICKED"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: no pose was given"));
-  Ask("FORMAT 4 RUN 7");
-  EXPECT_EQ(Ask("SLIPPED"), "OK\n");
-  EXPECT_THAT(Ask("SLIPPED"), StartsWith("ERR -6 "));
-  EXPECT_THAT(Ask("PICKED", "another"), StartsWith("ERR -6 "));
+TEST_F(LineProtocolTest, AnOutcomeWithoutAPoseIsRejected) {
+  EXPECT_THAT(Call("PICKED"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: no pose was given"));
+  Call("FORMAT 4 RUN 7");
+  EXPECT_EQ(Call("SLIPPED"), "OK\n");
+  EXPECT_THAT(Call("SLIPPED"), StartsWith("ERR -6 "));
+  EXPECT_THAT(Call("PICKED", "another"), StartsWith("ERR -6 "));
 }
 
-TEST_F(LineProtocolTest, APoseOutOfRangeIsAnErrorIsNotGivenAndTheNextOneIs) {
+TEST_F(LineProtocolTest, AnOutOfRangePoseIsAnErrorAndTheNextOneIsReturned) {
   for (const double x : {100.001, -1e6, std::numeric_limits<double>::quiet_NaN(),
                          std::numeric_limits<double>::infinity()}) {
     runner_.Set(7, std::vector<JobPose>{Grasp(x, "far"), Grasp(0.5, "near")});
-    EXPECT_THAT(Ask("FORMAT 4 RUN 7"), StartsWith("ERR -4 API_RESPONSE_ERROR: ")) << x;
-    EXPECT_THAT(Ask("PICKED"), StartsWith("ERR -6 "));
-    EXPECT_THAT(Ask("GRASP 7"), StartsWith("ERR 1 "));
-    EXPECT_THAT(Ask("FORMAT 4 RELATED 7"), StartsWith("ERR 2 "));
-    EXPECT_THAT(Ask("FORMAT 4 NEXT 7"), StartsWith("OK 0 0 500.000 "));
-    EXPECT_EQ(Ask("PICKED"), "OK\n");
+    EXPECT_THAT(Call("FORMAT 4 RUN 7"), StartsWith("ERR -4 API_RESPONSE_ERROR: ")) << x;
+    EXPECT_THAT(Call("PICKED"), StartsWith("ERR -6 "));
+    EXPECT_THAT(Call("GRASP 7"), StartsWith("ERR 1 "));
+    EXPECT_THAT(Call("FORMAT 4 RELATED 7"), StartsWith("ERR 2 "));
+    EXPECT_THAT(Call("FORMAT 4 NEXT 7"), StartsWith("OK 0 0 500.000 "));
+    EXPECT_EQ(Call("PICKED"), "OK\n");
   }
 }
 
-TEST_F(LineProtocolTest, RepliesAreOneLineThatControllersCanHold) {
+TEST_F(LineProtocolTest, RepliesAreOneLineOfLimitedLength) {
   runner_.Set(7, absl::InternalError(std::string(1000, 'x') + "\nsecond\r line"));
-  const std::string reply = Ask("FORMAT 4 RUN 7");
-  EXPECT_EQ(reply.size(), kLongestReply);
+  const std::string reply = Call("FORMAT 4 RUN 7");
+  EXPECT_EQ(reply.size(), kMaxReplyBytes);
   EXPECT_EQ(reply.find('\n'), reply.size() - 1);
-  EXPECT_LE(Ask("HELP").size(), kLongestReply);
+  EXPECT_LE(Call("HELP").size(), kMaxReplyBytes);
   runner_.Set(7, absl::InternalError("two\nlines\x80"));
-  EXPECT_EQ(Ask("FORMAT 4 RUN 7"), "ERR -2 INTERNAL_ERROR: two lines \n");
+  EXPECT_EQ(Call("FORMAT 4 RUN 7"), "ERR -2 INTERNAL_ERROR: two lines \n");
 }
 
-TEST_F(LineProtocolTest, LineEndsOfEitherKindAreUnderstood) {
+TEST_F(LineProtocolTest, AcceptsBothLineEnds) {
   EXPECT_EQ(protocol_.Answer("r", "STATUS\r\n").bytes, "OK 1\n");
   EXPECT_EQ(protocol_.MessageBytes("STATUS\r\nSTATUS"), 8U);
   EXPECT_EQ(protocol_.MessageBytes("STATUS"), 0U);
 }
 
-TEST_F(LineProtocolTest, WhatWasPrintedIsReadBackAsThePoseThatItWas) {
+TEST_F(LineProtocolTest, PosesSurviveARoundTrip) {
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   for (int format = 1; format <= 51; ++format) {
@@ -185,7 +185,7 @@ TEST_F(LineProtocolTest, WhatWasPrintedIsReadBackAsThePoseThatItWas) {
     found.base_primary.translation() << normal(random), normal(random), normal(random);
     runner_.Set(7, std::vector<JobPose>{found});
     const std::string name = "FORMAT " + std::to_string(format);
-    std::istringstream reply(Ask(name + " RUN 7"));
+    std::istringstream reply(Call(name + " RUN 7"));
     std::string ok;
     int primaries = -1;
     int related = -1;
@@ -193,7 +193,7 @@ TEST_F(LineProtocolTest, WhatWasPrintedIsReadBackAsThePoseThatItWas) {
     reply >> ok >> primaries >> related;
     std::getline(reply, numbers);
     ASSERT_EQ(ok, "OK");
-    ASSERT_THAT(Ask(absl::StrCat(name, " RUN 7", numbers)), StartsWith("OK"));
+    ASSERT_THAT(Call(absl::StrCat(name, " RUN 7", numbers)), StartsWith("OK"));
     const Pose back = *runner_.base_flange();
     EXPECT_LT((back.translation() - found.base_primary.translation()).norm(), 1e-6);
     EXPECT_LT((back.linear() - found.base_primary.linear()).norm(), 5e-6) << format;
@@ -221,7 +221,7 @@ class LineServerTest : public LineProtocolTest {
   std::unique_ptr<RobotServer> server_;
 };
 
-TEST_F(LineServerTest, LinesAreAnsweredInOrderHoweverTheyCome) {
+TEST_F(LineServerTest, AnswersLinesInOrderHoweverTheyAreSplit) {
   SocketRobot robot(server_->port());
   for (const char byte : std::string("STA")) robot.Send({byte});
   robot.Send("TUS\r\nFORMAT UR\nNEXT 8\n\nQUIT\n");
@@ -233,16 +233,16 @@ TEST_F(LineServerTest, LinesAreAnsweredInOrderHoweverTheyCome) {
   EXPECT_TRUE(robot.IsHungUpOn());
 }
 
-TEST_F(LineServerTest, ALineThatIsTooLongIsHungUpOn) {
+TEST_F(LineServerTest, ALineThatIsTooLongClosesTheConnection) {
   SocketRobot robot(server_->port());
-  robot.Send(std::string(kLongestRequest - 1, 'x') + "\n");
+  robot.Send(std::string(kMaxRequestBytes - 1, 'x') + "\n");
   EXPECT_THAT(Line(robot), StartsWith("ERR -8 "));
-  robot.Send(std::string(kLongestRequest, 'x') + "\n");
+  robot.Send(std::string(kMaxRequestBytes, 'x') + "\n");
   EXPECT_THAT(Line(robot), StartsWith("ERR -7 INVALID_REQUEST_LENGTH: "));
   EXPECT_TRUE(robot.IsHungUpOn());
 }
 
-TEST_F(LineServerTest, GarbageDoesNoHarm) {
+TEST_F(LineServerTest, ToleratesGarbage) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 50; ++i) {
     SocketRobot robot(server_->port());

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr auto kWrong = absl::StatusCode::kInvalidArgument;
 
-TEST(LineRequestTest, AJobAndItsPoseAreRead) {
+TEST(LineRequestTest, ParsesAJobAndItsPose) {
   const auto request = ParseLineRequest("run 7 100 -20.5 +3e2 0 0 90", 4);
   ASSERT_THAT(request, IsOk());
   EXPECT_EQ(request->command, LineCommand::kRun);
@@ -30,7 +30,7 @@ TEST(LineRequestTest, AJobAndItsPoseAreRead) {
   EXPECT_TRUE(request->base_flange->linear().isApprox(quarter.toRotationMatrix()));
 }
 
-TEST(LineRequestTest, AFormatBeforeACommandCountsForItsPose) {
+TEST(LineRequestTest, AFormatBeforeACommandAppliesToItsPose) {
   const auto request = ParseLineRequest("FORMAT abb RUN 7 1 2 3 1 0 0 0", 4);
   ASSERT_THAT(request, IsOk());
   EXPECT_EQ(request->format, kQuaternionWxyz);
@@ -56,7 +56,7 @@ TEST(LineRequestTest, VendorsAndCodesAreFormats) {
   }
 }
 
-TEST(LineRequestTest, WhatIsNoCommandIsSaid) {
+TEST(LineRequestTest, UnknownCommandsAreReported) {
   EXPECT_THAT(ParseLineRequest("PICK 7", 4),
               StatusIs(absl::StatusCode::kUnimplemented, HasSubstr("HELP")));
   EXPECT_THAT(ParseLineRequest("", 4), StatusIs(kWrong, HasSubstr("empty")));
@@ -64,7 +64,7 @@ TEST(LineRequestTest, WhatIsNoCommandIsSaid) {
   EXPECT_THAT(ParseLineRequest("FORMAT", 4), StatusIs(kWrong));
 }
 
-TEST(LineRequestTest, AJobIsANumberOfTheInterface) {
+TEST(LineRequestTest, AJobIsANumberInRange) {
   EXPECT_EQ(ParseLineRequest("NEXT 0", 4)->job, 0);
   EXPECT_EQ(ParseLineRequest("NEXT 65535", 4)->job, 65535);
   for (const char* none : {"65536", "-1", "1.5", "seven", "99999999999999999999"}) {
@@ -77,7 +77,7 @@ TEST(LineRequestTest, AJobIsANumberOfTheInterface) {
   EXPECT_THAT(ParseLineRequest("PICKED 7", 4), StatusIs(kWrong, HasSubstr("nothing")));
 }
 
-TEST(LineRequestTest, APoseIsWholeAndItsFormatIsKnown) {
+TEST(LineRequestTest, APoseMustBeCompleteAndHaveAFormat) {
   EXPECT_THAT(ParseLineRequest("RUN 7 1 2 3 0 0 0 0", 4), IsOk());
   EXPECT_THAT(ParseLineRequest("RUN 7 1 2 3 0 0", 4), StatusIs(kWrong, HasSubstr("not 5")));
   EXPECT_THAT(ParseLineRequest("RUN 7 1 2 3 0 0 0 0 0", 4), StatusIs(kWrong, HasSubstr("not 8")));
@@ -88,7 +88,7 @@ TEST(LineRequestTest, APoseIsWholeAndItsFormatIsKnown) {
               StatusIs(kWrong, HasSubstr("FORMAT STAUBLI")));
 }
 
-TEST(LineRequestTest, NumbersOutOfRangeAreErrorsAndNeverWrapped) {
+TEST(LineRequestTest, OutOfRangeNumbersAreErrors) {
   const auto with = [](const std::string& number) {
     return ParseLineRequest("START 7 " + number + " 0 0 0 0 0", 4);
   };
@@ -100,7 +100,7 @@ TEST(LineRequestTest, NumbersOutOfRangeAreErrorsAndNeverWrapped) {
   }
 }
 
-TEST(LineRequestTest, AnglesBeyondATurnAreOfAnotherUnit) {
+TEST(LineRequestTest, AnglesBeyondATurnAreErrors) {
   EXPECT_THAT(ParseLineRequest("RUN 7 0 0 0 360 -360 0", 4), IsOk());
   EXPECT_THAT(ParseLineRequest("RUN 7 0 0 0 361 0 0", 4), StatusIs(kWrong, HasSubstr("unit")));
   EXPECT_THAT(ParseLineRequest("RUN 7 0 0 0 180 0 0", 5), StatusIs(kWrong, HasSubstr("unit")));

@@ -39,7 +39,7 @@ Matrix3d RandomRotation(std::mt19937_64& random) {
   return Quaterniond(normal(random), xyz.x(), xyz.y(), xyz.z()).normalized().toRotationMatrix();
 }
 
-// The rotation that the documentation of the interface means, from its words.
+// The rotation defined by the interface's documentation.
 Matrix3d RotationInWords(const std::array<double, 4>& n, const std::string& sequence, bool backward,
                          bool radians) {
   Matrix3d out = Matrix3d::Identity();
@@ -53,7 +53,7 @@ Matrix3d RotationInWords(const std::array<double, 4>& n, const std::string& sequ
 
 class PoseFormatTest : public ::testing::TestWithParam<int> {
  protected:
-  // What the numbers mean, by Eigen's own classes.
+  // The expected rotation, by Eigen's own classes.
   static Matrix3d Meaning(const std::array<double, 4>& n) {
     const int code = GetParam();
     if (code == 1) return Quaterniond(n[0], n[1], n[2], n[3]).toRotationMatrix();
@@ -80,12 +80,12 @@ class PoseFormatTest : public ::testing::TestWithParam<int> {
   }
 };
 
-TEST_P(PoseFormatTest, MeansWhatItsDocumentationSays) {
+TEST_P(PoseFormatTest, MatchesItsDocumentation) {
   std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
   for (int i = 0; i < 200; ++i) ExpectKept(RandomRotation(random));
 }
 
-TEST_P(PoseFormatTest, IsKeptWhereAxesFallTogether) {
+TEST_P(PoseFormatTest, SurvivesGimbalLock) {
   for (const double a : {0.0, kPi / 2, kPi, -kPi / 2, 0.3}) {
     for (const double b : {0.0, kPi / 2, kPi, -kPi / 2}) {
       for (const double c : {0.0, kPi / 2, -kPi / 2, -1.1}) {
@@ -97,7 +97,7 @@ TEST_P(PoseFormatTest, IsKeptWhereAxesFallTogether) {
   }
 }
 
-TEST_P(PoseFormatTest, NumbersThatAreNotFiniteAreRefused) {
+TEST_P(PoseFormatTest, RejectsNonFiniteNumbers) {
   auto numbers = ToRobotPose(Pose::Identity(), GetParam());
   ASSERT_THAT(numbers, IsOk());
   numbers->rotation[1] = std::numeric_limits<double>::quiet_NaN();
@@ -106,8 +106,8 @@ TEST_P(PoseFormatTest, NumbersThatAreNotFiniteAreRefused) {
 
 INSTANTIATE_TEST_SUITE_P(All, PoseFormatTest, ::testing::Range(1, 52));
 
-TEST(PoseFormats, VendorsFindTheirs) {
-  // A tool that looks down and is turned by 30 degrees about the vertical.
+TEST(PoseFormats, MatchVendorConventions) {
+  // A tool that points down, turned by 30 degrees about the vertical.
   const Matrix3d rotation =
       (AngleAxisd(kPi / 6, Vector3d::UnitZ()) * AngleAxisd(kPi, Vector3d::UnitX()))
           .toRotationMatrix();
@@ -125,7 +125,7 @@ TEST(PoseFormats, VendorsFindTheirs) {
               ElementsAre(near(100), near(-200), near(1500)));
 }
 
-TEST(PoseFormats, OthersDoNotExist) {
+TEST(PoseFormats, OtherCodesAreRejected) {
   for (const int code : {0, -1, 52, 255}) {
     EXPECT_THAT(ToRobotPose(Pose::Identity(), code),
                 StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("1 to 51")));
@@ -133,7 +133,7 @@ TEST(PoseFormats, OthersDoNotExist) {
   }
 }
 
-TEST(PoseFormats, AQuaternionThatIsNoneIsRefused) {
+TEST(PoseFormats, AnInvalidQuaternionIsRejected) {
   EXPECT_THAT(FromRobotPose({}, kQuaternionWxyz),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("length")));
   EXPECT_THAT(FromRobotPose({.rotation = {1.001, 0, 0, 0}}, kQuaternionWxyz), IsOk());

@@ -1,4 +1,4 @@
-// Jobs whose runner throws: they end, and say why.
+// Exceptions of the runner end the job and are reported.
 #include "client/cell/robots/robot_jobs.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr int kPickJob = 4;
 
-// Throws as often as it is told to, and then does what its script says.
+// Throws `throws_` times, then follows its script.
 class ThrowingRunner : public ScriptedRunner {
  public:
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
@@ -45,7 +45,7 @@ class RobotJobsTest : public ::testing::Test {
   RobotJobs jobs_{runner_};
 };
 
-TEST_F(RobotJobsTest, AJobThatThrowsHasFailedAndSaysWhy) {
+TEST_F(RobotJobsTest, AnExceptionFailsTheJobAndIsReported) {
   const JobAnswer answer = jobs_.Run(request_);
   EXPECT_NE(answer.code, GriCode::kNoError);
   EXPECT_THAT(answer.why, HasSubstr("no such lens"));
@@ -53,7 +53,7 @@ TEST_F(RobotJobsTest, AJobThatThrowsHasFailedAndSaysWhy) {
   EXPECT_EQ(jobs_.Run(request_).code, GriCode::kNoError);
 }
 
-TEST_F(RobotJobsTest, AJobInTheBackgroundThatThrowsHasFailedAndSaysWhy) {
+TEST_F(RobotJobsTest, AnExceptionInTheBackgroundFailsTheJobAndIsReported) {
   ASSERT_EQ(jobs_.Start(request_).code, GriCode::kNoError);
   EXPECT_EQ(StatusAtTheEnd(), GriJobStatus::kFailed);
   EXPECT_THAT(jobs_.Next("robot", kPickJob).why, HasSubstr("no such lens"));

@@ -39,13 +39,13 @@ void ScriptedRunner::Given(const std::string& robot, const JobPose& pose) {
   given_.insert_or_assign(robot, pose);
 }
 
-absl::Status ScriptedRunner::Tell(const std::string& robot, PickOutcome outcome) {
+absl::Status ScriptedRunner::ReportOutcome(const std::string& robot, PickOutcome outcome) {
   absl::MutexLock lock(&mutex_);
   const auto given = given_.find(robot);
   if (given == given_.end()) {
     return absl::FailedPreconditionError("no pose was given; run a job first");
   }
-  told_.emplace_back(robot + "/" + given->second.grasp_id, outcome);
+  outcomes_.emplace_back(robot + "/" + given->second.grasp_id, outcome);
   given_.erase(given);
   return absl::OkStatus();
 }
@@ -55,9 +55,9 @@ std::optional<recognition::Pose> ScriptedRunner::base_flange() {
   return base_flange_;
 }
 
-std::vector<ScriptedRunner::Told> ScriptedRunner::told() {
+std::vector<ScriptedRunner::ReportedOutcome> ScriptedRunner::outcomes() {
   absl::MutexLock lock(&mutex_);
-  return told_;
+  return outcomes_;
 }
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-// A JobRunner that finds what a test tells it to, and remembers what it is told.
+// A JobRunner with scripted results, which records reported outcomes.
 #pragma once
 
 #include <map>
@@ -16,9 +16,9 @@ namespace graspdb::client {
 // Thread-safe.
 class ScriptedRunner : public JobRunner {
  public:
-  // What job `job` finds from now on, or the error that it ends with.
+  // The result of job `job` from now on.
   void Set(int job, absl::StatusOr<std::vector<JobPose>> found);
-  // What Check says of it; only jobs that have been set exist.
+  // The result of Check; only jobs that have been set exist.
   void Refuse(int job, absl::Status refusal);
   void SetReady(bool ready);
 
@@ -26,13 +26,13 @@ class ScriptedRunner : public JobRunner {
   absl::Status Check(int job) override;
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override;
   void Given(const std::string& robot, const JobPose& pose) override;
-  absl::Status Tell(const std::string& robot, PickOutcome outcome) override;
+  absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) override;
 
   // Of the last Run.
   std::optional<recognition::Pose> base_flange();
-  // "robot/grasp" and outcome, in the order in which they were told.
-  using Told = std::pair<std::string, PickOutcome>;
-  std::vector<Told> told();
+  // "robot/grasp" and outcome, in order of ReportOutcome.
+  using ReportedOutcome = std::pair<std::string, PickOutcome>;
+  std::vector<ReportedOutcome> outcomes();
 
  private:
   absl::Mutex mutex_;
@@ -40,7 +40,7 @@ class ScriptedRunner : public JobRunner {
   std::map<int, absl::StatusOr<std::vector<JobPose>>> found_ ABSL_GUARDED_BY(mutex_);
   std::map<int, absl::Status> refusals_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);
-  std::vector<Told> told_ ABSL_GUARDED_BY(mutex_);
+  std::vector<ReportedOutcome> outcomes_ ABSL_GUARDED_BY(mutex_);
   std::optional<recognition::Pose> base_flange_ ABSL_GUARDED_BY(mutex_);
 };
 

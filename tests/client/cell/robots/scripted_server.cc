@@ -32,7 +32,7 @@ Pose At(double x_m) {
   return out;
 }
 
-// Jobs that answer as they are asked, beside those of the script.
+// Jobs that depend on the request, in addition to the scripted ones.
 class Jobs : public ScriptedRunner {
  public:
   Jobs() {
@@ -61,7 +61,7 @@ class Jobs : public ScriptedRunner {
       if (!request.base_flange) return absl::InvalidArgumentError("where is the robot?");
       return std::vector<JobPose>{{*request.base_flange, {}}};
     }
-    if (request.job == kGoOn) go_on_.Notify();  // the test asks for it once
+    if (request.job == kGoOn) go_on_.Notify();  // the test runs this once
     if (request.job == kSlow) go_on_.WaitForNotification();
     return ScriptedRunner::Run(request);
   }

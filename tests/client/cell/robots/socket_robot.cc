@@ -20,7 +20,7 @@ SocketRobot::SocketRobot(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STRE
   const timeval patience = {.tv_sec = 10, .tv_usec = 0};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
   if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    ADD_FAILURE() << "nobody listens on port " << port;
+    ADD_FAILURE() << "cannot connect to port " << port;
     close(std::exchange(socket_, -1));
   }
 }

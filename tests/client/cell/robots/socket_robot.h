@@ -1,4 +1,4 @@
-// A robot controller's end of a TCP connection, by the system's own calls.
+// A robot controller's end of a TCP connection, with the system's own calls.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@ namespace graspdb::client {
 
 class SocketRobot {
  public:
-  // To 127.0.0.1; the test fails where nobody listens.
+  // Connects to 127.0.0.1; the test fails if nothing listens there.
   explicit SocketRobot(std::uint16_t port);
   ~SocketRobot();
   SocketRobot(const SocketRobot&) = delete;
   SocketRobot& operator=(const SocketRobot&) = delete;
 
   void Send(const std::string& bytes);
-  // So many bytes, or those before the other side hung up or was silent for ten seconds.
+  // Reads `bytes` bytes, or fewer if the peer closes or is silent for ten seconds.
   std::string Receive(std::size_t bytes);
-  // Whether the other side hangs up, within ten seconds, without a byte more.
+  // Whether the peer closes within ten seconds, without another byte.
   bool IsHungUpOn() { return Receive(1).empty() && ended_; }
 
  private:

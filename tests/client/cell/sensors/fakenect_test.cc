@@ -1,5 +1,5 @@
-// The first Kinect through the real libfreenect interface: recordings that fakenect plays to
-// another process.
+// The first Kinect through the real libfreenect interface: fakenect plays recordings to another
+// process.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -73,7 +73,7 @@ class FakenectTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(FakenectTest, TheSensorMeasuresWhatTheSimulatedCameraSaw) {
+TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
   const auto parts = SampleParts();
   const auto camera = DepthCamera::Create(SimulatedKinectV1({}));
   ASSERT_THAT(camera, IsOk());
@@ -103,7 +103,7 @@ TEST_F(FakenectTest, TheSensorMeasuresWhatTheSimulatedCameraSaw) {
   EXPECT_NEAR(k->intrinsics.fx, camera->model().intrinsics.fx, 1e-9);
 }
 
-TEST_F(FakenectTest, ARecordingOfRandomScenesTellsTheTruth) {
+TEST_F(FakenectTest, ARecordingOfRandomScenesMatchesItsGroundTruth) {
   const auto parts = SampleParts();
   const auto plan = PlanRandomScenes(parts, {.stand = {}, .count = 2, .seed = 4});
   ASSERT_THAT(plan, IsOk());
@@ -117,7 +117,7 @@ TEST_F(FakenectTest, ARecordingOfRandomScenesTellsTheTruth) {
   EXPECT_TRUE(truth.captures(1).has_sensor_pose());
 }
 
-TEST_F(FakenectTest, TheEndOfARecordingIsAnUnpluggedCamera) {
+TEST_F(FakenectTest, TheEndOfARecordingLooksLikeAnUnpluggedCamera) {
   auto writer = FakenectRecording::Create(recording());
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT(writer->Show(Plane(0.7F), kLongEnough), IsOk());
@@ -129,7 +129,7 @@ TEST_F(FakenectTest, TheEndOfARecordingIsAnUnpluggedCamera) {
   EXPECT_THAT(lines, Contains("ready 0"));
 }
 
-TEST_F(FakenectTest, ACameraThatIsPulledOutAndPluggedInAgainGivesFramesAgain) {
+TEST_F(FakenectTest, ReconnectsAnUnpluggedCamera) {
   auto writer = FakenectRecording::Create(recording());
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT(writer->Show(Plane(0.6F), kLongEnough), IsOk());
@@ -145,14 +145,14 @@ TEST_F(FakenectTest, ACameraThatIsPulledOutAndPluggedInAgainGivesFramesAgain) {
   EXPECT_NEAR(Played(last)[1000] * kKinectV1DepthUnitM, 1.1, 0.003);
 }
 
-TEST_F(FakenectTest, WithoutARecordingTheProgramIsToldAndNotEnded) {
+TEST_F(FakenectTest, AMissingRecordingIsAnErrorNotAnExit) {
   const auto lines = Play(1, folder_.path() / "none");
   EXPECT_THAT(lines,
               Contains(AllOf(StartsWith("error FAILED_PRECONDITION"), HasSubstr("FAKENECT_PATH"))));
   EXPECT_THAT(lines, Contains("ready 0"));
 }
 
-TEST(FakenectRecording, IsNotWrittenOver) {
+TEST(FakenectRecording, IsNotOverwritten) {
   const TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());
@@ -160,7 +160,7 @@ TEST(FakenectRecording, IsNotWrittenOver) {
   EXPECT_THAT(FakenectRecording::Create(folder.path()), StatusIs(absl::StatusCode::kAlreadyExists));
 }
 
-TEST(FakenectRecording, HasNamesAndHeadersAsFakenectRecordWritesThem) {
+TEST(FakenectRecording, HasTheFormatOfFakenectRecord) {
   const TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());
@@ -175,7 +175,7 @@ TEST(FakenectRecording, HasNamesAndHeadersAsFakenectRecordWritesThem) {
   EXPECT_THAT(BytesOf(folder.path() / "device.json"), HasSubstr("\"reference_distance\""));
 }
 
-TEST(FakenectRecording, WantsFramesOfAKinect) {
+TEST(FakenectRecording, RejectsFramesOfOtherSizes) {
   const TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());

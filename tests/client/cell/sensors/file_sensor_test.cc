@@ -46,7 +46,7 @@ std::uint16_t FirstDepth(const absl::StatusOr<SensorFrame>& frame) {
   return counts.ok() ? counts->front() : 0;
 }
 
-TEST(FileSensor, PlaysAFolderInTheOrderOfNamesAndThenIsUnplugged) {
+TEST(FileSensor, PlaysAFolderInOrderOfNamesAndIsThenUnavailable) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "b.png", 2);
   WriteImage(folder.path() / "a.png", 1);
@@ -65,7 +65,7 @@ TEST(FileSensor, PlaysAFolderInTheOrderOfNamesAndThenIsUnplugged) {
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("?loop")));
 }
 
-TEST(FileSensor, LoopsWhereToldSo) {
+TEST(FileSensor, LoopsIfSet) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   WriteImage(folder.path() / "b.png", 2);
@@ -78,7 +78,7 @@ TEST(FileSensor, LoopsWhereToldSo) {
   }
 }
 
-TEST(FileSensor, AFrameIsAsYoungAsItsReading) {
+TEST(FileSensor, AFrameHasTheTimeOfItsReading) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
@@ -91,7 +91,7 @@ TEST(FileSensor, AFrameIsAsYoungAsItsReading) {
   EXPECT_EQ(image.capture_time().seconds(), absl::ToUnixSeconds(frame->time));
 }
 
-TEST(FileSensor, ARateThatIsNotDueYetIsADeadline) {
+TEST(FileSensor, AFrameThatIsNotDueExceedsTheDeadline) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
@@ -101,7 +101,7 @@ TEST(FileSensor, ARateThatIsNotDueYetIsADeadline) {
               StatusIs(absl::StatusCode::kDeadlineExceeded));
 }
 
-TEST(FileSensor, ABadFileIsNamedAndTheNextOneFollows) {
+TEST(FileSensor, ABadFileIsReportedAndTheNextOneFollows) {
   const TemporaryFolder folder;
   folder.Write("a.png", "rubbish");
   WriteImage(folder.path() / "b.png", 2);
@@ -112,7 +112,7 @@ TEST(FileSensor, ABadFileIsNamedAndTheNextOneFollows) {
   EXPECT_EQ(FirstDepth(sensor->Next(absl::InfiniteFuture())), 2);
 }
 
-TEST(FileSensor, DepthsWithoutTheirCameraAreNoFrame) {
+TEST(FileSensor, DepthsWithoutIntrinsicsAreAnError) {
   const TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   EXPECT_THAT(Play(folder.path())->Next(absl::InfiniteFuture()),
@@ -141,7 +141,7 @@ TEST(FileSensor, ACaptureSetHasItsOrderAndItsSensorPoses) {
   EXPECT_FALSE(unposed->world_sensor.has_value());
 }
 
-TEST(FileSensor, WhatCannotBePlayedIsRefusedAtOnce) {
+TEST(FileSensor, UnplayablePathsAreRejectedAtOnce) {
   const TemporaryFolder folder;
   EXPECT_THAT(FileSensor::Open(folder.path() / "none", {}),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none")));
@@ -151,7 +151,7 @@ TEST(FileSensor, WhatCannotBePlayedIsRefusedAtOnce) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("nothing to play")));
 }
 
-// A real frame, as an integrator would look at it.
+// A real frame.
 TEST(FileSensor, PlaysRealFrames) {
   const auto frames = testing::SharedData("realsense_tabletop");
   if (!frames) GTEST_SKIP() << testing::SharedDataMissing("realsense_tabletop");

@@ -1,4 +1,4 @@
-// Frames between a camera's thread and those who wait.
+// Frames between a camera's thread and waiting threads.
 #include "client/cell/sensors/frame_mailbox.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using testing::StatusIs;
 constexpr absl::Duration kLong = absl::Seconds(60);
 const absl::Time then = absl::FromUnixSeconds(1'700'000'000);
 
-TEST(FrameMailbox, GivesNoFrameFromBeforeTheQuestion) {
+TEST(FrameMailbox, SkipsFramesFromBeforeTheCall) {
   FrameMailbox box(kLong);
   box.Put(NumberedFrame(1, then));
   EXPECT_THAT(box.Wait(then + absl::Nanoseconds(1), absl::Now()),
@@ -29,14 +29,14 @@ TEST(FrameMailbox, GivesNoFrameFromBeforeTheQuestion) {
   EXPECT_EQ(DataOf(*frame), "1");
 }
 
-TEST(FrameMailbox, KeepsTheNewestAlone) {
+TEST(FrameMailbox, KeepsOnlyTheNewestFrame) {
   FrameMailbox box(kLong);
   box.Put(NumberedFrame(1, then));
   box.Put(NumberedFrame(2, then));
   EXPECT_EQ(DataOf(*box.Wait(then, absl::Now())), "2");
 }
 
-TEST(FrameMailbox, AFrameWakesWhoWaits) {
+TEST(FrameMailbox, AFrameWakesWaiters) {
   FrameMailbox box(kLong);
   std::thread camera([&box] { box.Put(NumberedFrame(7, then)); });
   const auto frame = box.Wait(then, absl::Now() + kLong);
@@ -45,7 +45,7 @@ TEST(FrameMailbox, AFrameWakesWhoWaits) {
   EXPECT_EQ(DataOf(*frame), "7");
 }
 
-TEST(FrameMailbox, AFailureWakesWhoWaitsAndStays) {
+TEST(FrameMailbox, AFailureWakesWaitersAndStays) {
   FrameMailbox box(kLong);
   std::thread camera([&box] { box.Fail(absl::UnavailableError("pulled out")); });
   EXPECT_THAT(box.Wait(then, absl::Now() + kLong),
@@ -56,16 +56,17 @@ TEST(FrameMailbox, AFailureWakesWhoWaitsAndStays) {
   EXPECT_FALSE(box.IsAlive());
 }
 
-TEST(FrameMailbox, ASilentCameraIsGone) {
+TEST(FrameMailbox, ASilentCameraIsUnavailable) {
   FrameMailbox box(absl::Milliseconds(5));
-  EXPECT_THAT(box.Wait(absl::Now(), absl::Now() + kLong),
-              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("no frame for 5ms")));
+  EXPECT_THAT(
+      box.Wait(absl::Now(), absl::Now() + kLong),
+      StatusIs(absl::StatusCode::kUnavailable, HasSubstr("no frame from the camera for 5ms")));
   EXPECT_FALSE(box.IsAlive());
   box.Put(NumberedFrame(1));
   EXPECT_THAT(box.Wait(then, absl::Now() + kLong), IsOk());
 }
 
-// Gives one frame of a certain age.
+// Returns one frame of a given age.
 class Aged : public DepthSensor {
  public:
   explicit Aged(absl::Duration age) : age_(age) {}
@@ -79,7 +80,7 @@ class Aged : public DepthSensor {
   const absl::Duration age_;
 };
 
-TEST(FreshSensor, AnOldFrameIsAnErrorAndNoAnswer) {
+TEST(FreshSensor, AnOldFrameIsAnError) {
   FreshSensor young(std::make_unique<Aged>(absl::ZeroDuration()), absl::Minutes(1));
   EXPECT_THAT(young.Next(absl::InfiniteFuture()), IsOk());
   FreshSensor old(std::make_unique<Aged>(absl::Minutes(2)), absl::Minutes(1));
@@ -90,7 +91,7 @@ TEST(FreshSensor, AnOldFrameIsAnErrorAndNoAnswer) {
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("clock")));
 }
 
-TEST(SetTime, IsWrittenIntoTheScan) {
+TEST(SetTime, SetsTheScansCaptureTime) {
   SensorFrame frame = NumberedFrame(1);
   SetTime(absl::FromUnixSeconds(-2) + absl::Nanoseconds(5), frame);
   const auto& stamp = std::get<v1::DepthImage>(frame.scan).capture_time();

@@ -1,4 +1,4 @@
-// What the first Kinect's raw numbers mean.
+// Depths from the first Kinect's raw numbers.
 #include "client/cell/sensors/kinect_v1_calibration.h"
 
 #include <gmock/gmock.h>
@@ -12,14 +12,14 @@ double Metres(std::uint16_t count) { return count * kKinectV1DepthUnitM; }
 
 // By hand: at 200.375 sensor pixels of disparity, raw 801.5, lies the reference plane; a raw step
 // there is a quarter of 1.042 mm, which 75 mm of baseline make 1.2 * 0.2605 / 75 = 4.17 mm.
-TEST(KinectV1Calibration, TheReferencePlaneIsWhereItIs) {
+TEST(KinectV1Calibration, TheReferencePlaneHasItsDepth) {
   const auto depths = DepthOfRaw({});
   EXPECT_NEAR((Metres(depths[801]) + Metres(depths[802])) / 2, 1.2, 1e-4);
   EXPECT_NEAR(Metres(depths[802]) - Metres(depths[801]), 0.00417, 1.5e-4);
   EXPECT_EQ(depths[kKinectV1NoRaw], 0);
 }
 
-TEST(KinectV1Calibration, DepthGrowsWithTheRawNumberUntilItFitsNoMore) {
+TEST(KinectV1Calibration, DepthIncreasesWithTheRawNumberUpToTheRange) {
   const auto depths = DepthOfRaw({});
   std::size_t raw = 1;
   while (raw < depths.size() && depths[raw] > depths[raw - 1]) ++raw;
@@ -27,7 +27,7 @@ TEST(KinectV1Calibration, DepthGrowsWithTheRawNumberUntilItFitsNoMore) {
   for (; raw < depths.size(); ++raw) EXPECT_EQ(depths[raw], 0) << raw;
 }
 
-TEST(KinectV1Calibration, RawAndDepthAreEachOthersInverse) {
+TEST(KinectV1Calibration, RawAndDepthAreInverse) {
   const auto depths = DepthOfRaw({});
   for (std::uint16_t raw = 0; depths[raw] != 0; ++raw) {
     // Far away a step is larger than the rounding of the depth.
@@ -35,7 +35,7 @@ TEST(KinectV1Calibration, RawAndDepthAreEachOthersInverse) {
   }
 }
 
-TEST(KinectV1Calibration, WhatCannotBeMeasuredIsNone) {
+TEST(KinectV1Calibration, DepthsOutOfRangeHaveNoRawNumber) {
   EXPECT_EQ(RawOfDepth({}, 0), kKinectV1NoRaw);
   EXPECT_EQ(RawOfDepth({}, -1), kKinectV1NoRaw);
   EXPECT_EQ(RawOfDepth({}, NAN), kKinectV1NoRaw);
@@ -53,7 +53,7 @@ TEST(KinectV1Calibration, TheFocalLengthFollowsFromTheReferencePlane) {
               1e-12);
 }
 
-TEST(KinectV1Calibration, AnotherDeviceHasOtherDepths) {
+TEST(KinectV1Calibration, TheDepthsDependOnTheCalibration) {
   KinectV1Calibration other;
   other.const_shift = 202;
   EXPECT_NEAR(Metres(DepthOfRaw(other)[809]), Metres(DepthOfRaw({})[801]), 1e-4);

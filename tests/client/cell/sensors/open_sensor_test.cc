@@ -58,13 +58,13 @@ TEST(SensorSpec, ASimulationHasOptionsAndNoTarget) {
   EXPECT_THAT(spec->options, ElementsAre(Pair("parts", "wedge+handle"), Pair("seed", "7")));
 }
 
-TEST(SensorSpec, UrisAndPathsKeepTheirSigns) {
+TEST(SensorSpec, UrisAndPathsKeepSpecialCharacters) {
   EXPECT_EQ(ParseSensorSpec("openni2:1d27/0600@1/6")->target, "1d27/0600@1/6");
   EXPECT_EQ(ParseSensorSpec("files:C:/what?/a.pcd")->target, "C:/what?/a.pcd");
   EXPECT_EQ(ParseSensorSpec("files:what?.pcd?loop")->target, "what?.pcd");
 }
 
-TEST(SensorSpec, WhatIsNoSpecIsRefused) {
+TEST(SensorSpec, InvalidSpecsAreRejected) {
   EXPECT_THAT(ParseSensorSpec(""), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(ParseSensorSpec(":0"), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(ParseSensorSpec("files:a?loop&loop"),
@@ -73,14 +73,14 @@ TEST(SensorSpec, WhatIsNoSpecIsRefused) {
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("without a key")));
 }
 
-TEST(OpenSensor, AnUnknownKindTellsWhichThereAre) {
+TEST(OpenSensor, AnUnknownKindListsTheKnownOnes) {
   EXPECT_THAT(OpenSensor("kinect", {}),
               StatusIs(absl::StatusCode::kInvalidArgument,
                        AllOf(HasSubstr("\"kinect\""), HasSubstr("files"), HasSubstr("simulated"),
                              HasSubstr("freenect"), HasSubstr("openni2"), HasSubstr("freenect2"))));
 }
 
-TEST(OpenSensor, AKindThatIsNotBuiltTellsWhatIsMissing) {
+TEST(OpenSensor, AKindThatIsNotBuiltReportsTheMissingLibrary) {
   const auto listing = ListSensors();
   const auto kind = std::find_if(listing.begin(), listing.end(),
                                  [](const SensorListing& k) { return k.kind == "freenect2"; });
@@ -92,7 +92,7 @@ TEST(OpenSensor, AKindThatIsNotBuiltTellsWhatIsMissing) {
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("not built")));
 }
 
-TEST(OpenSensor, WrongOptionsAreNamed) {
+TEST(OpenSensor, InvalidOptionsAreReported) {
   const TemporaryFolder folder;
   const struct {
     std::string spec;
@@ -122,7 +122,7 @@ TEST(OpenSensor, WrongOptionsAreNamed) {
   }
 }
 
-TEST(OpenSensor, FilesAreLookedForAtOnce) {
+TEST(OpenSensor, FilesAreOpenedAtOnce) {
   EXPECT_THAT(OpenSensor("files:/no/such/folder", {}), StatusIs(absl::StatusCode::kNotFound));
 }
 
@@ -138,7 +138,7 @@ TEST(OpenSensor, PlaysFiles) {
   EXPECT_TRUE((*sensor)->IsReady());
 }
 
-TEST(OpenSensor, NoFrameIsOlderThanTheSettingsSay) {
+TEST(OpenSensor, NoFrameIsOlderThanTheMaximumAge) {
   SensorSettings settings;
   settings.max_age = absl::Nanoseconds(1);
   settings.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
@@ -148,7 +148,7 @@ TEST(OpenSensor, NoFrameIsOlderThanTheSettingsSay) {
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("old")));
 }
 
-TEST(OpenSensor, ACameraThatIsNotThereIsUnavailableAndLookedFor) {
+TEST(OpenSensor, AMissingCameraIsUnavailableUntilItIsConnected) {
   const auto sensor = OpenSensor("freenect:77", {});
   ASSERT_THAT(sensor, IsOk());
   EXPECT_EQ((*sensor)->Name(), "Kinect v1 (libfreenect) no. 77");
@@ -157,7 +157,7 @@ TEST(OpenSensor, ACameraThatIsNotThereIsUnavailableAndLookedFor) {
   EXPECT_FALSE((*sensor)->IsReady());
 }
 
-TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRefusedBeforeTheCameraIsLookedFor) {
+TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRejectedBeforeOpening) {
   const auto sensor =
       OpenSensor("freenect:77?width=320&height=240&fx=290&fy=290&cx=160&cy=120", {});
   ASSERT_THAT(sensor, IsOk());
@@ -166,7 +166,7 @@ TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRefusedBeforeTheCameraIsLookedFor) {
                        AllOf(HasSubstr("640 x 480"), HasSubstr("320 x 240"))));
 }
 
-TEST(OpenSensor, ASimulationShowsWhatSomebodyLaysOut) {
+TEST(OpenSensor, ASimulationShowsAGivenScene) {
   const TemporaryFolder folder;
   const auto table = folder.path() / "table";
   SensorSettings settings;
@@ -191,7 +191,7 @@ TEST(OpenSensor, ASimulationShowsWhatSomebodyLaysOut) {
   EXPECT_NE(frames[0], frames[1]);
 }
 
-TEST(ListSensors, NamesEveryKindOnce) {
+TEST(ListSensors, ListsEveryKindOnce) {
   const auto listing = ListSensors();
   std::vector<std::string> kinds;
   kinds.reserve(listing.size());

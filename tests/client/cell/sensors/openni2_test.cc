@@ -1,4 +1,4 @@
-// OpenNI 2: a camera by a driver of the tests' own, and its recordings, in another process.
+// OpenNI 2: a camera with the tests' own driver, and its recordings, in another process.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -69,22 +69,22 @@ class OpenNi2Test : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(OpenNi2Test, ACameraGivesItsDepthsUnmirrored) {
+TEST_F(OpenNi2Test, DepthsAreNotMirrored) {
   EXPECT_THAT(Play("openni2:Test/Ramp", 2), Contains("frame 1"));
   ExpectRamp(0);
   ExpectRamp(1);
 }
 
-TEST_F(OpenNi2Test, AnyCameraWillDo) { EXPECT_THAT(Play("openni2", 1), Contains("frame 0")); }
+TEST_F(OpenNi2Test, OpensAnyCamera) { EXPECT_THAT(Play("openni2", 1), Contains("frame 0")); }
 
-TEST_F(OpenNi2Test, ACameraThatIsPulledOutAndPluggedInAgainGivesFramesAgain) {
+TEST_F(OpenNi2Test, ReconnectsAnUnpluggedCamera) {
   const auto lines = Play("openni2:Test/Ramp", 12, "GRASPDB_TEST_CAMERA_FRAMES=60");
   EXPECT_THAT(lines, Contains(AllOf(StartsWith("error UNAVAILABLE"), HasSubstr("was unplugged"))));
   EXPECT_THAT(lines, Contains("frame 11"));
   EXPECT_THAT(lines, Not(Contains(HasSubstr("event=")))) << "the log may be between any two words";
 }
 
-TEST_F(OpenNi2Test, AnotherCameraThatIsPulledOutDisturbsNoneThatWasOpenedAsAny) {
+TEST_F(OpenNi2Test, UnpluggingAnotherCameraHasNoEffect) {
   const auto lines = Play("openni2", 20, "GRASPDB_TEST_OTHER_CAMERA_FRAMES=10");
   EXPECT_THAT(lines, Contains("frame 19"));
   EXPECT_THAT(lines, Not(Contains(StartsWith("error"))));
@@ -99,18 +99,18 @@ TEST_F(OpenNi2Test, IntrinsicsMayBeGiven) {
   EXPECT_EQ(camera->intrinsics.width, 640);
 }
 
-TEST_F(OpenNi2Test, IntrinsicsOfAnotherSizeAreRefused) {
+TEST_F(OpenNi2Test, IntrinsicsOfAnotherSizeAreRejected) {
   EXPECT_THAT(Play("openni2:Test/Ramp?width=320&height=240&fx=250&fy=250&cx=160&cy=120", 1),
               Contains(AllOf(StartsWith("error FAILED_PRECONDITION"), HasSubstr("320 x 240"))));
 }
 
-TEST_F(OpenNi2Test, ACameraThatIsNotThereIsToldSo) {
+TEST_F(OpenNi2Test, AMissingCameraIsReported) {
   EXPECT_THAT(Play("openni2:Test/Other", 1),
               Contains(AllOf(StartsWith("error UNAVAILABLE: OpenNI 2 camera Test/Other"),
                              HasSubstr("cannot be opened"))));
 }
 
-TEST_F(OpenNi2Test, ARecordingIsPlayedToItsEnd) {
+TEST_F(OpenNi2Test, PlaysARecordingToItsEnd) {
   Record(40);
   const auto lines = Play("openni2:" + recording(), 1000);
   EXPECT_THAT(lines, Contains("frame 0"));
@@ -119,12 +119,12 @@ TEST_F(OpenNi2Test, ARecordingIsPlayedToItsEnd) {
   EXPECT_THAT(lines, Contains("ready 0"));
 }
 
-TEST_F(OpenNi2Test, ARecordingLoopsWhereToldSo) {
+TEST_F(OpenNi2Test, ARecordingLoopsIfSet) {
   Record(10);
   EXPECT_THAT(Play("openni2:" + recording() + "?loop", 25), Contains("frame 24"));
 }
 
-TEST(OpenNi2, ARecordingThatIsNotThereOrNoneIsRefused) {
+TEST(OpenNi2, MissingAndInvalidRecordingsAreRejected) {
   const TemporaryFolder folder;
   EXPECT_THAT(OpenSensor("openni2:" + (folder.path() / "none.oni").string(), {}),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none.oni")));

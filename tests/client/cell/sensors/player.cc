@@ -1,7 +1,7 @@
-// player SPEC OUT FRAMES: asks the sensor SPEC for frames as an agent does, and tells on standard
-// output what came: "frame N" for an image, which is written to OUT/N.png with its intrinsics
-// beside it, or "error CODE: TEXT", once for all that follow with the same. It ends with FRAMES
-// frames, or when the camera was gone for as many questions as kGoneForGood.
+// player SPEC OUT FRAMES: reads frames from the sensor SPEC like an agent, and prints the results:
+// "frame N" for an image, which is written to OUT/N.png with its intrinsics in the same folder, or
+// "error CODE: TEXT", once for repeated errors. Ends after FRAMES frames, or after kMaxErrors
+// errors in a row.
 #include <iostream>
 #include <string>
 
@@ -14,7 +14,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr int kGoneForGood = 20;
+constexpr int kMaxErrors = 20;
 constexpr absl::Duration kTimeout = absl::Seconds(30);
 
 absl::Status Keep(const std::string& folder, int number, const SensorFrame& frame) {
@@ -26,26 +26,26 @@ absl::Status Keep(const std::string& folder, int number, const SensorFrame& fram
   return WriteDepthPng(folder + "/" + std::to_string(number) + ".png", image);
 }
 
-int Play(const std::string& spec, const std::string& folder, int wanted) {
+int Play(const std::string& spec, const std::string& folder, int count) {
   SensorSettings settings;
   settings.first_pause = absl::Milliseconds(1);
-  settings.longest_pause = absl::Milliseconds(10);
+  settings.max_pause = absl::Milliseconds(10);
   const auto sensor = OpenSensor(spec, settings);
   if (!sensor.ok()) {
     std::cout << "error " << sensor.status() << std::endl;
     return 1;
   }
   std::string last;
-  for (int frames = 0, gone = 0; frames < wanted && gone < kGoneForGood;) {
+  for (int frames = 0, errors = 0; frames < count && errors < kMaxErrors;) {
     const auto frame = (*sensor)->Next(absl::Now() + kTimeout);
     const absl::Status status = frame.ok() ? Keep(folder, frames, *frame) : frame.status();
     if (status.ok()) {
       std::cout << "frame " << frames++ << std::endl;
-      gone = 0;
+      errors = 0;
       last.clear();
       continue;
     }
-    ++gone;
+    ++errors;
     if (status.ToString() != last) std::cout << "error " << status << std::endl;
     last = status.ToString();
     absl::SleepFor(absl::Milliseconds(10));

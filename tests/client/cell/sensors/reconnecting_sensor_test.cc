@@ -1,4 +1,4 @@
-// A camera that is pulled out and plugged in again.
+// A camera that is unplugged and reconnected.
 #include "client/cell/sensors/reconnecting_sensor.h"
 
 #include <gmock/gmock.h>
@@ -21,13 +21,13 @@ constexpr absl::Duration kMoment = absl::Milliseconds(2);
 
 absl::Time Soon() { return absl::Now() + kTimeout; }
 
-// A reconnecting sensor on a cable; and somebody who exposes frames all the time, where wanted.
+// A reconnecting sensor on a cable, optionally with a thread that exposes frames continuously.
 class Rig {
  public:
   explicit Rig(bool plugged, absl::Duration watch = kMoment)
       : cable_(CableThatIs(plugged)),
         sensor_("camera no. 0", [cable = cable_] { return ScriptedCamera::Open(cable); },
-                {.first_pause = kMoment, .longest_pause = 4 * kMoment, .watch = watch}) {}
+                {.first_pause = kMoment, .max_pause = 4 * kMoment, .watch = watch}) {}
   ~Rig() { StopFrames(); }
 
   void StartFrames() {
@@ -43,7 +43,7 @@ class Rig {
     exposing_ = false;
     if (thread_.joinable()) thread_.join();
   }
-  // Whether `happens` within the patience.
+  // Whether `happens` within kTimeout.
   template <typename Condition>
   static bool Eventually(const Condition& happens) {
     const absl::Time end = Soon();
@@ -67,7 +67,7 @@ class Rig {
   std::thread thread_;
 };
 
-TEST(ReconnectingSensor, GivesFramesOfACameraThatIsThere) {
+TEST(ReconnectingSensor, ReturnsFramesOfAConnectedCamera) {
   Rig rig(true);
   rig.StartFrames();
   ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
@@ -75,16 +75,16 @@ TEST(ReconnectingSensor, GivesFramesOfACameraThatIsThere) {
   EXPECT_EQ(rig.sensor().Name(), "scripted camera");
 }
 
-TEST(ReconnectingSensor, WithoutACameraTheReasonComesAtOnce) {
+TEST(ReconnectingSensor, WithoutACameraTheErrorIsImmediate) {
   Rig rig(false);
-  // Later than any test may take: it is not waited for.
+  // Far in the future: the call must not wait for it.
   EXPECT_THAT(rig.sensor().Next(absl::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, "nothing is plugged in"));
   EXPECT_FALSE(rig.sensor().IsReady());
   EXPECT_EQ(rig.sensor().Name(), "camera no. 0");
 }
 
-TEST(ReconnectingSensor, FindsACameraThatIsPluggedInLater) {
+TEST(ReconnectingSensor, OpensACameraThatIsConnectedLater) {
   Rig rig(false);
   EXPECT_THAT(rig.sensor().Next(Soon()), StatusIs(absl::StatusCode::kUnavailable));
   rig.cable().Plug(true);
@@ -92,7 +92,7 @@ TEST(ReconnectingSensor, FindsACameraThatIsPluggedInLater) {
   EXPECT_TRUE(Rig::Eventually([&] { return rig.sensor().Next(Soon()).ok(); }));
 }
 
-TEST(ReconnectingSensor, UnpluggedInTheMiddleOfNextAndPluggedInAgain) {
+TEST(ReconnectingSensor, ReconnectsAfterUnpluggingDuringNext) {
   Rig rig(true, /*watch=*/absl::Hours(1));
   ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
   std::thread hand([&] {
@@ -109,7 +109,7 @@ TEST(ReconnectingSensor, UnpluggedInTheMiddleOfNextAndPluggedInAgain) {
   EXPECT_GE(rig.cable().Opened(), 2);
 }
 
-TEST(ReconnectingSensor, ALossIsNoticedWhileNobodyAsks) {
+TEST(ReconnectingSensor, DetectsALossWhileIdle) {
   Rig rig(true);
   ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
   const int before = rig.cable().Opened();
@@ -118,7 +118,7 @@ TEST(ReconnectingSensor, ALossIsNoticedWhileNobodyAsks) {
   EXPECT_TRUE(Rig::Eventually([&] { return rig.cable().Opened() > before; }));
 }
 
-TEST(ReconnectingSensor, ADeadlineIsNoLoss) {
+TEST(ReconnectingSensor, ADeadlineDoesNotReconnect) {
   Rig rig(true);
   ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
   EXPECT_THAT(rig.sensor().Next(absl::Now() + kMoment),
@@ -129,16 +129,16 @@ TEST(ReconnectingSensor, ADeadlineIsNoLoss) {
   EXPECT_EQ(rig.cable().Opened(), 1);
 }
 
-TEST(ReconnectingSensor, NeverHasTwoSensorsAtOnceWhileManyAskAndTheCableShakes) {
+TEST(ReconnectingSensor, NeverHasTwoSensorsAtOnceUnderLoad) {
   Rig rig(true);
   rig.StartFrames();
   std::atomic<int> frames = 0;
-  std::atomic<bool> asking = true;
+  std::atomic<bool> running = true;
   std::vector<std::thread> callers;
   callers.reserve(4);
   for (int i = 0; i < 4; ++i) {
     callers.emplace_back([&] {
-      while (asking) frames += rig.sensor().Next(Soon()).ok() ? 1 : 0;
+      while (running) frames += rig.sensor().Next(Soon()).ok() ? 1 : 0;
     });
   }
   for (int shake = 0; shake < 20; ++shake) {
@@ -149,12 +149,12 @@ TEST(ReconnectingSensor, NeverHasTwoSensorsAtOnceWhileManyAskAndTheCableShakes) 
   }
   const int so_far = frames;
   EXPECT_TRUE(Rig::Eventually([&] { return frames > so_far; }));
-  asking = false;
+  running = false;
   for (std::thread& caller : callers) caller.join();
-  EXPECT_EQ(rig.cable().most_open, 1);
+  EXPECT_EQ(rig.cable().max_open, 1);
 }
 
-TEST(ReconnectingSensor, WaitsForAnAttemptThatIsUnderWay) {
+TEST(ReconnectingSensor, WaitsForAnAttemptInProgress) {
   absl::Mutex mutex;
   bool may_open = false;
   const auto cable = std::make_shared<Cable>();
@@ -166,14 +166,14 @@ TEST(ReconnectingSensor, WaitsForAnAttemptThatIsUnderWay) {
                                 mutex.AwaitWithTimeout(absl::Condition(&may_open), kTimeout);
                               return ScriptedCamera::Open(cable);
                             },
-                            {.first_pause = kMoment, .longest_pause = kMoment, .watch = kMoment});
+                            {.first_pause = kMoment, .max_pause = kMoment, .watch = kMoment});
   EXPECT_THAT(sensor.Next(absl::Now() + kMoment),
               StatusIs(absl::StatusCode::kUnavailable, ::testing::HasSubstr("being opened")));
   std::thread opener([&] {
     const absl::MutexLock lock(&mutex);
     may_open = true;
   });
-  // The camera is there, and gives no frame: that is seen only by who waited for it.
+  // The camera is connected but has no frame: only a call that waited for it returns this error.
   EXPECT_TRUE(Rig::Eventually(
       [&] { return absl::IsDeadlineExceeded(sensor.Next(absl::Now() + 20 * kMoment).status()); }));
   opener.join();

@@ -1,4 +1,4 @@
-// A camera that a test plugs in, pulls out and makes frames for.
+// A camera that a test connects, unplugs and feeds with frames.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace graspdb::client {
 
-// A frame that can be told from others.
+// A frame that is identified by its number.
 inline SensorFrame NumberedFrame(int number, absl::Time time = absl::Now()) {
   SensorFrame frame;
   v1::DepthImage image;
@@ -28,21 +28,21 @@ inline std::string DataOf(const SensorFrame& frame) {
   return std::visit([](const auto& scan) { return scan.data(); }, frame.scan);
 }
 
-// The cable: what all sensors opened on it have in common.
+// The cable: shared state of all sensors opened on it.
 struct Cable {
   absl::Mutex mutex;
   bool plugged = false;
-  int opened = 0;  // attempts that found the camera
+  int opened = 0;  // successful attempts to open the camera
   int open_now = 0;
-  int most_open = 0;
-  std::shared_ptr<FrameMailbox> frames;  // of the sensor that is open
+  int max_open = 0;
+  std::shared_ptr<FrameMailbox> frames;  // of the open sensor
 
   void Plug(bool in) {
     const absl::MutexLock lock(&mutex);
     plugged = in;
     if (!in && frames != nullptr) frames->Fail(absl::UnavailableError("pulled out"));
   }
-  // Gives a frame to the sensor that is open; false where none is.
+  // Passes a frame to the open sensor; false if there is none.
   bool Expose(SensorFrame frame) {
     const absl::MutexLock lock(&mutex);
     if (frames == nullptr) return false;
@@ -61,7 +61,7 @@ class ScriptedCamera : public DepthSensor {
     const absl::MutexLock lock(&cable->mutex);
     if (!cable->plugged) return absl::UnavailableError("nothing is plugged in");
     ++cable->opened;
-    cable->most_open = std::max(cable->most_open, ++cable->open_now);
+    cable->max_open = std::max(cable->max_open, ++cable->open_now);
     cable->frames = std::make_shared<FrameMailbox>(absl::Seconds(60));
     return std::unique_ptr<DepthSensor>(new ScriptedCamera(cable, cable->frames));
   }

@@ -47,7 +47,7 @@ SceneSource StillScene(PlannedCapture scene) {
   };
 }
 
-// What the camera takes of a scene, as a sensor gives it.
+// The expected frame of a scene.
 std::string DataOf(const PlannedCapture& scene) {
   const auto camera = DepthCamera::Create(SmallCamera());
   EXPECT_THAT(camera, IsOk());
@@ -58,7 +58,7 @@ std::string DataOf(const PlannedCapture& scene) {
   return DepthMessage(ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001).data();
 }
 
-TEST(SimulatedSensor, ShowsRandomScenesAndTellsWhereItStands) {
+TEST(SimulatedSensor, ShowsRandomScenesWithTheSensorPose) {
   RandomSceneOptions options;
   options.seed = 5;
   options.count = 3;
@@ -74,7 +74,7 @@ TEST(SimulatedSensor, ShowsRandomScenesAndTellsWhereItStands) {
   }
 }
 
-TEST(SimulatedSensor, RandomScenesGoOnAndOn) {
+TEST(SimulatedSensor, RandomScenesAreUnlimited) {
   const SceneSource scenes = RandomScenes(SampleParts(), {});
   RandomSceneOptions many;
   many.count = 100;
@@ -88,7 +88,7 @@ TEST(SimulatedSensor, RandomScenesGoOnAndOn) {
   }
 }
 
-TEST(SimulatedSensor, AStillSceneHasOtherNoiseInEveryFrame) {
+TEST(SimulatedSensor, EveryFrameHasNewNoise) {
   const auto one = SensorOf(StillScene(SceneOfOne()));
   const auto other = SensorOf(StillScene(SceneOfOne()));
   const std::string first = NextData(*one);
@@ -103,25 +103,25 @@ TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
   const auto& image = std::get<v1::DepthImage>(frame->scan);
   const auto counts = CountsFromMessage(image);
   ASSERT_THAT(counts, IsOk());
-  // In the middle stands the part, or the table 0.8 m away.
+  // In the middle is the part, or the table 0.8 m away.
   EXPECT_NEAR(DepthUnit(image) * (*counts)[24 * 64 + 32], 0.75, 0.08);
 }
 
-TEST(SimulatedSensor, TheSourceMayPlayAnUnpluggedCamera) {
+TEST(SimulatedSensor, TheSourceMaySimulateAnUnpluggedCamera) {
   const auto sensor =
       SensorOf([] { return absl::StatusOr<PlannedCapture>(absl::UnavailableError("pulled out")); });
   EXPECT_THAT(sensor->Next(absl::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
 }
 
-TEST(SimulatedSensor, AWorkpieceThatIsNotThereIsRefused) {
+TEST(SimulatedSensor, AnUnknownWorkpieceIsRejected) {
   PlannedCapture scene = SceneOfOne();
   scene.placements[0].part = 99;
   const auto sensor = SensorOf(StillScene(scene));
   EXPECT_THAT(sensor->Next(absl::InfiniteFuture()), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
-TEST(SimulatedSensor, ADeadlineInThePastIsKept) {
+TEST(SimulatedSensor, ADeadlineInThePastIsExceeded) {
   const auto sensor = SensorOf(StillScene(SceneOfOne()));
   EXPECT_THAT(sensor->Next(absl::InfinitePast()), StatusIs(absl::StatusCode::kDeadlineExceeded));
 }

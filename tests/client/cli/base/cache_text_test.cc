@@ -16,17 +16,17 @@ v1::CacheStatus Cache(int hits, int misses, int mib) {
   return out;
 }
 
-TEST(CacheTextTest, SaysHowMuchWasFoundAndWhatItTakes) {
+TEST(CacheTextTest, ReportsTheHitRateAndTheMemory) {
   EXPECT_EQ(CacheText(Cache(973, 27, 168)), "97.3 % of 1000 found, 168 of 192 MiB");
-  EXPECT_EQ(CacheText(Cache(0, 0, 0)), "0 of 192 MiB, not asked for yet");
+  EXPECT_EQ(CacheText(Cache(0, 0, 0)), "0 of 192 MiB, no requests yet");
 }
 
-TEST(CacheTextTest, ARunCountsWhatWasAskedForMeanwhile) {
+TEST(CacheTextTest, BetweenCountsTheRequestsOfARun) {
   const v1::CacheStatus run = Between(Cache(900, 100, 50), Cache(990, 110, 60));
   EXPECT_EQ(CacheText(run), "90.0 % of 100 found, 60 of 192 MiB");
 }
 
-TEST(CacheTextTest, OnlyAFullMemoryThatLacksMuchIsTooSmall) {
+TEST(CacheTextTest, AdviceIsGivenOnlyForAFullCacheWithManyMisses) {
   EXPECT_THAT(CacheAdvice(Cache(90, 10, 190)), HasSubstr("--memory-mib"));
   EXPECT_EQ(CacheAdvice(Cache(90, 10, 100)), "");
   EXPECT_EQ(CacheAdvice(Cache(97, 3, 190)), "");

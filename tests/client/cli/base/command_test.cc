@@ -27,7 +27,7 @@ TEST(Command, GlobalFlagsMayFollowTheCommand) {
   CLI::App app;
   bool json = false;
   app.add_flag("--json", json);
-  AddCommand(app, "status", "Say how it is");
+  AddCommand(app, "status", "Print the status");
   app.parse("status --json");
   EXPECT_TRUE(json);
 }

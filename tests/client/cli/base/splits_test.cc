@@ -42,11 +42,11 @@ TEST_F(SplitsTest, ACaptureWithoutASplitIsInBoth) {
               ElementsAre("teach", "query", "unknown", "either"));
 }
 
-TEST_F(SplitsTest, OnlyWhatSaysWhatItShowsCanBeTaught) {
+TEST_F(SplitsTest, OnlyLabelledCapturesCanBeTaught) {
   EXPECT_THAT(PathsOf(TeachableCaptures(set_, "ALL")), ElementsAre("teach", "query", "either"));
 }
 
-TEST_F(SplitsTest, TheFlagTakesNothingElse) {
+TEST_F(SplitsTest, TheFlagRejectsOtherValues) {
   std::string split = "TEACH";
   CLI::App app;
   AddSplitFlag(app, &split);

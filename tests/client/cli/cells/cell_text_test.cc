@@ -12,14 +12,14 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(CellText, SaysHowToFindWhatIsNotKnown) {
+TEST(CellText, NamesTheCommandForAMissingCalibration) {
   v1::Cell cell;
   cell.set_name("cells/press-3");
   EXPECT_THAT(CellText(cell), AllOf(HasSubstr("cells/press-3\n"), HasSubstr("cells level"),
                                     HasSubstr("world's origin"), Not(HasSubstr("workspace"))));
 }
 
-TEST(CellText, SaysWhereObjectsAre) {
+TEST(CellText, PrintsPosesRegionsAndSettings) {
   v1::Cell cell;
   cell.set_name("cells/press-3");
   cell.set_display_name("Press 3");
@@ -34,7 +34,7 @@ TEST(CellText, SaysWhereObjectsAre) {
                     HasSubstr("min_score: 0.7")));
 }
 
-TEST(CellText, ACameraOnTheRobotIsSaidToBeThere) {
+TEST(CellText, ACameraOnTheRobotIsReportedOnTheFlange) {
   v1::Cell cell;
   cell.mutable_flange_sensor_pose()->mutable_orientation()->set_w(1);
   EXPECT_THAT(CellText(cell), HasSubstr("on the robot's flange"));

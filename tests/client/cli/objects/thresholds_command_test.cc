@@ -9,7 +9,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(ThresholdText, SaysWhatTheThresholdFollowsFrom) {
+TEST(ThresholdText, ReportsTheScoresBehindTheThreshold) {
   v1::ThresholdProposal proposal;
   proposal.set_stable_pose("objects/cup/stablePoses/up");
   proposal.set_asked_view_count(8);

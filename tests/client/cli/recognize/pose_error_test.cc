@@ -48,7 +48,7 @@ TEST(RotationError, OnlyTheAxisCountsForAnyTurn) {
   EXPECT_NEAR(RotationError(truth, truth * Turned({1, 0, 0}, 0.2), 0), 0.2, 1e-9);
 }
 
-TEST(AddS, IsNothingForTheTruthAndForASymmetricTurn) {
+TEST(AddS, IsZeroForTheTruthAndForASymmetricTurn) {
   const ObjectModel model = BoxModel();
   const Pose truth = Turned({0, 0, 1}, 0.7);
   EXPECT_LT(AddS(model, truth, truth), 0.0005);

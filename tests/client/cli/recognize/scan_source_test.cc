@@ -1,4 +1,4 @@
-// What `recognize` is asked to look at.
+// The inputs of `recognize`.
 #include "client/cli/recognize/scan_source.h"
 
 #include <gmock/gmock.h>
@@ -55,18 +55,18 @@ TEST_F(ScanSourceTest, FilesAndSetsMayBeMixed) {
   EXPECT_TRUE(scans->tasks[1].in_set);
 }
 
-TEST_F(ScanSourceTest, AFileBringsTheSensorPoseOfItsViewpoint) {
+TEST_F(ScanSourceTest, AFileGivesTheSensorPoseOfItsViewpoint) {
   WriteSet();
   const auto request = FirstRequest((folder_.path() / "a.pcd").string());
   ASSERT_THAT(request, IsOk());
   EXPECT_EQ(request->sensor_pose().position().z(), 0.5);
   EXPECT_EQ(request->cloud().data().size(), 36U);
-  EXPECT_EQ(request->cloud().width(), 0) << "one row is no image";
+  EXPECT_EQ(request->cloud().width(), 0) << "one row is not an image";
   EXPECT_FALSE(request->segmented());
   EXPECT_FALSE(request->has_region_of_interest());
 }
 
-TEST_F(ScanSourceTest, WhatTheSetSaysGoesBeforeTheFile) {
+TEST_F(ScanSourceTest, TheSetOverridesTheFile) {
   WriteSet([](v1::CaptureSet& set) {
     set.mutable_region_of_interest()->mutable_max()->set_x(1);
     v1::Capture* capture = set.mutable_captures(0);
@@ -87,7 +87,7 @@ TEST_F(ScanSourceTest, AnEmptySplitIsAnError) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("choose another --split")));
 }
 
-TEST_F(ScanSourceTest, AMissingFileIsToldWhenItIsRead) {
+TEST_F(ScanSourceTest, AMissingFileIsReportedWhenItIsRead) {
   EXPECT_THAT(FirstRequest("/nonexistent/a.pcd"),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("/nonexistent/a.pcd")));
 }

@@ -1,4 +1,4 @@
-// Answers held against the truth.
+// Responses compared with the ground truth.
 #include "client/cli/recognize/scoreboard.h"
 
 #include <gmock/gmock.h>
@@ -48,7 +48,7 @@ class ScoreboardTest : public ::testing::Test {
   v1::RecognizeResponse response_;
 };
 
-TEST_F(ScoreboardTest, TheDetectionNearestToTheTruthIsMeant) {
+TEST_F(ScoreboardTest, TheDetectionNearestToTheTruthIsJudged) {
   EXPECT_EQ(MainDetection(task_, response_), nullptr);
   Add(&response_, "objects/bolt", -0.2, 0);
   Add(&response_, "objects/nut", 0.11, 0);
@@ -65,7 +65,7 @@ TEST_F(ScoreboardTest, TheErrorIsTakenModuloTheSymmetry) {
   EXPECT_TRUE(verdict->object_right);
   EXPECT_NEAR(*verdict->translation_error_m, 0.003, 1e-9);
   EXPECT_NEAR(*verdict->rotation_error_deg, 0.01 * 180 / std::numbers::pi, 1e-6);
-  EXPECT_FALSE(verdict->add_s_m) << "there is no model to measure with";
+  EXPECT_FALSE(verdict->add_s_m) << "there is no model to compute it with";
 }
 
 TEST_F(ScoreboardTest, AnotherObjectIsWrongAndHasNoPoseError) {
@@ -76,7 +76,7 @@ TEST_F(ScoreboardTest, AnotherObjectIsWrongAndHasNoPoseError) {
   EXPECT_FALSE(verdict->translation_error_m);
 }
 
-TEST_F(ScoreboardTest, NothingFoundIsWrongUnlessNothingKnownIsThere) {
+TEST_F(ScoreboardTest, NoDetectionIsWrongUnlessTheSceneHasNoKnownObject) {
   EXPECT_FALSE(Judge(task_, response_)->object_right);
   task_.capture.clear_object_id();
   EXPECT_TRUE(Judge(task_, response_)->object_right);
@@ -93,7 +93,7 @@ TEST_F(ScoreboardTest, AFileWithoutTruthIsNotJudged) {
   EXPECT_FALSE(Judge(task_, response_));
 }
 
-TEST_F(ScoreboardTest, TheSummaryHasTheShareThatWasRight) {
+TEST_F(ScoreboardTest, TheSummaryHasTheShareOfCorrectResults) {
   ::testing::internal::CaptureStdout();
   Scoreboard board;
   board.PrintHeader(true);
@@ -101,8 +101,8 @@ TEST_F(ScoreboardTest, TheSummaryHasTheShareThatWasRight) {
   Add(&right, "objects/nut", 0.1, 0);
   v1::RecognizeResponse wrong;
   Add(&wrong, "objects/bolt", 0.1, 0);
-  for (const v1::RecognizeResponse* answer : {&right, &wrong, &right, &right}) {
-    board.Add(task_, *answer);
+  for (const v1::RecognizeResponse* response : {&right, &wrong, &right, &right}) {
+    board.Add(task_, *response);
   }
   board.PrintSummary();
   const std::string out = ::testing::internal::GetCapturedStdout();

@@ -1,4 +1,4 @@
-// Teaching with nobody at the terminal.
+// Unattended teaching.
 #include "client/cli/teach/unattended_prompt.h"
 
 #include <gmock/gmock.h>
@@ -22,51 +22,51 @@ constexpr char kNextView[] = "turn the object to 20 degrees and press Enter ";
 // A person who answers "me".
 class Person : public TeachingPrompt {
  public:
-  void Say(const std::string& text) override { said.push_back(text); }
-  std::optional<std::string> Ask(const std::string& question) override {
-    asked.push_back(question);
+  void Print(const std::string& text) override { printed.push_back(text); }
+  std::optional<std::string> ReadLine(const std::string& question) override {
+    prompts.push_back(question);
     return "me";
   }
 
-  std::vector<std::string> said;
-  std::vector<std::string> asked;
+  std::vector<std::string> printed;
+  std::vector<std::string> prompts;
 };
 
-TEST(UnattendedPrompt, YesTeachesOneStablePoseAndAsksNobody) {
+TEST(UnattendedPrompt, YesTeachesOneStablePoseWithoutPrompts) {
   Person person;
   UnattendedPrompt prompt(person, {.yes = true});
   for (const char* question : {kStablePose, kSymmetry, kFirstView, kNextView}) {
-    EXPECT_THAT(prompt.Ask(question), Optional(std::string()));
+    EXPECT_THAT(prompt.ReadLine(question), Optional(std::string()));
   }
-  EXPECT_THAT(prompt.Ask(kStablePose), Optional(std::string("done")));
-  EXPECT_THAT(person.asked, IsEmpty());
-  EXPECT_EQ(person.said.size(), 5U) << "what is answered is told";
+  EXPECT_THAT(prompt.ReadLine(kStablePose), Optional(std::string("done")));
+  EXPECT_THAT(person.prompts, IsEmpty());
+  EXPECT_EQ(person.printed.size(), 5U) << "answered prompts are printed";
 }
 
-TEST(UnattendedPrompt, AViewThatFailsThreeTimesIsTheEnd) {
+TEST(UnattendedPrompt, AViewThatFailsThreeTimesEndsTeaching) {
   Person person;
   UnattendedPrompt prompt(person, {.yes = true});
-  EXPECT_THAT(prompt.Ask(kFirstView), Optional(std::string()));
-  for (int i = 0; i < 3; ++i) EXPECT_THAT(prompt.Ask(kNextView), Optional(std::string()));
-  EXPECT_EQ(prompt.Ask(kNextView), std::nullopt);
+  EXPECT_THAT(prompt.ReadLine(kFirstView), Optional(std::string()));
+  for (int i = 0; i < 3; ++i) EXPECT_THAT(prompt.ReadLine(kNextView), Optional(std::string()));
+  EXPECT_EQ(prompt.ReadLine(kNextView), std::nullopt);
 }
 
-TEST(UnattendedPrompt, SettlingWaitsBeforeViewsAndLeavesTheRestToThePerson) {
+TEST(UnattendedPrompt, SettleWaitsBeforeViewsAndForwardsOtherPrompts) {
   Person person;
   UnattendedPrompt prompt(person, {.settle = absl::Milliseconds(30)});
-  EXPECT_THAT(prompt.Ask(kStablePose), Optional(std::string("me")));
+  EXPECT_THAT(prompt.ReadLine(kStablePose), Optional(std::string("me")));
   const absl::Time before = absl::Now();
-  EXPECT_THAT(prompt.Ask(kFirstView), Optional(std::string()));
+  EXPECT_THAT(prompt.ReadLine(kFirstView), Optional(std::string()));
   EXPECT_GE(absl::Now() - before, absl::Milliseconds(30));
-  EXPECT_THAT(person.asked, ElementsAre(kStablePose));
+  EXPECT_THAT(person.prompts, ElementsAre(kStablePose));
 }
 
-TEST(UnattendedPrompt, WithoutEitherThePersonIsAsked) {
+TEST(UnattendedPrompt, WithoutEitherThePersonIsPrompted) {
   Person person;
   UnattendedPrompt prompt(person, {});
-  EXPECT_THAT(prompt.Ask(kFirstView), Optional(std::string("me")));
-  prompt.Say("so it is");
-  EXPECT_THAT(person.said, ElementsAre("so it is"));
+  EXPECT_THAT(prompt.ReadLine(kFirstView), Optional(std::string("me")));
+  prompt.Print("a note");
+  EXPECT_THAT(person.printed, ElementsAre("a note"));
 }
 
 }  // namespace

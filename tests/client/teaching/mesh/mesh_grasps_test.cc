@@ -17,7 +17,7 @@ using ::graspdb::testing::IsOk;
 using recognition::Pose;
 using ::testing::HasSubstr;
 
-// From above at that height, with an approach of 0.1 m.
+// A grasp from above at `height_m`, with an approach of 0.1 m.
 v1::Grasp Above(double height_m) { return TopGrasp("top", {0.01, 0.02, height_m}, 0, 0.05); }
 
 Pose Rolled(double degrees, double height_m) {
@@ -27,7 +27,7 @@ Pose Rolled(double degrees, double height_m) {
   return pose;
 }
 
-TEST(MeshGrasps, AGraspIsTakenFromAboveAndFromTheSideOnly) {
+TEST(MeshGrasps, OnlyGraspsFromAboveAndFromTheSideAreReachable) {
   EXPECT_EQ(WhyOutOfReach(Above(0.05)), "");
   EXPECT_EQ(WhyOutOfReach(FromMesh(Above(0.05), Rolled(90, 0.1))), "");
   EXPECT_EQ(WhyOutOfReach(FromMesh(Above(0.05), Rolled(180, 0.2))), "comes from below");
@@ -37,14 +37,14 @@ TEST(MeshGrasps, AGraspIsTakenFromAboveAndFromTheSideOnly) {
   EXPECT_THAT(WhyOutOfReach(FromMesh(Above(0.05), Rolled(90.9, -0.0162))), HasSubstr("begins"));
 }
 
-TEST(MeshGrasps, AGraspIsWhereItsPointOfTheMeshIs) {
+TEST(MeshGrasps, FromMeshTransformsTheGrasp) {
   const Pose object_mesh = Rolled(90, 0.1);
   const Pose tcp = FromMessage(FromMesh(Above(0.05), object_mesh).tcp_pose());
   EXPECT_LT((tcp.translation() - Eigen::Vector3d(0.01, -0.05, 0.12)).norm(), 1e-9);
   EXPECT_LT((tcp.linear().col(2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);
 }
 
-TEST(MeshGrasps, ThoseOfTheSameIdAreReplacedAndOthersStay) {
+TEST(MeshGrasps, MergedReplacesGraspsOfTheSameId) {
   v1::Grasp side = Above(0.05);
   side.set_grasp_id("side");
   const auto merged = Merged({Above(0.05), side}, {Above(0.08)});
@@ -54,7 +54,7 @@ TEST(MeshGrasps, ThoseOfTheSameIdAreReplacedAndOthersStay) {
   EXPECT_EQ(merged[1].grasp_id(), "side");
 }
 
-TEST(MeshGrasps, AFreeTurnIsNotAboutTheMesh) {
+TEST(MeshGrasps, AFreeTurnIsRejectedInTheMeshFrame) {
   v1::Grasp turning = Above(0.05);
   EXPECT_THAT(CheckForMesh({turning}), IsOk());
   turning.mutable_free_turn()->set_max_deg(90);
@@ -81,11 +81,11 @@ TEST_F(GraspsFileTest, GraspsAreRead) {
   EXPECT_EQ(grasps->front().tcp_pose().position().z(), 0.1);
 }
 
-TEST_F(GraspsFileTest, WhatIsWrongIsSaid) {
+TEST_F(GraspsFileTest, ErrorsNameTheProblem) {
   const std::string top = kTop;
   EXPECT_THAT(LoadGrasps(folder_.path() / "none").status().message(), HasSubstr("not exist"));
   EXPECT_THAT(Load("").status().message(), HasSubstr("grasps"));
-  EXPECT_THAT(Load("{").status().message(), HasSubstr("is no {"));
+  EXPECT_THAT(Load("{").status().message(), HasSubstr("is not {"));
   EXPECT_THAT(Load(R"({"grasp":[]})").status().message(), HasSubstr("grasp"));
   EXPECT_THAT(Load(R"({"grasps":[]})").status().message(), HasSubstr("has no grasps"));
   EXPECT_THAT(Load(R"({"grasps":[)" + top + "," + top + "]}").status().message(),

@@ -83,7 +83,7 @@ TEST(RestingFacets, ATowerThatLeansTooFarDoesNotStand) {
   EXPECT_GT(ProbabilityOf(upright.facets, down), 0.003);
   const Dropped leaning = Drop(LeaningTower(0.06F));
   EXPECT_EQ(ProbabilityOf(leaning.facets, down), 0);
-  EXPECT_NEAR(Sum(leaning.facets), 1, 1e-9) << "what met its foot rolled on to another facet";
+  EXPECT_NEAR(Sum(leaning.facets), 1, 1e-9) << "drops on its foot roll on to another facet";
   // Its foot is under its lower side, to which it falls, and not under the upper one.
   const Eigen::Vector3d lower = Eigen::Vector3d(0, 0.1, -0.06).normalized();
   EXPECT_GT(ProbabilityOf(leaning.facets, lower), ProbabilityOf(leaning.facets, -lower));
@@ -122,7 +122,7 @@ TEST(CenterOfMass, IsThatOfTheHullWhereTheSurfaceIsOpen) {
   EXPECT_TRUE(open.mass.center.isApprox(MassOf(open.hull).center, 1e-9));
 }
 
-TEST(HullOf, RefusesWhatHasNoVolume) {
+TEST(HullOf, RejectsPointsWithoutVolume) {
   EXPECT_THAT(HullOf({}), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(HullOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5F, 0.2F, 0}}),
               StatusIs(absl::StatusCode::kInvalidArgument));

@@ -150,7 +150,7 @@ TEST(StablePoses, ATetrahedronHasOneOfThreeTurnsAboutItsCentre) {
 }
 
 // A bar, higher at one end, with a knee of 4 degrees below its centre of mass.
-TEST(StablePoses, AThingThatRocksLiesInTwoWays) {
+TEST(StablePoses, ARockingObjectHasTwoStablePoses) {
   const auto slope = static_cast<float>(std::tan(2 * std::numbers::pi / 180));
   const float knee = 0.1091F;
   const TriangleMesh bar = ExtrudeAlongY(
@@ -179,19 +179,19 @@ TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
   }
 }
 
-TEST(StablePoses, WhatStandsIsKeptHoweverSeldomItFallsSo) {
+TEST(StablePoses, UprightPosesAreKeptWhateverTheirProbability) {
   const TriangleMesh bottle = BoxSolid({0, 0, 0}, {0.035F, 0.075F, 0.19F});
   const auto fallen = FindStablePoses(bottle, {.min_probability = 0.05});
   ASSERT_THAT(fallen, IsOk());
   EXPECT_EQ(fallen->poses.size(), 2U);
-  const auto standing = FindStablePoses(bottle, {.min_probability = 0.05, .stands_rad = 0.087});
-  ASSERT_THAT(standing, IsOk());
-  ASSERT_EQ(standing->poses.size(), 3U);
-  EXPECT_LT(standing->poses.back().probability, 0.05);
-  EXPECT_NEAR(standing->poses.back().tip_angle_rad, std::atan(0.035 / 0.19), 0.01);
+  const auto upright = FindStablePoses(bottle, {.min_probability = 0.05, .stands_rad = 0.087});
+  ASSERT_THAT(upright, IsOk());
+  ASSERT_EQ(upright->poses.size(), 3U);
+  EXPECT_LT(upright->poses.back().probability, 0.05);
+  EXPECT_NEAR(upright->poses.back().tip_angle_rad, std::atan(0.035 / 0.19), 0.01);
 }
 
-TEST(StablePoses, WithoutOneThatIsLikelyEnoughTheLikeliestIsKept) {
+TEST(StablePoses, TheMostProbablePoseIsKeptIfNoneIsLikelyEnough) {
   const auto found =
       FindStablePoses(BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}), {.min_probability = 0.99});
   ASSERT_THAT(found, IsOk());
@@ -199,7 +199,7 @@ TEST(StablePoses, WithoutOneThatIsLikelyEnoughTheLikeliestIsKept) {
   EXPECT_NEAR(found->poses[0].probability + found->left_out, 1, 1e-9);
 }
 
-TEST(StablePoses, OfNonsenseAreAnError) {
+TEST(StablePoses, InvalidMeshesAreAnError) {
   EXPECT_THAT(FindStablePoses({}, {}), StatusIs(absl::StatusCode::kInvalidArgument));
   TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0}, {0.1F, 0, 0}, {0.1F, 0.1F, 0}, {0, 0.1F, 0}};

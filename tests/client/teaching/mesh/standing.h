@@ -1,4 +1,4 @@
-// Whether a mesh stands, looked at apart from hulls and facets.
+// Whether a mesh stands, computed without hulls and facets.
 #pragma once
 
 #include <algorithm>
@@ -65,7 +65,7 @@ inline std::vector<Eigen::Vector3d> Touching(const TriangleMesh& posed, double t
 }
 
 // The posed mesh stands on the table z = 0: its lowest points are there, and its centre of mass is
-// over what they span.
+// over their convex hull.
 inline bool Stands(const TriangleMesh& posed) {
   constexpr double kTouchingM = 5e-5;
   const std::vector<Eigen::Vector3d> touching = Touching(posed, kTouchingM);

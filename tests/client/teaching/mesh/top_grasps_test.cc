@@ -29,11 +29,11 @@ TEST(TopGrasps, CloseAcrossTheNarrowerSideOverTheCentreOfMass) {
   EXPECT_NEAR(tcp.linear().col(2).z(), -1, 1e-6) << "the tool looks down";
   EXPECT_LT(tcp.translation().head<2>().norm(), 0.003);
   EXPECT_NEAR(grasps[0].gripper_opening_m(), 0.05, 1e-3);
-  ASSERT_EQ(grasps.size(), 1U) << "80 mm and room for the fingers do not fit into 85 mm";
+  ASSERT_EQ(grasps.size(), 1U) << "80 mm and the clearance of the fingers do not fit into 85 mm";
   EXPECT_EQ(GraspsOf(BoxSolid({-0.035F, -0.015F, 0}, {0.035F, 0.015F, 0.02F})).size(), 2U);
 }
 
-TEST(TopGrasps, WhatIsWiderThanTheGripperHasNone) {
+TEST(TopGrasps, AnObjectWiderThanTheGripperHasNone) {
   const TriangleMesh box = BoxSolid({-0.05F, -0.05F, 0}, {0.05F, 0.05F, 0.05F});
   EXPECT_TRUE(GraspsOf(box).empty());
   EXPECT_FALSE(GraspsOf(box, 0.11).empty());
@@ -43,7 +43,7 @@ TEST(TopGrasps, AWedgeHasNoneAcrossItsSlopes) {
   // 45 degrees on both sides: the fingers would slip up.
   const TriangleMesh roof = ExtrudeAlongY({{-0.02F, 0}, {0.02F, 0}, {0, 0.02F}}, -0.03F, 0.03F);
   const auto grasps = GraspsOf(roof);
-  ASSERT_FALSE(grasps.empty()) << "its ends can be held";
+  ASSERT_FALSE(grasps.empty()) << "its ends can be grasped";
   for (const v1::Grasp& grasp : grasps) {
     EXPECT_GT(std::abs(FromMessage(grasp.tcp_pose()).linear().col(0).y()), 0.9);
   }

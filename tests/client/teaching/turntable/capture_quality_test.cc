@@ -68,10 +68,10 @@ TEST(CaptureQualityOf, PixelsWithoutDepthWithinTheOutlineAreHoles) {
   const auto quality = CaptureQualityOf(frames, object);
   ASSERT_THAT(quality, IsOk());
   EXPECT_NEAR(quality->measured_share, 0.7, 1e-9);
-  EXPECT_EQ(quality->noise_m, 0);  // a single frame does not say it
+  EXPECT_EQ(quality->noise_m, 0);  // unknown for a single frame
 }
 
-TEST(CaptureQualityOf, WhatIsElsewhereInTheNextFrameMoves) {
+TEST(CaptureQualityOf, AnObjectThatIsElsewhereInTheNextFrameMoves) {
   std::vector<std::uint16_t> moved(200, 800);
   for (std::size_t i = 0; i < 200; ++i) {
     if (i % 20 >= 5 && i % 20 < 8) moved[i] = 850;
@@ -82,7 +82,7 @@ TEST(CaptureQualityOf, WhatIsElsewhereInTheNextFrameMoves) {
   EXPECT_NEAR(quality->moving_share, 0.3, 1e-9);
 }
 
-TEST(CaptureQualityOf, OfACloudOnlyThePointsAreCounted) {
+TEST(CaptureQualityOf, ACloudHasOnlyAPointCount) {
   SensorFrame frame;
   frame.scan = v1::PointCloud();
   const std::array frames = {frame};

@@ -13,14 +13,14 @@ using ::testing::HasSubstr;
 
 using GuidedAnswersTest = GuidedTeachingTest;
 
-TEST_F(GuidedAnswersTest, BlanksAroundAnAnswerMeanNothing) {
+TEST_F(GuidedAnswersTest, BlanksAroundAnAnswerAreIgnored) {
   Person person(table_);
   person.Answers(" side ").Answers(" q ");
   const auto counts = Teach(person);
   ASSERT_THAT(counts, IsOk());
   EXPECT_TRUE(counts->stopped);
   EXPECT_TRUE(person.IsDone());
-  EXPECT_EQ(person.asked().size(), 2U) << "it was asked again";
+  EXPECT_EQ(person.prompts().size(), 2U) << "it prompted again";
 }
 
 // Three views about the axis, and one of them once more about another one.
@@ -53,12 +53,12 @@ class HalfMovedTurnTest : public GuidedTeachingTest {
   static constexpr double kOtherX = 0.2;
 };
 
-TEST_F(HalfMovedTurnTest, TheViewsAboutTheOtherAxisAreDeletedWhenThePersonSaysSo) {
+TEST_F(HalfMovedTurnTest, ViewsAboutTheOtherAxisAreDeletedAfterConfirmation) {
   Person person(table_);
   person.Answers("").Answers("y").Answers("done");
   ASSERT_THAT(Teach(person), IsOk());
-  EXPECT_THAT(person.asked().at(0), HasSubstr("Enter: pose-1"));
-  EXPECT_THAT(person.heard(), Contains(HasSubstr("0.2000,-0.0300")));
+  EXPECT_THAT(person.prompts().at(0), HasSubstr("Enter: pose-1"));
+  EXPECT_THAT(person.printed(), Contains(HasSubstr("0.2000,-0.0300")));
   EXPECT_TRUE(person.IsDone());
   const auto views = client_.ListViews(kStablePose);
   ASSERT_THAT(views, IsOk());
@@ -68,11 +68,11 @@ TEST_F(HalfMovedTurnTest, TheViewsAboutTheOtherAxisAreDeletedWhenThePersonSaysSo
   }
 }
 
-TEST_F(HalfMovedTurnTest, AndElseStay) {
+TEST_F(HalfMovedTurnTest, ViewsAboutTheOtherAxisStayWithoutConfirmation) {
   Person person(table_);
   person.Answers("").Answers("").Answers("done");
   ASSERT_THAT(Teach(person), IsOk());
-  EXPECT_THAT(person.asked().back(), HasSubstr("Enter: pose-2"));
+  EXPECT_THAT(person.prompts().back(), HasSubstr("Enter: pose-2"));
   EXPECT_TRUE(person.IsDone());
   EXPECT_EQ(ViewCount(), 4U);
 }

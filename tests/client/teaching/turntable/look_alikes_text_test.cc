@@ -27,22 +27,22 @@ TEST(LookAlikesText, ASymmetryThatIsNotDeclaredIsProposed) {
                                 HasSubstr("declare symmetryOrder 0"))));
 }
 
-TEST(LookAlikesText, ADeclaredOneIsNothingToSay) {
+TEST(LookAlikesText, ADeclaredSymmetryIsNotReported) {
   EXPECT_THAT(LookAlikesText(Symmetry(4, 4, false), true), IsEmpty());
 }
 
-TEST(LookAlikesText, ADeclaredOneThatTheViewsDoNotShowIsQuestioned) {
+TEST(LookAlikesText, ADeclaredSymmetryThatTheViewsContradictIsReported) {
   EXPECT_THAT(LookAlikesText(Symmetry(2, 1, false), true),
-              ElementsAre(AllOf(HasSubstr("half a turn"), HasSubstr("do not"))));
+              ElementsAre(AllOf(HasSubstr("half a turn"), HasSubstr("views differ"))));
 }
 
-TEST(LookAlikesText, WhatIsNearlySoIsLeftOutWhereItIsNotWanted) {
+TEST(LookAlikesText, NearSymmetriesAreOmittedUnlessRequested) {
   EXPECT_THAT(LookAlikesText(Symmetry(1, 3, true), true),
               ElementsAre(HasSubstr("nearly the same")));
   EXPECT_THAT(LookAlikesText(Symmetry(1, 3, true), false), IsEmpty());
 }
 
-TEST(LookAlikesText, PairsAreNamedWithWhatFollows) {
+TEST(LookAlikesText, PairsAreReportedWithTheConsequence) {
   v1::FindLookAlikesResponse found;
   v1::LookAlikePair* pair = found.add_pairs();
   pair->set_stable_pose("objects/a/stablePoses/p");

@@ -1,4 +1,4 @@
-// A simulated turntable before a simulated camera, and a person who turns it as told.
+// A simulated turntable before a simulated camera, and a scripted person who turns it as prompted.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ constexpr double kPlateHeightM = 0.04;
 // Of the turntable, world frame, m.
 inline Eigen::Vector2d Axis() { return {0.05, -0.03}; }
 
-// The part, a wall that hides most of it, and the plate of a turntable.
+// The part, a wall that occludes most of it, and the plate of a turntable.
 inline std::vector<Workpiece> WithScenery(const Workpiece& part) {
   Workpiece wall = part;
   wall.object_id = "wall";
@@ -65,7 +65,8 @@ struct Turntable {
   }
 };
 
-// Answers the questions in turn, and turns the table as told; has gone when they are at an end.
+// Answers the prompts in order and turns the table as requested; after the last answer the input
+// ends.
 class Person : public TeachingPrompt {
  public:
   explicit Person(Turntable& table) : table_(table) {}
@@ -74,15 +75,15 @@ class Person : public TeachingPrompt {
     for (int i = 0; i < times; ++i) script_.push_back({.answer = answer, .first = {}});
     return *this;
   }
-  // Answers after having done something.
+  // Runs `first`, then answers.
   Person& Does(std::function<void()> first, const std::string& answer = "") {
     script_.push_back({.answer = answer, .first = std::move(first)});
     return *this;
   }
 
-  void Say(const std::string& text) override { heard_.push_back(text); }
-  std::optional<std::string> Ask(const std::string& question) override {
-    asked_.push_back(question);
+  void Print(const std::string& text) override { printed_.push_back(text); }
+  std::optional<std::string> ReadLine(const std::string& question) override {
+    prompts_.push_back(question);
     if (next_ == script_.size()) return std::nullopt;
     const std::string order = "turn the object to ";
     if (question.starts_with(order)) table_.turned_deg = std::stod(question.substr(order.size()));
@@ -91,8 +92,8 @@ class Person : public TeachingPrompt {
     return step.answer;
   }
 
-  const std::vector<std::string>& heard() const { return heard_; }
-  const std::vector<std::string>& asked() const { return asked_; }
+  const std::vector<std::string>& printed() const { return printed_; }
+  const std::vector<std::string>& prompts() const { return prompts_; }
   bool IsDone() const { return next_ == script_.size(); }
 
  private:
@@ -103,8 +104,8 @@ class Person : public TeachingPrompt {
   Turntable& table_;
   std::vector<Step> script_;
   std::size_t next_ = 0;
-  std::vector<std::string> heard_;
-  std::vector<std::string> asked_;
+  std::vector<std::string> printed_;
+  std::vector<std::string> prompts_;
 };
 
 }  // namespace graspdb::client

@@ -62,7 +62,7 @@ TEST(FindAxis, ItIsFoundWithinHalfAMillimetreFromTwoCentimetresAway) {
   }
 }
 
-TEST(FindAxis, TwoViewsDoNotSay) {
+TEST(FindAxis, TwoViewsDoNotDetermineTheAxis) {
   EXPECT_THAT(FindAxis(Turn(SampleParts().front(), 2), Axis()),
               StatusIs(absl::StatusCode::kFailedPrecondition));
   EXPECT_THAT(FindAxis({}, Axis()), StatusIs(absl::StatusCode::kFailedPrecondition));

@@ -48,7 +48,7 @@ TEST(TurntableCoverage, ViewsAreFoundAgainByTheirAzimuth) {
   EXPECT_EQ(coverage->MissingText(), "60, 180, 240 degrees");
 }
 
-TEST(TurntableCoverage, OfATableThatTurnsClockwiseToo) {
+TEST(TurntableCoverage, ViewsOfAClockwiseTurntableAreFoundToo) {
   auto coverage = TurntableCoverage::Create(60);
   ASSERT_THAT(coverage, IsOk());
   ASSERT_THAT(coverage->Add(ViewsAt({0, -60, -300}), Origin(), true), IsOk());

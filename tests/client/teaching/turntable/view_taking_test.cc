@@ -20,10 +20,10 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Keeps views, and does not give them back.
-class SilentCatalogue : public v1::CatalogService::Service {
+// Stores views, but fails to return them.
+class UnreadableCatalogue : public v1::CatalogService::Service {
  public:
-  SilentCatalogue() {
+  UnreadableCatalogue() {
     grpc::ServerBuilder builder;
     builder.RegisterService(this);
     server_ = builder.BuildAndStart();
@@ -74,8 +74,8 @@ absl::StatusOr<SensorFrame> Frame() {
       .world_sensor = recognition::Pose::Identity()};
 }
 
-TEST(ViewTaker, NothingIsTaughtWhereTheViewCannotBeLookedAt) {
-  SilentCatalogue catalogue;
+TEST(ViewTaker, NothingIsTaughtIfTheViewCannotBeReadBack) {
+  UnreadableCatalogue catalogue;
   Client client = catalogue.Connect();
   FakeCamera camera(Frame);
   ViewTaker taker(camera, client, {});
@@ -85,7 +85,7 @@ TEST(ViewTaker, NothingIsTaughtWhereTheViewCannotBeLookedAt) {
 }
 
 TEST(ViewTaker, AViewThatCannotBeDeletedEitherIsNamed) {
-  SilentCatalogue catalogue;
+  UnreadableCatalogue catalogue;
   catalogue.deletes = false;
   Client client = catalogue.Connect();
   FakeCamera camera(Frame);

@@ -20,7 +20,8 @@ using recognition::Pose;
 
 class CadTeachingTest : public ::testing::Test {
  protected:
-  // What every view has of a box with these half widths and this height, in the object's frame.
+  // The bounds of every view of a box with these half widths and this height, in the object's
+  // frame.
   recognition::Box KeptOf(float x, float y, float height) {
     Workpiece part{.object_id = "box",
                    .display_name = "",
@@ -88,7 +89,7 @@ class MeshFrameTest : public CadTeachingTest {
 TEST_F(MeshFrameTest, IsTaughtAndFilledInWhereItIsMissing) {
   ASSERT_THAT(Teach(), IsOk());
   EXPECT_EQ(Taught().mesh_pose().position().y(), 0.2);
-  v1::UpdateStablePoseRequest older;  // as it was kept before there was such a field
+  v1::UpdateStablePoseRequest older;  // as stored before this field existed
   older.mutable_stable_pose()->set_name(kName);
   older.mutable_update_mask()->add_paths("mesh_pose");
   ASSERT_THAT(client_.UpdateStablePose(older), IsOk());
@@ -101,7 +102,7 @@ TEST_F(MeshFrameTest, IsTaughtAndFilledInWhereItIsMissing) {
   EXPECT_EQ(Taught().etag(), etag);
 }
 
-TEST_F(MeshFrameTest, ThatOfAnotherMeshIsRefused) {
+TEST_F(MeshFrameTest, TheFrameOfAnotherMeshIsRejected) {
   ASSERT_THAT(Teach(), IsOk());
   part_.object_mesh->translation().x() += 0.01;
   const absl::Status refused = Teach();
@@ -109,8 +110,8 @@ TEST_F(MeshFrameTest, ThatOfAnotherMeshIsRefused) {
   EXPECT_EQ(Taught().mesh_pose().position().x(), 0.1);
 }
 
-// The vertices of the mesh are in the world where they truly are, and back.
-TEST_F(CadTeachingTest, AnswersCarryTheFrameOfTheMesh) {
+// The mesh pose maps the vertices to their true positions in the world, and back.
+TEST_F(CadTeachingTest, DetectionsHaveTheFrameOfTheMesh) {
   const TriangleMesh mesh = ExtrudeAlongY(
       {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.025F, 0.02F}, {0.025F, 0.08F}, {0, 0.08F}}, 0, 0.04F);
   const auto all = ProposeCadPart("angle", "", mesh, {});
@@ -135,11 +136,11 @@ TEST_F(CadTeachingTest, AnswersCarryTheFrameOfTheMesh) {
         CloudMessage(ToPoints(*frame, views.camera.intrinsics), frame->width);
     *request.mutable_sensor_pose() = ToMessage(views.world_sensor);
     *request.mutable_region_of_interest() = SimulatedRegion();
-    const auto answer = client_.Recognize(request);
-    ASSERT_THAT(answer, IsOk());
-    ASSERT_EQ(answer->detections_size(), 1);
-    ASSERT_TRUE(answer->detections(0).has_mesh_pose()) << answer->detections(0).status();
-    const Pose world_mesh = FromMessage(answer->detections(0).mesh_pose());
+    const auto response = client_.Recognize(request);
+    ASSERT_THAT(response, IsOk());
+    ASSERT_EQ(response->detections_size(), 1);
+    ASSERT_TRUE(response->detections(0).has_mesh_pose()) << response->detections(0).status();
+    const Pose world_mesh = FromMessage(response->detections(0).mesh_pose());
     const Pose truth = world_object * part->found.poses[i].object_mesh;
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
       const Eigen::Vector3d v = vertex.cast<double>();

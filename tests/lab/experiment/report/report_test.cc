@@ -7,13 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "lab/experiment/report/case_figures.h"
-#include "lab/experiment/report/case_section.h"
-#include "lab/experiment/report/match_drawing.h"
-#include "lab/experiment/report/matching_scores.h"
-#include "lab/experiment/report/report_html.h"
+#include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_markdown.h"
 #include "lab/experiment/report/report_writer.h"
 #include "tests/lab/experiment/hand_made_case.h"
@@ -23,10 +19,11 @@ namespace graspdb::client {
 namespace {
 
 namespace fs = std::filesystem;
+using google::protobuf::Value;
 using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::SizeIs;
 
 std::string TextOf(const fs::path& path) {
@@ -50,19 +47,13 @@ class ReportFolder : public ::testing::Test {
 TEST_F(ReportFolder, HoldsAllFilesAfterEveryCase) {
   auto writer = ReportWriter::Create(folder_, "graspdb eval a.ply");
   ASSERT_THAT(writer, IsOk());
-  EXPECT_THAT(TextOf(folder_ / "report.html"), HasSubstr("No case has ended yet"));
+  EXPECT_THAT(TextOf(folder_ / "report.json"), HasSubstr("\"cases\": []"));
   ASSERT_THAT(writer->Add(HandMade("first")), IsOk());
-  EXPECT_THAT(TextOf(folder_ / "report.html"), HasSubstr("id=\"case-first\""));
+  EXPECT_THAT(TextOf(folder_ / "report.json"), HasSubstr("\"name\": \"first\""));
   EXPECT_THAT(TextOf(folder_ / "graspdb_first-test.csv"), HasSubstr("scene_id,"));
-  const std::string figure =
-      TextOf(folder_ / "figures/first-mean-absolute-rotation-error-for-each-object.svg");
-  EXPECT_THAT(figure, ::testing::StartsWith("<svg xmlns="));
-  EXPECT_THAT(figure, HasSubstr("<style>"));
-  EXPECT_THAT(figure, ::testing::EndsWith("</svg>\n"));
   ASSERT_THAT(writer->Add(HandMade("second")), IsOk());
-  const std::string page = TextOf(writer->page_path());
-  EXPECT_THAT(page, HasSubstr("id=\"case-first\""));
-  EXPECT_THAT(page, HasSubstr("id=\"case-second\""));
+  EXPECT_THAT(TextOf(folder_ / "report.json"),
+              AllOf(HasSubstr("\"name\": \"first\""), HasSubstr("\"name\": \"second\"")));
   EXPECT_THAT(TextOf(folder_ / "cases.md"), HasSubstr("| second | 5 | 50.0 | 50.0 | 50.0 |"));
   EXPECT_THAT(TextOf(folder_ / "bop_objects.csv"), HasSubstr("\nsecond,1,"));
 }
@@ -73,7 +64,7 @@ TEST_F(ReportFolder, IsTheSameForTheSameCases) {
     auto writer = ReportWriter::Create(folder_, "graspdb eval");
     ASSERT_THAT(writer, IsOk());
     ASSERT_THAT(writer->Add(HandMade()), IsOk());
-    reports.push_back(TextOf(folder_ / "report.json") + TextOf(folder_ / "report.html"));
+    reports.push_back(TextOf(folder_ / "report.json"));
   }
   EXPECT_EQ(reports[0], reports[1]);
 }
@@ -113,81 +104,33 @@ TEST_F(ReportFolder, JsonHoldsTheNumbersOfTheCase) {
   EXPECT_EQ(taken.at("add_s_mm").kind_case(), google::protobuf::Value::kNullValue);
 }
 
-// A camera one metre above the origin that looks straight down.
-TEST(ReportHtml, EscapesNamesAndRefersToNothingOutside) {
-  CaseResult result = HandMade("case <i>&\"");
-  result.set.parts[0].object_id = "<b>&\"";
-  const std::string page = ReportHtml({.command = "graspdb eval '<script>'",
-                                       .rows = {RowOf(result)},
-                                       .sections = {CaseSection(result)},
-                                       .descriptors = {}});
-  EXPECT_THAT(page, Not(HasSubstr("<b>&")));
-  EXPECT_THAT(page, Not(HasSubstr("<i>&")));
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
-  EXPECT_THAT(page, HasSubstr("&lt;b&gt;&amp;&quot;"));
-  const std::string inside =
-      absl::StrReplaceAll(page, {{"xmlns=\"http://www.w3.org/2000/svg\"", ""}});
-  EXPECT_THAT(inside, HasSubstr("<svg"));
-  EXPECT_THAT(inside, Not(HasSubstr("http")));
-}
-
-TEST(ReportHtml, ShowsDescriptorsSideBySide) {
-  const std::string page =
-      ReportHtml({.command = "",
-                  .rows = {},
-                  .sections = {},
-                  .descriptors = {{"VFH-263", "L1", {{"cup", 0.5}, {"can", 0.25}}, 0.125, 96},
-                                  {"MVFH-300", "L1", {{"cup", 0.125}, {"can", 0}}, 0, 96},
-                                  {"MVFH-300", "chi-square", {{"cup", 0}, {"can", 0}}, 0, 96}}});
-  EXPECT_THAT(page, HasSubstr("<td>VFH-263</td><td>37.50 / 12.50</td><td>–</td>"));
-  EXPECT_THAT(page, HasSubstr("<td>MVFH-300</td><td>6.25 / 0.00</td><td>0.00 / 0.00</td>"));
-  EXPECT_THAT(page, HasSubstr("<title>cup, MVFH-300, L1: 12.5 %</title>"));
-}
-
-TEST(CaseSection, OfNothingAskedSaysSo) {
-  EXPECT_THAT(CaseSection({.experiment = {.name = "empty"}, .set = {}}),
-              HasSubstr("Nothing was asked"));
-}
-
-TEST(CaseSection, OfStrangersOnlyHasNoPoseErrors) {
-  CaseResult result = HandMade("unknown");
-  result.answers.erase(result.answers.begin(), result.answers.end() - 1);
-  const std::string section = CaseSection(result);
-  EXPECT_THAT(section, HasSubstr("Named although it was not taught"));
-  EXPECT_THAT(section, Not(HasSubstr("Pose error")));
-}
-
-TEST(CaseSection, ListsPairsWhereAMatrixWouldBeTooLarge) {
-  CaseResult result = HandMade();
-  for (int i = 0; i < 40; ++i) {
-    result.set.Add(result.set, 0);
-    result.set.parts.back().object_id = "part-" + std::to_string(i);
-    result.answers.push_back(RightAnswer(result.set, result.set.parts.size() - 1, 10));
-  }
-  const std::string section = CaseSection(result);
-  const auto& parts = result.set.parts;
-  EXPECT_THAT(section, HasSubstr("<tr><td>" + parts[0].object_id + "</td><td>" +
-                                 parts[1].object_id + "</td><td>1</td></tr>"));
-  // Nothing is the right answer about what was not taught.
-  EXPECT_THAT(section, Not(HasSubstr("<td>" + parts[3].object_id + "</td><td>(none)</td>")));
-  EXPECT_THAT(section, Not(HasSubstr("<title>asked ")));
-}
-
-TEST(MatchDrawings, ShowScanTruthAndMatch) {
+TEST(CaseAsJson, DrawsTheWorstAnswers) {
   CaseResult result = HandMade();
   for (Answer& answer : result.answers) answer.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
   result.scans[2] = {{0, 0, 0.02F}, {0.01F, 0, 0.02F}};
-  const std::string drawings = MatchDrawings(result);
-  const auto count = [&](const std::string& what) {
-    return std::vector<std::string>(absl::StrSplit(drawings, what)).size() - 1;
-  };
-  EXPECT_EQ(count("<title>scan</title>"), 1U);
-  EXPECT_EQ(count("<title>truth</title>"), 4U);
-  EXPECT_EQ(count("<title>match</title>"), 3U);  // one question was not answered
+  const Value json = CaseAsJson(result);
+  const auto& drawings = json.struct_value().fields().at("drawings").list_value();
+  ASSERT_EQ(drawings.values_size(), 4);  // all but the unknown object that was rejected
+  const auto& worst = drawings.values(0).struct_value().fields();
+  EXPECT_EQ(worst.at("scan").struct_value().fields().at("u").list_value().values_size(), 2);
+  EXPECT_TRUE(worst.contains("truth"));
+  EXPECT_TRUE(worst.contains("match"));
+  const auto& unanswered = drawings.values(1).struct_value().fields();
+  EXPECT_FALSE(unanswered.contains("scan"));
+  EXPECT_FALSE(unanswered.contains("match"));
 }
 
-TEST(MatchingScores, FrameTheViewThatBecameTheAnswer) {
+TEST(CaseAsJson, MarksTheViewThatBecameTheAnswer) {
   CaseResult result = HandMade();
+  const auto chosen = [&result] {
+    std::vector<bool> out;
+    const Value json = CaseAsJson(result);
+    const auto& first = json.struct_value().fields().at("first_matches").struct_value().fields();
+    for (const Value& view : first.at("views").list_value().values()) {
+      out.push_back(view.struct_value().fields().at("chosen").bool_value());
+    }
+    return out;
+  };
   for (int i = 0; i < 12; ++i) {
     auto view = std::make_shared<recognition::TaughtView>();
     view->name = StablePoseName(result.set.parts[0]) + "/views/" + std::to_string(i);
@@ -195,11 +138,11 @@ TEST(MatchingScores, FrameTheViewThatBecameTheAnswer) {
     result.answers[2].candidates.push_back({view, 0.1 * i, std::nullopt});
   }
   result.answers[2].view = result.answers[2].candidates[3].view->name;
-  const std::string scores = MatchingScores(result);
-  EXPECT_THAT(scores, HasSubstr("the 10 views with the nearest"));
-  EXPECT_THAT(scores, HasSubstr("class=\"mark\""));
+  std::vector<bool> fourth(10, false);
+  fourth[3] = true;
+  EXPECT_EQ(chosen(), fourth);
   result.answers[2].view = result.answers[2].candidates[11].view->name;
-  EXPECT_THAT(MatchingScores(result), Not(HasSubstr("class=\"mark\"")));
+  EXPECT_EQ(chosen(), std::vector<bool>(10, false));
 }
 
 TEST(TableMarkdown, KeepsItsColumns) {

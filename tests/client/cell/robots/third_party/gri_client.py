@@ -1,7 +1,7 @@
-"""A client of the Generic Robot Interface, version 1, as somebody else would write it.
+"""An independent client of the Generic Robot Interface, version 1.
 
-Made from the interface's documentation alone, with Python's own modules: nothing of the server's
-sources is used here, so that a misreading on one side is found on the other.
+Written from the interface's documentation alone, with Python's own modules: it shares no source
+with the server, so that a misreading on one side is detected on the other.
 """
 
 import math
@@ -35,7 +35,7 @@ Response = namedtuple("Response", "pose_format action job_id code pose data")
 
 
 class Closed(Exception):
-    """The server hung up."""
+    """The server closed the connection."""
 
 
 def request_bytes(action, job=0, pose=None, pose_format=2, data=(0, 0, 0, 0), version=VERSION,
@@ -58,10 +58,10 @@ def response_of(raw):
 
 
 class GriClient:
-    """One connection. `address` is the robot's own, where it has several."""
+    """One connection. `address` is the robot's own, if it has several."""
 
-    def __init__(self, port, address="127.0.0.1", patience_s=20):
-        self.socket = socket.create_connection(("127.0.0.1", port), patience_s, (address, 0))
+    def __init__(self, port, address="127.0.0.1", timeout_s=20):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout_s, (address, 0))
 
     def __enter__(self):
         return self
@@ -84,7 +84,7 @@ class GriClient:
             raw += part
         return response_of(raw)
 
-    def ask(self, action, job=0, **more):
+    def call(self, action, job=0, **more):
         self.send(request_bytes(action, job, **more))
         return self.receive()
 
@@ -113,7 +113,7 @@ SEQUENCES = "XYZ XZY YXZ YZX ZXY ZYX XYX XZX YXY YZY ZXZ ZYZ".split()
 
 
 def rotation_of(numbers, pose_format):
-    """What the numbers of a rotation mean in one of the 51 formats."""
+    """The rotation of the numbers in one of the 51 formats."""
     if pose_format == 1:
         return of_quaternion(*numbers)
     if pose_format == 2:

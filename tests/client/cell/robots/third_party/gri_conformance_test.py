@@ -1,4 +1,4 @@
-"""Asks a server in another process everything that the Generic Robot Interface knows.
+"""Tests all actions of the Generic Robot Interface against a server in another process.
 
 Usage: gri_conformance_test.py SERVER_PROGRAM, a program that prints "gri PORT" and serves the jobs
 below until its standard input ends (tests/client/cell/robots/scripted_server.cc).
@@ -42,84 +42,84 @@ class GriConformanceTest(unittest.TestCase):
 
     def is_serving(self):
         with gri.GriClient(self.port) as other:
-            return other.ask(gri.STATUS).data[2] == 1
+            return other.call(gri.STATUS).data[2] == 1
 
     def assert_same_rotation(self, one, other, why):
         worst = max(abs(a - b) for x, y in zip(one, other) for a, b in zip(x, y))
         self.assertLess(worst, 1e-5, why)
 
     def test_status(self):
-        answer = self.robot.ask(gri.STATUS)
+        answer = self.robot.call(gri.STATUS)
         self.assertEqual((answer.code, answer.action, answer.data[2]), ("NO_ERROR", gri.STATUS, 1))
 
     def test_primary_and_related_poses_come_one_after_the_other(self):
-        first = self.robot.ask(gri.TRIGGER_JOB_SYNC, TWO_GRASPS)
+        first = self.robot.call(gri.TRIGGER_JOB_SYNC, TWO_GRASPS)
         self.assertEqual((first.code, first.job_id), ("NO_ERROR", TWO_GRASPS))
         self.assertEqual(first.pose.position, (100, 200, -300))
         self.assertEqual(first.data[2:4], (1, 1))
-        related = self.robot.ask(gri.GET_RELATED_POSE, TWO_GRASPS)
+        related = self.robot.call(gri.GET_RELATED_POSE, TWO_GRASPS)
         self.assertEqual((related.code, related.pose.position[0]), ("NO_ERROR", 110))
         self.assertEqual(related.data[2:4], (1, 0))
-        self.assertEqual(self.robot.ask(gri.GET_RELATED_POSE, TWO_GRASPS).code, "NO_RELATED_POSES")
-        second = self.robot.ask(gri.GET_NEXT_POSE, TWO_GRASPS)
+        self.assertEqual(self.robot.call(gri.GET_RELATED_POSE, TWO_GRASPS).code, "NO_RELATED_POSES")
+        second = self.robot.call(gri.GET_NEXT_POSE, TWO_GRASPS)
         self.assertEqual((second.pose.position[0], second.data[2:4]), (200, (0, 0)))
-        self.assertEqual(self.robot.ask(gri.GET_JOB_STATUS, TWO_GRASPS).data[2], gri.DONE)
-        self.assertEqual(self.robot.ask(gri.GET_NEXT_POSE, TWO_GRASPS).code, "NO_POSES_FOUND")
-        self.assertEqual(self.robot.ask(gri.GET_JOB_STATUS, TWO_GRASPS).data[2], gri.INACTIVE)
+        self.assertEqual(self.robot.call(gri.GET_JOB_STATUS, TWO_GRASPS).data[2], gri.DONE)
+        self.assertEqual(self.robot.call(gri.GET_NEXT_POSE, TWO_GRASPS).code, "NO_POSES_FOUND")
+        self.assertEqual(self.robot.call(gri.GET_JOB_STATUS, TWO_GRASPS).data[2], gri.INACTIVE)
 
-    def test_an_asynchronous_job_says_that_it_runs(self):
-        self.assertEqual(self.robot.ask(gri.TRIGGER_JOB_ASYNC, SLOW).code, "NO_ERROR")
-        self.assertEqual(self.robot.ask(gri.GET_JOB_STATUS, SLOW).data[2], gri.RUNNING)
+    def test_an_asynchronous_job_reports_that_it_runs(self):
+        self.assertEqual(self.robot.call(gri.TRIGGER_JOB_ASYNC, SLOW).code, "NO_ERROR")
+        self.assertEqual(self.robot.call(gri.GET_JOB_STATUS, SLOW).data[2], gri.RUNNING)
         for action in (gri.TRIGGER_JOB_SYNC, gri.TRIGGER_JOB_ASYNC, gri.GET_NEXT_POSE,
                        gri.GET_RELATED_POSE):
-            self.assertEqual(self.robot.ask(action, SLOW).code, "JOB_STILL_RUNNING")
-        self.robot.ask(gri.TRIGGER_JOB_SYNC, GO_ON)
-        while self.robot.ask(gri.GET_JOB_STATUS, SLOW).data[2] == gri.RUNNING:
+            self.assertEqual(self.robot.call(action, SLOW).code, "JOB_STILL_RUNNING")
+        self.robot.call(gri.TRIGGER_JOB_SYNC, GO_ON)
+        while self.robot.call(gri.GET_JOB_STATUS, SLOW).data[2] == gri.RUNNING:
             pass
-        self.assertEqual(self.robot.ask(gri.GET_NEXT_POSE, SLOW).code, "NO_ERROR")
+        self.assertEqual(self.robot.call(gri.GET_NEXT_POSE, SLOW).code, "NO_ERROR")
 
-    def test_every_way_to_fail_has_its_code(self):
+    def test_every_error_has_its_code(self):
         for job, code in FAILING.items():
-            self.assertEqual(self.robot.ask(gri.TRIGGER_JOB_SYNC, job).code, code)
-        self.assertEqual(self.robot.ask(gri.GET_JOB_STATUS, 13).data[2], gri.FAILED)
-        self.assertEqual(self.robot.ask(gri.TRIGGER_JOB_SYNC, NOTHING).code, "NO_POSES_FOUND")
+            self.assertEqual(self.robot.call(gri.TRIGGER_JOB_SYNC, job).code, code)
+        self.assertEqual(self.robot.call(gri.GET_JOB_STATUS, 13).data[2], gri.FAILED)
+        self.assertEqual(self.robot.call(gri.TRIGGER_JOB_SYNC, NOTHING).code, "NO_POSES_FOUND")
         for action in range(gri.TRIGGER_JOB_SYNC, gri.HEC_INIT):
-            self.assertEqual(self.robot.ask(action, 99).code, "JOB_DOES_NOT_EXIST")
+            self.assertEqual(self.robot.call(action, 99).code, "JOB_DOES_NOT_EXIST")
 
-    def test_a_cell_without_calibration_refuses_to_calibrate(self):
+    def test_calibration_without_pipelines_is_rejected(self):
         for action in (gri.HEC_INIT, gri.HEC_SET_POSE, gri.HEC_CALIBRATE):
-            self.assertEqual(self.robot.ask(action, ECHO).code, "PIPELINE_NOT_AVAILABLE")
+            self.assertEqual(self.robot.call(action, ECHO).code, "PIPELINE_NOT_AVAILABLE")
 
-    def test_faults_of_the_header_are_answered_and_the_connection_stays(self):
+    def test_header_errors_keep_the_connection(self):
         for fault, code in (({"version": 2}, "UNKNOWN_PROTOCOL_VERSION"),
                             ({"pose_format": 0}, "INVALID_REQUEST_ERROR"),
                             ({"pose_format": 52}, "INVALID_REQUEST_ERROR")):
-            self.assertEqual(self.robot.ask(gri.STATUS, **fault).code, code)
+            self.assertEqual(self.robot.call(gri.STATUS, **fault).code, code)
         for action in (0, 10, 255):
-            self.assertEqual(self.robot.ask(action, ECHO).code, "INVALID_ACTION")
-        self.assertEqual(self.robot.ask(gri.STATUS).code, "NO_ERROR")
+            self.assertEqual(self.robot.call(action, ECHO).code, "INVALID_ACTION")
+        self.assertEqual(self.robot.call(gri.STATUS).code, "NO_ERROR")
 
-    def test_a_wrong_length_is_answered_and_hung_up_on(self):
-        self.assertEqual(self.robot.ask(gri.STATUS, length=80).code, "INVALID_REQUEST_LENGTH")
+    def test_a_wrong_length_closes_the_connection(self):
+        self.assertEqual(self.robot.call(gri.STATUS, length=80).code, "INVALID_REQUEST_LENGTH")
         self.assertRaises(gri.Closed, self.robot.receive)
         self.assertTrue(self.is_serving())
 
-    def test_all_formats_mean_what_the_documentation_says(self):
+    def test_all_formats_match_the_documentation(self):
         # The server's pose of TWO_GRASPS: 30 degrees about Z, then 20 about Y, then 10 about X.
         angles = [math.radians(degrees) for degrees in (30, 20, 10)]
         truth = gri.product(gri.product(gri.turn("Z", angles[0]), gri.turn("Y", angles[1])),
                             gri.turn("X", angles[2]))
         for pose_format in range(1, 52):
-            answer = self.robot.ask(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=pose_format)
+            answer = self.robot.call(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=pose_format)
             self.assertEqual(answer.pose_format, pose_format)
             self.assert_same_rotation(gri.rotation_of(answer.pose.rotation, pose_format), truth,
                                       f"format {pose_format}")
-        kuka = self.robot.ask(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=24).pose.rotation
+        kuka = self.robot.call(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=24).pose.rotation
         self.assertEqual(kuka, (30, 20, 10, 0))
-        fanuc = self.robot.ask(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=26).pose.rotation
+        fanuc = self.robot.call(gri.TRIGGER_JOB_SYNC, TWO_GRASPS, pose_format=26).pose.rotation
         self.assertEqual(fanuc, (10, 20, 30, 0))
 
-    def test_the_robots_own_pose_is_understood_in_all_formats(self):
+    def test_the_robots_own_pose_is_parsed_in_all_formats(self):
         chance = random.Random(1)
         for pose_format in range(1, 52):
             numbers = [chance.uniform(-1.5, 1.5) for _ in range(3)]
@@ -128,17 +128,17 @@ class GriConformanceTest(unittest.TestCase):
                 length = math.hypot(*numbers)
                 numbers = [number / length for number in numbers]
             sent = gri.Pose((1000.25, -2000.5, 0.000001), tuple(numbers))
-            back = self.robot.ask(gri.TRIGGER_JOB_SYNC, ECHO, pose=sent, pose_format=pose_format)
+            back = self.robot.call(gri.TRIGGER_JOB_SYNC, ECHO, pose=sent, pose_format=pose_format)
             self.assertEqual(back.code, "NO_ERROR")
             self.assertEqual(back.pose.position, sent.position)
             self.assert_same_rotation(gri.rotation_of(back.pose.rotation, pose_format),
                                       gri.rotation_of(numbers, pose_format), pose_format)
 
-    def test_a_pose_beyond_the_message_is_an_error_and_never_wrapped(self):
-        answer = self.robot.ask(gri.TRIGGER_JOB_SYNC, FAR)
+    def test_an_out_of_range_pose_is_an_error(self):
+        answer = self.robot.call(gri.TRIGGER_JOB_SYNC, FAR)
         self.assertEqual((answer.code, answer.pose.position), ("API_RESPONSE_ERROR", (0, 0, 0)))
 
-    def test_garbage_and_halves_of_messages_do_no_harm(self):
+    def test_garbage_and_partial_messages_are_tolerated(self):
         chance = random.Random(2)
         for _ in range(50):
             with gri.GriClient(self.port) as robot:
@@ -173,19 +173,19 @@ class GriConformanceTest(unittest.TestCase):
         with gri.GriClient(self.port, "127.0.0.2") as left, \
                 gri.GriClient(self.port, "127.0.0.3") as right:
             for robot in (left, right):
-                self.assertEqual(robot.ask(gri.TRIGGER_JOB_SYNC, TWO_GRASPS).data[2], 1)
+                self.assertEqual(robot.call(gri.TRIGGER_JOB_SYNC, TWO_GRASPS).data[2], 1)
             for robot in (left, right):
-                self.assertEqual(robot.ask(gri.GET_NEXT_POSE, TWO_GRASPS).pose.position[0], 200)
+                self.assertEqual(robot.call(gri.GET_NEXT_POSE, TWO_GRASPS).pose.position[0], 200)
 
-    def test_a_robot_that_connects_anew_for_every_message_finds_its_poses(self):
-        def ask_once(action):
+    def test_poses_survive_reconnects(self):
+        def call_once(action):
             with gri.GriClient(self.port, "127.0.0.4") as robot:
-                return robot.ask(action, TWO_GRASPS)
-        ask_once(gri.TRIGGER_JOB_SYNC)
-        self.assertEqual(ask_once(gri.GET_RELATED_POSE).pose.position[0], 110)
-        self.assertEqual(ask_once(gri.GET_NEXT_POSE).pose.position[0], 200)
+                return robot.call(action, TWO_GRASPS)
+        call_once(gri.TRIGGER_JOB_SYNC)
+        self.assertEqual(call_once(gri.GET_RELATED_POSE).pose.position[0], 110)
+        self.assertEqual(call_once(gri.GET_NEXT_POSE).pose.position[0], 200)
 
-    def test_many_questions_in_one_parcel_are_answered_in_order(self):
+    def test_many_requests_in_one_packet_are_answered_in_order(self):
         self.robot.send(b"".join(
             gri.request_bytes(gri.TRIGGER_JOB_SYNC, ECHO, pose=gri.Pose((x, 0, 0), (0, 0, 0, 1)))
             for x in range(50)))

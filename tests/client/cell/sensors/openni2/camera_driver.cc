@@ -1,8 +1,8 @@
 // A driver of OpenNI 2 for a camera that is not there: the library loads it in the place of the
-// drivers of real ones, so that all of the library is tested but these. The camera at the URI
-// "Test/Ramp" shows a depth in millimetres of 500 + column, mirrored unless told not to. After
-// $GRASPDB_TEST_CAMERA_FRAMES frames, where that is set, it is unplugged, once; a moment later it
-// is plugged in again. Where $GRASPDB_TEST_OTHER_CAMERA_FRAMES is set, another camera beside it,
+// drivers of real ones, so that everything but those is tested. The camera at the URI
+// "Test/Ramp" shows a depth in millimetres of 500 + column, mirrored by default. After
+// $GRASPDB_TEST_CAMERA_FRAMES frames, if set, it is unplugged, once; a moment later it is
+// reconnected. If $GRASPDB_TEST_OTHER_CAMERA_FRAMES is set, another camera beside it,
 // which cannot be opened, is unplugged for good after so many of its frames.
 #include <Driver/OniDriverAPI.h>
 
@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-// The macro that exports a driver uses these, and the package has no header with them.
+// The macro that exports a driver uses these, which the package does not define.
 #define XN_NEW(type, services) new type(services)
 #define XN_DELETE(pointer) delete pointer
 
@@ -97,7 +97,7 @@ class Stream : public oni::driver::StreamBase {
     }
     return 0;
   }
-  // A recorder writes down what it is told here.
+  // Recorders store the properties that are returned here.
   void notifyAllProperties() override {
     char value[256];
     for (const int id : kProperties) {
@@ -194,7 +194,7 @@ class Driver : public oni::driver::DriverBase {
   void shutdown() override {}
 
  private:
-  // Whether there is a frame still to be seen.
+  // Whether a frame is left.
   bool TakeFrame() {
     if (!plugged_) return false;
     if (frames_until_other_goes_ >= 0 && frames_until_other_goes_-- == 0) {
@@ -202,7 +202,7 @@ class Driver : public oni::driver::DriverBase {
     }
     if (frames_left_ < 0 || frames_left_-- > 0) return true;
     plugged_ = false;
-    // It runs as long as it likes: the library and its drivers stay until the program ends.
+    // Never joined: the library and its drivers stay loaded until the program ends.
     std::thread hand([this] {
       deviceDisconnected(&info_);
       std::this_thread::sleep_for(kUnpluggedTime);
@@ -215,8 +215,8 @@ class Driver : public oni::driver::DriverBase {
 
   OniDeviceInfo info_ = {};
   OniDeviceInfo other_ = {};
-  std::atomic<int> frames_until_other_goes_ = -1;  // below 0: it is gone, or never was
-  std::atomic<int> frames_left_ = -1;              // below 0: as many as are wanted
+  std::atomic<int> frames_until_other_goes_ = -1;  // below 0: not connected
+  std::atomic<int> frames_left_ = -1;              // below 0: unlimited
   std::atomic<bool> plugged_ = true;
 };
 

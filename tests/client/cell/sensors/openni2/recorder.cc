@@ -1,12 +1,12 @@
-// oni_recorder OUT.oni FRAMES: records the test's camera by OpenNI 2 itself.
+// oni_recorder OUT.oni FRAMES: records the test's camera with OpenNI 2 itself.
 #include <OpenNI.h>
 
 #include <cstdlib>
 #include <iostream>
 #include <string>
 
-// The recorder's library leaks a little, and is unloaded before it could be told by name.
-// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
+// The recorder's library leaks a little, and is unloaded before leaks can be suppressed by its
+// name. NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" const char* __lsan_default_options() { return "detect_leaks=0"; }
 
 namespace {

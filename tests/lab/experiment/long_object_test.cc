@@ -1,4 +1,4 @@
-// A hammer of 34 cm slides along itself while it is refined, the more so where a part is hidden.
+// A hammer of 34 cm slides along its axis during refinement, more so when a part is hidden.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 using ::graspdb::testing::IsOk;
 
-TEST(LongObject, FortyPercentHiddenItEndsInItsPlace) {
+TEST(LongObject, ConvergesWithFortyPercentHidden) {
   const auto meshes = graspdb::testing::SharedData("ycb_meshes");
   if (!meshes) GTEST_SKIP() << graspdb::testing::SharedDataMissing("ycb_meshes");
   const auto set = RestingParts({*meshes / "hammer.ply"}, 1, {});

@@ -1,25 +1,28 @@
-#include "lab/experiment/report/match_drawing.h"
+#include "lab/experiment/report/answer_drawings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "files/json_object.h"
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/report/case_figures.h"
-#include "lab/experiment/report/markup.h"
-#include "lab/experiment/report/plot.h"
 
 namespace graspdb::client {
 namespace {
 
 using Eigen::Vector3d;
+using google::protobuf::Value;
+using recognition::Candidate;
 using recognition::Points;
 using recognition::Pose;
 
 constexpr std::size_t kScanPoints = 500;
+constexpr std::size_t kFirstMatches = 10;
 // A point is hidden when another one in its cell of the image is so much nearer.
 constexpr double kRasterPx = 2;
 constexpr double kHiddenM = 0.01;
@@ -59,14 +62,17 @@ std::vector<ImagePoint> Visible(const std::vector<ImagePoint>& points) {
   return out;
 }
 
-PointGroup GroupOf(const std::string& name, const std::vector<ImagePoint>& points,
-                   std::size_t color, double size_px) {
-  PointGroup out{.name = name, .points = {}, .color = color, .size_px = size_px};
-  for (const ImagePoint& p : points) out.points.push_back({p.u, p.v});
-  return out;
+void FillPixels(const std::vector<ImagePoint>& points, Value* value) {
+  JsonObject out(value);
+  auto* u = out.At("u").mutable_list_value();
+  auto* v = out.At("v").mutable_list_value();
+  for (const ImagePoint& p : points) {
+    u->add_values()->set_number_value(std::round(10 * p.u) / 10);
+    v->add_values()->set_number_value(std::round(10 * p.v) / 10);
+  }
 }
 
-Points Thinned(const Points& points) {
+Points DrawnPoints(const Points& points) {
   Points out;
   const std::size_t step = points.size() / kScanPoints + 1;
   for (std::size_t i = 0; i < points.size(); i += step) out.push_back(points[i]);
@@ -85,42 +91,60 @@ std::string Caption(const Answer& a, const PartSet& set) {
   return out;
 }
 
-std::string Drawing(const CaseResult& result, std::size_t position) {
+void FillDrawing(const CaseResult& result, std::size_t position, Value* value) {
   const Answer& a = result.answers[position];
-  const recognition::CameraIntrinsics& k = result.experiment.asked.camera.intrinsics;
+  const recognition::CameraIntrinsics& k = result.experiment.queried.camera.intrinsics;
   const Pose camera_world = a.world_sensor.inverse();
   const auto model = [&](std::size_t part, const Pose& world_object) {
     return Visible(Project(result.set.shapes[part]->points, camera_world * world_object, k));
   };
-  const std::string caption = Caption(a, result.set);
-  PointPlot plot{.title = caption, .groups = {}};
+  JsonObject out(value);
+  out.Text("title", Caption(a, result.set));
   if (const auto scan = result.scans.find(position); scan != result.scans.end()) {
-    plot.groups.push_back(
-        GroupOf("scan", Project(Thinned(scan->second), camera_world, k), kTextColor, 2.6));
+    FillPixels(Project(DrawnPoints(scan->second), camera_world, k), &out.At("scan"));
   }
-  if (a.posed) plot.groups.push_back(GroupOf("truth", model(a.part, a.truth), 0, 2));
+  if (a.posed) FillPixels(model(a.part, a.truth), &out.At("truth"));
   if (const auto part = PartOfFound(a, result.set)) {
-    plot.groups.push_back(GroupOf("match", model(*part, a.found), 1, 2));
+    FillPixels(model(*part, a.found), &out.At("match"));
   }
-  return absl::StrCat("<figure>", DrawPoints(plot), "<figcaption>", EscapeMarkup(caption),
-                      "</figcaption></figure>\n");
+}
+
+// Null where no answer has candidates.
+const Answer* WorstWithCandidates(const CaseResult& result) {
+  for (const std::size_t i : WorstFirst(result)) {
+    if (!result.answers[i].candidates.empty()) return &result.answers[i];
+  }
+  const auto any =
+      std::ranges::find_if(result.answers, [](const Answer& a) { return !a.candidates.empty(); });
+  return any == result.answers.end() ? nullptr : &*any;
 }
 
 }  // namespace
 
-std::string MatchDrawings(const CaseResult& result) {
+void FillDrawings(const CaseResult& result, Value* value) {
   std::vector<std::size_t> worst = WorstFirst(result);
   worst.resize(std::min(worst.size(), kDrawnAnswers));
-  if (worst.empty()) return "";
-  std::string out = absl::StrCat(
-      "<h3>Scan and match</h3>\n<p>The answers that are farthest off, the worst first, as the "
-      "camera "
-      "sees them: ",
-      result.scans.empty() ? "" : "the scan in the colour of the text, ",
-      "points of the model where it <b class=\"key0\">truly is</b> and where it was "
-      "<b class=\"key1\">found</b>.</p>\n");
-  for (const std::size_t position : worst) absl::StrAppend(&out, Drawing(result, position));
-  return out;
+  auto* drawings = value->mutable_list_value();
+  for (const std::size_t position : worst) FillDrawing(result, position, drawings->add_values());
+}
+
+void FillFirstMatches(const CaseResult& result, Value* value) {
+  value->set_null_value(google::protobuf::NULL_VALUE);
+  const Answer* answer = WorstWithCandidates(result);
+  if (answer == nullptr) return;
+  JsonObject out(value);
+  out.Count("scene", answer->scene);
+  out.Text("stable_pose_asked", StablePoseName(result.set.parts[answer->part]));
+  out.Bool("answered", !answer->view.empty());
+  auto* views = out.At("views").mutable_list_value();
+  const std::span<const Candidate> all = answer->candidates;
+  for (const Candidate& candidate : all.first(std::min(all.size(), kFirstMatches))) {
+    JsonObject view(views->add_values());
+    view.Text("object", ObjectOf(candidate.view ? candidate.view->stable_pose : ""));
+    view.Number("descriptor_distance", candidate.descriptor_distance);
+    view.Number("verification_score", candidate.verification_score.value_or(std::nan("")));
+    view.Bool("chosen", candidate.view && candidate.view->name == answer->view);
+  }
 }
 
 }  // namespace graspdb::client

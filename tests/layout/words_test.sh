@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# words_test.sh SOURCE: the project uses the terms of docs/glossary.md; fails where a tracked file has one of the
+# words that those terms replaced, or one of persons for a program.
+set -euo pipefail
+cd "$1"
+if ! git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+  echo "skipped: needs the git repository"
+  exit 77
+fi
+replaced=(
+  'things?' 'likeness' 'parter' 'BudgetCache' 'IndexKeeper' 'CellKeeper' 'kPatience' 'kMost[A-Za-z]*'
+  'kLeast[A-Za-z]*' 'least_[a-z_]+' 'least score' 'OrientedColumns' 'GiveWay' 'gives way' 'sharpness' 'attitudes?'
+  'mends?' 'doubts?' 'settling' 'pulls' 'held target' 'grasp showing' 'fallen parts' "paper's way" 'houses?'
+  'asks?' 'asked' 'tells?' 'told' 'said' 'believes?' 'believed' 'hears?' 'heard' 'nobody' 'somebody' 'anybody' 'lest'
+)
+pattern=$(IFS='|'; echo "${replaced[*]}")
+# Released changes keep their words; "asked" is a key of report.json.
+found=$(git grep -n -w -I -E "$pattern" -- . ':!LICENSE' ':!CHANGELOG.md' ':!docs/pictures' \
+  ':!tests/layout/words_test.sh' | grep -v '"asked"' || true)
+sight=$(git grep -n -w -I -E 'sights?' -- . ':!CHANGELOG.md' ':!tests/layout/words_test.sh' |
+  grep -v 'lines\? of sight' || true)
+[ -z "$found$sight" ] && exit 0
+printf '%s\n' "$found" "$sight"
+echo "docs/glossary.md has the terms to use instead"
+exit 1
