@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 using recognition::Points;
 
-constexpr std::size_t kMaxPoints = 1500;
+constexpr std::size_t kMaxPoints = 500;
 constexpr double kTableM = 0.004;  // lower points are the table
 
 // Every n-th point, so that at most kMaxPoints are left.

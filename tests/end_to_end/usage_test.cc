@@ -54,6 +54,12 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
   }
 }
 
+TEST_F(UsageTest, PrintsItsVersion) {
+  const Finished outcome = Graspdb({"--version"});
+  EXPECT_THAT(outcome, EndsWith(0));
+  EXPECT_THAT(outcome.out, ::testing::MatchesRegex("graspdb [0-9.]+\n"));
+}
+
 TEST_F(UsageTest, ExitsWithThreeWithoutAServer) {
   address_ = kNoServer;
   const std::string cloud = folder_.Write("cloud.pcd", AsciiPcd(CurvedPatch(100))).string();

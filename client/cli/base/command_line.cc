@@ -6,8 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "program/log.h"
 #include "program/settings_file.h"
+#include "program/version.h"
 
 namespace graspdb::client {
 namespace {
@@ -29,6 +31,7 @@ int Execute(const Action& action) {
 }  // namespace
 
 void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
+  app.set_version_flag("--version", absl::StrCat("graspdb ", kVersion));
   app.add_option("--server", global->server, "HOST:PORT of the server")->capture_default_str();
   app.add_option("--timeout", global->timeout_s, "Time limit of a call, seconds")
       ->check(CLI::Range(0.001, 86400.0))

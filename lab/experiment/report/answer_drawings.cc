@@ -21,7 +21,6 @@ using recognition::Candidate;
 using recognition::Points;
 using recognition::Pose;
 
-constexpr std::size_t kScanPoints = 500;
 constexpr std::size_t kFirstMatches = 10;
 // A point is hidden when another one in its cell of the image is so much nearer.
 constexpr double kRasterPx = 2;
@@ -72,13 +71,6 @@ void FillPixels(const std::vector<ImagePoint>& points, Value* value) {
   }
 }
 
-Points DrawnPoints(const Points& points) {
-  Points out;
-  const std::size_t step = points.size() / kScanPoints + 1;
-  for (std::size_t i = 0; i < points.size(); i += step) out.push_back(points[i]);
-  return out;
-}
-
 std::string Caption(const Answer& a, const PartSet& set) {
   std::string out = absl::StrCat("Question ", a.scene, ", ", set.parts[a.part].object_id, ": ",
                                  a.stable_pose.empty() ? "nothing" : ObjectOf(a.stable_pose));
@@ -101,7 +93,7 @@ void FillDrawing(const CaseResult& result, std::size_t position, Value* value) {
   JsonObject out(value);
   out.Text("title", Caption(a, result.set));
   if (const auto scan = result.scans.find(position); scan != result.scans.end()) {
-    FillPixels(Project(DrawnPoints(scan->second), camera_world, k), &out.At("scan"));
+    FillPixels(Project(scan->second, camera_world, k), &out.At("scan"));
   }
   if (a.posed) FillPixels(model(a.part, a.truth), &out.At("truth"));
   if (const auto part = PartOfFound(a, result.set)) {
