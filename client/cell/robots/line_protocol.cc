@@ -128,7 +128,7 @@ std::string LineProtocol::GivePrimary(const std::string& robot, int job, const J
 std::string LineProtocol::AnswerGrasp(const std::string& robot, int job) {
   const std::optional<JobPose> primary = jobs_.LastPrimary(robot, job);
   if (!primary) {
-    return client::ErrorLine(GriCode::kNoPosesFound, "the job gave no pose yet; say RUN or NEXT");
+    return client::ErrorLine(GriCode::kNoPosesFound, "the job gave no pose yet; send RUN or NEXT");
   }
   return LineOf(GraspLine(*primary));
 }

@@ -156,7 +156,7 @@ absl::StatusOr<int> PoseFormatNamed(const std::string& name) {
     return code;
   }
   return absl::InvalidArgumentError(
-      absl::StrCat("'", name, "' is no pose format; say a number from 1 to ", kLastPoseFormat,
+      absl::StrCat("'", name, "' is no pose format; send a number from 1 to ", kLastPoseFormat,
                    ", or ABB, FANUC, KAWASAKI, KUKA, MITSUBISHI, STAUBLI, UR, YASKAWA"));
 }
 

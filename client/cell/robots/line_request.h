@@ -37,7 +37,7 @@ struct LineRequest {
 inline constexpr double kMaxPositionMm = 100'000;
 
 // Reply to a request that needs a pose format, from a robot that never set one.
-inline constexpr char kNoFormat[] = "say how poses are written first, such as FORMAT STAUBLI";
+inline constexpr char kNoFormat[] = "send the pose format first, such as FORMAT STAUBLI";
 
 // Words are separated by blanks and tabs, and not case-sensitive. `usual_format` is the pose format
 // of lines without FORMAT: a code, or nullopt when the robot never set one. INVALID_ARGUMENT with a

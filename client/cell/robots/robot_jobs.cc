@@ -160,8 +160,7 @@ JobAnswer RobotJobs::Start(const JobRequest& request) {
     found->Keep(std::async(std::launch::async,
                            [this, found, request] { found->End(RunGuarded(runner_, request)); }));
   } catch (const std::system_error&) {
-    const auto error =
-        absl::ResourceExhaustedError("no thread is left; see to the system's limits");
+    const auto error = absl::ResourceExhaustedError("no thread is left; check the system's limits");
     found->End(error);
     return Refusal(error);
   }

@@ -136,7 +136,7 @@ absl::StatusOr<std::unique_ptr<RobotServer>> RobotServer::Start(RobotProtocol& p
     return std::unique_ptr<RobotServer>(new RobotServer(std::move(listener)));
   } catch (const std::system_error& error) {  // threads or epoll
     return absl::ResourceExhaustedError(
-        absl::StrCat("cannot serve robots (", error.what(), "); see to the system's limits"));
+        absl::StrCat("cannot serve robots (", error.what(), "); check the system's limits"));
   }
 }
 
