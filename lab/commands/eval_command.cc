@@ -7,6 +7,7 @@
 #include "lab/commands/command_text.h"
 #include "lab/commands/eval_run.h"
 #include "lab/experiment/cases.h"
+#include "rendering/length_unit.h"
 
 namespace graspdb::client {
 namespace {
@@ -69,9 +70,16 @@ void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
   command
       ->add_option("--objects", arguments->choices.main,
                    "Meshes of the main cases, by file name without extension; default: all that "
-                   "are not round. Objects of BigBIRD, by folder; default: all")
+                   "are not round")
       ->delimiter(',');
-  command->add_option("--unit-m", arguments->unit_m, "Length of the meshes' unit in metres")
+  command
+      ->add_option_function<std::string>(
+          "--unit",
+          [arguments](const std::string& unit) { arguments->unit_m = MetresOf(unit).value_or(1); },
+          "Unit of the meshes: mm, cm, m or inch")
+      ->check(CLI::IsMember(LengthUnitNames()))
+      ->default_str("m");
+  command->add_option("--unit-m", arguments->unit_m, "The same in metres, for other units")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command

@@ -49,7 +49,8 @@ class Page:
 def bars(page, section, title, unit, categories, series, end=None, chosen=()):
     """Horizontal bars: `series` are (name, values); None is no bar, `chosen` categories are bold."""
     height = 0.8 / len(series)
-    figure, axes = pyplot.subplots(figsize=(7, 1.2 + len(categories) * max(0.22, 0.16 * len(series))))
+    drawn_height = 0.4 + len(categories) * max(0.22, 0.16 * len(series))  # inches
+    figure, axes = pyplot.subplots(figsize=(7, 0.8 + drawn_height))
     for i, (name, values) in enumerate(series):
         places = [row + (i + 0.5) * height - 0.4 for row in range(len(categories))]
         drawn = axes.barh(places, [value if value is not None else 0 for value in values], height, label=name)
@@ -58,11 +59,11 @@ def bars(page, section, title, unit, categories, series, end=None, chosen=()):
     for label, category in zip(axes.get_yticklabels(), categories):
         label.set_fontweight("bold" if category in chosen else "normal")
     axes.invert_yaxis()
-    axes.set_xlim(0, end * 1.12 if end else None)
-    axes.margins(x=0.12)
+    largest = max((value for _, values in series for value in values if value is not None), default=0)
+    axes.set_xlim(0, 1.12 * (end or largest or 1))  # wide enough for the numbers
     axes.set_title(title)
     if len(series) > 1:
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=len(series))
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.25 / drawn_height), ncols=len(series))
     page.figure(section, title, figure)
 
 
