@@ -1,6 +1,7 @@
 #include "lab/commands/frames_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -33,9 +34,11 @@ void Print(const FrameDetection& d) {
                        : d.instance     ? "right"
                        : d.pose_unknown ? "name only"
                                         : "WRONG";
-  std::cout << absl::StrFormat(
-      "  accepted %-20s score %.3f  %s (ADD-S %.3f of the diameter); %d voxels, %s\n", d.object,
-      d.score, judged, d.add_s_share, d.voxels, TextOf(d.evidence, d.features));
+  const std::string error = std::isfinite(d.add_s_share)
+                                ? absl::StrFormat("ADD-S %.3f of the diameter", d.add_s_share)
+                                : "the frame has no pose of it";
+  std::cout << absl::StrFormat("  accepted %-20s score %.3f  %s (%s); %d voxels, %s\n", d.object,
+                               d.score, judged, error, d.voxels, TextOf(d.evidence, d.features));
 }
 
 void Print(const FrameResult& result, bool list) {

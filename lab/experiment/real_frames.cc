@@ -70,7 +70,7 @@ FrameDetection Judge(const PartSet& set, const Detection& detection, const RealF
     }
     const double share =
         ShareOff(set, answered, detection.refined_pose, world_sensor * *object.sensor_mesh);
-    if (out.add_s_share == 0 || share < out.add_s_share) out.add_s_share = share;
+    out.add_s_share = std::min(out.add_s_share, share);
     if (share < kFoundShare) out.instance = i;
   }
   out.pose_unknown = out.pose_unknown && !out.instance;

@@ -1,6 +1,7 @@
 // Recognition of objects taught from meshes in frames of real cameras.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,7 +47,9 @@ struct FrameDetection {
   std::string object;
   double score = 0;
   std::optional<std::size_t> instance = {};  // whose pose is right
-  double add_s_share = 0;  // from `instance`, or from the nearest one of that name; of the diameter
+  // ADD-S from `instance`, or from the nearest one of that name, as a share of the diameter;
+  // infinity if the frame has no pose of that name.
+  double add_s_share = std::numeric_limits<double>::infinity();
   bool pose_unknown = false;  // the true pose is unknown
   bool again = false;         // another detection already has that instance
   std::size_t voxels = 0;

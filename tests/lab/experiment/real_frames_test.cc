@@ -107,6 +107,21 @@ TEST_F(RealFramesTest, CountsAMisplacedObjectAsMissedAndWrong) {
   EXPECT_TRUE(result->detections[0].IsWrong());
 }
 
+TEST_F(RealFramesTest, AnObjectThatIsNotInTheFrameIsWrongWithoutAPoseError) {
+  WriteFrame("l-bracket", Pose::Identity());
+  WriteFramesJson(absl::StrFormat(R"([{"frame": "frame.pcd", "objects": []},
+    {"frame": "frame.pcd", "objects": [{"object": "l-bracket", "mesh": "l.ply", "meshUnit": "m",
+      "T_sensor_mesh": %s}]}])",
+                                  Rows(Pose::Identity())));
+  const auto result = Recognize();
+  ASSERT_THAT(result, IsOk());
+  ASSERT_EQ(result->detections.size(), 1U);
+  EXPECT_TRUE(result->detections[0].IsWrong());
+  const auto json = FramesJson("graspdb eval", {*result});
+  ASSERT_THAT(json, IsOk());
+  EXPECT_THAT(*json, HasSubstr("\"add_s_share\": null"));
+}
+
 TEST_F(RealFramesTest, RejectsAMalformedFileWithTheFrame) {
   EXPECT_THAT(Recognize(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("frames.json")));
   for (
