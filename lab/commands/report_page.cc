@@ -29,8 +29,10 @@ absl::Status MakeReportPage(const std::filesystem::path& folder) {
     return absl::OkStatus();
   }
   return absl::UnavailableError(
-      absl::StrCat("there is no report.html yet: install python3-matplotlib, then run ", kProgram,
-                   " ", folder.string()));
+      absl::StrCat(kProgram,
+                   " made no report.html; install python3-matplotlib if it is missing, "
+                   "then run: ",
+                   kProgram, " ", folder.string()));
 }
 
 }  // namespace graspdb::client
