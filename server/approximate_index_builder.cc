@@ -62,8 +62,6 @@ ApproximateIndexBuilder::ApproximateIndexBuilder(
                  LogField(std::string(loaded.message())));
   }
   RebuildIfOutdated();
-  idle_task_.emplace(
-      live, [] {}, [this] { RebuildIfOutdated(); });
 }
 
 absl::Status ApproximateIndexBuilder::Load() {

@@ -12,10 +12,9 @@ constexpr absl::Duration kPollInterval = absl::Seconds(10);
 
 }  // namespace
 
-IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> start, std::function<void()> task)
-    : thread_([this, &live, start = std::move(start), task = std::move(task)] {
+IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> task)
+    : thread_([this, &live, task = std::move(task)] {
         LowerPriority();
-        start();
         for (std::int64_t seen = -1; !Stopped(kPollInterval);) {
           live.CatchUp();
           const std::int64_t now = live.snapshot()->revision;

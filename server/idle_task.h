@@ -1,4 +1,4 @@
-// Work that waits until the catalogue is idle.
+// Work beside the requests: catching up, and a task while the catalogue is idle.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace graspdb::server {
 
-// A thread of low priority (LowerPriority) that runs `start`, and then `task` every 10 s in which
-// the catalogue has not changed. Before `task` it calls CatchUp() on the live catalogue.
+// A thread of low priority (LowerPriority) that calls CatchUp() on the live catalogue every 10 s,
+// and then `task` if the catalogue has not changed meanwhile.
 class IdleTask {
  public:
-  // `live` must outlive this, and the functions must not throw.
-  IdleTask(LiveCatalogue& live, std::function<void()> start, std::function<void()> task);
-  // Waits for the running function.
+  // `live` must outlive this, and `task` must not throw.
+  IdleTask(LiveCatalogue& live, std::function<void()> task);
+  // Waits for `task` if it is running.
   ~IdleTask();
   IdleTask(const IdleTask&) = delete;
   IdleTask& operator=(const IdleTask&) = delete;

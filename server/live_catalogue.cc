@@ -48,16 +48,14 @@ absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
 }
 
 absl::Status LiveCatalogue::Load() {
-  absl::StatusOr<LoadedViews> loaded = LoadViews(catalogue_, parameters_);
-  if (!loaded.ok()) return loaded.status();
-  TaughtPoseChange poses;
-  const absl::StatusOr<std::int64_t> revision =
-      catalogue_.ForEach(StablePoseVisitor(&poses, &loaded->left_out));
-  if (!revision.ok()) return revision.status();
-  file_revision_ = loaded->file_revision;
-  absl::MutexLock lock(&change_mutex_);
-  Install(*std::move(loaded), std::move(poses));
-  return absl::OkStatus();
+  const auto reload = [this] {
+    absl::MutexLock lock(&change_mutex_);
+    return Reload();
+  };
+  const absl::StatusOr<std::vector<std::string>> undescribed = reload();
+  if (!undescribed.ok() || undescribed->empty()) return undescribed.status();
+  const absl::Status described = Redescribe(catalogue_, *undescribed, parameters_);
+  return described.ok() ? reload().status() : described;
 }
 
 void LiveCatalogue::UseApproximate(
@@ -68,25 +66,21 @@ void LiveCatalogue::UseApproximate(
   Publish(std::move(next));
 }
 
-absl::Status LiveCatalogue::Reload() {
+absl::StatusOr<std::vector<std::string>> LiveCatalogue::Reload() {
   TaughtPoseChange poses;
   std::vector<std::string> left_out;
   std::vector<std::string> undescribed;
   absl::StatusOr<LoadedViews> loaded =
       ReadViews(catalogue_, parameters_, StablePoseVisitor(&poses, &left_out), &undescribed);
   if (!loaded.ok()) return loaded.status();
-  for (const auto& more : {left_out, undescribed}) {
-    loaded->left_out.insert(loaded->left_out.end(), more.begin(), more.end());
-  }
-  Install(*std::move(loaded), std::move(poses));
-  return absl::OkStatus();
-}
-
-void LiveCatalogue::Install(LoadedViews loaded, TaughtPoseChange poses) {
-  poses.added_views = std::move(loaded.views);
-  left_out_ = {loaded.left_out.begin(), loaded.left_out.end()};
-  Publish({loaded.revision, std::move(loaded.index),
+  poses.added_views = std::move(loaded->views);
+  std::set<std::string> all_left_out(left_out.begin(), left_out.end());
+  all_left_out.insert(loaded->left_out.begin(), loaded->left_out.end());
+  all_left_out.insert(undescribed.begin(), undescribed.end());
+  Publish({loaded->revision, std::move(loaded->index),
            std::make_shared<const TaughtPoses>(Changed({}, poses))});
+  left_out_ = std::move(all_left_out);
+  return undescribed;
 }
 
 void LiveCatalogue::Apply(const storage::ChangeRecord& change) {
@@ -126,7 +120,7 @@ void LiveCatalogue::Advance(const Snapshot& current, const storage::ChangeRecord
 }
 
 void LiveCatalogue::Recover() {
-  const absl::Status reloaded = Guarded([&] { return Reload(); });
+  const absl::Status reloaded = Guarded([&] { return Reload().status(); });
   if (reloaded.ok()) {
     stale_ = false;
     spdlog::info("event=catalogue_reloaded revision={}", snapshot()->revision);

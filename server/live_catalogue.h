@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 
@@ -18,10 +17,9 @@
 
 namespace graspdb::server {
 
-// Follows a storage::Catalogue: loads it once, from the index beside the database if that is valid,
-// else from the records, then applies every change before the call that made the change returns.
-// Records that cannot be used are left out. Readers take a snapshot and never wait for a writer.
-// Thread-safe.
+// Follows a storage::Catalogue: loads it once, then applies every change before the call that made
+// the change returns. Records that cannot be used are left out. Readers take a snapshot and never
+// wait for a writer. Thread-safe.
 class LiveCatalogue {
  public:
   // Loads `catalogue`, which must outlive this. Descriptors with other parameters are
@@ -51,9 +49,6 @@ class LiveCatalogue {
   void UseApproximate(std::shared_ptr<const recognition::ApproximateIndex> approximate)
       ABSL_LOCKS_EXCLUDED(change_mutex_);
 
-  // The revision of the index file that it was loaded from; nullopt if none was used.
-  std::optional<std::int64_t> file_revision() const { return file_revision_; }
-
   // Calls `work` with a snapshot. A view may be deleted between the snapshot and the loading of its
   // cloud: if `work` returns NOT_FOUND and there is a newer snapshot, it is retried.
   template <typename Work>
@@ -71,9 +66,9 @@ class LiveCatalogue {
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
   // Changes the catalogue, whose writers wait for change_mutex_, so it must not be locked.
   absl::Status Load() ABSL_LOCKS_EXCLUDED(change_mutex_);
-  absl::Status Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
-  void Install(LoadedViews loaded, TaughtPoseChange poses)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  // Reads all records. Returns the names of views that have no descriptor of the parameters, and
+  // are left out.
+  absl::StatusOr<std::vector<std::string>> Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Advance(const Snapshot& current, const storage::ChangeRecord& change)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Recover() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
@@ -81,7 +76,6 @@ class LiveCatalogue {
 
   storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
-  std::optional<std::int64_t> file_revision_;
 
   mutable absl::Mutex change_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   bool stale_ ABSL_GUARDED_BY(change_mutex_) = false;  // a change is not in the snapshot

@@ -9,7 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "program/log_field.h"
 #include "server/change_effects.h"
-#include "server/index_snapshot.h"
 #include "server/records.h"
 
 namespace graspdb::server {
@@ -38,7 +37,8 @@ absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
   return MakeDescriptorRecord(*cloud, sensor, parameters);
 }
 
-// Recomputes and stores the descriptors of the named views, except of those that cannot be used.
+}  // namespace
+
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters) {
   spdlog::info("event=redescribe views={} parameters={}", names.size(),
@@ -68,8 +68,6 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
   return store();
 }
 
-}  // namespace
-
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters,
                                       storage::RecordVisitor others,
@@ -95,25 +93,6 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
   LoadedViews out = collector.Finish(*revision);
   out.left_out = std::move(left_out);
   return out;
-}
-
-absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
-                                      const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<LoadedViews> kept = ReadIndexSnapshot(catalogue, parameters);
-  if (kept.ok()) return kept;
-  // A new database has no views to rebuild an index from.
-  if (catalogue.counts().views > 0) {
-    spdlog::info("event=index_rebuild reason={}", LogField(std::string(kept.status().message())));
-  }
-  std::vector<std::string> outdated;
-  absl::StatusOr<LoadedViews> read = ReadViews(catalogue, parameters, {}, &outdated);
-  if (!read.ok() || outdated.empty()) return read;
-  absl::Status described = Redescribe(catalogue, outdated, parameters);
-  if (!described.ok()) return described;
-  outdated.clear();
-  read = ReadViews(catalogue, parameters, {}, &outdated);
-  if (read.ok()) read->left_out.insert(read->left_out.end(), outdated.begin(), outdated.end());
-  return read;
 }
 
 }  // namespace graspdb::server

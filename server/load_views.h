@@ -1,4 +1,4 @@
-// Loads all views of the catalogue, from the index file if possible.
+// Loads all views of the catalogue.
 #pragma once
 
 #include <string>
@@ -11,21 +11,19 @@
 
 namespace graspdb::server {
 
-// The current views, from the index beside the database if that is valid, else from the records;
-// logs which of them, and why. Descriptors with other parameters are recomputed from the clouds,
-// and stored. No other thread may change the catalogue meanwhile. Views whose records or clouds
-// cannot be used are left out.
-//
-// FAILED_PRECONDITION for a view that cannot be described with `parameters`, and the errors of the
-// catalogue.
-absl::StatusOr<LoadedViews> LoadViews(storage::Catalogue& catalogue,
-                                      const recognition::DescriptorParameters& parameters);
-
 // The views of the records, read in one pass with the records for `others`. Names of those without
 // a descriptor of these parameters are added to `undescribed`; they are left out.
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters,
                                       storage::RecordVisitor others,
                                       std::vector<std::string>* undescribed);
+
+// Recomputes the descriptors of the named views from the clouds, and stores them; except of views
+// whose records or clouds cannot be used.
+//
+// FAILED_PRECONDITION for a view that cannot be described with `parameters`, and the errors of the
+// catalogue.
+absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+                        const recognition::DescriptorParameters& parameters);
 
 }  // namespace graspdb::server

@@ -5,7 +5,6 @@
 #include <deque>
 #include <future>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,7 @@ struct LoadedViews {
   std::int64_t revision = 0;
   recognition::DescriptorIndex index;
   std::vector<std::shared_ptr<const recognition::TaughtView>> views;
-  std::optional<std::int64_t> file_revision = {};  // of the index file that they were read from
-  std::vector<std::string> left_out = {};          // names of views that cannot be used
+  std::vector<std::string> left_out = {};  // names of views that cannot be used
 };
 
 // Adds views to an index as they are read. Other threads process them in portions, which takes

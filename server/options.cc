@@ -38,10 +38,7 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
       0, 1 << 24);
   number("--cache-mib", &o->cache_mib,
          "Part of --memory-mib for models and clouds of views, MiB; 0: half of it", 0, 1 << 24);
-  number("--keep-changes", &o->keep_changes,
-         "Number of change records that are kept; an index file that is more changes behind is "
-         "rebuilt at the start",
-         1, 1e9);
+  number("--keep-changes", &o->keep_changes, "Number of change records that are kept", 1, 1e9);
   number("--drain", &o->drain_s, "Maximum seconds to wait for running calls when stopping", 0,
          3600);
   number("--voxel-size", &o->voxel_size_m,

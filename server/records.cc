@@ -8,28 +8,21 @@
 
 namespace graspdb::server {
 
-absl::StatusOr<std::shared_ptr<recognition::TaughtView>> NewTaughtView(const std::string& name) {
-  absl::StatusOr<storage::ViewName> parsed = storage::ParseViewName(name);
-  if (!parsed.ok()) return parsed.status();
-  auto view = std::make_shared<recognition::TaughtView>();
-  view->name = name;
-  view->object = storage::MakeObjectName(parsed->object_id);
-  view->stable_pose = storage::MakeStablePoseName(parsed->object_id, parsed->stable_pose_id);
-  return view;
-}
-
 absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
     const storage::ViewRecord& record) {
-  absl::StatusOr<std::shared_ptr<recognition::TaughtView>> named = NewTaughtView(record.name());
+  const absl::StatusOr<storage::ViewName> name = storage::ParseViewName(record.name());
   absl::StatusOr<recognition::Pose> object = PoseFromProto(record.object_pose(), "object_pose");
   absl::StatusOr<recognition::Pose> sensor = PoseFromProto(record.sensor_pose(), "sensor_pose");
-  for (const absl::Status& status : {named.status(), object.status(), sensor.status()}) {
+  for (const absl::Status& status : {name.status(), object.status(), sensor.status()}) {
     if (status.ok()) continue;
     return absl::DataLossError(absl::StrCat("the record of view ", record.name(),
                                             " is damaged: ", status.message(),
                                             "; restore the catalogue from a backup"));
   }
-  const std::shared_ptr<recognition::TaughtView> view = *std::move(named);
+  auto view = std::make_shared<recognition::TaughtView>();
+  view->name = record.name();
+  view->object = storage::MakeObjectName(name->object_id);
+  view->stable_pose = storage::MakeStablePoseName(name->object_id, name->stable_pose_id);
   view->content = record.content_digest();
   view->world_object = *object;
   view->world_sensor = *sensor;

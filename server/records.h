@@ -12,10 +12,6 @@
 
 namespace graspdb::server {
 
-// A view with that resource name and the names of its parents; the caller fills in the rest.
-// INVALID_ARGUMENT for another kind of name.
-absl::StatusOr<std::shared_ptr<recognition::TaughtView>> NewTaughtView(const std::string& name);
-
 // DATA_LOSS for an invalid record.
 absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
     const storage::ViewRecord& record);

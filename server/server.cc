@@ -17,7 +17,7 @@
 #include "server/catalog_service.h"
 #include "server/cell_service.h"
 #include "server/frame_recognizer.h"
-#include "server/index_checkpointer.h"
+#include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/recognition_service.h"
@@ -73,10 +73,13 @@ struct Server::Parts {
         max_points(static_cast<std::size_t>(options.max_points)),
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
-        index_keeper(*catalogue, *live, parameters.descriptor),
         approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
                                                           *catalogue, *live, parameters.descriptor)
                                                     : nullptr),
+        idle_task(*live,
+                  [this] {
+                    if (approximate_keeper != nullptr) approximate_keeper->RebuildIfOutdated();
+                  }),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
         recognizing(WorkersOf(options), options.queue),
@@ -97,8 +100,8 @@ struct Server::Parts {
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
-  IndexCheckpointer index_keeper;
   std::unique_ptr<ApproximateIndexBuilder> approximate_keeper;  // null: searches are exact
+  IdleTask idle_task;                                           // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
   Admission recognizing;

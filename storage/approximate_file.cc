@@ -19,8 +19,8 @@ std::string ApproximatePath(const std::string& directory) {
   return directory + "/" + std::string(kApproximateFile);
 }
 
-std::string ChecksumOf(std::string_view record) {
-  return ToLittleEndian(Crc32c(record, Crc32c(kApproximateMagic)));
+std::string StartOf(std::string_view record) {
+  return std::string(kApproximateMagic) + ToLittleEndian(Crc32c(record, Crc32c(kApproximateMagic)));
 }
 
 absl::Status DamagedApproximate() {
@@ -31,15 +31,12 @@ absl::Status DamagedApproximate() {
 
 absl::Status WriteApproximateFile(const std::string& directory,
                                   const ApproximateIndexRecord& record) {
-  std::string bytes;
-  if (!record.SerializeToString(&bytes)) {
+  std::string bytes(kStartBytes, '\0');
+  if (!record.AppendToString(&bytes)) {
     return absl::UnavailableError("the approximate index is too large for its file");
   }
-  FileReplacement file(ApproximatePath(directory));
-  absl::Status status = file.Append(std::string(kApproximateMagic) + ChecksumOf(bytes));
-  status.Update(file.Append(bytes));
-  if (!status.ok()) return status;
-  return file.Commit();
+  bytes.replace(0, kStartBytes, StartOf(std::string_view(bytes).substr(kStartBytes)));
+  return ReplaceFile(ApproximatePath(directory), bytes);
 }
 
 absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory) {
@@ -53,8 +50,7 @@ absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& di
   std::string bytes(size, '\0');
   if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return DamagedApproximate();
   const std::string_view record = std::string_view(bytes).substr(kStartBytes);
-  if (bytes.substr(0, kStartBytes) != std::string(kApproximateMagic) + ChecksumOf(record))
-    return DamagedApproximate();
+  if (bytes.substr(0, kStartBytes) != StartOf(record)) return DamagedApproximate();
   ApproximateIndexRecord out;
   if (!out.ParseFromArray(record.data(), static_cast<int>(record.size())))
     return DamagedApproximate();

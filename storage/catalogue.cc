@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "storage/change_key.h"
 #include "storage/change_log.h"
-#include "storage/crc32c.h"
 #include "storage/database.h"
+#include "storage/database_directory.h"
 #include "storage/record_list.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
@@ -23,6 +22,7 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
   if (!database.ok()) return database.status();
   auto meta = PrepareSchema(**database, *floor, options.clock());
   if (!meta.ok()) return meta.status();
+  DeleteOldIndex(directory);
   const absl::Status floor_written = WriteRevisionFloor(directory, meta->revision());
   if (!floor_written.ok()) return floor_written;
   auto log = std::make_unique<ChangeLog>(**database, *std::move(meta),
@@ -53,23 +53,6 @@ CatalogueCounts Catalogue::counts() const {
 int Catalogue::schema_version() const { return log_->meta().schema_version(); }
 
 const std::string& Catalogue::directory() const { return database_->directory(); }
-
-absl::StatusOr<std::string> Catalogue::MarkOf(std::int64_t revision) const {
-  const absl::StatusOr<std::string> identity = database_->Identity();
-  if (!identity.ok()) return identity.status();
-  std::string change;
-  if (revision != 0) {
-    auto bytes = database_->Get(Family::kChanges, ChangeKey(revision));
-    if (!bytes.ok()) return bytes.status();
-    change = *std::move(bytes);
-  }
-  // Change records have a time in nanoseconds, which differs in copies that have diverged.
-  ChangeRecord record;
-  if (!record.ParseFromString(change)) return DamagedRecord(std::to_string(revision));
-  return *identity + " " + std::to_string(revision) + " " +
-         std::to_string(record.time().seconds()) + "." + std::to_string(record.time().nanos()) +
-         " " + std::to_string(Crc32c(change));
-}
 
 absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {
   const Database::Snapshot snapshot = database_->TakeSnapshot();

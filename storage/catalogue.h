@@ -50,9 +50,8 @@ struct CatalogueOptions {
   bool create_if_missing = true;
   // Source of create and update times. Called by one writer at a time; must not throw.
   std::function<absl::Time()> clock = absl::Now;
-  // Number of the newest change records that are kept; at least 1. An index file that is more
-  // changes behind is rebuilt (the server's limit is 20,000). Twice as many take twice the disk:
-  // 1.5 KB per view.
+  // Number of the newest change records that are kept; at least 1. Twice as many take twice the
+  // disk: 1.5 KB per view.
   std::int64_t keep_changes = 50'000;
   // Write buffer of each of the eight families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
@@ -132,10 +131,6 @@ class Catalogue {
   int schema_version() const;
   // The directory given to Open().
   const std::string& directory() const;
-  // A text that is unique to this database and its history up to `revision`, to identify files that
-  // were built from it. Copies of a database have the same marks up to the revision at which they
-  // diverge. NOT_FOUND for a revision that is not reached or whose change record is no longer kept.
-  absl::StatusOr<std::string> MarkOf(std::int64_t revision) const;
 
   // --- Objects, stable poses, cells -------------------------------------------------
   // Names are checked, INVALID_ARGUMENT; other fields are stored as they are. Etag,

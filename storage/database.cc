@@ -111,13 +111,6 @@ void Database::FlushLargeLogs() {
   db_->Flush(rocksdb::FlushOptions(), handles_).PermitUncheckedError();
 }
 
-absl::StatusOr<std::string> Database::Identity() const {
-  std::string identity;
-  const rocksdb::Status read = db_->GetDbIdentity(identity);
-  if (!read.ok()) return FromRocksDb(read, "read the identity of the database");
-  return identity;
-}
-
 void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {
   for (rocksdb::ColumnFamilyHandle* handle : handles) {
     handles_.push_back(handle);

@@ -45,8 +45,6 @@ class Database {
   Database& operator=(const Database&) = delete;
 
   const std::string& directory() const { return directory_; }
-  // RocksDB's identity of the database; copies have the same.
-  absl::StatusOr<std::string> Identity() const;
   // Whether nothing was ever written.
   bool IsPristine() const;
   bool HasAllFamilies() const;

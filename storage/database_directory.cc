@@ -8,7 +8,6 @@
 
 #include "absl/status/status.h"
 #include "storage/approximate_file.h"
-#include "storage/index_file.h"
 #include "storage/revision_floor.h"
 
 namespace graspdb::storage {
@@ -49,7 +48,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name == "CURRENT") return DirectoryContent::kDatabase;
-    ours |= name == kRevisionFloorFile || name == kIndexFile || name == kApproximateFile;
+    ours |= name == kRevisionFloorFile || name == kApproximateFile;
     foreign |= !MayPrecedeDatabase(name);
   }
   if (error) return CannotRead(directory, error);
@@ -62,6 +61,14 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
   return absl::FailedPreconditionError("the directory " + directory +
                                        " is not empty and is not a graspdb database; choose an "
                                        "empty directory or another --db");
+}
+
+void DeleteOldIndex(const std::string& directory) {
+  for (const char* name : {"/INDEX", "/INDEX.dbtmp"}) {
+    // One that cannot be deleted only takes space.
+    std::error_code ignored;
+    std::filesystem::remove(directory + name, ignored);
+  }
 }
 
 absl::Status MakeDirectory(const std::string& directory) {

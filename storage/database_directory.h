@@ -17,6 +17,9 @@ enum class DirectoryContent {
 // graspdb database, UNAVAILABLE when it cannot be read.
 absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory);
 
+// Deletes the index that earlier versions kept beside their database.
+void DeleteOldIndex(const std::string& directory);
+
 // Creates `directory` with its parents. UNAVAILABLE on failure.
 absl::Status MakeDirectory(const std::string& directory);
 

@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <utility>
 
 namespace graspdb::storage {
 namespace {
@@ -16,54 +16,54 @@ namespace {
 // portions.
 constexpr std::size_t kSyncBytes = 8U << 20;
 
+// An open file or directory.
+class OpenFile {
+ public:
+  OpenFile(const std::string& path, int flags)
+      : number_(open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
+  ~OpenFile() {
+    if (number_ >= 0) close(number_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  const int number_;
+};
+
+// Whether `bytes` are on the disk; else errno has the reason.
+bool WriteDurably(const std::string& path, std::string_view bytes) {
+  const OpenFile file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  if (file.number() < 0) return false;
+  while (!bytes.empty()) {
+    const ssize_t written = write(file.number(), bytes.data(), std::min(bytes.size(), kSyncBytes));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0 || fsync(file.number()) != 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+// The names in a directory are durable once it is synced.
+bool SyncNames(const std::string& directory) {
+  const OpenFile names(directory, O_RDONLY | O_DIRECTORY);
+  return names.number() >= 0 && fsync(names.number()) == 0;
+}
+
 }  // namespace
 
-FileReplacement::FileReplacement(std::string path)
-    : path_(std::move(path)),
-      next_(path_ + ".dbtmp"),
-      file_(open(next_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
-  if (file_ < 0) status_ = DiskError();
-}
-
-FileReplacement::~FileReplacement() {
-  if (file_ < 0) return;
-  close(file_);
-  unlink(next_.c_str());
-}
-
-absl::Status FileReplacement::Append(std::string_view bytes) {
-  while (status_.ok() && !bytes.empty()) {
-    const ssize_t written = write(file_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return status_ = DiskError();
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-    unsynced_ += static_cast<std::size_t>(written);
+absl::Status ReplaceFile(const std::string& path, std::string_view bytes) {
+  const std::string next = path + ".dbtmp";
+  if (WriteDurably(next, bytes) && rename(next.c_str(), path.c_str()) == 0 &&
+      SyncNames(std::filesystem::path(path).parent_path().string())) {
+    return absl::OkStatus();
   }
-  return unsynced_ < kSyncBytes ? status_ : WaitForDisk();
-}
-
-absl::Status FileReplacement::WaitForDisk() {
-  unsynced_ = 0;
-  if (status_.ok() && fsync(file_) != 0) status_ = DiskError();
-  return status_;
-}
-
-absl::Status FileReplacement::Commit() {
-  if (!WaitForDisk().ok()) return status_;
-  if (rename(next_.c_str(), path_.c_str()) != 0) return status_ = DiskError();
-  close(std::exchange(file_, -1));
-  // The new name is durable once the directory is synced.
-  const std::string directory = std::filesystem::path(path_).parent_path().string();
-  const int names = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (names < 0) return status_ = DiskError();
-  if (fsync(names) != 0) status_ = DiskError();
-  close(names);
-  return status_;
-}
-
-absl::Status FileReplacement::DiskError() {
-  return absl::UnavailableError("cannot write " + path_ + " (" + std::strerror(errno) +
-                                "); check the disk");
+  absl::Status failed = absl::UnavailableError("cannot write " + path + " (" +
+                                               std::strerror(errno) + "); check the disk");
+  unlink(next.c_str());
+  return failed;
 }
 
 }  // namespace graspdb::storage

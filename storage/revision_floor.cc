@@ -25,9 +25,7 @@ std::string Encode(std::int64_t revision) {
 }  // namespace
 
 absl::Status WriteRevisionFloor(const std::string& directory, std::int64_t revision) {
-  FileReplacement file(FloorPath(directory));
-  if (auto written = file.Append(Encode(revision)); !written.ok()) return written;
-  return file.Commit();
+  return ReplaceFile(FloorPath(directory), Encode(revision));
 }
 
 absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string& directory) {

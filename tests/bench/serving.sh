@@ -82,7 +82,6 @@ scale 4
   echo "| start with 100,000 views | ms until it answers | resident, MiB |"
   echo "| --- | --- | --- |"
 } | tee -a "$out/serving.md"
-start_server "$out/server" "$out/100000.db" --log-level warn  # the first start may write the index
 
 # started NAME: a row of the table.
 started() {

@@ -1,4 +1,4 @@
-// Databases with modified records, clouds and index file: the server fails to start or answers.
+// Databases with modified records and clouds: the server fails to start or answers.
 #include <rocksdb/db.h>
 
 #include <cstdint>
@@ -10,7 +10,6 @@
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
 #include "storage/family.h"
-#include "storage/index_file.h"
 #include "storage/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/message_target.h"
@@ -90,23 +89,6 @@ void WriteRecords(const std::string& directory, const StoredDatabase& database) 
   for (rocksdb::ColumnFamilyHandle* handle : handles) db->DestroyColumnFamilyHandle(handle);
 }
 
-// The index file of `catalogue` with the differences in the input.
-void WriteIndex(const storage::Catalogue& catalogue, const StoredDatabase& database) {
-  if (database.index_blocks().empty()) return;
-  storage::IndexHeader header;
-  header.set_revision(catalogue.revision());
-  header.set_mark(catalogue.MarkOf(catalogue.revision()).value_or(""));
-  header.set_parameters(recognition::DescriptorParameters().Fingerprint());
-  header.set_view_count(catalogue.counts().views);
-  header.MergeFrom(database.index_header());
-  header.set_block_count(database.index_blocks_size());
-  storage::IndexFileWriter writer(catalogue.directory(), header);
-  for (const storage::IndexBlock& block : database.index_blocks()) {
-    Require(writer.Append(block).ok(), "a block is written");
-  }
-  Require(writer.Commit().ok(), "an index is written");
-}
-
 // Starts a server on the records and answers a frame.
 void Use(storage::Catalogue& catalogue) {
   const recognition::RecognitionParameters parameters;
@@ -140,11 +122,9 @@ void Run(const StoredDatabase& database) {
   const std::string copy = original + ".copy";
   fs::remove_all(copy);
   fs::copy(original, copy, fs::copy_options::recursive);
-  fs::remove(copy + "/" + std::string(storage::kIndexFile));
   WriteRecords(copy, database);
   const auto catalogue = storage::Catalogue::Open(copy);
   if (!catalogue.ok()) return;
-  WriteIndex(**catalogue, database);
   Use(**catalogue);
 }
 

@@ -23,7 +23,7 @@ void WriteFileSeeds(const SeedWriter& out);
 void WriteTextSeeds(const SeedWriter& out);
 // Requests with scans of sample parts.
 void WriteRequestSeeds(const SeedWriter& out);
-// Packed clouds, index files, records.
+// Packed clouds, files of an approximate index, logs, records.
 void WriteStorageSeeds(const SeedWriter& out);
 
 }  // namespace graspdb::fuzz

@@ -1,13 +1,12 @@
-// Bytes of the storage: packed clouds ("GPC"), index files ("GIX"), files of an approximate index
-// ("GAX") and RocksDB's logs (all others). Checksums are corrected before an input is read, so that
-// the data after them are parsed.
+// Bytes of the storage: packed clouds ("GPC"), files of an approximate index ("GAX") and RocksDB's
+// logs (all others). Checksums are corrected before an input is read, so that the data after them
+// are parsed.
 #include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "storage/approximate_file.h"
 #include "storage/crc32c.h"
-#include "storage/index_file.h"
 #include "storage/little_endian.h"
 #include "storage/log_check.h"
 #include "storage/packed_cloud.h"
@@ -24,14 +23,6 @@ void PutUint32(std::uint32_t value, std::size_t at, std::string& bytes) {
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i));
 }
 
-std::uint32_t GetUint32(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    value |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-  }
-  return value;
-}
-
 void ReadCloud(std::string bytes) {
   constexpr std::size_t kChecksumAt = 8;
   constexpr std::size_t kFrameAt = 12;
@@ -46,33 +37,6 @@ void ReadCloud(std::string bytes) {
   Require(packed.ok(), "unpacked points can be packed");
   const auto again = storage::UnpackCloud(*packed);
   Require(again.ok() && *again == *points, "the same points after packing");
-}
-
-// Each part has its size, a checksum chained over all parts, and the bytes.
-void FixIndex(std::string& bytes) {
-  constexpr std::size_t kStartBytes = 8;
-  std::uint32_t checksum = storage::Crc32c(std::string_view(bytes).substr(0, kMagicBytes));
-  std::size_t at = kMagicBytes;
-  while (bytes.size() - at >= kStartBytes) {
-    const std::size_t size = GetUint32(bytes, at);
-    if (size > bytes.size() - at - kStartBytes) return;
-    checksum = storage::Crc32c(std::string_view(bytes).substr(at + kStartBytes, size), checksum);
-    PutUint32(checksum, at + 4, bytes);
-    at += kStartBytes + size;
-  }
-}
-
-void ReadIndex(std::string bytes) {
-  static const ScratchFolder folder;
-  FixIndex(bytes);
-  folder.Write(std::string(storage::kIndexFile), bytes);
-  auto reader = storage::IndexFileReader::Open(folder.path().string());
-  if (!reader.ok()) return;
-  storage::IndexBlock block;
-  std::int64_t blocks = 0;
-  while (blocks < reader->header().block_count() && reader->Next(&block).ok()) ++blocks;
-  Require(static_cast<std::size_t>(blocks) <= bytes.size(), "no more blocks than bytes");
-  if (blocks == reader->header().block_count()) reader->Finish().IgnoreError();
 }
 
 void ReadApproximate(std::string bytes) {
@@ -94,8 +58,6 @@ void ReadApproximate(std::string bytes) {
 void Read(std::string_view bytes) {
   if (bytes.starts_with("GPC")) {
     ReadCloud(std::string(bytes));
-  } else if (bytes.starts_with("GIX\x01")) {
-    ReadIndex(std::string(bytes));
   } else if (bytes.starts_with("GAX\x01")) {
     ReadApproximate(std::string(bytes));
   } else {

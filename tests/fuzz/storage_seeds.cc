@@ -1,11 +1,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "recognition/descriptors/descriptor_parameters.h"
 #include "storage/approximate_file.h"
 #include "storage/catalogue.h"
 #include "storage/family.h"
-#include "storage/index_file.h"
 #include "storage/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/operations.pb.h"
@@ -42,17 +40,6 @@ void WriteFiles(const SeedWriter& out, const storage::Catalogue& catalogue,
   Require(cloud.ok(), "a view has a cloud");
   out.Write("storage_file", "cloud", *cloud);
   const ScratchFolder folder;
-  storage::IndexHeader header;
-  header.set_mark("mark");
-  header.set_view_count(1);
-  header.set_block_count(1);
-  storage::IndexBlock block;
-  block.add_names(view.name());
-  block.add_content_digests("digest");
-  for (int i = 0; i < 24; ++i) block.add_poses(i);
-  storage::IndexFileWriter writer(folder.path().string(), header);
-  Require(writer.Append(block).ok() && writer.Commit().ok(), "an index is written");
-  out.Write("storage_file", "index", BytesOf(folder.path() / storage::kIndexFile));
   storage::ApproximateIndexRecord approximate;
   approximate.set_library("library");
   approximate.add_names(view.name());
@@ -96,14 +83,6 @@ void WriteRecords(const SeedWriter& out, const storage::Catalogue& catalogue,
   outcomes.set_name(pose_name);
   outcomes.add_counts()->set_grasp_id("top");
   out.Write("records", "others", others.SerializeAsString());
-  StoredDatabase index;
-  storage::IndexBlock& block = *index.add_index_blocks();
-  block.add_names(view.name());
-  block.add_content_digests(view.content_digest());
-  for (int i = 0; i < 24; ++i) block.add_poses(i % 5 == 0 ? 1 : 0);
-  block.add_object_poses_given(true);
-  *block.mutable_bins() = view.descriptors(0).bins();
-  out.Write("records", "index", index.SerializeAsString());
 }
 
 }  // namespace

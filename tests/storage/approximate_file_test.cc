@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -61,6 +62,23 @@ TEST_F(ApproximateFileTest, AllDamageIsDetected) {
     EXPECT_THAT(ReadOf(bytes.substr(0, i)), StatusIs(absl::StatusCode::kDataLoss)) << i;
   }
   EXPECT_THAT(ReadOf(bytes + "x"), StatusIs(absl::StatusCode::kDataLoss));
+}
+
+TEST_F(ApproximateFileTest, RemainsOfACrashAreOverwritten) {
+  std::ofstream(Path() + ".dbtmp", std::ios::binary) << std::string(10'000, 'x');
+  ASSERT_THAT(WriteApproximateFile(Folder(), record_), IsOk());
+  EXPECT_THAT(ReadApproximateFile(Folder()), IsOk());
+  EXPECT_FALSE(std::filesystem::exists(Path() + ".dbtmp"));
+}
+
+TEST_F(ApproximateFileTest, DiskFailureIsReportedAndLeavesTheOldFile) {
+  ASSERT_THAT(WriteApproximateFile(Folder(), record_), IsOk());
+  const std::string bytes = Bytes();
+  std::filesystem::create_directory(Path() + ".dbtmp");
+  record_.set_library("another library");
+  EXPECT_THAT(WriteApproximateFile(Folder(), record_),
+              StatusIs(absl::StatusCode::kUnavailable, ::testing::HasSubstr(Path())));
+  EXPECT_EQ(Bytes(), bytes);
 }
 
 }  // namespace

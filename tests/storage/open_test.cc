@@ -4,8 +4,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "storage/approximate_file.h"
 #include "storage/catalogue.h"
-#include "storage/index_file.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
 #include "tests/storage/catalogue_fixture.h"
@@ -210,10 +210,21 @@ TEST_F(OpenTest, ACloseLeavesNoLargeLogToReplay) {
       OpenOrDie(database_)->GetPackedCloud("objects/mug/stablePoses/upright/views/big").ok());
 }
 
-TEST_F(OpenTest, RemainingIndexFileMeansALostDatabase) {
+TEST_F(OpenTest, RemainingApproximateIndexMeansALostDatabase) {
   std::filesystem::create_directory(database_);
-  WriteBytes(std::filesystem::path(database_) / kIndexFile, "left over");
+  WriteBytes(std::filesystem::path(database_) / kApproximateFile, "left over");
   EXPECT_TRUE(absl::IsDataLoss(TryOpen()));
+}
+
+TEST_F(OpenTest, IndexFileOfAnEarlierVersionIsDeleted) {
+  MakeDatabase();
+  const std::filesystem::path database = database_;
+  for (const char* name : {"INDEX", "INDEX.dbtmp"}) WriteBytes(database / name, "GIX");
+  WriteBytes(database / kApproximateFile, "GAX");
+  EXPECT_EQ(OpenOrDie(database_)->revision(), 12);
+  EXPECT_FALSE(std::filesystem::exists(database / "INDEX"));
+  EXPECT_FALSE(std::filesystem::exists(database / "INDEX.dbtmp"));
+  EXPECT_TRUE(std::filesystem::exists(database / kApproximateFile));
 }
 
 }  // namespace
