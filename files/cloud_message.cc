@@ -14,6 +14,12 @@ static_assert(sizeof(Eigen::Vector3f) == kStride);
 // Bytes of the digest in an id: enough for billions of captures.
 constexpr std::size_t kIdBytes = 10;
 
+std::string IdOf(const std::string& content) {
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(content.data()), content.size(), digest);
+  return absl::BytesToHexString(std::string(reinterpret_cast<const char*>(digest), kIdBytes));
+}
+
 }  // namespace
 
 v1::PointCloud CloudMessage(const recognition::Points& points, int width) {
@@ -46,10 +52,11 @@ absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& clou
   return out;
 }
 
-std::string ContentId(const v1::PointCloud& cloud) {
-  unsigned char digest[SHA256_DIGEST_LENGTH];
-  SHA256(reinterpret_cast<const unsigned char*>(cloud.data().data()), cloud.data().size(), digest);
-  return absl::BytesToHexString(std::string(reinterpret_cast<const char*>(digest), kIdBytes));
+std::string ContentId(const v1::View& view) {
+  if (view.has_cloud()) return IdOf(view.cloud().data());
+  v1::DepthImage image = view.depth_image();  // whose counts mean nothing without camera and unit
+  image.clear_capture_time();
+  return IdOf(image.SerializeAsString());
 }
 
 }  // namespace graspdb::client

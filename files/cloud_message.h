@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "files/point_file.h"
-#include "graspdb/v1/capture_set.pb.h"
+#include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/geometry.pb.h"
 
 namespace graspdb::client {
@@ -18,7 +18,7 @@ v1::PointCloud CloudMessage(const PointFile& file);
 // layout.
 absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& cloud);
 
-// An id computed from the points: the same capture gives the same id.
-std::string ContentId(const v1::PointCloud& cloud);
+// An id computed from the view's points or depth image: the same capture gives the same id.
+std::string ContentId(const v1::View& view);
 
 }  // namespace graspdb::client

@@ -1,9 +1,13 @@
 #include "files/depth_message.h"
 
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "recognition/points/depth_image.h"
 
 namespace graspdb::client {
 
@@ -41,6 +45,19 @@ v1::DepthImage DepthMessage(const std::vector<std::uint16_t>& counts,
   return out;
 }
 
+v1::DepthImage FineDepthMessage(std::span<const float> depths_m,
+                                const recognition::CameraIntrinsics& camera, double far_m) {
+  constexpr long kMaxCount = std::numeric_limits<std::uint16_t>::max();
+  const double unit_m = far_m / kMaxCount;
+  std::vector<std::uint16_t> counts;
+  counts.reserve(depths_m.size());
+  for (const float depth : depths_m) {
+    const long count = depth > 0 ? std::lround(static_cast<double>(depth) / unit_m) : 0;
+    counts.push_back(count <= kMaxCount ? static_cast<std::uint16_t>(count) : 0);
+  }
+  return DepthMessage(counts, camera, unit_m);
+}
+
 absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImage& image) {
   const v1::CameraIntrinsics& camera = image.intrinsics();
   const std::int64_t pixels = std::int64_t{camera.width()} * camera.height();
@@ -59,6 +76,20 @@ absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImag
     counts.push_back(static_cast<std::uint16_t>(low | high << 8U));
   }
   return counts;
+}
+
+absl::StatusOr<recognition::Points> PointsFromMessage(const v1::DepthImage& message) {
+  recognition::DepthImage image{
+      .depth = {}, .camera = FromMessage(message.intrinsics()), .unit_m = DepthUnit(message)};
+  absl::StatusOr<std::vector<std::uint16_t>> counts = CountsFromMessage(message);
+  if (!counts.ok()) return counts.status();
+  if (!(image.camera.fx > 0 && image.camera.fy > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("the focal lengths of the depth image are ",
+                                                   image.camera.fx, " and ", image.camera.fy,
+                                                   " pixels; check the camera"));
+  }
+  image.depth = *std::move(counts);
+  return recognition::PointsOf(image);
 }
 
 double DepthUnit(const v1::DepthImage& image) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -15,8 +16,17 @@ namespace graspdb::client {
 v1::DepthImage DepthMessage(const std::vector<std::uint16_t>& counts,
                             const recognition::CameraIntrinsics& camera, double unit_m);
 
+// Depths in metres, row by row, in the finest unit with which 16 bits reach `far_m`: rounding moves
+// a depth by at most 8 um per metre of `far_m`. Farther depths, 0 and NaN are no measurement.
+v1::DepthImage FineDepthMessage(std::span<const float> depths_m,
+                                const recognition::CameraIntrinsics& camera, double far_m);
+
 // The counts of an image, row by row. INVALID_ARGUMENT when there are not width * height.
 absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImage& image);
+
+// The points of an image, sensor frame, metres, row by row; NaN: not measured. INVALID_ARGUMENT as
+// CountsFromMessage, and for focal lengths that are not positive.
+absl::StatusOr<recognition::Points> PointsFromMessage(const v1::DepthImage& image);
 
 // Metres per count.
 double DepthUnit(const v1::DepthImage& image);

@@ -92,14 +92,10 @@ absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path)
 
 absl::Status WriteIntrinsics(const std::filesystem::path& path, const DepthPngCamera& camera) {
   google::protobuf::Struct document;
-  JsonObject object(&document);
-  object.Number("width", camera.intrinsics.width);
-  object.Number("height", camera.intrinsics.height);
-  object.Number("fx", camera.intrinsics.fx);
-  object.Number("fy", camera.intrinsics.fy);
-  object.Number("cx", camera.intrinsics.cx);
-  object.Number("cy", camera.intrinsics.cy);
-  object.Number("depthUnitM", camera.depth_unit_m);
+  const recognition::CameraIntrinsics& k = camera.intrinsics;
+  JsonObject(&document).Set(Json("width", k.width), Json("height", k.height), Json("fx", k.fx),
+                            Json("fy", k.fy), Json("cx", k.cx), Json("cy", k.cy),
+                            Json("depthUnitM", camera.depth_unit_m));
   const absl::StatusOr<std::string> text = PrintDocument(document, JsonLayout::kIndented);
   if (!text.ok()) return text.status();
   return WriteFileAtomically(path, *text, Durability::kProcessCrash);

@@ -26,12 +26,14 @@ std::string SortedBytes(const google::protobuf::Struct& document) {
 
 }  // namespace
 
-void JsonObject::Number(const std::string& key, double number) {
+google::protobuf::Value JsonNumber(double number) {
+  google::protobuf::Value out;
   if (std::isfinite(number)) {
-    At(key).set_number_value(number);
+    out.set_number_value(number);
   } else {
-    Null(key);
+    out.set_null_value(google::protobuf::NULL_VALUE);
   }
+  return out;
 }
 
 absl::StatusOr<std::string> PrintDocument(const google::protobuf::Struct& document,

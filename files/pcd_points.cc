@@ -1,6 +1,6 @@
 #include "files/pcd_points.h"
 
-#include <pcl/io/lzf.h>
+#include <lzf.h>
 
 #include <array>
 #include <cstdint>
@@ -13,6 +13,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
 namespace graspdb::client {
@@ -117,11 +118,51 @@ std::string ReadBody(std::ifstream& in, const PcdHeader& header) {
   const std::string packed = ReadBytes(in, sizes[0]);
   if (packed.empty() || sizes[1] != promised) return "";
   std::string body(promised, '\0');
-  const unsigned unpacked = pcl::lzfDecompress(packed.data(), sizes[0], body.data(), sizes[1]);
+  const unsigned unpacked = lzf_decompress(packed.data(), sizes[0], body.data(), sizes[1]);
   return unpacked == sizes[1] ? body : "";
 }
 
+constexpr char kPointFields[] = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+constexpr char kOrientedFields[] =
+    "FIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\n"
+    "COUNT 1 1 1 1 1 1\n";
+
+std::string HeaderOf(const PointFile& file) {
+  const recognition::Pose pose = file.sensor_pose.value_or(recognition::Pose::Identity());
+  const Eigen::Vector3f t = pose.translation().cast<float>();
+  const Eigen::Quaternionf q = Eigen::Quaterniond(pose.linear()).cast<float>();
+  return absl::StrFormat(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n%sWIDTH %d\nHEIGHT %d\n"
+      "VIEWPOINT %.9g %.9g %.9g %.9g %.9g %.9g %.9g\nPOINTS %d\nDATA binary_compressed\n",
+      file.normals.empty() ? kPointFields : kOrientedFields, file.width, file.height, t.x(), t.y(),
+      t.z(), q.w(), q.x(), q.y(), q.z(), file.points.size());
+}
+
+// All x, then all y, then all z.
+void AppendColumns(const std::vector<Eigen::Vector3f>& values, std::string* body) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    for (const Eigen::Vector3f& value : values) {
+      body->append(reinterpret_cast<const char*>(&value[axis]), sizeof(float));
+    }
+  }
+}
+
 }  // namespace
+
+std::string EncodePcd(const PointFile& file) {
+  std::string body;
+  body.reserve((file.points.size() + file.normals.size()) * sizeof(Eigen::Vector3f));
+  AppendColumns(file.points, &body);
+  AppendColumns(file.normals, &body);
+  // LZF adds a byte to 32 that it cannot compress.
+  std::string packed(body.size() + body.size() / 32 + 16, '\0');
+  const std::uint32_t sizes[2] = {lzf_compress(body.data(), static_cast<unsigned>(body.size()),
+                                               packed.data(), static_cast<unsigned>(packed.size())),
+                                  static_cast<std::uint32_t>(body.size())};
+  return absl::StrCat(HeaderOf(file),
+                      absl::string_view(reinterpret_cast<const char*>(sizes), sizeof(sizes)),
+                      absl::string_view(packed).substr(0, sizes[0]));
+}
 
 absl::StatusOr<PointFile> DecodePcd(const std::filesystem::path& path, const PcdHeader& header) {
   const auto damaged = [&path] {

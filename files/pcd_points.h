@@ -1,7 +1,8 @@
-// The points of a PCD file whose header and body were checked.
+// The points of a PCD file.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "files/pcd_header.h"
@@ -14,5 +15,8 @@ namespace graspdb::client {
 // crashes. INVALID_ARGUMENT when the compressed bytes cannot be unpacked. Takes a few times the
 // memory of the file, or of its unpacked bytes.
 absl::StatusOr<PointFile> DecodePcd(const std::filesystem::path& path, const PcdHeader& header);
+
+// The bytes of a binary_compressed PCD file; `file` must be consistent, as WritePcd checks.
+std::string EncodePcd(const PointFile& file);
 
 }  // namespace graspdb::client

@@ -13,7 +13,6 @@
 #include "files/pcd_body.h"
 #include "files/pcd_header.h"
 #include "files/pcd_points.h"
-#include "files/pcl_pcd.h"
 #include "files/ply_file.h"
 
 namespace graspdb::client {
@@ -95,9 +94,7 @@ absl::Status WritePcd(const fs::path& path, const PointFile& file) {
                                                    file.normals.size(), " normals for ", count,
                                                    " points; give one each or none"));
   }
-  absl::StatusOr<std::string> bytes = EncodePcd(file);
-  if (!bytes.ok()) return bytes.status();
-  return WriteFileAtomically(path, *bytes, Durability::kProcessCrash);
+  return WriteFileAtomically(path, EncodePcd(file), Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::client

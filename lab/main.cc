@@ -1,9 +1,6 @@
 // graspdb-lab: the commands of `graspdb` for experiments, simulations and load tests.
 #include "client/cli/base/command_line.h"
-#include "lab/commands/bench_command.h"
-#include "lab/commands/eval_command.h"
-#include "lab/commands/robot_command.h"
-#include "lab/commands/simulate_command.h"
+#include "lab/commands/commands.h"
 
 namespace graspdb::client {
 namespace {
@@ -18,7 +15,7 @@ int Run(int argc, char** argv) {
   AddRobotCommand(app, global, &action);
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
-  return RunCommandLine(app, action,
+  return RunCommandLine(app, global, action,
                         {"import", "teach", "recognize", "replay", "describe", "export", "objects",
                          "grasps", "cells", "status", "sensors"},
                         argc, argv);

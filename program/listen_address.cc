@@ -16,9 +16,4 @@ absl::StatusOr<ListenAddress> ParseListenAddress(const std::string& flag, const 
   return ListenAddress{text.substr(0, colon), static_cast<std::uint16_t>(port)};
 }
 
-bool IsLoopback(const std::string& host) {
-  if (host == "localhost" || host == "[::1]" || host == "::1") return true;
-  return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
-}
-
 }  // namespace graspdb

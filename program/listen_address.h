@@ -16,8 +16,4 @@ struct ListenAddress {
 // Parses `text`, the HOST:PORT given to `flag`. INVALID_ARGUMENT if it is invalid.
 absl::StatusOr<ListenAddress> ParseListenAddress(const std::string& flag, const std::string& text);
 
-// Whether only programs on this machine can reach it. A name such as 127.example.org only looks
-// like an address.
-bool IsLoopback(const std::string& host);
-
 }  // namespace graspdb

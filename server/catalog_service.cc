@@ -281,6 +281,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     *response->mutable_cloud_cache() = UseToProto(context_.clouds.cloud_use());
     *response->mutable_memory() = MemoryToProto(context_);
     SetApproximate(context_.live.snapshot()->index, response);
+    if (context_.backups != nullptr) *response->mutable_backup() = context_.backups->Status();
     return SumGraspOutcomes(context_.catalogue, response);
   });
 }

@@ -4,6 +4,8 @@
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "recognition/recognizer.h"
 #include "server/admission.h"
+#include "server/call_guard.h"
+#include "server/catalogue_backups.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/teacher.h"
@@ -22,6 +24,7 @@ struct CatalogContext {
   RequestMemory& request_memory;
   recognition::RecognitionParameters parameters;
   TeachLimits limits;
+  const CatalogueBackups* backups = nullptr;  // null: the server has no folder for them
 };
 
 // Thread-safe.
@@ -73,7 +76,7 @@ class CatalogService final : public v1::CatalogService::Service {
   absl::Status UploadOne(const v1::UploadViewsRequest& request,
                          const recognition::IsCancelled& is_cancelled,
                          v1::UploadViewsResponse* response);
-  absl::Status UploadAll(const recognition::IsCancelled& is_cancelled,
+  absl::Status UploadAll(CallGuard& guard, const recognition::IsCancelled& is_cancelled,
                          grpc::ServerReader<v1::UploadViewsRequest>* reader,
                          v1::UploadViewsResponse* response);
 

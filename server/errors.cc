@@ -73,13 +73,13 @@ absl::Status WithReason(absl::Status status, std::string_view reason) {
   return status;
 }
 
-grpc::Status ToGrpcStatus(const absl::Status& status) {
-  if (status.ok()) return grpc::Status::OK;
+google::rpc::Status ToRpcStatus(const absl::Status& status) {
+  google::rpc::Status details;
+  if (status.ok()) return details;
   absl::Status complete = status;
   if (!complete.GetPayload(TypeUrl<google::rpc::ErrorInfo>())) {
     complete = WithReason(complete, absl::StatusCodeToString(complete.code()));
   }
-  google::rpc::Status details;
   details.set_code(static_cast<int>(complete.code()));
   details.set_message(BoundedText(std::string(complete.message()), kMaxMessageBytes));
   AddDetail(TypeUrl<google::rpc::ErrorInfo>(), complete, &details);
@@ -88,7 +88,13 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
       AddDetail(std::string(type_url), complete, &details);
     }
   });
-  return {static_cast<grpc::StatusCode>(complete.code()), details.message(),
+  return details;
+}
+
+grpc::Status ToGrpcStatus(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  const google::rpc::Status details = ToRpcStatus(status);
+  return {static_cast<grpc::StatusCode>(details.code()), details.message(),
           details.SerializeAsString()};
 }
 

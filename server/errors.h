@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "absl/status/status.h"
+#include "google/rpc/status.pb.h"
 
 namespace graspdb::server {
 
@@ -43,5 +44,8 @@ inline constexpr std::size_t kMaxDetailBytes = 2560;
 // attached details and always an ErrorInfo (AIP-193). The text is valid UTF-8 of at most
 // kMaxMessageBytes.
 grpc::Status ToGrpcStatus(const absl::Status& status);
+
+// The same as a message, for errors inside of a response.
+google::rpc::Status ToRpcStatus(const absl::Status& status);
 
 }  // namespace graspdb::server

@@ -24,19 +24,6 @@ struct Job {
   bool sensor_pose_from_cell = false;
 };
 
-absl::Status ReadScan(const v1::RecognizeRequest& request, std::size_t max_points,
-                      recognition::Scan* scan) {
-  switch (request.scan_case()) {
-    case v1::RecognizeRequest::kCloud:
-      return ReadCloud(request.cloud(), max_points, "cloud", scan);
-    case v1::RecognizeRequest::kDepthImage:
-      return ReadDepthImage(request.depth_image(), max_points, "depth_image", scan);
-    case v1::RecognizeRequest::SCAN_NOT_SET:
-      break;
-  }
-  return InvalidField("scan", "is missing: give a cloud or a depth_image");
-}
-
 // Applies the settings of the cell or the request; `path` is the prefix of the
 // fields' names ("cell." or empty).
 template <typename Source>

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "program/log_field.h"
+#include "server/call_guard.h"
 #include "server/errors.h"
 #include "server/request_limits.h"
 
@@ -57,12 +58,16 @@ bool AbandonedWatch::IsAbandoned() {
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const std::function<absl::Status()>& work) {
   const auto start = std::chrono::steady_clock::now();
-  absl::Status status = RunGuarded(work);
+  CallGuard* const guard = CallGuard::Of(context);
+  absl::Status status =
+      guard == nullptr ? absl::InternalError("the call has no guard") : guard->Authorize();
+  if (status.ok()) status = RunGuarded(work);
   if (absl::IsCancelled(status) && context.deadline() < std::chrono::system_clock::now()) {
     status = absl::DeadlineExceededError("the call's deadline passed before it was done");
   }
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
   grpc::Status answer = ToGrpcStatus(status);
+  if (guard != nullptr) guard->Record(answer);
   spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}", method,
               LogField(context.peer()), absl::StatusCodeToString(status.code()), spent.count(),
               status.ok() ? "" : absl::StrCat(" error=", LogField(answer.error_message())));
@@ -72,9 +77,11 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const google::protobuf::Message& request,
                     const std::function<absl::Status()>& work) {
+  if (CallGuard* guard = CallGuard::Of(context)) guard->NoteRequest(request);
   return Handle(context, method, [&] {
-    absl::Status bounded = CheckLimits(request);
-    return bounded.ok() ? work() : bounded;
+    absl::Status status = CallGuard::Of(context)->AuthorizeRequest(request);
+    if (status.ok()) status = CheckLimits(request);
+    return status.ok() ? work() : status;
   });
 }
 

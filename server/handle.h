@@ -1,5 +1,5 @@
-// Common code of all handlers: converts errors to gRPC statuses and exceptions of
-// libraries to errors, and logs one line per call.
+// Common code of all handlers: refuses callers without the method's role, converts errors to gRPC
+// statuses and exceptions of libraries to errors, and writes the log and the audit log.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -13,7 +13,8 @@
 
 namespace graspdb::server {
 
-// Runs `work` for the call `method` and returns its status.
+// Runs `work` for the call `method` and returns its status; UNAUTHENTICATED or PERMISSION_DENIED
+// instead if the caller may not make it (server/call_guard.h).
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const std::function<absl::Status()>& work);
 

@@ -144,6 +144,14 @@ void LiveCatalogue::Publish(Snapshot snapshot) {
   auto next = std::make_shared<const Snapshot>(std::move(snapshot));
   absl::MutexLock lock(&mutex_);
   snapshot_.swap(next);  // the old one is released after the lock
+  published_.SignalAll();
+}
+
+void LiveCatalogue::AwaitRevisionAfter(std::int64_t revision, absl::Time deadline) const {
+  absl::MutexLock lock(&mutex_);
+  while (snapshot_->revision <= revision) {
+    if (published_.WaitWithDeadline(&mutex_, deadline)) return;
+  }
 }
 
 std::shared_ptr<const recognition::CatalogueSnapshot> LiveCatalogue::snapshot() const {

@@ -9,6 +9,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
 #include "server/loaded_views.h"
@@ -31,6 +32,10 @@ class LiveCatalogue {
   LiveCatalogue& operator=(const LiveCatalogue&) = delete;
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
+
+  // Waits until the snapshot is newer than `revision`, or until `deadline`.
+  void AwaitRevisionAfter(std::int64_t revision, absl::Time deadline) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   // The listener of the catalogue: applies a change, so that the next snapshot contains it. If that
   // fails (out of memory) or a previous change was missed, reloads all records; if that fails too,
@@ -82,6 +87,7 @@ class LiveCatalogue {
   std::set<std::string> left_out_ ABSL_GUARDED_BY(change_mutex_);
 
   mutable absl::Mutex mutex_;
+  mutable absl::CondVar published_;
   std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -3,11 +3,14 @@
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "program/log.h"
 #include "program/log_field.h"
 #include "program/stop_signal.h"
 #include "program/version.h"
+#include "server/access/token_command.h"
+#include "server/backup_program.h"
 #include "server/options.h"
 #include "server/server.h"
 
@@ -20,6 +23,8 @@ int Fail(const absl::Status& status) {
 }
 
 int Run(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "backup") return RunBackupProgram(argc, argv);
+  if (argc > 1 && std::string_view(argv[1]) == "token") return RunTokenCommand(argc - 1, argv + 1);
   const ParsedOptions parsed = ParseOptions(argc, argv);
   if (parsed.done) return parsed.exit_status;
   const ServerOptions& options = parsed.options;

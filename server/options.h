@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "server/access/tls_files.h"
 
 namespace graspdb::server {
 
@@ -11,13 +12,22 @@ struct ServerOptions {
   std::string database;
   std::string listen = "127.0.0.1:50051";
   bool allow_remote_without_tls = false;
-  int workers = 0;  // frames that are processed at once; 0: one per core
-  int queue = 64;   // frames that may wait for a worker
+  TlsFiles tls = {};
+  std::string identities;  // file; empty: every caller may make all calls
+  std::string audit_log;   // file; empty: none
+  int audit_log_mib = 64;  // of a full file
+  int workers = 0;         // frames that are processed at once; 0: one per core
+  int queue = 64;          // frames that may wait for a worker
   int max_points = 2'000'000;
   int max_message_mib = 64;
-  int memory_mib = 0;         // of the whole server; 0: half of the machine's memory
-  int cache_mib = 0;          // part of it for models and clouds; 0: half of it
-  int keep_changes = 50'000;  // change records in the database
+  int memory_mib = 0;            // of the whole server; 0: half of the machine's memory
+  int cache_mib = 0;             // part of it for models and clouds; 0: half of it
+  int keep_changes = 50'000;     // change records in the database
+  std::string backup_dir;        // folder of the backups; empty: none
+  double backup_every_s = 0;     // interval of scheduled backups; 0: none are scheduled
+  int backup_keep = 14;          // backups that are kept; 0: all
+  double backup_rate_mib = 100;  // MiB a second that a backup copies at most; 0: no limit
+  double backup_max_age_s = 0;   // age at which backups are deleted; 0: never
   double drain_s = 10;
   double voxel_size_m = 0.003;
   double normal_radius_m = 0.010;
@@ -37,7 +47,7 @@ struct ParsedOptions {
 // order of precedence. Prints help, version and errors.
 ParsedOptions ParseOptions(int argc, char** argv);
 
-// FAILED_PRECONDITION when `listen` is reachable from other machines and this is not
+// FAILED_PRECONDITION when `listen` is reachable from other machines without TLS and this is not
 // allowed; INVALID_ARGUMENT when it is not HOST:PORT.
 absl::Status CheckListenAddress(const ServerOptions& options);
 

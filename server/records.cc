@@ -5,6 +5,7 @@
 #include "server/convert.h"
 #include "storage/packed_cloud.h"
 #include "storage/resource_name.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::server {
 
@@ -16,8 +17,8 @@ absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
   for (const absl::Status& status : {name.status(), object.status(), sensor.status()}) {
     if (status.ok()) continue;
     return absl::DataLossError(absl::StrCat("the record of view ", record.name(),
-                                            " is damaged: ", status.message(),
-                                            "; restore the catalogue from a backup"));
+                                            " is damaged: ", status.message(), "; ",
+                                            std::string(storage::kRestoreAdvice)));
   }
   auto view = std::make_shared<recognition::TaughtView>();
   view->name = record.name();

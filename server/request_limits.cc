@@ -23,7 +23,7 @@ struct LengthLimit {
   std::string_view field;  // its full name
   std::size_t bytes;
 };
-constexpr std::array<LengthLimit, 6> kLengths = {{
+constexpr std::array<LengthLimit, 8> kLengths = {{
     {"graspdb.v1.Object.display_name", kMaxNameBytes},
     {"graspdb.v1.StablePose.display_name", kMaxNameBytes},
     {"graspdb.v1.Cell.display_name", kMaxNameBytes},
@@ -31,6 +31,8 @@ constexpr std::array<LengthLimit, 6> kLengths = {{
     {"graspdb.v1.ListObjectsRequest.page_token", 384},
     {"graspdb.v1.ListStablePosesRequest.page_token", 384},
     {"graspdb.v1.ListViewsRequest.page_token", 384},
+    {"graspdb.v1.ListUploadsRequest.page_token", 384},
+    {"graspdb.v1.ListUploadViewsRequest.page_token", 384},
 }};
 
 struct CountLimit {

@@ -122,8 +122,6 @@ absl::StatusOr<recognition::CameraIntrinsics> CameraFromProto(const v1::CameraIn
                                        camera.fy(),    camera.cx(),     camera.cy()};
 }
 
-}  // namespace
-
 absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std::string_view path,
                        recognition::Scan* scan) {
   const int stride = cloud.point_stride();
@@ -177,6 +175,32 @@ absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
   std::memcpy(depth.data(), image.data().data(), image.data().size());
   scan->depth_image = {std::move(depth), *camera, unit};
   return CheckMeasurements(*scan, path);
+}
+
+}  // namespace
+
+absl::Status ReadScan(const v1::RecognizeRequest& request, std::size_t max_points,
+                      recognition::Scan* scan) {
+  switch (request.scan_case()) {
+    case v1::RecognizeRequest::kCloud:
+      return ReadCloud(request.cloud(), max_points, "cloud", scan);
+    case v1::RecognizeRequest::kDepthImage:
+      return ReadDepthImage(request.depth_image(), max_points, "depth_image", scan);
+    case v1::RecognizeRequest::SCAN_NOT_SET:
+      break;
+  }
+  return InvalidField("scan", "is missing: give a cloud or a depth_image");
+}
+
+absl::Status ReadScan(const v1::View& view, std::size_t max_points, recognition::Scan* scan) {
+  if (view.has_cloud() && view.has_depth_image()) {
+    return InvalidField("view", "has both a cloud and a depth_image; give one of them");
+  }
+  if (view.has_cloud()) return ReadCloud(view.cloud(), max_points, "view.cloud", scan);
+  if (view.has_depth_image()) {
+    return ReadDepthImage(view.depth_image(), max_points, "view.depth_image", scan);
+  }
+  return InvalidField("view", "has neither a cloud nor a depth_image; give one of them");
 }
 
 v1::PointCloud PointsToProto(const recognition::Points& points) {

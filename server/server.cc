@@ -12,15 +12,24 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "program/loopback.h"
+#include "server/access/tls.h"
 #include "server/admission.h"
 #include "server/approximate_index_builder.h"
+#include "server/backup_schedule.h"
+#include "server/backup_service.h"
+#include "server/call_guard.h"
 #include "server/catalog_service.h"
+#include "server/catalogue_backups.h"
 #include "server/cell_service.h"
+#include "server/change_service.h"
 #include "server/frame_recognizer.h"
 #include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/recognition_service.h"
+#include "server/upload_expiry.h"
+#include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
 
@@ -36,6 +45,9 @@ constexpr int kMinPollers = 8;
 // Minimum and maximum number of threads for calls, whatever the memory.
 constexpr int kMinThreads = 16;
 constexpr std::size_t kMaxThreads = 256;
+
+// Of the threads a quarter may wait for changes. Halved, half of them.
+constexpr int kWatcherShare = 4;
 
 // A shutdown ends the streams of health watchers, notified or not.
 constexpr std::chrono::milliseconds kHealthNotifyTime{200};
@@ -54,6 +66,26 @@ int WorkersOf(const ServerOptions& options) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
+  AccessRules out;
+  if (!options.identities.empty()) {
+    auto identities = IdentitiesFile::Open(options.identities);
+    if (!identities.ok()) return identities.status();
+    out.identities = *std::move(identities);
+  }
+  if (!options.audit_log.empty()) {
+    auto audit =
+        AuditLog::Open(options.audit_log, static_cast<std::size_t>(options.audit_log_mib) << 20U);
+    if (!audit.ok()) return audit.status();
+    out.audit = *std::move(audit);
+  }
+  return out;
+}
+
+std::size_t MaxMessageBytes(const ServerOptions& options) {
+  return static_cast<std::size_t>(options.max_message_mib) << 20U;
+}
+
 // Number of threads for calls, each of which may have parsed a message of the maximum size, within
 // the memory for requests; but enough for the workers, and for calls that wait or are idle streams.
 int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
@@ -63,22 +95,53 @@ int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
   return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMaxThreads)));
 }
 
+// Null without a folder for backups.
+absl::StatusOr<std::unique_ptr<CatalogueBackups>> OpenBackups(const ServerOptions& options,
+                                                              storage::Catalogue& catalogue) {
+  if (options.backup_dir.empty()) return nullptr;
+  return CatalogueBackups::Open(options, catalogue);
+}
+
+// Null unless backups are scheduled.
+std::unique_ptr<BackupSchedule> ScheduleBackups(const ServerOptions& options,
+                                                CatalogueBackups* backups) {
+  if (backups == nullptr || options.backup_every_s <= 0) return nullptr;
+  storage::BackupRetention retention;
+  if (options.backup_keep > 0) retention.count = options.backup_keep;
+  if (options.backup_max_age_s > 0) retention.max_age = absl::Seconds(options.backup_max_age_s);
+  return std::make_unique<BackupSchedule>(*backups, absl::Seconds(options.backup_every_s),
+                                          retention);
+}
+
+// Logs what other machines may do, where it is more than intended for most networks.
+void WarnIfOpen(const ServerOptions& options) {
+  if (IsLoopback(options.listen.substr(0, options.listen.rfind(':')))) return;
+  if (options.tls.cert.empty() && !options.identities.empty()) {
+    spdlog::warn("event=tokens_unencrypted advice=\"give --tls-cert and --tls-key\"");
+  } else if (options.identities.empty() && !options.tls.require_client_cert) {
+    spdlog::warn("event=open_to_network advice=\"give --identities, or --require-client-cert\"");
+  }
+}
+
 }  // namespace
 
 // Everything below gRPC, in the order of dependencies.
 struct Server::Parts {
   Parts(const ServerOptions& options, const MemoryShares& memory,
-        std::unique_ptr<storage::Catalogue> catalogue_in, std::unique_ptr<LiveCatalogue> live_in)
+        std::unique_ptr<storage::Catalogue> catalogue_in, std::unique_ptr<LiveCatalogue> live_in,
+        std::unique_ptr<CatalogueBackups> backups_in)
       : parameters(ParametersOf(options)),
         max_points(static_cast<std::size_t>(options.max_points)),
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
+        backups(std::move(backups_in)),
         approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
                                                           *catalogue, *live, parameters.descriptor)
                                                     : nullptr),
         idle_task(*live,
                   [this] {
                     if (approximate_keeper != nullptr) approximate_keeper->RebuildIfOutdated();
+                    upload_expiry.Run(catalogue->uploads());
                   }),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
@@ -93,14 +156,23 @@ struct Server::Parts {
                          memory,
                          request_memory,
                          parameters,
-                         {max_points}}),
-        cell_service(*catalogue) {}
+                         {max_points},
+                         backups.get()}),
+        uploading(WorkersOf(options), kTeachQueue),
+        upload_service({*catalogue, uploading, request_memory, parameters, {max_points}}),
+        cell_service(*catalogue),
+        change_service(*catalogue, *live,
+                       ThreadsFor(memory, MaxMessageBytes(options), options) / kWatcherShare),
+        backup_service(backups.get()),
+        backup_schedule(ScheduleBackups(options, backups.get())) {}
 
   recognition::RecognitionParameters parameters;
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
+  std::unique_ptr<CatalogueBackups> backups;                    // null: no folder for them
   std::unique_ptr<ApproximateIndexBuilder> approximate_keeper;  // null: searches are exact
+  UploadExpiry upload_expiry;                                   // on the thread of idle_task
   IdleTask idle_task;                                           // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
@@ -110,7 +182,14 @@ struct Server::Parts {
   CatalogueCheck check;
   RecognitionService recognition_service;
   CatalogService catalog_service;
+  Admission uploading;
+  UploadService upload_service;
   CellService cell_service;
+  ChangeService change_service;
+  BackupService backup_service;
+  std::unique_ptr<BackupSchedule> backup_schedule;  // null: none are scheduled
+  AccessRules access = {};
+  std::unique_ptr<WatchedFiles> tls_files;
 };
 
 Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -119,16 +198,27 @@ Server::~Server() { Stop(); }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   if (absl::Status status = CheckListenAddress(options); !status.ok()) return status;
+  if (absl::Status status = CheckTlsFiles(options.tls); !status.ok()) return status;
+  absl::StatusOr<AccessRules> access = OpenAccessRules(options);
+  if (!access.ok()) return access.status();
   absl::StatusOr<std::unique_ptr<storage::Catalogue>> catalogue =
       storage::Catalogue::Open(options.database, {.keep_changes = options.keep_changes});
   if (!catalogue.ok()) return catalogue.status();
   absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
       LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor);
   if (!live.ok()) return live.status();
+  absl::StatusOr<std::unique_ptr<CatalogueBackups>> backups = OpenBackups(options, **catalogue);
+  if (!backups.ok()) return backups.status();
   const MemoryShares memory = ShareMemory(options.memory_mib, options.cache_mib);
-  std::unique_ptr<Server> out(new Server(
-      std::make_unique<Parts>(options, memory, *std::move(catalogue), *std::move(live))));
+  std::unique_ptr<Server> out(new Server(std::make_unique<Parts>(
+      options, memory, *std::move(catalogue), *std::move(live), *std::move(backups))));
   out->drain_time_ = std::chrono::duration<double>(options.drain_s);
+  out->parts_->access = *std::move(access);
+  out->parts_->access.revision = [parts = out->parts_.get()] {
+    return parts->catalogue->revision();
+  };
+  out->parts_->tls_files = WatchTlsFiles(options.tls);
+  WarnIfOpen(options);
 
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
@@ -145,13 +235,17 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   // calls. A call beyond the threads is rejected before its message is parsed.
   grpc::ResourceQuota quota("graspdb");
   quota.Resize(memory.requests);
-  quota.SetMaxThreads(ThreadsFor(memory, static_cast<std::size_t>(max_bytes), options));
+  quota.SetMaxThreads(ThreadsFor(memory, MaxMessageBytes(options), options));
   builder.SetResourceQuota(quota);
   int port = 0;
-  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(options.listen, MakeServerCredentials(options.tls), &port);
+  GuardCalls(out->parts_->access, builder);
   builder.RegisterService(&out->parts_->catalog_service);
   builder.RegisterService(&out->parts_->recognition_service);
+  builder.RegisterService(&out->parts_->upload_service);
   builder.RegisterService(&out->parts_->cell_service);
+  builder.RegisterService(&out->parts_->change_service);
+  builder.RegisterService(&out->parts_->backup_service);
   out->grpc_ = builder.BuildAndStart();
   if (out->grpc_ == nullptr || port == 0) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,
@@ -177,6 +271,8 @@ void Server::Drain() {
 
 void Server::Stop() {
   if (grpc_ == nullptr) return;
+  parts_->change_service.Stop();
+  if (parts_->backups != nullptr) parts_->backups->Stop();  // clients can start them again
   grpc_->Shutdown(std::chrono::system_clock::now() +
                   std::chrono::duration_cast<std::chrono::system_clock::duration>(drain_time_));
   grpc_->Wait();

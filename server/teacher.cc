@@ -30,10 +30,7 @@ absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
                                          std::size_t max_points) {
   Capture out;
   const v1::View& view = request.view();
-  if (absl::Status status = ReadCloud(view.cloud(), max_points, "view.cloud", &out.scan);
-      !status.ok()) {
-    return status;
-  }
+  if (absl::Status status = ReadScan(view, max_points, &out.scan); !status.ok()) return status;
   out.scan.segmented = view.segmented();
   if (view.has_sensor_pose()) {
     absl::StatusOr<Pose> pose = PoseFromProto(view.sensor_pose(), "view.sensor_pose");
@@ -86,37 +83,41 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
   return &*std::ranges::min_element(segments, {}, distance);
 }
 
-absl::StatusOr<std::string> PackSegment(const recognition::Points& scan, const Segment& segment) {
+absl::StatusOr<std::string> PackSegment(const recognition::Scan& scan, const Segment& segment) {
   std::vector<storage::CloudPoint> points;
   points.reserve(segment.indices.size());
   for (const std::int32_t i : segment.indices) {
-    const auto& p = scan[static_cast<std::size_t>(i)];
+    const Eigen::Vector3f p = scan.PointAt(i);
     points.push_back({p.x(), p.y(), p.z()});
   }
   return storage::PackCloud(points);
 }
 
 // Measurements far from the object would be taught with it.
-absl::Status CheckExtent(const Segmentation& segmentation, const Segment& segment,
-                         double max_object_size_m) {
+absl::Status CheckExtent(const recognition::Scan& scan, const Segmentation& segmentation,
+                         const Segment& segment, double max_object_size_m) {
+  const char* field = scan.is_image() ? "view.depth_image" : "view.cloud";
   if (segmentation.far_point_count > 0) {
     return InvalidField(
-        "view.cloud",
+        field,
         absl::StrCat("has ", segmentation.far_point_count, " points more than ", max_object_size_m,
                      " m from the others; leave out points that are not on the "
                      "object"));
   }
   if (!segment.too_large) return absl::OkStatus();
-  return InvalidField("view.cloud",
-                      absl::StrCat("shows an object larger than ", max_object_size_m,
-                                   " m; leave out points that are not on the object"));
+  return InvalidField(field, absl::StrCat("shows an object larger than ", max_object_size_m,
+                                          " m; leave out points that are not on the object"));
 }
 
 absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {
   if (!request.has_cloud_crc32c()) return absl::OkStatus();
-  if (storage::Crc32c(request.view().cloud().data()) == request.cloud_crc32c())
-    return absl::OkStatus();
-  return InvalidField("cloud_crc32c", "is not that of view.cloud.data; send the view again");
+  const v1::View& view = request.view();
+  const bool is_image = view.has_depth_image();
+  const std::string& data = is_image ? view.depth_image().data() : view.cloud().data();
+  if (storage::Crc32c(data) == request.cloud_crc32c()) return absl::OkStatus();
+  return InvalidField("cloud_crc32c",
+                      absl::StrCat("is not that of view.", is_image ? "depth_image" : "cloud",
+                                   ".data; send the view again"));
 }
 
 }  // namespace
@@ -143,10 +144,13 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture->object_pose);
   if (!segment.ok()) return segment.status();
   const double max_size_m = parameters.segmentation.max_object_size_m;
-  if (auto status = CheckExtent(*segmentation, **segment, max_size_m); !status.ok()) return status;
+  if (auto status = CheckExtent(capture->scan, *segmentation, **segment, max_size_m);
+      !status.ok()) {
+    return status;
+  }
 
   storage::NewView out;
-  absl::StatusOr<std::string> packed = PackSegment(capture->scan.points, **segment);
+  absl::StatusOr<std::string> packed = PackSegment(capture->scan, **segment);
   if (!packed.ok()) return packed.status();
   out.packed_cloud = *std::move(packed);
   const Pose& sensor = segmentation->world_sensor;

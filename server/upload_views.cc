@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/background.h"
 #include "server/bounded_text.h"
+#include "server/call_guard.h"
 #include "server/catalog_service.h"
 #include "server/errors.h"
 #include "server/handle.h"
@@ -51,11 +52,13 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
   return absl::OkStatus();
 }
 
-absl::Status CatalogService::UploadAll(const recognition::IsCancelled& is_cancelled,
+absl::Status CatalogService::UploadAll(CallGuard& guard,
+                                       const recognition::IsCancelled& is_cancelled,
                                        grpc::ServerReader<v1::UploadViewsRequest>* reader,
                                        v1::UploadViewsResponse* response) {
   v1::UploadViewsRequest request;
   while (reader->Read(&request)) {
+    guard.NoteResource(request.parent());
     absl::Status status = UploadOne(request, is_cancelled, response);
     if (status.ok()) continue;
     // Names that are too long for any resource must not displace the reason.
@@ -76,7 +79,8 @@ grpc::Status CatalogService::UploadViews(grpc::ServerContext* context,
                                          v1::UploadViewsResponse* response) {
   return Handle(*context, "UploadViews", [&] {
     const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    return InBackground([&] { return UploadAll(is_cancelled, reader, response); });
+    return InBackground(
+        [&] { return UploadAll(*CallGuard::Of(*context), is_cancelled, reader, response); });
   });
 }
 

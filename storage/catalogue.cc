@@ -9,6 +9,7 @@
 #include "storage/record_list.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
+#include "storage/uploads.h"
 
 namespace graspdb::storage {
 
@@ -33,7 +34,9 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
 }
 
 Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log)
-    : database_(std::move(database)), log_(std::move(log)) {}
+    : database_(std::move(database)),
+      log_(std::move(log)),
+      uploads_(std::make_unique<Uploads>(*database_, *log_)) {}
 
 Catalogue::~Catalogue() {
   // An older floor is valid too; it only detects less.
@@ -71,13 +74,6 @@ absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) co
   status = VisitRecords<GraspOutcomesRecord>(*database_, snapshot.get(), visitor.grasp_outcomes);
   if (!status.ok()) return status;
   return meta.revision();
-}
-
-absl::StatusOr<std::int64_t> Catalogue::ForEachView(
-    const std::function<absl::Status(const ViewRecord&)>& visit) const {
-  RecordVisitor visitor;
-  visitor.view = visit;
-  return ForEach(visitor);
 }
 
 absl::StatusOr<std::int64_t> Catalogue::Subscribe(ChangeListener listener) {

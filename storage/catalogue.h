@@ -42,8 +42,10 @@ class Env;
 
 namespace graspdb::storage {
 
+class Backups;
 class ChangeLog;
 class Database;
+class Uploads;
 
 struct CatalogueOptions {
   // Whether to create a missing database; otherwise it is NOT_FOUND.
@@ -53,7 +55,7 @@ struct CatalogueOptions {
   // Number of the newest change records that are kept; at least 1. Twice as many take twice the
   // disk: 1.5 KB per view.
   std::int64_t keep_changes = 50'000;
-  // Write buffer of each of the eight families before it is flushed to a file, in bytes.
+  // Write buffer of each of the ten families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // Environment for file access; not owned, must outlive the catalogue. Null: the default
   // one. Tests set a failing disk here.
@@ -205,13 +207,15 @@ class Catalogue {
   // NOT_FOUND without the stable pose; no counts if there were no reports.
   absl::StatusOr<GraspOutcomesRecord> GetGraspOutcomes(std::string_view stable_pose_name) const;
 
+  // --- Bulk uploads -----------------------------------------------------------------
+  // See storage/uploads.h.
+  Uploads& uploads() { return *uploads_; }
+
   // --- Following --------------------------------------------------------------------
 
   // Reads all records of one revision, parents before children and each kind by name,
   // and returns that revision. Reads no clouds. Does not block writers.
   absl::StatusOr<std::int64_t> ForEach(const RecordVisitor& visitor) const;
-  absl::StatusOr<std::int64_t> ForEachView(
-      const std::function<absl::Status(const ViewRecord&)>& visit) const;
 
   // Sets the listener (empty: none) and returns the revision R after which it is called
   // with every change: R + 1, R + 2, ... in order, on the thread that makes the change,
@@ -227,10 +231,13 @@ class Catalogue {
                                                         std::size_t limit) const;
 
  private:
+  friend class Backups;
+
   Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log);
 
   std::unique_ptr<Database> database_;
   std::unique_ptr<ChangeLog> log_;
+  std::unique_ptr<Uploads> uploads_;
 };
 
 }  // namespace graspdb::storage

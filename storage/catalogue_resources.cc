@@ -4,6 +4,7 @@
 
 #include "storage/catalogue.h"
 #include "storage/change_log.h"
+#include "storage/cloud_key.h"
 #include "storage/database.h"
 #include "storage/grasp_outcomes.h"
 #include "storage/record_kind.h"
@@ -24,13 +25,15 @@ absl::Status RemoveBelow(const Database& database, Family family, const std::str
                        });
 }
 
-// Removes all views below `prefix` with their clouds, which have the same keys.
+// Removes all views below `prefix` with their clouds.
 absl::Status RemoveViewsBelow(const Database& database, const std::string& prefix,
                               ChangeBatch& batch) {
   return database.Scan(Family::kViews, prefix, "",
-                       [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
+                       [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+                         const auto view = ParseRecord<ViewRecord>(key, value);
+                         if (!view.ok()) return view.status();
                          batch.Remove(Family::kViews, key);
-                         batch.Remove(Family::kClouds, key);
+                         batch.Remove(Family::kClouds, CloudKeyOf(*view));
                          return true;
                        });
 }

@@ -5,6 +5,7 @@
 
 #include "storage/catalogue.h"
 #include "storage/change_log.h"
+#include "storage/cloud_key.h"
 #include "storage/database.h"
 #include "storage/record_kind.h"
 #include "storage/record_list.h"
@@ -85,13 +86,15 @@ absl::StatusOr<ViewRecord> Catalogue::GetView(std::string_view name) const {
 }
 
 absl::StatusOr<std::string> Catalogue::GetPackedCloud(std::string_view name) const {
-  if (auto parent = Kind<ViewRecord>::ParentOf(name); !parent.ok()) return parent.status();
-  auto cloud = database_->Get(Family::kClouds, name);
+  const auto view = GetView(name);
+  if (!view.ok()) return view.status();
+  auto cloud = database_->Get(Family::kClouds, CloudKeyOf(*view));
   if (!absl::IsNotFound(cloud.status())) return cloud;
   // Every view has a cloud, but it may have been deleted between the two reads.
-  const auto cloud_lost = database_->Contains(Family::kViews, name);
-  if (!cloud_lost.ok()) return cloud_lost.status();
-  return *cloud_lost ? DamagedRecord(name) : NotFound(Kind<ViewRecord>::kWord, name);
+  const auto again = GetView(name);
+  if (!again.ok()) return again.status();
+  return again->content_digest() == view->content_digest() ? DamagedRecord(name)
+                                                           : GetPackedCloud(name);
 }
 
 absl::StatusOr<Page<ViewRecord>> Catalogue::ListViews(std::string_view stable_pose_name,
@@ -103,12 +106,11 @@ absl::StatusOr<Page<ViewRecord>> Catalogue::ListViews(std::string_view stable_po
 
 absl::Status Catalogue::DeleteView(std::string_view name) {
   return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    if (auto record = ReadRecord<ViewRecord>(*database_, name); !record.ok()) {
-      return record.status();
-    }
+    const auto record = ReadRecord<ViewRecord>(*database_, name);
+    if (!record.ok()) return record.status();
     batch.Begin();
     batch.Remove(Family::kViews, name);
-    batch.Remove(Family::kClouds, name);
+    batch.Remove(Family::kClouds, CloudKeyOf(*record));
     return absl::OkStatus();
   });
 }

@@ -13,6 +13,17 @@ namespace {
 // takes some kilobytes more per write until they are deleted. Twice as many: twice that.
 constexpr std::int64_t kMaxForgotten = 1024;
 
+// Bytes of a change record beyond which it is stored without values: those of a large upload would
+// be in the database twice. Doubled, watchers get messages of twice the size.
+constexpr std::size_t kMaxChangeBytes = 1U << 20;
+
+std::string Stored(const ChangeRecord& change) {
+  if (change.ByteSizeLong() <= kMaxChangeBytes) return change.SerializeAsString();
+  ChangeRecord keys_only = change;
+  for (Mutation& mutation : *keys_only.mutable_mutations()) mutation.clear_value();
+  return keys_only.SerializeAsString();
+}
+
 void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
   switch (family) {
     case Family::kObjects:
@@ -27,6 +38,8 @@ void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
     case Family::kClouds:  // as many as views
     case Family::kChanges:
     case Family::kGraspOutcomes:
+    case Family::kUploads:
+    case Family::kStagedViews:
       return;
   }
 }
@@ -79,8 +92,8 @@ void ChangeBatch::ForgetChanges(std::int64_t keep) {
 
 absl::Status ChangeBatch::Finish(std::int64_t keep) {
   for (const ChangeRecord& change : changes_) {
-    status_.Update(database_.Put(Family::kChanges, ChangeKey(change.revision()),
-                                 change.SerializeAsString(), rocks_));
+    status_.Update(
+        database_.Put(Family::kChanges, ChangeKey(change.revision()), Stored(change), rocks_));
   }
   ForgetChanges(keep);  // after the puts: one batch may have more changes than are kept
   status_.Update(database_.Put(Family::kMeta, kMetaKey, meta_.SerializeAsString(), rocks_));

@@ -26,6 +26,8 @@ class ChangeBatch {
   void Insert(Family family, std::string_view key, std::string_view value);
   // Replaces the value of an existing key.
   void Overwrite(Family family, std::string_view key, std::string_view value);
+  // Notes a cloud in the change record that an upload has stored already.
+  void NoteStoredCloud(std::string_view key) { Note(Mutation::KIND_PUT, Family::kClouds, key); }
   // Removes an existing key: no longer counted.
   void Remove(Family family, std::string_view key);
   // Adds the change records, the deletion of old ones so that `keep` (at least 1) remain, and the

@@ -5,6 +5,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "storage/change_key.h"
+#include "storage/restore_advice.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
 
@@ -79,6 +80,14 @@ absl::Status ChangeLog::CheckNotInListener() const {
       "after the listener has returned");
 }
 
+absl::Status ChangeLog::HoldChanges(
+    absl::FunctionRef<absl::Status(const MetaRecord&, absl::FunctionRef<void()>)> work) {
+  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  absl::ReleasableMutexLock lock(&writer_mutex_);
+  if (!failure_.ok()) return failure_;
+  return work(meta(), [&lock] { lock.Release(); });
+}
+
 absl::StatusOr<std::int64_t> ChangeLog::Subscribe(Listener listener) {
   if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
   absl::MutexLock lock(&writer_mutex_);
@@ -118,7 +127,7 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
             !change.ParseFromArray(value.data(), static_cast<int>(value.size())) ||
             change.revision() != expected) {
           return absl::DataLossError("the change record of revision " + std::to_string(expected) +
-                                     " is missing or damaged; restore the database from a backup");
+                                     " is missing or damaged; " + std::string(kRestoreAdvice));
         }
         changes.push_back(std::move(change));
         return changes.size() < limit;

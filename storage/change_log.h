@@ -39,6 +39,13 @@ class ChangeLog {
   absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
+  // Runs `work` while no change begins, until it calls `release` (once) or returns; it gets the
+  // MetaRecord, which is the one on the disk. FAILED_PRECONDITION from within the listener,
+  // UNAVAILABLE after a failed write.
+  absl::Status HoldChanges(
+      absl::FunctionRef<absl::Status(const MetaRecord& meta, absl::FunctionRef<void()> release)>
+          work) ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
+
   // Sets the listener (empty: none) and returns the last revision before its first change.
   absl::StatusOr<std::int64_t> Subscribe(Listener listener)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "rocksdb/cache.h"
-#include "rocksdb/iterator.h"
 #include "storage/database_directory.h"
 #include "storage/log_check.h"
 #include "storage/rocksdb_options.h"
@@ -42,14 +41,11 @@ absl::Status PrepareDirectory(const std::string& directory, bool create_if_missi
   return MakeDirectory(directory);
 }
 
-// The families on disk; only the default one when there is no database yet. A
-// database of another program is rejected before RocksDB could change it.
+// The families of a database. A database of another program is rejected before RocksDB could
+// change it.
 absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& options,
                                                       const std::string& directory) {
-  const auto content = InspectDirectory(directory);
-  if (!content.ok()) return content.status();
-  std::vector<std::string> names = {std::string(FamilyName(Family::kMeta))};
-  if (*content == DirectoryContent::kNothing) return names;
+  std::vector<std::string> names;
   const rocksdb::Status listed = rocksdb::DB::ListColumnFamilies(options, directory, &names);
   if (!listed.ok()) return FromRocksDbOpen(listed, directory);
   const auto known = [](const std::string& name) {
@@ -63,6 +59,22 @@ absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& 
                                        "directory or another --db");
 }
 
+// The families on disk; only the default one when there is no database yet.
+absl::StatusOr<std::vector<std::string>> FamiliesToOpen(const rocksdb::DBOptions& options,
+                                                        const std::string& directory) {
+  const auto content = InspectDirectory(directory);
+  if (!content.ok()) return content.status();
+  if (*content == DirectoryContent::kDatabase) return ListFamilies(options, directory);
+  return std::vector<std::string>{std::string(FamilyName(Family::kMeta))};
+}
+
+// RocksDB's own text log is not written for a database that is only read.
+class NoLog : public rocksdb::Logger {
+ public:
+  using rocksdb::Logger::Logv;
+  void Logv(const char* /*format*/, va_list /*arguments*/) override {}
+};
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& directory,
@@ -71,25 +83,51 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
     return prepared;
   }
   const rocksdb::DBOptions db_options = MakeDbOptions(options.env);
-  const auto names = ListFamilies(db_options, directory);
+  const auto names = FamiliesToOpen(db_options, directory);
   if (!names.ok()) return names.status();
 
-  std::unique_ptr<Database> database(new Database(directory));
-  database->write_buffer_bytes_ = options.write_buffer_bytes;
-  database->block_cache_ = rocksdb::NewLRUCache(kBlockCacheBytes);
-  std::vector<rocksdb::ColumnFamilyDescriptor> descriptors;
-  for (const std::string& name : *names) {
-    descriptors.emplace_back(
-        name, MakeFamilyOptions(name, options.write_buffer_bytes, database->block_cache_));
-  }
+  std::unique_ptr<Database> database(new Database(directory, options.write_buffer_bytes));
   rocksdb::DB* db = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   const rocksdb::Status opened =
-      rocksdb::DB::Open(db_options, directory, descriptors, &handles, &db);
+      rocksdb::DB::Open(db_options, directory, database->Describe(*names), &handles, &db);
   if (!opened.ok()) return FromRocksDbOpen(opened, directory);
   database->db_.reset(db);
   database->Adopt(handles);
   return database;
+}
+
+absl::StatusOr<std::unique_ptr<Database>> Database::OpenReadOnly(const std::string& directory,
+                                                                 rocksdb::Env* env) {
+  rocksdb::DBOptions db_options = MakeDbOptions(env);
+  db_options.create_if_missing = false;
+  db_options.info_log = std::make_shared<NoLog>();
+  const auto names = ListFamilies(db_options, directory);
+  if (!names.ok()) return names.status();
+  std::unique_ptr<Database> database(new Database(directory, Options().write_buffer_bytes));
+  rocksdb::DB* db = nullptr;
+  std::vector<rocksdb::ColumnFamilyHandle*> handles;
+  const rocksdb::Status opened = rocksdb::DB::OpenForReadOnly(
+      db_options, directory, database->Describe(*names), &handles, &db);
+  if (!opened.ok()) return FromRocksDbOpen(opened, directory);
+  database->db_.reset(db);
+  database->Adopt(handles);
+  return database;
+}
+
+Database::Database(std::string directory, std::size_t write_buffer_bytes)
+    : directory_(std::move(directory)),
+      write_buffer_bytes_(write_buffer_bytes),
+      block_cache_(rocksdb::NewLRUCache(kBlockCacheBytes)) {}
+
+std::vector<rocksdb::ColumnFamilyDescriptor> Database::Describe(
+    const std::vector<std::string>& families) const {
+  std::vector<rocksdb::ColumnFamilyDescriptor> described;
+  described.reserve(families.size());
+  for (const std::string& name : families) {
+    described.emplace_back(name, MakeFamilyOptions(name, write_buffer_bytes_, block_cache_));
+  }
+  return described;
 }
 
 Database::~Database() {
@@ -107,8 +145,11 @@ void Database::FlushLargeLogs() {
   db_->GetSortedWalFiles(logs).PermitUncheckedError();
   std::uint64_t bytes = 0;
   for (const auto& log : logs) bytes += log->SizeFileBytes();
-  if (bytes < kLargeLogBytes) return;
-  db_->Flush(rocksdb::FlushOptions(), handles_).PermitUncheckedError();
+  if (bytes >= kLargeLogBytes) Flush().IgnoreError();
+}
+
+absl::Status Database::Flush() {
+  return FromRocksDb(db_->Flush(rocksdb::FlushOptions(), handles_), "flush the changes");
 }
 
 void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {
@@ -132,14 +173,12 @@ bool Database::HasFamily(Family family) const {
 
 absl::Status Database::CreateMissingFamilies() {
   if (HasAllFamilies()) return absl::OkStatus();
-  std::vector<rocksdb::ColumnFamilyDescriptor> missing;
+  std::vector<std::string> missing;
   for (std::size_t i = 0; i < kFamilyCount; ++i) {
-    if (families_[i] != nullptr) continue;
-    const std::string name(kFamilyNames[i]);
-    missing.emplace_back(name, MakeFamilyOptions(name, write_buffer_bytes_, block_cache_));
+    if (families_[i] == nullptr) missing.emplace_back(kFamilyNames[i]);
   }
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
-  const rocksdb::Status created = db_->CreateColumnFamilies(missing, &handles);
+  const rocksdb::Status created = db_->CreateColumnFamilies(Describe(missing), &handles);
   Adopt(handles);
   return FromRocksDb(created, "create the column families");
 }
@@ -191,6 +230,15 @@ absl::StatusOr<std::string> Database::LastKey(Family family) const {
   return std::string();
 }
 
+std::unique_ptr<rocksdb::Iterator> Database::Rows(Family family,
+                                                  const rocksdb::Snapshot* snapshot) const {
+  rocksdb::ReadOptions options;
+  options.snapshot = snapshot;
+  std::unique_ptr<rocksdb::Iterator> rows(db_->NewIterator(options, Handle(family)));
+  rows->SeekToFirst();
+  return rows;
+}
+
 Database::Snapshot Database::TakeSnapshot() const {
   rocksdb::DB* db = db_.get();
   return {db->GetSnapshot(), [db](const rocksdb::Snapshot* taken) { db->ReleaseSnapshot(taken); }};
@@ -204,6 +252,12 @@ absl::Status Database::Put(Family family, std::string_view key, std::string_view
 absl::Status Database::Delete(Family family, std::string_view key,
                               rocksdb::WriteBatch& batch) const {
   return FromRocksDb(batch.Delete(Handle(family), ToSlice(key)), "build a change");
+}
+
+absl::Status Database::DeletePrefix(Family family, std::string_view prefix,
+                                    rocksdb::WriteBatch& batch) const {
+  return FromRocksDb(batch.DeleteRange(Handle(family), ToSlice(prefix), EndOfPrefix(prefix)),
+                     "build a change");
 }
 
 absl::Status Database::Write(rocksdb::WriteBatch& batch) {

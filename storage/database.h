@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "rocksdb/db.h"
+#include "rocksdb/iterator.h"
 #include "rocksdb/snapshot.h"
 #include "rocksdb/write_batch.h"
 #include "storage/family.h"
@@ -40,6 +41,11 @@ class Database {
   // is none. Opens only existing families.
   static absl::StatusOr<std::unique_ptr<Database>> Open(const std::string& directory,
                                                         const Options& options);
+  // Opens an existing database for reading, without a lock and without changing a file.
+  // `directory` is read through `env` (not owned; null: the default one). The database must not
+  // change meanwhile: files that another process deletes are reported as damage.
+  static absl::StatusOr<std::unique_ptr<Database>> OpenReadOnly(const std::string& directory,
+                                                                rocksdb::Env* env);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
@@ -64,16 +70,29 @@ class Database {
   // The greatest key of a family; empty when there is none.
   absl::StatusOr<std::string> LastKey(Family family) const;
   Snapshot TakeSnapshot() const;
+  // All rows of a family in ascending order of the keys, at the first one. Must not outlive the
+  // database or the snapshot.
+  std::unique_ptr<rocksdb::Iterator> Rows(Family family, const rocksdb::Snapshot* snapshot) const;
 
   // Adds to a batch.
   absl::Status Put(Family family, std::string_view key, std::string_view value,
                    rocksdb::WriteBatch& batch) const;
   absl::Status Delete(Family family, std::string_view key, rocksdb::WriteBatch& batch) const;
+  // Deletes all keys with this prefix, which is not empty.
+  absl::Status DeletePrefix(Family family, std::string_view prefix,
+                            rocksdb::WriteBatch& batch) const;
   // Writes all of `batch` or nothing; when it returns, the batch is on the disk.
   absl::Status Write(rocksdb::WriteBatch& batch);
+  // Moves everything from the logs to sorted files.
+  absl::Status Flush();
+
+  // For backups.
+  rocksdb::DB& rocks() { return *db_; }
 
  private:
-  explicit Database(std::string directory) : directory_(std::move(directory)) {}
+  Database(std::string directory, std::size_t write_buffer_bytes);
+  std::vector<rocksdb::ColumnFamilyDescriptor> Describe(
+      const std::vector<std::string>& families) const;
   void FlushLargeLogs();
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
@@ -81,7 +100,7 @@ class Database {
   }
 
   std::string directory_;
-  std::size_t write_buffer_bytes_ = 0;
+  std::size_t write_buffer_bytes_;
   std::shared_ptr<rocksdb::Cache> block_cache_;
   std::unique_ptr<rocksdb::DB> db_;
   std::vector<rocksdb::ColumnFamilyHandle*> handles_;  // all of them, known or not

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "storage/approximate_file.h"
+#include "storage/restore_advice.h"
 #include "storage/revision_floor.h"
 
 namespace graspdb::storage {
@@ -54,8 +55,8 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
   if (error) return CannotRead(directory, error);
   if (ours) {
     return absl::DataLossError("the database at " + directory +
-                               " is damaged (the file CURRENT is missing); restore it from a "
-                               "backup into an empty directory");
+                               " is damaged (the file CURRENT is missing); " +
+                               std::string(kRestoreAdvice));
   }
   if (!foreign) return DirectoryContent::kNothing;
   return absl::FailedPreconditionError("the directory " + directory +

@@ -15,14 +15,17 @@ enum class Family {
   kClouds,
   kCells,
   kChanges,
-  kGraspOutcomes
+  kGraspOutcomes,
+  kUploads,
+  kStagedViews
 };
 
-inline constexpr std::size_t kFamilyCount = 8;
+inline constexpr std::size_t kFamilyCount = 10;
 
 // Names on disk, in the order of the enumerators. They never change their meaning.
 inline constexpr std::array<std::string_view, kFamilyCount> kFamilyNames = {
-    "default", "objects", "stable_poses", "views", "clouds", "cells", "changes", "grasp_outcomes"};
+    "default", "objects", "stable_poses",   "views",   "clouds",
+    "cells",   "changes", "grasp_outcomes", "uploads", "staged_views"};
 
 constexpr std::string_view FamilyName(Family family) {
   return kFamilyNames[static_cast<std::size_t>(family)];

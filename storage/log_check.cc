@@ -12,6 +12,7 @@
 
 #include "storage/crc32c.h"
 #include "storage/little_endian.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::storage {
 namespace {
@@ -66,8 +67,8 @@ std::optional<std::string> ReadFile(const std::filesystem::path& path) {
 }
 
 absl::Status Damaged(const std::filesystem::path& file) {
-  return absl::DataLossError("the file " + file.string() +
-                             " is damaged; restore the database from a backup");
+  return absl::DataLossError("the file " + file.string() + " is damaged; " +
+                             std::string(kRestoreAdvice));
 }
 
 // Logs by ascending number (their names have leading zeros), then manifests.

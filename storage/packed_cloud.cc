@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "storage/crc32c.h"
 #include "storage/little_endian.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::storage {
 namespace {
@@ -26,7 +27,7 @@ constexpr std::int32_t kMaxSteps = 2'000'000;
 
 absl::Status DamagedCloud(std::string_view what) {
   return absl::DataLossError("the packed cloud is damaged (" + std::string(what) +
-                             "); restore the database from a backup or teach the view again");
+                             "); teach the view again, or " + std::string(kRestoreAdvice));
 }
 
 // Small differences of either sign become small unsigned numbers.

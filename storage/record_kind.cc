@@ -1,6 +1,7 @@
 #include "storage/record_kind.h"
 
 #include "storage/resource_name.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::storage {
 
@@ -32,6 +33,11 @@ absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
   return Parent{};
 }
 
+absl::StatusOr<Parent> Kind<UploadRecord>::ParentOf(std::string_view name) {
+  if (auto parsed = ParseUploadName(name); !parsed.ok()) return parsed.status();
+  return Parent{};
+}
+
 absl::Status NotFound(std::string_view word, std::string_view name) {
   return absl::NotFoundError("there is no " + std::string(word) + " " + std::string(name) +
                              "; list the existing ones, or create it first");
@@ -43,8 +49,8 @@ absl::Status AlreadyExists(std::string_view word, std::string_view name) {
 }
 
 absl::Status DamagedRecord(std::string_view name) {
-  return absl::DataLossError("the record of " + std::string(name) +
-                             " is damaged; restore the database from a backup");
+  return absl::DataLossError("the record of " + std::string(name) + " is damaged; " +
+                             std::string(kRestoreAdvice));
 }
 
 absl::Status CheckParent(const Database& database, const Parent& parent) {

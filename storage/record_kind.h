@@ -63,6 +63,14 @@ struct Kind<GraspOutcomesRecord> {
   static absl::StatusOr<Parent> ParentOf(std::string_view name);
 };
 
+template <>
+struct Kind<UploadRecord> {
+  static constexpr Family kFamily = Family::kUploads;
+  static constexpr std::string_view kWord = "upload";
+  static constexpr std::string_view kCollection = "uploads/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
 absl::Status NotFound(std::string_view word, std::string_view name);
 absl::Status AlreadyExists(std::string_view word, std::string_view name);
 absl::Status DamagedRecord(std::string_view name);

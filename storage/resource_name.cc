@@ -15,6 +15,7 @@ constexpr std::string_view kObjects = "objects";
 constexpr std::string_view kStablePoses = "stablePoses";
 constexpr std::string_view kViews = "views";
 constexpr std::string_view kCells = "cells";
+constexpr std::string_view kUploads = "uploads";
 
 bool IsAlphanumeric(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
@@ -97,6 +98,12 @@ absl::StatusOr<CellName> ParseCellName(std::string_view name) {
   return CellName{(*ids)[0]};
 }
 
+absl::StatusOr<UploadName> ParseUploadName(std::string_view name) {
+  auto ids = ParseName<1>(name, {kUploads}, "uploads/{upload}");
+  if (!ids.ok()) return ids.status();
+  return UploadName{(*ids)[0]};
+}
+
 std::string MakeObjectName(std::string_view object_id) {
   return std::string(kObjects) + "/" + std::string(object_id);
 }
@@ -114,6 +121,10 @@ std::string MakeViewName(std::string_view object_id, std::string_view stable_pos
 
 std::string MakeCellName(std::string_view cell_id) {
   return std::string(kCells) + "/" + std::string(cell_id);
+}
+
+std::string MakeUploadName(std::string_view upload_id) {
+  return std::string(kUploads) + "/" + std::string(upload_id);
 }
 
 }  // namespace graspdb::storage

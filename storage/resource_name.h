@@ -4,6 +4,7 @@
 //   objects/{object}/stablePoses/{stable_pose}
 //   objects/{object}/stablePoses/{stable_pose}/views/{view}
 //   cells/{cell}
+//   uploads/{upload}
 //
 // An id has 1 to 63 characters of [A-Za-z0-9_.-] and begins with a letter or a
 // digit. Pure functions; safe from any thread.
@@ -36,6 +37,10 @@ struct CellName {
   std::string cell_id;
 };
 
+struct UploadName {
+  std::string upload_id;
+};
+
 // INVALID_ARGUMENT, with a sentence that quotes the id and the rule, unless `id` is valid.
 absl::Status ValidateResourceId(std::string_view id);
 
@@ -45,6 +50,7 @@ absl::StatusOr<ObjectName> ParseObjectName(std::string_view name);
 absl::StatusOr<StablePoseName> ParseStablePoseName(std::string_view name);
 absl::StatusOr<ViewName> ParseViewName(std::string_view name);
 absl::StatusOr<CellName> ParseCellName(std::string_view name);
+absl::StatusOr<UploadName> ParseUploadName(std::string_view name);
 
 // Makes a name from ids. The ids are not checked; the catalogue checks the name.
 std::string MakeObjectName(std::string_view object_id);
@@ -52,5 +58,6 @@ std::string MakeStablePoseName(std::string_view object_id, std::string_view stab
 std::string MakeViewName(std::string_view object_id, std::string_view stable_pose_id,
                          std::string_view view_id);
 std::string MakeCellName(std::string_view cell_id);
+std::string MakeUploadName(std::string_view upload_id);
 
 }  // namespace graspdb::storage

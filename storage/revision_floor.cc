@@ -8,6 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "storage/crc32c.h"
 #include "storage/file_replacement.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::storage {
 namespace {
@@ -39,9 +40,7 @@ absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string&
       text == Encode(revision)) {
     return revision;
   }
-  return absl::DataLossError("the file " + path +
-                             " is damaged; restore the database from a backup into an empty "
-                             "directory");
+  return absl::DataLossError("the file " + path + " is damaged; " + std::string(kRestoreAdvice));
 }
 
 }  // namespace graspdb::storage

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "rocksdb/cache.h"
+#include "rocksdb/file_checksum.h"
 #include "rocksdb/table.h"
 #include "storage/family.h"
 
@@ -28,6 +29,9 @@ rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env) {
   // All families are flushed together, so that even without its log a database is the
   // catalogue of some revision, and no idle family keeps old logs alive.
   options.atomic_flush = true;
+  // The manifest has the checksum of every file: a backup detects damaged files as it copies them,
+  // and does not read those that it has already.
+  options.file_checksum_gen_factory = rocksdb::GetFileChecksumGenCrc32cFactory();
   options.max_total_wal_size = kMaxWalBytes;
   options.max_open_files = kMaxOpenFiles;  // below the usual limit of 1024 descriptors
   options.bytes_per_sync = 1 << 20;

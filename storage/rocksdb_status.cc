@@ -2,30 +2,29 @@
 
 #include <string>
 
+#include "storage/restore_advice.h"
+
 namespace graspdb::storage {
-namespace {
-
-// RocksDB has no error code for a taken lock; both of its texts (lock of this process,
-// lock of another one) have the word, and no other error of opening does.
-bool IsLockTaken(const rocksdb::Status& status) {
-  const std::string text = status.ToString();
-  return status.IsIOError() && (text.find("lock hold by current process") != std::string::npos ||
-                                text.find("While lock file") != std::string::npos);
-}
-
-}  // namespace
 
 absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action) {
   if (status.ok()) return absl::OkStatus();
   const std::string what = "cannot " + std::string(action) + ": " + status.ToString();
   if (status.IsNotFound()) return absl::NotFoundError(what);
   if (status.IsCorruption()) {
-    return absl::DataLossError(what + "; restore the database from a backup");
+    return absl::DataLossError(what + "; " + std::string(kRestoreAdvice));
   }
   if (status.IsNoSpace()) {
     return absl::ResourceExhaustedError(what + "; free space on the disk and restart the server");
   }
   return absl::UnavailableError(what + "; check the disk and restart the server");
+}
+
+bool IsLockTaken(const rocksdb::Status& status) {
+  // RocksDB has no error code for it; both of its texts (lock of this process, lock of another one)
+  // have the word, and no other error of opening does.
+  const std::string text = status.ToString();
+  return status.IsIOError() && (text.find("lock hold by current process") != std::string::npos ||
+                                text.find("While lock file") != std::string::npos);
 }
 
 absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view directory) {
@@ -37,8 +36,8 @@ absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view dir
   }
   const bool file_missing = status.IsNotFound() || status.IsPathNotFound();
   if (status.IsCorruption() || file_missing) {
-    return absl::DataLossError(where + " is damaged (" + status.ToString() +
-                               "); restore it from a backup");
+    return absl::DataLossError(where + " is damaged (" + status.ToString() + "); " +
+                               std::string(kRestoreAdvice));
   }
   if (status.IsInvalidArgument() || status.IsNotSupported()) {
     return absl::FailedPreconditionError(where + " was not created by this program (" +

@@ -13,6 +13,9 @@ namespace graspdb::storage {
 // a missing key NOT_FOUND, anything else UNAVAILABLE.
 absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action);
 
+// Whether opening failed since this process or another one holds the lock file.
+bool IsLockTaken(const rocksdb::Status& status);
+
 // The status of opening the database in `directory`. A second owner is
 // FAILED_PRECONDITION, a missing or damaged file DATA_LOSS.
 absl::Status FromRocksDbOpen(const rocksdb::Status& status, std::string_view directory);

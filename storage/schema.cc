@@ -6,6 +6,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "storage/change_key.h"
+#include "storage/restore_advice.h"
 
 namespace graspdb::storage {
 namespace {
@@ -15,8 +16,8 @@ constexpr std::string_view kFormat = "graspdb";
 std::string Where(const Database& database) { return "the database at " + database.directory(); }
 
 absl::Status Damaged(const Database& database, std::string_view what) {
-  return absl::DataLossError(Where(database) + " is damaged (" + std::string(what) +
-                             "); restore it from a backup into an empty directory");
+  return absl::DataLossError(Where(database) + " is damaged (" + std::string(what) + "); " +
+                             std::string(kRestoreAdvice));
 }
 
 absl::Status WriteMeta(Database& database, const MetaRecord& meta, rocksdb::WriteBatch& batch) {
@@ -41,9 +42,11 @@ absl::Status CheckMigratable(const Database& database, int version,
   const std::string where =
       Where(database) + " has schema version " + std::to_string(version) + "; this program ";
   if (version > target) {
-    return absl::FailedPreconditionError(where + "supports up to " + std::to_string(target) +
-                                         "; start the newer program that wrote it, or restore a "
-                                         "backup made before the upgrade");
+    return absl::FailedPreconditionError(
+        where + "supports up to " + std::to_string(target) +
+        "; start the newer program that wrote it, or, with a backup "
+        "from before the upgrade, " +
+        std::string(kRestoreAdvice));
   }
   for (int from = version; from < target; ++from) {
     const bool known = std::any_of(steps.begin(), steps.end(), [from](const Migration& step) {
@@ -74,21 +77,24 @@ absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
   return *oldest ? absl::OkStatus() : Damaged(database, "the oldest change record is missing");
 }
 
-// Version 2 has a family for the outcomes of grasps, empty at first. It may exist already, if the
-// machine crashed before the version was written.
-absl::Status AddGraspOutcomes(Database& database, rocksdb::WriteBatch& /*batch*/) {
-  for (const Family family : {Family::kMeta, Family::kObjects, Family::kStablePoses, Family::kViews,
-                              Family::kClouds, Family::kCells, Family::kChanges}) {
-    // Families of version 1 are not created again: losing them must be reported.
-    if (!database.HasFamily(family)) return Damaged(database, "a column family is missing");
-  }
-  return database.CreateMissingFamilies();
+// A step to a version that has further families, empty at first. They may exist already, if the
+// machine crashed before the version was written. The first `count` families are not created again:
+// losing them must be reported.
+Migration AddFamiliesAfter(int from_version, std::size_t count) {
+  return {from_version, [count](Database& database, rocksdb::WriteBatch& /*batch*/) {
+            for (std::size_t i = 0; i < count; ++i) {
+              if (database.HasFamily(static_cast<Family>(i))) continue;
+              return Damaged(database, "a column family is missing");
+            }
+            return database.CreateMissingFamilies();
+          }};
 }
 
 }  // namespace
 
 std::span<const Migration> Migrations() {
-  static const std::array<Migration, 1> steps = {{{1, AddGraspOutcomes}}};
+  // Version 2: outcomes of grasps. Version 3: bulk uploads.
+  static const std::array<Migration, 2> steps = {AddFamiliesAfter(1, 7), AddFamiliesAfter(2, 8)};
   return steps;
 }
 

@@ -1,16 +1,13 @@
 #include "client/cli/lab_program.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <filesystem>
 #include <string>
 #include <string_view>
+
+#include "client/cli/base/beside_program.h"
 
 namespace graspdb::client {
 namespace {
@@ -59,13 +56,9 @@ void RunLabCommand(const CLI::App& app, int argc, char** argv) {
   const std::string_view name = CommandOf(app, argc, argv);
   const auto is_named = [name](const LabCommand& command) { return command.name == name; };
   if (std::ranges::none_of(kCommands, is_named)) return;
-  std::error_code error;
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = here.parent_path() / kProgram;
-  execv(program.c_str(), argv);
-  std::fprintf(stderr,
-               "graspdb: '%s' needs the program %s, which does not start (%s): install it\n",
-               std::string(name).c_str(), program.c_str(), std::strerror(errno));
+  const absl::Status failed = BecomeProgram(kProgram, {argv + 1, argv + argc});
+  std::fprintf(stderr, "graspdb: '%s' %s\n", std::string(name).c_str(),
+               std::string(failed.message()).c_str());
   std::exit(1);
 }
 

@@ -1,16 +1,11 @@
 // graspdb, the command line.
+#include "client/cli/backup/backup_commands.h"
 #include "client/cli/base/command_line.h"
-#include "client/cli/cells/cell_commands.h"
-#include "client/cli/cells/sensor_commands.h"
+#include "client/cli/cells/commands.h"
 #include "client/cli/lab_program.h"
-#include "client/cli/objects/catalog_commands.h"
-#include "client/cli/objects/export_command.h"
-#include "client/cli/objects/import_command.h"
-#include "client/cli/recognize/describe_command.h"
-#include "client/cli/recognize/recognize_command.h"
-#include "client/cli/recognize/replay_command.h"
-#include "client/cli/teach/grasps_command.h"
-#include "client/cli/teach/teach_command.h"
+#include "client/cli/objects/commands.h"
+#include "client/cli/recognize/commands.h"
+#include "client/cli/teach/commands.h"
 
 namespace graspdb::client {
 namespace {
@@ -40,14 +35,18 @@ int Run(int argc, char** argv) {
   AddReplayCommand(app, global, &action);
   AddDescribeCommand(app, global, &action);
   AddExportCommand(app, global, &action);
+  AddBackupCommands(app, global, &action);
+  AddUploadsCommand(app, global, &action);
   AddObjectsCommand(app, global, &action);
   AddGraspsCommand(app, global, &action);
   AddCellsCommand(app, global, &action);
   AddStatusCommand(app, global, &action);
+  AddWatchCommand(app, global, &action);
+  AddDoctorCommand(app, global, &action);
   AddSensorsCommand(app, global, &action);
   AddLabCommands(app);
   RunLabCommand(app, argc, argv);
-  return RunCommandLine(app, action, LabCommands(), argc, argv);
+  return RunCommandLine(app, global, action, LabCommands(), argc, argv);
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 #include "client/sdk/client.h"
 
 #include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "client/sdk/client_call.h"
+#include "client/sdk/security.h"
 
 namespace graspdb::client {
 namespace {
@@ -17,6 +16,7 @@ constexpr char kRetries[] = R"({"methodConfig": [{
   "name": [
     {"service": "graspdb.v1.RecognitionService", "method": "Recognize"},
     {"service": "graspdb.v1.RecognitionService", "method": "FindLookAlikes"},
+    {"service": "graspdb.v1.BackupService", "method": "ListBackups"},
     {"service": "graspdb.v1.CatalogService", "method": "GetCatalogStatus"},
     {"service": "graspdb.v1.CatalogService", "method": "GetObject"},
     {"service": "graspdb.v1.CatalogService", "method": "ListObjects"},
@@ -24,6 +24,9 @@ constexpr char kRetries[] = R"({"methodConfig": [{
     {"service": "graspdb.v1.CatalogService", "method": "ListStablePoses"},
     {"service": "graspdb.v1.CatalogService", "method": "GetView"},
     {"service": "graspdb.v1.CatalogService", "method": "ListViews"},
+    {"service": "graspdb.v1.UploadService", "method": "GetUpload"},
+    {"service": "graspdb.v1.UploadService", "method": "ListUploads"},
+    {"service": "graspdb.v1.UploadService", "method": "ListUploadViews"},
     {"service": "graspdb.v1.CellService", "method": "GetCell"},
     {"service": "graspdb.v1.CellService", "method": "ListCells"}],
   "retryPolicy": {"maxAttempts": 4, "initialBackoff": "0.15s", "maxBackoff": "1s",
@@ -42,7 +45,8 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
-  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::experimental::CreateCustomChannelWithInterceptors(
+      options.server, MakeCredentials(options.security), arguments, MakeTokenInterceptors(options));
 }
 
 }  // namespace
@@ -54,14 +58,7 @@ Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 
 absl::Status Client::ToStatus(const grpc::Status& status) const {
-  if (status.ok()) return absl::OkStatus();
-  // gRPC's own UNAVAILABLE describes sockets and has no details; the server's always has some.
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty()) {
-    return absl::UnavailableError(absl::StrCat(
-        "no graspdb server is reachable at ", options_.server,
-        "; start graspdb-server or give --server HOST:PORT (", status.error_message(), ")"));
-  }
-  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+  return Explain(status, options_);
 }
 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request) {
@@ -70,15 +67,13 @@ absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeReque
 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request,
                                                         absl::Duration timeout) {
-  return Call<v1::RecognizeResponse>(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize,
-                                     request, timeout);
+  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request, timeout);
 }
 
 absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {
   v1::FindLookAlikesRequest request;
   request.set_object(object);
-  return Call<v1::FindLookAlikesResponse>(*stubs_->recognition,
-                                          &v1::RecognitionService::Stub::FindLookAlikes, request);
+  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::FindLookAlikes, request);
 }
 
 absl::StatusOr<v1::ProposeThresholdsResponse> Client::ProposeThresholds(
@@ -86,18 +81,16 @@ absl::StatusOr<v1::ProposeThresholdsResponse> Client::ProposeThresholds(
   v1::ProposeThresholdsRequest request;
   request.set_object(object);
   grpc::ClientContext context;
-  const auto reader = stubs_->recognition->ProposeThresholds(&context, request);
-  v1::ProposeThresholdsResponse message;
-  while (reader->Read(&message)) {
-    absl::Status status = on_progress(message);
-    if (status.ok()) continue;
-    context.TryCancel();
-    (void)reader->Finish();  // cancelled here; the caller's error has the reason
-    return status;
-  }
-  const grpc::Status status = reader->Finish();
-  if (!status.ok()) return ToStatus(status);
-  return message;
+  return LastMessage<v1::ProposeThresholdsResponse>(
+      context, stubs_->recognition->ProposeThresholds(&context, request), on_progress);
+}
+
+absl::Status Client::WatchCatalog(const v1::WatchCatalogRequest& request,
+                                  const OnChange& on_change) {
+  grpc::ClientContext context;
+  return LastMessage<v1::WatchCatalogResponse>(
+             context, stubs_->changes->WatchCatalog(&context, request), on_change)
+      .status();
 }
 
 }  // namespace graspdb::client

@@ -1,6 +1,7 @@
 // The client library: the services of a graspdb server as functions.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,16 +10,32 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "graspdb/v1/backup_service.pb.h"
 #include "graspdb/v1/catalog_service.pb.h"
 #include "graspdb/v1/cell_service.pb.h"
+#include "graspdb/v1/change_service.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
+#include "graspdb/v1/upload_service.pb.h"
 
 namespace grpc {
 class Channel;
+class ClientContext;
 class Status;
+template <typename R>
+class ClientReader;
 }  // namespace grpc
 
 namespace graspdb::client {
+
+// Encryption and identity. Files are read again when they change; the first three have PEM format,
+// and each of them enables TLS.
+struct SecurityOptions {
+  std::string ca = {};    // authorities that sign the server's certificate; empty: the system's
+  std::string cert = {};  // certificate of this client, with its `key`
+  std::string key = {};   // without a passphrase
+  std::string token_file =
+      {};  // a token in the first line; not sent to another machine without TLS
+};
 
 // How to connect to a server.
 struct ConnectionOptions {
@@ -28,6 +45,7 @@ struct ConnectionOptions {
   bool retry = true;
   // Whether this client has its own connection; by default, clients of one server share one.
   bool own_connection = false;
+  SecurityOptions security = {};
 };
 
 // A connection to a server. Connects with the first call and reconnects when the connection is
@@ -83,22 +101,66 @@ class Client {
   using NextView = std::function<absl::StatusOr<bool>(v1::UploadViewsRequest*)>;
   absl::StatusOr<v1::UploadViewsResponse> UploadViews(const NextView& next);
 
+  // Bulk uploads: views that become part of the catalogue together.
+  absl::StatusOr<v1::Upload> CreateUpload(const v1::CreateUploadRequest& request);
+  absl::StatusOr<v1::Upload> GetUpload(const std::string& name);
+  absl::StatusOr<std::vector<v1::Upload>> ListUploads();
+  absl::StatusOr<std::vector<v1::UploadView>> ListUploadViews(const std::string& upload);
+  // Has no time limit. May be repeated after an error.
+  absl::StatusOr<v1::Upload> CommitUpload(const v1::CommitUploadRequest& request);
+  absl::Status DeleteUpload(const std::string& name);
+  // Sends views over one stream until `next` returns false or an error, which is then returned.
+  // `done` gets the response to each, in order; it is called between the calls of `next`. Views
+  // without a response when the stream fails must be sent again.
+  using NextUploadView = std::function<absl::StatusOr<bool>(v1::WriteUploadViewsRequest*)>;
+  using UploadViewDone = std::function<void(const v1::WriteUploadViewsResponse&)>;
+  absl::Status WriteUploadViews(const NextUploadView& next, const UploadViewDone& done);
+
+  // Gets the changes of the catalogue until the server ends the call or `on_change` returns an
+  // error, which is then returned. Has no time limit.
+  using OnChange = std::function<absl::Status(const v1::WatchCatalogResponse&)>;
+  absl::Status WatchCatalog(const v1::WatchCatalogRequest& request, const OnChange& on_change);
+
   absl::StatusOr<v1::Cell> CreateCell(const v1::CreateCellRequest& request);
   absl::StatusOr<v1::Cell> GetCell(const std::string& name);
   absl::StatusOr<v1::Cell> UpdateCell(const v1::UpdateCellRequest& request);
   absl::Status DeleteCell(const std::string& name);
   absl::StatusOr<std::vector<v1::Cell>> ListCells();
 
+  // Create, verify and compare have no time limit: the callback receives the progress, several
+  // times a second, and cancels the call by returning an error, which is then returned. Names are
+  // "backups/7".
+  using OnBytes = std::function<absl::Status(std::int64_t done_byte_count)>;
+  using OnDifferences = std::function<absl::Status(const v1::CompareBackupResponse&)>;
+  absl::StatusOr<v1::Backup> CreateBackup(const OnBytes& on_bytes);
+  absl::StatusOr<v1::Backup> VerifyBackup(const std::string& name, const OnBytes& on_bytes);
+  absl::StatusOr<v1::Backup> CompareBackup(const std::string& name, const OnDifferences& on_some);
+  absl::StatusOr<std::vector<v1::Backup>> ListBackups();
+  absl::Status DeleteBackup(const std::string& name);
+
  private:
   struct Stubs;
   absl::Status ToStatus(const grpc::Status& status) const;
-  template <typename Response, typename Stub, typename Method, typename Request>
-  absl::StatusOr<Response> Call(Stub& stub, Method method, const Request& request) const {
-    return Call<Response>(stub, method, request, options_.timeout);
+  template <typename Stub, typename Request, typename Response>
+  using Method = grpc::Status (Stub::*)(grpc::ClientContext*, const Request&, Response*);
+  template <typename Stub, typename Request, typename Response>
+  absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
+                                const Request& request, absl::Duration timeout) const;
+  template <typename Stub, typename Request, typename Response>
+  absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
+                                const Request& request) const {
+    return Call(stub, method, request, options_.timeout);
   }
-  template <typename Response, typename Stub, typename Method, typename Request>
-  absl::StatusOr<Response> Call(Stub& stub, Method method, const Request& request,
-                                absl::Duration timeout) const;
+  // Reads a stream; `on_message` receives every message and can cancel the call by an error.
+  template <typename Response, typename OnMessage>
+  absl::StatusOr<Response> LastMessage(grpc::ClientContext& context,
+                                       std::unique_ptr<grpc::ClientReader<Response>> reader,
+                                       const OnMessage& on_message) const;
+  // All pages of a list; `records` are those of a page.
+  template <typename Stub, typename Request, typename Response, typename Record>
+  absl::StatusOr<std::vector<Record>> ListAll(
+      Stub& stub, Method<Stub, Request, Response> method, Request request,
+      google::protobuf::RepeatedPtrField<Record>* (Response::*records)()) const;
 
   ConnectionOptions options_;
   std::unique_ptr<Stubs> stubs_;

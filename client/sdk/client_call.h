@@ -3,36 +3,88 @@
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
+#include <grpcpp/support/sync_stream.h>
 
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
+#include "graspdb/v1/backup_service.grpc.pb.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
+#include "graspdb/v1/change_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
+#include "graspdb/v1/upload_service.grpc.pb.h"
 
 namespace graspdb::client {
 
 struct Client::Stubs {
   explicit Stubs(const std::shared_ptr<grpc::Channel>& channel)
-      : catalog(v1::CatalogService::NewStub(channel)),
+      : backups(v1::BackupService::NewStub(channel)),
+        catalog(v1::CatalogService::NewStub(channel)),
         cells(v1::CellService::NewStub(channel)),
-        recognition(v1::RecognitionService::NewStub(channel)) {}
+        changes(v1::ChangeService::NewStub(channel)),
+        recognition(v1::RecognitionService::NewStub(channel)),
+        uploads(v1::UploadService::NewStub(channel)) {}
+  std::unique_ptr<v1::BackupService::Stub> backups;
   std::unique_ptr<v1::CatalogService::Stub> catalog;
   std::unique_ptr<v1::CellService::Stub> cells;
+  std::unique_ptr<v1::ChangeService::Stub> changes;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
+  std::unique_ptr<v1::UploadService::Stub> uploads;
 };
 
-template <typename Response, typename Stub, typename Method, typename Request>
-absl::StatusOr<Response> Client::Call(Stub& stub, Method method, const Request& request,
-                                      absl::Duration timeout) const {
+template <typename Stub, typename Request, typename Response>
+absl::StatusOr<Response> Client::Call(Stub& stub, Method<Stub, Request, Response> method,
+                                      const Request& request, absl::Duration timeout) const {
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
   if (!status.ok()) return ToStatus(status);
   return response;
+}
+
+template <typename Response, typename OnMessage>
+absl::StatusOr<Response> Client::LastMessage(grpc::ClientContext& context,
+                                             std::unique_ptr<grpc::ClientReader<Response>> reader,
+                                             const OnMessage& on_message) const {
+  Response message;
+  while (reader->Read(&message)) {
+    absl::Status status = on_message(message);
+    if (status.ok()) continue;
+    context.TryCancel();
+    (void)reader->Finish();  // cancelled here; the caller's error has the reason
+    return status;
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return ToStatus(status);
+  return message;
+}
+
+template <typename Stub, typename Request, typename Response, typename Record>
+absl::StatusOr<std::vector<Record>> Client::ListAll(
+    Stub& stub, Method<Stub, Request, Response> method, Request request,
+    google::protobuf::RepeatedPtrField<Record>* (Response::*records)()) const {
+  std::vector<Record> out;
+  do {
+    absl::StatusOr<Response> page = Call(stub, method, request);
+    if (!page.ok()) return page.status();
+    for (Record& record : *((*page).*records)()) out.push_back(std::move(record));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return out;
+}
+
+// A request for the resource of that name.
+template <typename Request>
+Request Named(const std::string& name) {
+  Request request;
+  request.set_name(name);
+  return request;
 }
 
 }  // namespace graspdb::client

@@ -1,5 +1,3 @@
-#include "lab/commands/bench_command.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/bench_frames.h"
+#include "lab/commands/commands.h"
 #include "lab/load/load_report.h"
 #include "lab/load/load_run.h"
 
@@ -126,14 +125,16 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
   ConnectionOptions connection{.server = global.server,
                                .timeout = absl::Seconds(global.timeout_s),
                                .retry = false,
-                               .own_connection = true};
+                               .own_connection = true,
+                               .security = global.security};
   std::vector<Client> clients;
   clients.reserve(static_cast<std::size_t>(options.concurrency));
   for (int i = 0; i < options.concurrency; ++i) clients.emplace_back(connection);
 
   LoadReport report;
   // With the default deadline: --timeout applies to the requests.
-  absl::StatusOr<v1::CatalogStatus> catalog = Connect({.server = global.server}).GetCatalogStatus();
+  absl::StatusOr<v1::CatalogStatus> catalog =
+      Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
   if (!catalog.ok()) return catalog.status();
   report.catalog = *std::move(catalog);
   const absl::StatusOr<std::vector<v1::RecognizeRequest>> requests = MakeRequests(options.frames);
@@ -150,7 +151,7 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
   });
   // If the server is gone by now, the report lists the errors.
   const absl::StatusOr<v1::CatalogStatus> after =
-      Connect({.server = global.server}).GetCatalogStatus();
+      Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
   if (after.ok()) report.models = Between(report.catalog.model_cache(), after->model_cache());
   if (absl::Status status = PrintReport(global, report); !status.ok()) return status;
   std::fflush(stdout);

@@ -1,10 +1,9 @@
-#include "lab/commands/eval_command.h"
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "lab/commands/command_text.h"
+#include "lab/commands/commands.h"
 #include "lab/commands/eval_run.h"
 #include "lab/experiment/cases.h"
 #include "rendering/length_unit.h"
@@ -50,7 +49,7 @@ void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
 
 }  // namespace
 
-void AddEvalCommand(CLI::App& app, std::function<absl::Status()>* action) {
+void AddEvalCommand(CLI::App& app, Action* action) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* command = app.add_subcommand("eval", kEvalDescription);
   command->footer(kEvalFooter);

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "lab/experiment/part_set.h"
 #include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/matching/matching_parameters.h"
 
 namespace graspdb::client {
 

@@ -15,7 +15,7 @@
 #include "files/point_file.h"
 #include "lab/commands/frame_picture.h"
 #include "lab/experiment/real_frames.h"
-#include "lab/experiment/report/frames_json.h"
+#include "lab/experiment/report/report_json.h"
 
 namespace graspdb::client {
 namespace {

@@ -1,5 +1,3 @@
-#include "lab/commands/robot_command.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -9,6 +7,7 @@
 #include "client/cell/agent/cell_frames.h"
 #include "client/cli/base/camera.h"
 #include "files/json_object.h"
+#include "lab/commands/commands.h"
 #include "lab/simulated_robot/pick_run.h"
 #include "program/latency_histogram.h"
 #include "program/listen_address.h"
@@ -58,15 +57,13 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
   }
   google::protobuf::Struct document;
   JsonObject object(&document);
-  object.Text("shown", pick.shown);
-  object.Text("code", GriCodeName(pick.code));
-  object.Bool("held", pick.held);
+  object.Set(Json("shown", pick.shown), Json("code", GriCodeName(pick.code)),
+             Json("held", pick.held));
   if (pick.code == GriCode::kNoError) {
-    object.Text("object", pick.error.object);
-    object.Text("grasp", pick.error.grasp_id);
-    object.Number("shift_mm", 1000 * pick.error.shift_m);
-    object.Number("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi);
-    object.Number("cycle_ms", Milliseconds(pick.latency));
+    object.Set(Json("object", pick.error.object), Json("grasp", pick.error.grasp_id),
+               Json("shift_mm", 1000 * pick.error.shift_m),
+               Json("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi),
+               Json("cycle_ms", Milliseconds(pick.latency)));
   }
   return PrintJson(document);
 }
@@ -100,13 +97,8 @@ absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, dou
   }
   google::protobuf::Struct document;
   JsonObject object(&document);
-  object.Count("picks", picks);
-  object.Count("held", held);
-  object.Number("with_pose", static_cast<double>(times.count()));
-  if (times.count() > 0) {
-    object.Number("cycle_p50_ms", p50_ms);
-    object.Number("cycle_p99_ms", p99_ms);
-  }
+  object.Set(Json("picks", picks), Json("held", held), Json("with_pose", times.count()));
+  if (times.count() > 0) object.Set(Json("cycle_p50_ms", p50_ms), Json("cycle_p99_ms", p99_ms));
   return PrintJson(document);
 }
 

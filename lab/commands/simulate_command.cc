@@ -1,5 +1,3 @@
-#include "lab/commands/simulate_command.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
+#include "lab/commands/commands.h"
 #include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
 #include "rendering/sample_parts.h"
@@ -206,7 +205,7 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
 
 }  // namespace
 
-void AddSimulateCommand(CLI::App& app, std::function<absl::Status()>* action) {
+void AddSimulateCommand(CLI::App& app, Action* action) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("simulate", kSimulateDescription);
   command->footer(kSimulateFooter);

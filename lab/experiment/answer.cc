@@ -49,10 +49,11 @@ Answer JudgeReading(const Reading& reading, const PartSet& set, Answer answer) {
   const MeasuredShape& shape = *set.shapes[answer.part];
   const auto answered = static_cast<std::size_t>(
       std::ranges::find(set.parts, answer.stable_pose, StablePoseName) - set.parts.begin());
+  // Both stable poses are the same mesh at rest.
   answer.found =
-      AsIn(set.object_mesh[answer.part], set.object_mesh[answered], reading.world_object);
+      reading.world_object * set.object_mesh[answered] * set.object_mesh[answer.part].inverse();
   answer.error = ErrorOf(shape, answer.truth, answer.found);
-  answer.pose_right = IsRight(shape, answer.error);
+  answer.pose_right = IsRight(shape, answer.error.add_s_m);
   answer.strictly_right = IsStrictlyRight(shape, answer.error);
   return answer;
 }

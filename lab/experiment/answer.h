@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "lab/experiment/judge.h"
 #include "lab/experiment/part_set.h"
 #include "lab/experiment/trial.h"
 #include "lab/experiment/true_pose.h"
 #include "recognition/recognizer.h"
+#include "rendering/pose_error.h"
 
 namespace graspdb::client {
 

@@ -7,8 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "files/capture_set.h"
-#include "files/point_file.h"
+#include "files/cloud_message.h"
+#include "files/depth_message.h"
 #include "files/pose_message.h"
+#include "files/scan_file.h"
 #include "rendering/mesh_file.h"
 
 namespace graspdb::client {
@@ -64,9 +66,11 @@ absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::p
 
 absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
   const auto& [capture, part] = source.captures[i];
-  auto file = ReadPointFile(source.folder / capture.path());
+  const auto file = ReadScanFile(source.folder / capture.path());
   if (!file.ok()) return file.status();
-  Trial out{.scan = {.points = std::move(file->points),
+  auto points = std::visit([](const auto& scan) { return PointsFromMessage(scan); }, file->scan);
+  if (!points.ok()) return points.status();
+  Trial out{.scan = {.points = *std::move(points),
                      .world_sensor = file->sensor_pose,
                      .region = source.region,
                      .segmented = capture.segmented()},

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/judge.h"
+#include "rendering/pose_error.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::client {

@@ -1,119 +1,85 @@
-#include <google/protobuf/struct.pb.h>
-
 #include "files/json_object.h"
 #include "lab/load/load_report.h"
 
 namespace graspdb::client {
 namespace {
 
-using google::protobuf::Struct;
-using google::protobuf::Value;
-
-void FillPlan(const LoadReport& report, Value* value) {
-  JsonObject out(value);
-  out.Text("loop", report.plan.rate > 0 ? "open" : "closed");
-  out.Number("concurrency", report.plan.concurrency);
-  out.Number("rate_per_s", report.plan.rate);
-  out.Number("requests", static_cast<double>(report.plan.requests));
-  out.Number("duration_s", Milliseconds(report.plan.duration) / 1000);
-  out.Number("warmup_requests", static_cast<double>(report.warmup));
-  out.Number("timeout_s", report.timeout_s);
-  out.Text("frames", report.frames);
+void FillPlan(const LoadReport& report, JsonObject out) {
+  out.Set(Json("loop", report.plan.rate > 0 ? "open" : "closed"),
+          Json("concurrency", report.plan.concurrency), Json("rate_per_s", report.plan.rate),
+          Json("requests", report.plan.requests),
+          Json("duration_s", Milliseconds(report.plan.duration) / 1000),
+          Json("warmup_requests", report.warmup), Json("timeout_s", report.timeout_s),
+          Json("frames", report.frames));
 }
 
-void FillServer(const LoadReport& report, Value* value) {
-  JsonObject out(value);
-  out.Text("address", report.server);
-  out.Text("version", report.catalog.server_version());
-  out.Number("objects", static_cast<double>(report.catalog.object_count()));
-  out.Number("views", static_cast<double>(report.catalog.view_count()));
-  JsonObject models(&out.At("models"));
-  models.Number("found", static_cast<double>(report.models.hit_count()));
-  models.Number("made", static_cast<double>(report.models.miss_count()));
-  models.Number("bytes", static_cast<double>(report.models.byte_count()));
-  models.Number("byte_budget", static_cast<double>(report.models.byte_budget()));
+void FillServer(const LoadReport& report, JsonObject out) {
+  out.Set(Json("address", report.server), Json("version", report.catalog.server_version()),
+          Json("objects", report.catalog.object_count()),
+          Json("views", report.catalog.view_count()));
+  const v1::CacheStatus& models = report.models;
+  out.Object("models").Set(Json("found", models.hit_count()), Json("made", models.miss_count()),
+                           Json("bytes", models.byte_count()),
+                           Json("byte_budget", models.byte_budget()));
 }
 
-void FillSchedule(const LoadReport& report, Value* value) {
+void FillSchedule(const LoadReport& report, JsonObject out) {
   const LatencyHistogram& lateness = report.result.tally.lateness();
-  JsonObject out(value);
-  out.Bool("rate_kept", KeptRate(report.plan, report.result));
-  out.Number("not_sent", static_cast<double>(report.result.backlog));
-  out.Number("late_requests", static_cast<double>(lateness.count() - lateness.CountBelow(kLate)));
-  out.Number("latest_ms", Milliseconds(lateness.Max()));
-}
-
-void FillErrors(const Tally& tally, Value* value) {
-  auto* list = value->mutable_list_value();
-  for (const auto& [code, failed] : tally.errors()) {
-    JsonObject out(list->add_values());
-    out.Text("code", absl::StatusCodeToString(code));
-    out.Number("count", static_cast<double>(failed.count));
-    out.Number("longest_ms", Milliseconds(failed.longest));
-    out.Text("example", failed.example);
-  }
+  out.Set(Json("rate_kept", KeptRate(report.plan, report.result)),
+          Json("not_sent", report.result.backlog),
+          Json("late_requests", lateness.count() - lateness.CountBelow(kLate)),
+          Json("latest_ms", Milliseconds(lateness.Max())));
 }
 
 // The keys of one histogram; no times if it is empty.
-void FillTimes(const LatencyHistogram& times, JsonObject* out) {
-  out->Number("count", static_cast<double>(times.count()));
+void FillTimes(const LatencyHistogram& times, JsonObject out) {
+  out.Set(Json("count", times.count()));
   if (times.count() == 0) return;
-  out->Number("min_ms", Milliseconds(times.Min()));
-  out->Number("mean_ms", Milliseconds(times.Mean()));
-  out->Number("max_ms", Milliseconds(times.Max()));
-  auto* ladder = out->At("percentiles").mutable_list_value();
-  for (const double percent : kPercentiles) {
-    JsonObject rung(ladder->add_values());
-    rung.Number("percent", percent);
-    rung.Number("ms", Milliseconds(times.Percentile(percent)));
-  }
+  out.Set(Json("min_ms", Milliseconds(times.Min())), Json("mean_ms", Milliseconds(times.Mean())),
+          Json("max_ms", Milliseconds(times.Max())));
+  out.List("percentiles", kPercentiles, [&](double percent, JsonObject rung) {
+    rung.Set(Json("percent", percent), Json("ms", Milliseconds(times.Percentile(percent))));
+  });
 }
 
-void FillBins(const LatencyHistogram& latency, Value* value) {
-  auto* list = value->mutable_list_value();
-  for (const LatencyBin& bin : BinsOf(latency)) {
-    JsonObject out(list->add_values());
-    out.Number("from_ms", Milliseconds(bin.from));
-    out.Number("to_ms", Milliseconds(bin.to));
-    out.Number("count", static_cast<double>(bin.count));
-  }
-}
-
-void FillSteps(const LoadPlan& plan, const Tally& tally, Value* value) {
-  auto* list = value->mutable_list_value();
-  for (const Step& step : tally.steps()) {
-    if (plan.rate == 0 && step.name == kBeforeSending) continue;  // nothing waits there
-    JsonObject out(list->add_values());
-    out.Text("step", step.name);
-    out.Bool("in_server", step.in_server);
-    out.Number("share", ShareOf(step, tally));
-    FillTimes(step.times, &out);
-  }
+// Without the step before sending in a closed loop, where nothing waits.
+std::vector<Step> StepsOf(const LoadReport& report) {
+  std::vector<Step> out = report.result.tally.steps();
+  if (report.plan.rate == 0)
+    std::erase_if(out, [](const Step& step) { return step.name == kBeforeSending; });
+  return out;
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> LoadJson(const LoadReport& report) {
   const Tally& tally = report.result.tally;
-  Struct document;
+  google::protobuf::Struct document;
   JsonObject out(&document);
-  FillServer(report, &out.At("server"));
-  FillPlan(report, &out.At("plan"));
-  out.Number("elapsed_s", Milliseconds(report.result.elapsed) / 1000);
-  out.Bool("interrupted", report.result.cancelled);
-  out.Number("answered", static_cast<double>(tally.answered()));
-  out.Number("failed", static_cast<double>(tally.failed()));
-  out.Number("answered_per_s", report.result.RequestsPerSecond());
-  if (report.plan.rate > 0) FillSchedule(report, &out.At("schedule"));
-  JsonObject outcomes(&out.At("outcomes"));
-  for (const auto& [status, count] : tally.outcomes()) {
-    outcomes.Number(status, static_cast<double>(count));
-  }
-  FillErrors(tally, &out.At("errors"));
-  JsonObject latency(&out.At("latency"));
-  FillTimes(tally.latency(), &latency);
-  FillBins(tally.latency(), &out.At("histogram"));
-  FillSteps(report.plan, tally, &out.At("steps"));
+  FillServer(report, out.Object("server"));
+  FillPlan(report, out.Object("plan"));
+  out.Set(Json("elapsed_s", Milliseconds(report.result.elapsed) / 1000),
+          Json("interrupted", report.result.cancelled), Json("answered", tally.answered()),
+          Json("failed", tally.failed()),
+          Json("answered_per_s", report.result.RequestsPerSecond()));
+  if (report.plan.rate > 0) FillSchedule(report, out.Object("schedule"));
+  JsonObject outcomes = out.Object("outcomes");
+  for (const auto& [status, count] : tally.outcomes()) outcomes.Set(Json(status, count));
+  out.List("errors", tally.errors(), [](const auto& error, JsonObject object) {
+    const auto& [code, failed] = error;
+    object.Set(Json("code", absl::StatusCodeToString(code)), Json("count", failed.count),
+               Json("longest_ms", Milliseconds(failed.longest)), Json("example", failed.example));
+  });
+  FillTimes(tally.latency(), out.Object("latency"));
+  out.List("histogram", BinsOf(tally.latency()), [](const LatencyBin& bin, JsonObject object) {
+    object.Set(Json("from_ms", Milliseconds(bin.from)), Json("to_ms", Milliseconds(bin.to)),
+               Json("count", bin.count));
+  });
+  out.List("steps", StepsOf(report), [&](const Step& step, JsonObject object) {
+    object.Set(Json("step", step.name), Json("in_server", step.in_server),
+               Json("share", ShareOf(step, tally)));
+    FillTimes(step.times, object);
+  });
   return PrintDocument(document, JsonLayout::kOneLine);
 }
 

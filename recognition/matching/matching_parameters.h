@@ -3,12 +3,6 @@
 
 namespace graspdb::recognition {
 
-// Error that the alignment minimises.
-enum class IcpMetric {
-  kPointToPoint,  // Besl and McKay, as the paper cites it.
-  kPointToPlane,  // Chen and Medioni; fewer iterations, the same minimum.
-};
-
 // How the nearest views are aligned and judged.
 struct MatchingParameters {
   // Number of candidates in an answer.
@@ -25,7 +19,6 @@ struct MatchingParameters {
   // Deadline of the search for unexplained segments, s from the frame's beginning. Far more than
   // the budget takes, for an overloaded machine.
   double search_ceiling_s = 2;
-  IcpMetric metric = IcpMetric::kPointToPlane;
   int icp_iteration_count = 50;
   // Correspondences farther apart than this are never used, m.
   double max_correspondence_m = 0.03;

@@ -58,19 +58,6 @@ double MedianDistance(const std::vector<Correspondence>& pairs) {
   return std::sqrt(*middle);
 }
 
-// The rotation and shift with the least squared distances, in closed form.
-Pose PointToPointStep(const std::vector<Correspondence>& pairs) {
-  Eigen::Matrix3Xd from(3, pairs.size());
-  Eigen::Matrix3Xd to(3, pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    from.col(static_cast<Eigen::Index>(i)) = pairs[i].source;
-    to.col(static_cast<Eigen::Index>(i)) = pairs[i].target;
-  }
-  Pose step;
-  step.matrix() = Eigen::umeyama(from, to, /*with_scaling=*/false);
-  return step;
-}
-
 // One Gauss-Newton step on the distances to the tangent planes, about the mean of the points.
 // Directions that the points do not constrain (a plane's slide, a sphere's turn) are damped.
 Pose PointToPlaneStep(const std::vector<Correspondence>& pairs) {
@@ -118,8 +105,7 @@ Registration Align(const Points& source, const RegistrationTarget& target, const
   for (int i = 0; i < parameters.icp_iteration_count && !out.converged; ++i) {
     const auto pairs = Correspond(source, target, out.target_source, reach);
     if (pairs.size() < kMinCorrespondences) break;
-    const Pose step = parameters.metric == IcpMetric::kPointToPlane ? PointToPlaneStep(pairs)
-                                                                    : PointToPointStep(pairs);
+    const Pose step = PointToPlaneStep(pairs);
     out.converged = IsNegligible(step, pairs.front().source);
     out.target_source = step * out.target_source;
     out.iterations = i + 1;

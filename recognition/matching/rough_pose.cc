@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "recognition/descriptors/heading.h"
@@ -20,8 +21,6 @@ constexpr double kGoneWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
 // Initial poses that are nearer, m, lead to the same place: correspondences reach 0.02 m.
 constexpr double kSameStartM = 0.006;
-// Every point is higher, m.
-constexpr double kUnlimitedM = 1e9;
 
 class ExtentSum {
  public:
@@ -132,7 +131,7 @@ InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
   const auto extent_above = [&](double lowest) {
     return VisibleExtent(visible, model.coarse.cloud.points, turned, lowest);
   };
-  const std::optional<Extent> whole = extent_above(-kUnlimitedM);
+  const std::optional<Extent> whole = extent_above(-std::numeric_limits<double>::infinity());
   if (!whole) return out;
   const auto shifted = [&](const Extent& extent, const DepthBuffer::Sides& sides) {
     Pose at = turned;

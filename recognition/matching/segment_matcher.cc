@@ -169,9 +169,11 @@ absl::Status SegmentMatcher::CheckNotCancelled() const {
                          : absl::OkStatus();
 }
 
-Evidence SegmentMatcher::VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const {
-  return Verify(model, world_object, rough_columns_, depth_buffer_,
-                {.tolerance_m = parameters_.support_distance_m, .coarse = true});
+Evidence SegmentMatcher::VerifyRoughly(const SurfaceModel& model, const Pose& world_object,
+                                       double min_score) const {
+  return Verify(
+      model, world_object, rough_columns_, depth_buffer_,
+      {.tolerance_m = parameters_.support_distance_m, .coarse = true, .min_score = min_score});
 }
 
 Evidence SegmentMatcher::VerifyClosely(const SurfaceModel& model, const Pose& world_object) const {

@@ -122,7 +122,8 @@ class SegmentMatcher {
   void Finish(const RefinementOptions& options, PoseHypothesis* h) const;
   void Polish();
   void RecentrePose(PoseHypothesis* h) const;
-  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object) const;
+  Evidence VerifyRoughly(const SurfaceModel& model, const Pose& world_object,
+                         double min_score = 0) const;
   Evidence VerifyClosely(const SurfaceModel& model, const Pose& world_object) const;
 
   const double noise_m_;

@@ -183,11 +183,7 @@ double SegmentMatcher::Glance(const Start& start, double min_score) const {
   // 81 objects, 40 % hidden, are lost.
   const Pose pose =
       Refine(*start.model, look_ups_->rough_target, start.rough, kGlanceSteps).world_object;
-  return Verify(*start.model, pose, rough_columns_, depth_buffer_,
-                {.tolerance_m = parameters_.support_distance_m,
-                 .coarse = true,
-                 .min_score = min_score})
-      .score;
+  return VerifyRoughly(*start.model, pose, min_score).score;
 }
 
 }  // namespace graspdb::recognition

@@ -12,4 +12,11 @@ Eigen::Vector3f PointAt(const DepthImage& image, std::size_t pixel) {
   return {ColumnOf(image.camera, pixel % width) * z, RowOf(image.camera, pixel / width) * z, z};
 }
 
+Points PointsOf(const DepthImage& image) {
+  Points points;
+  points.reserve(image.depth.size());
+  for (std::size_t i = 0; i < image.depth.size(); ++i) points.push_back(PointAt(image, i));
+  return points;
+}
+
 }  // namespace graspdb::recognition

@@ -27,4 +27,7 @@ inline float RowOf(const CameraIntrinsics& camera, std::size_t v) {
 // The point of one pixel, sensor frame, m; NaN where the depth is 0.
 Eigen::Vector3f PointAt(const DepthImage& image, std::size_t pixel);
 
+// The points of all pixels, row by row.
+Points PointsOf(const DepthImage& image);
+
 }  // namespace graspdb::recognition

@@ -3,8 +3,12 @@
 
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <thread>
 
+#include "graspdb/v1/upload_service.pb.h"
 #include "tests/end_to_end/programs_fixture.h"
 
 namespace graspdb::end_to_end {
@@ -15,10 +19,22 @@ using ::testing::Not;
 
 class FailureTest : public ProgramsTest {
  protected:
-  // Waits until a running import has taught some views, but not all.
+  // The views that uploads have sent and not committed.
+  std::int64_t SentViews() const {
+    std::istringstream lines(Succeed({"uploads", "list", "--json"}).out);
+    std::int64_t views = 0;
+    for (std::string line; std::getline(lines, line);) {
+      v1::Upload upload;
+      EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(line, &upload).ok()) << line;
+      views += upload.staged_view_count();
+    }
+    return views;
+  }
+
+  // Waits until a running import has sent some views, but not all.
   std::int64_t WaitForViews(std::int64_t at_least) {
     for (;;) {
-      const std::int64_t views = Status().view_count();
+      const std::int64_t views = SentViews();
       if (views >= at_least || HasFailure()) return views;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -37,7 +53,8 @@ TEST_F(FailureTest, ServerKilledDuringAnImportLosesNothingAcknowledged) {
   EXPECT_THAT(broken.err, HasSubstr("start graspdb-server"));
 
   StartServer();
-  EXPECT_GE(Status().view_count(), seen);
+  EXPECT_GE(SentViews(), seen);
+  EXPECT_EQ(Status().view_count(), 0);
   const Finished again = Graspdb({"import", Path("set")});
   ASSERT_EQ(again.exit_status, 0) << again.err;
   EXPECT_EQ(Status().view_count(), 72);
@@ -53,8 +70,41 @@ TEST_F(FailureTest, ResumesAnInterruptedImport) {
   const Finished broken = import->Wait();
   EXPECT_EQ(broken.exit_status, 1);
   EXPECT_THAT(broken.err, HasSubstr("run the same command again"));
-  ASSERT_EQ(Graspdb({"import", Path("set")}).exit_status, 0);
+  EXPECT_EQ(Status().view_count(), 0);
+  const std::int64_t revision = Status().catalog_revision();
+  ASSERT_EQ(Graspdb({"import", Path("set"), "--resume"}).exit_status, 0);
   EXPECT_EQ(Status().view_count(), 72);
+  EXPECT_EQ(Status().catalog_revision(), revision + 1);
+  const Finished nothing = Graspdb({"import", Path("set"), "--resume"});
+  EXPECT_EQ(nothing.exit_status, 1);
+  EXPECT_THAT(nothing.err, HasSubstr("leave out --resume"));
+}
+
+TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
+  StartServer();
+  Simulate("set", 60, 1);
+  const std::filesystem::path bad = Path("set/clouds/flange_0001.pcd");
+  const std::string good = client::BytesOf(bad);
+  std::ofstream(bad) << "no cloud";
+  const Finished atomic = Graspdb({"import", Path("set"), "--atomic"});
+  EXPECT_EQ(atomic.exit_status, 1);
+  EXPECT_THAT(atomic.err, HasSubstr("leave out --atomic"));
+  EXPECT_EQ(Status().view_count(), 0);
+
+  const Finished dry = Graspdb({"import", Path("set"), "--dry-run"});
+  EXPECT_EQ(dry.exit_status, 1);
+  EXPECT_THAT(dry.out, HasSubstr("17 were sent before"));
+  EXPECT_EQ(Status().view_count(), 0);
+
+  const Finished most = Graspdb({"import", Path("set")});
+  EXPECT_EQ(most.exit_status, 1);
+  EXPECT_THAT(most.out, HasSubstr("taught 17 views"));
+  EXPECT_THAT(most.err, HasSubstr(bad.filename().string()));
+  EXPECT_THAT(most.err, HasSubstr("1 of 18 captures could not be taught"));
+
+  std::ofstream(bad) << good;
+  EXPECT_THAT(Succeed({"import", Path("set"), "--atomic"}).out,
+              HasSubstr("taught 1 views, 17 were there already"));
 }
 
 TEST_F(FailureTest, RejectsASecondServerOnADatabase) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <random>
 #include <string>
 
 #include "files/point_file.h"
@@ -81,6 +82,47 @@ TEST(PcdInterchange, PclReadsOurs) {
   EXPECT_EQ(cloud.height, 2U);
   EXPECT_EQ(cloud[2].getVector3fMap(), file.points[2]);
   EXPECT_EQ(cloud.sensor_origin_.z(), 1);
+}
+
+TEST(PcdInterchange, PclReadsOurNormals) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "cloud.pcd";
+  const PointFile file = {.points = {{1, 2, 3}, {4, 5, 6}},
+                          .normals = {{0, 0, 1}, {0, 0.6F, 0.8F}},
+                          .width = 2,
+                          .height = 1,
+                          .sensor_pose = {}};
+  ASSERT_TRUE(WritePcd(path, file).ok());
+  pcl::PCLPointCloud2 blob;
+  ASSERT_EQ(pcl::io::loadPCDFile(path.string(), blob), 0);
+  pcl::PointCloud<pcl::PointNormal> cloud;
+  pcl::fromPCLPointCloud2(blob, cloud);
+  ASSERT_EQ(cloud.size(), 2U);
+  EXPECT_EQ(cloud[1].getVector3fMap(), file.points[1]);
+  EXPECT_EQ(cloud[1].getNormalVector3fMap(), file.normals[1]);
+}
+
+// Noise does not compress.
+TEST(PcdInterchange, PclReadsOurNoise) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "cloud.pcd";
+  PointFile file;
+  file.width = 1000;
+  file.height = 1;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < file.width; ++i) {
+    const float x = uniform(random);
+    const float y = uniform(random);
+    file.points.emplace_back(x, y, uniform(random));
+  }
+  ASSERT_TRUE(WritePcd(path, file).ok());
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(path.string(), cloud), 0);
+  ASSERT_EQ(cloud.size(), file.points.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_EQ(cloud[i].getVector3fMap(), file.points[i]);
+  }
 }
 
 TEST(PcdInterchange, DoublesOldHeaderWindowsLineEndsAndBlankLines) {

@@ -67,6 +67,8 @@ TEST(PointFile, NoSensorPoseStaysUnknownAndSameFileGivesSameBytes) {
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_FALSE(read->sensor_pose.has_value());
   EXPECT_TRUE(read->normals.empty());
+  ASSERT_TRUE(WritePcd(folder.path() / "again.pcd", *read).ok());
+  EXPECT_EQ(BytesOf(folder.path() / "again.pcd"), BytesOf(folder.path() / "a.pcd"));
 }
 
 TEST(PointFile, InconsistentFilesAreNotWritten) {

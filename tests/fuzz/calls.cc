@@ -9,6 +9,7 @@ constexpr int kPage = 1000;  // more than a sequence makes
 
 using Catalog = v1::CatalogService::Stub;
 using CellStub = v1::CellService::Stub;
+using UploadStub = v1::UploadService::Stub;
 
 template <typename Stub, typename Request, typename Response>
 grpc::Status Call(Stub& stub,
@@ -43,6 +44,21 @@ void StreamAndCheck(v1::RecognitionService::Stub& stub, const Frames& frames) {
   Require(!status.ok() || answered == written, "an answer to each frame");
 }
 
+void WriteAndCheck(UploadStub& stub, const BulkViews& views) {
+  grpc::ClientContext context;
+  const auto stream = stub.WriteUploadViews(&context);
+  v1::WriteUploadViewsResponse response;
+  bool answered = true;
+  for (const v1::WriteUploadViewsRequest& view : views.views()) {
+    answered = stream->Write(view) && stream->Read(&response);
+    if (!answered) break;
+  }
+  stream->WritesDone();
+  const grpc::Status status = stream->Finish();
+  RequireAnswer(status);
+  Require(!status.ok() || answered, "a response to each view");
+}
+
 void ProposeAndCheck(v1::RecognitionService::Stub& stub,
                      const v1::ProposeThresholdsRequest& request) {
   grpc::ClientContext context;
@@ -67,6 +83,7 @@ void RequireAnswer(const grpc::Status& status) {
 void Calls::Do(const Operation& o) {
   Catalog& catalog = server_.catalog();
   CellStub& cells = server_.cells();
+  UploadStub& uploads = server_.uploads();
   v1::UploadViewsResponse uploaded;
   switch (o.request_case()) {
     case Operation::kCreateObject:
@@ -121,6 +138,20 @@ void Calls::Do(const Operation& o) {
                           o.find_look_alikes());
     case Operation::kProposeThresholds:
       return ProposeAndCheck(server_.recognition(), o.propose_thresholds());
+    case Operation::kCreateUpload:
+      return CallAndCheck(uploads, &UploadStub::CreateUpload, o.create_upload());
+    case Operation::kGetUpload:
+      return CallAndCheck(uploads, &UploadStub::GetUpload, o.get_upload());
+    case Operation::kListUploads:
+      return CallAndCheck(uploads, &UploadStub::ListUploads, o.list_uploads());
+    case Operation::kListUploadViews:
+      return CallAndCheck(uploads, &UploadStub::ListUploadViews, o.list_upload_views());
+    case Operation::kWriteUploadViews:
+      return WriteAndCheck(uploads, o.write_upload_views());
+    case Operation::kCommitUpload:
+      return CallAndCheck(uploads, &UploadStub::CommitUpload, o.commit_upload());
+    case Operation::kDeleteUpload:
+      return CallAndCheck(uploads, &UploadStub::DeleteUpload, o.delete_upload());
     case Operation::REQUEST_NOT_SET:
       return;
   }
@@ -210,6 +241,17 @@ void Calls::DeleteAll() {
     request.set_name(cell.name());
     Require(Call(server_.cells(), &CellStub::DeleteCell, request, &nothing).ok(),
             "a cell is deleted");
+  }
+  v1::ListUploadsRequest list;
+  list.set_page_size(kPage);
+  v1::ListUploadsResponse uploads;
+  Require(Call(server_.uploads(), &UploadStub::ListUploads, list, &uploads).ok(),
+          "uploads are listed");
+  for (const v1::Upload& upload : uploads.uploads()) {
+    v1::DeleteUploadRequest request;
+    request.set_name(upload.name());
+    Require(Call(server_.uploads(), &UploadStub::DeleteUpload, request, &nothing).ok(),
+            "an upload is deleted");
   }
 }
 

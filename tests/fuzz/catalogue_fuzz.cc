@@ -1,4 +1,4 @@
-// Sequences of calls of all three services on a catalogue that is empty at first.
+// Sequences of calls of all services on a catalogue that is empty at first.
 #include <cstdint>
 
 #include "tests/fuzz/calls.h"
@@ -36,6 +36,7 @@ const std::vector<std::string>& Words() {
                                                  "min_score",
                                                  "mesh_pose",
                                                  "sensor_pose",
+                                                 "uploads/a",
                                                  "*",
                                                  "pipeline.min_score",
                                                  ""};

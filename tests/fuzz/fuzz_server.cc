@@ -30,6 +30,7 @@ void FuzzServer::Restart() {
   catalog_ = v1::CatalogService::NewStub(channel);
   cells_ = v1::CellService::NewStub(channel);
   recognition_ = v1::RecognitionService::NewStub(channel);
+  uploads_ = v1::UploadService::NewStub(channel);
 }
 
 void FuzzServer::StartAnew() {

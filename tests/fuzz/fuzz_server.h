@@ -6,6 +6,7 @@
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
+#include "graspdb/v1/upload_service.grpc.pb.h"
 #include "server/server.h"
 #include "tests/fuzz/scratch_folder.h"
 
@@ -30,6 +31,7 @@ class FuzzServer {
   v1::CatalogService::Stub& catalog() { return *catalog_; }
   v1::CellService::Stub& cells() { return *cells_; }
   v1::RecognitionService::Stub& recognition() { return *recognition_; }
+  v1::UploadService::Stub& uploads() { return *uploads_; }
 
   // Makes the object and its stable pose "flat", with two grasps.
   void Declare(const std::string& object_id);
@@ -44,6 +46,7 @@ class FuzzServer {
   std::unique_ptr<v1::CatalogService::Stub> catalog_;
   std::unique_ptr<v1::CellService::Stub> cells_;
   std::unique_ptr<v1::RecognitionService::Stub> recognition_;
+  std::unique_ptr<v1::UploadService::Stub> uploads_;
 };
 
 // Two distinguishable parts.

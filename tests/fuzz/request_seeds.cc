@@ -46,6 +46,24 @@ v1::UploadViewsRequest ViewOf(const std::string& parent, const std::string& id, 
   return view;
 }
 
+Frame WholeFrame() { return Window(Photograph("hex-nut", {}, 5), 48, 44); }
+
+// The view of the whole frame, still without its scan.
+v1::UploadViewsRequest WholeViewOf(const std::string& parent, const std::string& id) {
+  v1::UploadViewsRequest request;
+  request.set_parent(parent);
+  request.set_view_id(id);
+  *request.mutable_view()->mutable_sensor_pose() = testing::PoseMessage(WholeFrame().world_sensor);
+  *request.mutable_region_of_interest() = testing::BoxMessage({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.2});
+  return request;
+}
+
+v1::UploadViewsRequest ImageViewOf(const std::string& parent, const std::string& id) {
+  v1::UploadViewsRequest request = WholeViewOf(parent, id);
+  *request.mutable_view()->mutable_depth_image() = testing::DepthImageOf(WholeFrame());
+  return request;
+}
+
 void WriteUploads(const SeedWriter& out) {
   constexpr char kParent[] = "objects/fuzzed/stablePoses/flat";
   for (const bool with_pose : {false, true}) {
@@ -55,14 +73,13 @@ void WriteUploads(const SeedWriter& out) {
     out.Write("upload_views", with_pose ? "posed" : "loose", uploads.SerializeAsString());
   }
   Uploads whole;
-  const Frame frame = Window(Photograph("hex-nut", {}, 5), 48, 44);
   v1::UploadViewsRequest& view = *whole.add_views();
-  view.set_parent(kParent);
-  view.set_view_id("c");
-  *view.mutable_view()->mutable_cloud() = testing::CloudOf(frame);
-  *view.mutable_view()->mutable_sensor_pose() = testing::PoseMessage(frame.world_sensor);
-  *view.mutable_region_of_interest() = testing::BoxMessage({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.2});
+  view = WholeViewOf(kParent, "c");
+  *view.mutable_view()->mutable_cloud() = testing::CloudOf(WholeFrame());
   out.Write("upload_views", "whole", whole.SerializeAsString());
+  Uploads image;
+  *image.add_views() = ImageViewOf(kParent, "d");
+  out.Write("upload_views", "depth-image", image.SerializeAsString());
 }
 
 // Makes the objects "a" and "b" with a stable pose each.
@@ -106,11 +123,31 @@ Operations Changed() {
   return out;
 }
 
+Operations TaughtInBulk() {
+  Operations out = Declared();
+  out.add_operations()->mutable_create_upload()->set_upload_id("a");
+  BulkViews& views = *out.add_operations()->mutable_write_upload_views();
+  for (const char* id : {"v", "w"}) {
+    v1::WriteUploadViewsRequest& view = *views.add_views();
+    view.set_upload("uploads/a");
+    *view.mutable_view() = ViewOf("objects/a/stablePoses/flat", id, true);
+  }
+  out.add_operations()->mutable_get_upload()->set_name("uploads/a");
+  out.add_operations()->mutable_list_upload_views()->set_parent("uploads/a");
+  v1::CommitUploadRequest& commit = *out.add_operations()->mutable_commit_upload();
+  commit.set_name("uploads/a");
+  commit.set_skip_failed(true);
+  out.add_operations()->mutable_list_uploads();
+  out.add_operations()->mutable_delete_upload()->set_name("uploads/a");
+  return out;
+}
+
 Operations Taught() {
   Operations out = Declared();
   Uploads& uploads = *out.add_operations()->mutable_upload_views();
   *uploads.add_views() = ViewOf("objects/a/stablePoses/flat", "v", true);
   *uploads.add_views() = ViewOf("objects/b/stablePoses/flat", "v", false);
+  *uploads.add_views() = ImageViewOf("objects/b/stablePoses/flat", "w");
   out.add_operations()->mutable_list_views()->set_parent("objects/a/stablePoses/flat");
   out.add_operations()->mutable_get_view()->set_name("objects/a/stablePoses/flat/views/v");
   *out.add_operations()->mutable_recognize() = Segmented("hex-nut", 30);
@@ -152,6 +189,7 @@ void WriteRequestSeeds(const SeedWriter& out) {
   WriteUploads(out);
   out.Write("catalogue", "changed", Changed().SerializeAsString());
   out.Write("catalogue", "taught", Taught().SerializeAsString());
+  out.Write("catalogue", "taught_in_bulk", TaughtInBulk().SerializeAsString());
   out.Write("catalogue", "cells", Cells().SerializeAsString());
 }
 

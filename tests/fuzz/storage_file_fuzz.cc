@@ -1,11 +1,12 @@
-// Bytes of the storage: packed clouds ("GPC"), files of an approximate index ("GAX") and RocksDB's
-// logs (all others). Checksums are corrected before an input is read, so that the data after them
-// are parsed.
+// Bytes of the storage: packed clouds ("GPC"), files of an approximate index ("GAX"), RocksDB's
+// logs and records of backups (all others). Checksums are corrected before an input is read, so
+// that the data after them are parsed.
 #include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "storage/approximate_file.h"
+#include "storage/backup_record.h"
 #include "storage/crc32c.h"
 #include "storage/little_endian.h"
 #include "storage/log_check.h"
@@ -55,6 +56,15 @@ void ReadApproximate(std::string bytes) {
   Require(storage::ReadApproximateFile(directory).ok(), "and read again");
 }
 
+void ReadBackupRecord(std::string_view bytes) {
+  const auto record = storage::DecodeBackupRecord(storage::ToLittleEndian(storage::Crc32c(bytes)) +
+                                                  std::string(bytes));
+  if (!record.ok()) return;
+  const auto again = storage::DecodeBackupRecord(storage::EncodeBackupRecord(*record));
+  Require(again.ok() && again->SerializeAsString() == record->SerializeAsString(),
+          "the same record after packing");
+}
+
 void Read(std::string_view bytes) {
   if (bytes.starts_with("GPC")) {
     ReadCloud(std::string(bytes));
@@ -62,6 +72,7 @@ void Read(std::string_view bytes) {
     ReadApproximate(std::string(bytes));
   } else {
     storage::InspectLog(bytes);
+    ReadBackupRecord(bytes);
   }
 }
 

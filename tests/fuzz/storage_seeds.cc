@@ -20,10 +20,12 @@ std::string BytesOf(const std::filesystem::path& path) {
 
 storage::ViewRecord FirstView(const storage::Catalogue& catalogue) {
   storage::ViewRecord out;
-  const auto read = catalogue.ForEachView([&](const storage::ViewRecord& view) {
+  storage::RecordVisitor visitor;
+  visitor.view = [&](const storage::ViewRecord& view) {
     if (out.name().empty()) out = view;
     return absl::OkStatus();
-  });
+  };
+  const auto read = catalogue.ForEach(visitor);
   Require(read.ok() && !out.name().empty(), "a view was taught");
   return out;
 }

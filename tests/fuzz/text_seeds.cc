@@ -57,9 +57,21 @@ void WriteFrames(const SeedWriter& out) {
             "\n");
 }
 
+void WriteIdentities(const SeedWriter& out) {
+  out.Write(
+      "identities", "two.jsonl",
+      "# callers\n\n"
+      R"({"name":"engineer","roles":["ROLE_ADMIN"],"certificates":["uri:spiffe://plant/e","cn:press-3"]})"
+      "\n"
+      R"({"name":"press-3","roles":["ROLE_READ","ROLE_RECOGNISE"],"cell":"cells/press-3",)"
+      R"("tokenSha256":["PEaenWxYddN6Q/NT1PiOYfz4EsZu7jRXRlpAsNpBU+A="]})"
+      "\n");
+}
+
 }  // namespace
 
 void WriteTextSeeds(const SeedWriter& out) {
+  WriteIdentities(out);
   WriteFrames(out);
   WriteRobots(out);
   WriteSettings(out);

@@ -6,7 +6,8 @@ cd "$1"
 
 mapfile -t rows < <(sed -n 's/^| `\([a-z_/]*\)` |.*/\1/p' docs/architecture.md)
 declare -A rank
-for i in "${!rows[@]}"; do rank[${rows[$i]}]=$i; done
+# Another table repeats some of them.
+for i in "${!rows[@]}"; do rank[${rows[$i]}]=${rank[${rows[$i]}]-$i}; done
 
 # FILE:#include "PATH" of all sources but the tests'.
 includes() {

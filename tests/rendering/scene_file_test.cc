@@ -57,7 +57,9 @@ TEST(SceneFile, RejectsSeveralScenes) {
 TEST(SceneFile, RejectsUnknownObjects) {
   const TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
-  ASSERT_THAT(WriteScenes(folder.path(), parts, {{.path = "p", .placements = {{3, {}}}}}), IsOk());
+  ASSERT_THAT(WriteScenes(folder.path(), parts,
+                          {{.path = "p", .placements = {{3, recognition::Pose::Identity()}}}}),
+              IsOk());
   EXPECT_THAT(ReadScene(folder.path(), {parts[0]}),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr(parts[3].object_id)));
 }

@@ -20,7 +20,7 @@ Function* Real(const char* symbol) {
 // The suppressions. The sanitizer requires this name.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" const char* __tsan_default_suppressions() {
-  return "mutex:libOpenNI2\n"  // pcl_io brings it; unlocks twice while it is loaded
+  return "mutex:libOpenNI2\n"  // unlocks twice while it is loaded
          "mutex:libOniFile\n"  // its player of recordings, too
          "deadlock:libOpenNI2\n"
          "deadlock:libOniFile\n"

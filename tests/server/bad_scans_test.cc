@@ -47,7 +47,7 @@ class SmallServerTest : public ServerTest {
 };
 
 class BadScanTest : public SmallServerTest, public ::testing::WithParamInterface<BadScan> {};
-class BadCloudTest : public BadScanTest {};
+class BadFrameTest : public BadScanTest {};
 
 TEST_P(BadScanTest, IsRejectedByRecognize) {
   const std::int64_t revision = Status().catalog_revision();
@@ -57,13 +57,16 @@ TEST_P(BadScanTest, IsRejectedByRecognize) {
   EXPECT_EQ(Status().catalog_revision(), revision);
 }
 
-TEST_P(BadCloudTest, IsRejectedByRecognizeAndUploadViews) {
+TEST_P(BadFrameTest, IsRejectedByRecognizeAndUploadViews) {
   const std::int64_t revision = Status().catalog_revision();
   v1::RecognizeRequest request = RequestOf(PhotographEmptyTable());
   GetParam().spoil(request);
   ExpectBadField(Call(&Recognition::Recognize, request), GetParam().field, GetParam().words);
   v1::UploadViewsRequest upload = ViewOf("wedge", 0, "a");
-  *upload.mutable_view()->mutable_cloud() = request.cloud();
+  v1::View& view = *upload.mutable_view();
+  view.clear_cloud();
+  if (request.has_cloud()) *view.mutable_cloud() = request.cloud();
+  if (request.has_depth_image()) *view.mutable_depth_image() = request.depth_image();
   ExpectBadField(Upload(upload), "view." + GetParam().field, GetParam().words);
   EXPECT_EQ(Status().catalog_revision(), revision);
 }
@@ -71,7 +74,7 @@ TEST_P(BadCloudTest, IsRejectedByRecognizeAndUploadViews) {
 using BadScanRequest = v1::RecognizeRequest;
 
 INSTANTIATE_TEST_SUITE_P(
-    Layout, BadCloudTest,
+    Layout, BadFrameTest,
     ::testing::Values(
         BadScan{"NoStride", [](BadScanRequest& r) { r.mutable_cloud()->clear_point_stride(); },
                 "cloud.point_stride", "1 to 4096"},
@@ -109,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
     BadScanName);
 
 INSTANTIATE_TEST_SUITE_P(
-    Content, BadCloudTest,
+    Content, BadFrameTest,
     ::testing::Values(BadScan{"OnlyNan",
                               [](BadScanRequest& r) {
                                 *r.mutable_cloud() = PackedCloud(
@@ -177,7 +180,7 @@ BadScan DepthImage(const std::string& name, const std::function<void(v1::DepthIm
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    DepthImages, BadScanTest,
+    DepthImages, BadFrameTest,
     ::testing::Values(
         DepthImage(
             "DepthWithoutIntrinsics", [](v1::DepthImage& image) { image.clear_intrinsics(); },

@@ -9,6 +9,7 @@
 
 #include "absl/strings/cord.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
+#include "server/call_guard.h"
 #include "server/handle.h"
 #include "tests/server/error_details.h"
 
@@ -62,6 +63,8 @@ class LongErrorsTest : public ::testing::Test {
     grpc::ServerBuilder builder;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service);
+    const AccessRules access;
+    GuardCalls(access, builder);
     const auto server = builder.BuildAndStart();
     const auto stub = v1::CatalogService::NewStub(grpc::CreateChannel(
         "127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials()));

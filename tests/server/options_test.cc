@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "server/access/tls.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
@@ -35,6 +36,43 @@ class Variable {
   const char* name_;
 };
 
+TEST(Options, SecurityFlagsAreRead) {
+  const ServerOptions options =
+      Parse({"--db", "/d", "--tls-cert", "c.pem", "--tls-key", "k.pem", "--tls-client-ca", "a.pem",
+             "--require-client-cert", "--identities", "i.jsonl", "--audit-log", "l.jsonl",
+             "--audit-log-mib", "7"})
+          .options;
+  EXPECT_EQ(options.tls.cert, "c.pem");
+  EXPECT_EQ(options.tls.key, "k.pem");
+  EXPECT_EQ(options.tls.client_ca, "a.pem");
+  EXPECT_TRUE(options.tls.require_client_cert);
+  EXPECT_EQ(options.identities, "i.jsonl");
+  EXPECT_EQ(options.audit_log, "l.jsonl");
+  EXPECT_EQ(options.audit_log_mib, 7);
+}
+
+TEST(Options, TlsFlagsBelongTogether) {
+  const auto check = [](const TlsFiles& files) { return CheckTlsFiles(files); };
+  constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
+  EXPECT_THAT(check({}), IsOk());
+  EXPECT_THAT(check({.cert = "c"}), StatusIs(kInvalid, HasSubstr("--tls-key")));
+  EXPECT_THAT(check({.key = "k"}), StatusIs(kInvalid, HasSubstr("--tls-cert")));
+  EXPECT_THAT(check({.client_ca = "a"}), StatusIs(kInvalid, HasSubstr("needs --tls-cert")));
+  EXPECT_THAT(check({.cert = "c", .key = "k", .require_client_cert = true}),
+              StatusIs(kInvalid, HasSubstr("needs --tls-client-ca")));
+  EXPECT_THAT(check({.cert = "/none", .key = "/none"}),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--tls-cert /none")));
+}
+
+TEST(Options, RemoteAddressesMayBeUsedWithTls) {
+  ServerOptions options;
+  options.listen = "0.0.0.0:50051";
+  EXPECT_THAT(CheckListenAddress(options),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--tls-cert")));
+  options.tls.cert = "c.pem";
+  EXPECT_THAT(CheckListenAddress(options), IsOk());
+}
+
 absl::Status CheckListen(const std::string& listen, bool allow_remote = false) {
   ServerOptions options;
   options.listen = listen;
@@ -62,6 +100,27 @@ TEST(Options, FlagsAreRead) {
   EXPECT_EQ(parsed.options.voxel_size_m, 0.002);
   EXPECT_EQ(parsed.options.log_level, "warn");
   EXPECT_TRUE(parsed.options.allow_remote_without_tls);
+}
+
+TEST(Options, IntervalsOfBackupsHaveUnits) {
+  const auto every = [](const char* text) {
+    return Parse({"--db", "/d", "--backup-dir", "/b", "--backup-every", text});
+  };
+  EXPECT_EQ(every("24h").options.backup_every_s, 24 * 3600);
+  EXPECT_EQ(every("90m").options.backup_every_s, 90 * 60);
+  EXPECT_EQ(every("1.5d").options.backup_every_s, 36 * 3600);
+  EXPECT_EQ(every("30").options.backup_every_s, 30);
+  EXPECT_EQ(every("h").options.backup_every_s, 3600);
+  EXPECT_EQ(every("0").options.backup_every_s, 0);
+  for (const char* wrong : {"-1h", "3 weeks", "1e9d", ""}) {
+    EXPECT_EQ(every(wrong).exit_status, 2) << wrong;
+  }
+  EXPECT_EQ(Parse({"--db", "/d", "--backup-every", "24h"}).exit_status, 2) << "no folder";
+  EXPECT_EQ(Parse({"--db", "/d"}).options.backup_dir, "");
+  const Variable folder("GRASPDB_BACKUP_DIR", "/b");
+  const Variable interval("GRASPDB_BACKUP_EVERY", "12h");
+  EXPECT_EQ(Parse({"--db", "/d"}).options.backup_every_s, 12 * 3600);
+  EXPECT_EQ(Parse({"--db", "/d"}).options.backup_dir, "/b");
 }
 
 TEST(Options, RemoteListeningIsOffByDefault) {

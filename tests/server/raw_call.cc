@@ -2,12 +2,12 @@
 
 #include <grpcpp/support/byte_buffer.h>
 
-#include <vector>
-
 namespace graspdb::testing {
 
-RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method)
+RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                 const std::vector<std::string>& tokens)
     : stub_(channel), stream_(stub_.PrepareCall(&context_, method, &queue_)) {
+  for (const std::string& token : tokens) context_.AddMetadata("authorization", "Bearer " + token);
   stream_->StartCall(this);
   Wait();
 }
@@ -30,6 +30,11 @@ bool RawCall::Write(const std::string& message) {
   const grpc::Slice slice(message);
   stream_->Write(grpc::ByteBuffer(&slice, 1), this);
   return Wait();
+}
+
+void RawCall::WritesDone() {
+  stream_->WritesDone(this);
+  Wait();
 }
 
 std::optional<std::string> RawCall::Read() {

@@ -8,22 +8,28 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace graspdb::testing {
 
 // One call of the method, e.g. "/grpc.health.v1.Health/Check". Used from one thread.
 class RawCall {
  public:
-  RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method);
+  // `tokens` are sent as bearer tokens.
+  RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+          const std::vector<std::string>& tokens = {});
   // Cancels the call and waits for its end.
   ~RawCall();
   RawCall(const RawCall&) = delete;
   RawCall& operator=(const RawCall&) = delete;
 
   bool Write(const std::string& message);
+  // Ends the messages to the server.
+  void WritesDone();
   // The next message; nullopt at the end.
   std::optional<std::string> Read();
   // Waits for the end of the call; no other method may be called after it.
+  void Cancel() { context_.TryCancel(); }
   grpc::Status Finish();
 
  private:

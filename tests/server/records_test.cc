@@ -35,7 +35,7 @@ TEST(Records, InvalidRecordIsDataLoss) {
   storage::ViewRecord record = GoodRecord();
   record.clear_sensor_pose();
   EXPECT_THAT(ViewFromRecord(record),
-              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("restore the catalogue")));
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("restore a backup")));
   record = GoodRecord();
   record.set_name("objects/mug");
   EXPECT_THAT(ViewFromRecord(record), StatusIs(absl::StatusCode::kDataLoss));

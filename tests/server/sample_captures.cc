@@ -6,10 +6,10 @@
 
 #include "files/cloud_message.h"
 #include "files/pose_message.h"
+#include "recognition/points/depth_image.h"
 #include "recognition/segmentation/segmentation.h"
 #include "rendering/depth_camera.h"
 #include "rendering/sample_parts.h"
-#include "tests/recognition/depth_points.h"
 
 namespace graspdb::testing {
 namespace {
@@ -95,7 +95,8 @@ v1::DepthImage DepthImageOf(const Frame& frame) {
 }
 
 v1::PointCloud CloudOf(const Frame& frame) {
-  return client::CloudMessage(PointsOf({frame.counts, frame.camera, kCount}), frame.camera.width);
+  return client::CloudMessage(recognition::PointsOf({frame.counts, frame.camera, kCount}),
+                              frame.camera.width);
 }
 
 v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed) {

@@ -18,6 +18,7 @@ void ServerTest::Start() {
   ASSERT_THAT(server, IsOk());
   server_ = *std::move(server);
   channel_ = server_->InProcessChannel();
+  backups_ = v1::BackupService::NewStub(channel_);
   catalog_ = v1::CatalogService::NewStub(channel_);
   cells_ = v1::CellService::NewStub(channel_);
   recognition_ = v1::RecognitionService::NewStub(channel_);
@@ -69,6 +70,7 @@ void ServerTest::Teach(const std::string& part, int views) {
 grpc::Status ServerTest::Upload(const std::vector<v1::UploadViewsRequest>& views,
                                 v1::UploadViewsResponse* response) {
   grpc::ClientContext context;
+  if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
   auto writer = catalog_->UploadViews(&context, response);
   for (const v1::UploadViewsRequest& view : views) {
     if (!writer->Write(view)) break;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "graspdb/v1/backup_service.grpc.pb.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
@@ -20,6 +21,7 @@ namespace graspdb::testing {
 
 class ServerTest : public ::testing::Test {
  protected:
+  using BackupStub = v1::BackupService::Stub;
   using Catalog = v1::CatalogService::Stub;
   using Cells = v1::CellService::Stub;
   using Recognition = v1::RecognitionService::Stub;
@@ -36,6 +38,7 @@ class ServerTest : public ::testing::Test {
   grpc::Status Call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                     const Request& request, Response* response) {
     grpc::ClientContext context;
+    if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
     return (StubOf<Stub>().*method)(&context, request, response);
   }
   // The same, if only the status matters.
@@ -65,16 +68,22 @@ class ServerTest : public ::testing::Test {
   server::ServerOptions options_;
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
+  std::string token_;  // of the next calls
 
- private:
   template <typename Stub>
   Stub& StubOf();
 
+ private:
+  std::unique_ptr<BackupStub> backups_;
   std::unique_ptr<Catalog> catalog_;
   std::unique_ptr<Cells> cells_;
   std::unique_ptr<Recognition> recognition_;
 };
 
+template <>
+inline ServerTest::BackupStub& ServerTest::StubOf() {
+  return *backups_;
+}
 template <>
 inline ServerTest::Catalog& ServerTest::StubOf() {
   return *catalog_;

@@ -52,8 +52,9 @@ TEST_F(ServerLifeTest, ReflectionListsTheServices) {
   ASSERT_TRUE(reflection.Write("\x3a\x01*"));  // list_services: "*"
   const std::optional<std::string> answer = reflection.Read();
   ASSERT_TRUE(answer);
-  for (const char* service : {"graspdb.v1.CatalogService", "graspdb.v1.CellService",
-                              "graspdb.v1.RecognitionService", "grpc.health.v1.Health"}) {
+  for (const char* service :
+       {"graspdb.v1.BackupService", "graspdb.v1.CatalogService", "graspdb.v1.CellService",
+        "graspdb.v1.RecognitionService", "grpc.health.v1.Health"}) {
     EXPECT_THAT(*answer, HasSubstr(service));
   }
 }

@@ -23,6 +23,7 @@ ServiceRig::ServiceRig(const std::string& directory, int slots, int waiting)
   spdlog::set_level(spdlog::level::off);
   grpc::ServerBuilder builder;
   builder.RegisterService(&service_);
+  server::GuardCalls(access_, builder);
   server_ = builder.BuildAndStart();
   stub_ = v1::RecognitionService::NewStub(server_->InProcessChannel(grpc::ChannelArguments()));
 }

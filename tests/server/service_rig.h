@@ -7,6 +7,7 @@
 
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "server/admission.h"
+#include "server/call_guard.h"
 #include "server/frame_recognizer.h"
 #include "server/live_catalogue.h"
 #include "server/recognition_service.h"
@@ -38,6 +39,7 @@ class ServiceRig {
   server::CatalogueCheck check_;
   server::RequestMemory memory_{std::size_t{1} << 30U};
   server::RecognitionService service_;
+  const server::AccessRules access_ = {};  // all calls are allowed
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::RecognitionService::Stub> stub_;
 };

@@ -1,11 +1,23 @@
 // Teaching: UploadViews.
 #include <gmock/gmock.h>
 
+#include <functional>
+
 #include "storage/crc32c.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
 namespace {
+
+// ViewOf with a depth image.
+v1::UploadViewsRequest ImageViewOf(const std::string& part, double turn_deg,
+                                   const std::string& id) {
+  v1::UploadViewsRequest view = ViewOf(part, turn_deg, id);
+  view.mutable_view()->clear_cloud();
+  *view.mutable_view()->mutable_depth_image() =
+      DepthImageOf(Photograph(part, {.turn_deg = turn_deg}, 7));
+  return view;
+}
 
 class UploadViewsTest : public ServerTest {
  protected:
@@ -15,9 +27,23 @@ class UploadViewsTest : public ServerTest {
   }
 };
 
-TEST_F(UploadViewsTest, ViewsAreCreatedOnceAndThenExist) {
-  const std::vector<v1::UploadViewsRequest> views = {ViewOf("wedge", 0, "a"),
-                                                     ViewOf("wedge", 60, "b")};
+// With depth images or clouds.
+class EitherScanTest : public UploadViewsTest,
+                       public ::testing::WithParamInterface<decltype(&ViewOf)> {
+ protected:
+  static v1::UploadViewsRequest View(double turn_deg, const std::string& id) {
+    return GetParam()("wedge", turn_deg, id);
+  }
+};
+
+std::string ScanName(const ::testing::TestParamInfo<decltype(&ViewOf)>& view) {
+  return view.param == &ViewOf ? "Cloud" : "DepthImage";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, EitherScanTest, ::testing::Values(&ViewOf, &ImageViewOf), ScanName);
+
+TEST_P(EitherScanTest, ViewsAreCreatedOnceAndThenExist) {
+  const std::vector<v1::UploadViewsRequest> views = {View(0, "a"), View(60, "b")};
   v1::UploadViewsResponse response;
   ASSERT_THAT(Upload(views, &response), IsGrpcOk());
   EXPECT_EQ(response.created_count(), 2);
@@ -38,13 +64,40 @@ TEST_F(UploadViewsTest, AnEmptyUploadTeachesNothing) {
   EXPECT_EQ(response.catalog_revision(), Status().catalog_revision());
 }
 
-TEST_F(UploadViewsTest, ATakenIdWithOtherContentIsAnError) {
-  ASSERT_THAT(Upload(ViewOf("wedge", 0, "a")), IsGrpcOk());
-  ExpectError(Upload(ViewOf("wedge", 90, "a")), grpc::StatusCode::ALREADY_EXISTS, "views/a");
-  v1::UploadViewsRequest moved = ViewOf("wedge", 0, "a");
+TEST_P(EitherScanTest, ATakenIdWithOtherContentIsAnError) {
+  ASSERT_THAT(Upload(View(0, "a")), IsGrpcOk());
+  ExpectError(Upload(View(90, "a")), grpc::StatusCode::ALREADY_EXISTS, "views/a");
+  v1::UploadViewsRequest moved = View(0, "a");
   moved.mutable_view()->mutable_object_pose()->mutable_position()->set_x(0.01);
   ExpectError(Upload(moved), grpc::StatusCode::ALREADY_EXISTS, "views/a");
   EXPECT_EQ(Status().view_count(), 1);
+}
+
+TEST_F(UploadViewsTest, ATakenIdWithAnotherDepthUnitIsAnError) {
+  v1::UploadViewsRequest view = ImageViewOf("wedge", 0, "a");
+  ASSERT_THAT(Upload(view), IsGrpcOk());
+  view.mutable_view()->mutable_depth_image()->set_depth_unit_m(0.00011);
+  ExpectError(Upload(view), grpc::StatusCode::ALREADY_EXISTS, "views/a");
+}
+
+TEST_F(UploadViewsTest, AViewHasACloudOrADepthImage) {
+  v1::UploadViewsRequest view = ImageViewOf("wedge", 0, "a");
+  *view.mutable_view()->mutable_cloud() = ViewOf("wedge", 0, "a").view().cloud();
+  ExpectBadField(Upload(view), "view", "both");
+  view.mutable_view()->clear_cloud();
+  view.mutable_view()->clear_depth_image();
+  ExpectBadField(Upload(view), "view", "neither");
+  view.clear_view();
+  ExpectBadField(Upload(view), "view", "neither");
+  EXPECT_EQ(Status().view_count(), 0);
+}
+
+TEST_F(UploadViewsTest, TheChecksumOfADepthImageIsChecked) {
+  v1::UploadViewsRequest view = ImageViewOf("wedge", 0, "a");
+  view.set_cloud_crc32c(storage::Crc32c(view.view().depth_image().data()) + 1);
+  ExpectBadField(Upload(view), "cloud_crc32c", "view.depth_image.data");
+  view.set_cloud_crc32c(view.cloud_crc32c() - 1);
+  EXPECT_THAT(Upload(view), IsGrpcOk());
 }
 
 TEST_F(UploadViewsTest, TheChecksumIsChecked) {
@@ -76,13 +129,17 @@ TEST_F(UploadViewsTest, ViewsBeforeTheFirstBadOneStay) {
   EXPECT_EQ(response.existing_count(), 1);
 }
 
-TEST_F(UploadViewsTest, EmptyCaptureIsRejectedWithAReason) {
-  v1::UploadViewsRequest view = ViewOf("wedge", 0, "a");
-  *view.mutable_view()->mutable_cloud() = CloudOf(PhotographEmptyTable());
+TEST_P(EitherScanTest, EmptyCaptureIsRejectedWithAReason) {
+  v1::UploadViewsRequest view = View(0, "a");
+  if (view.view().has_depth_image()) {
+    *view.mutable_view()->mutable_depth_image() = DepthImageOf(PhotographEmptyTable());
+  } else {
+    *view.mutable_view()->mutable_cloud() = CloudOf(PhotographEmptyTable());
+  }
   grpc::Status status = Upload(view);
   ExpectError(status, grpc::StatusCode::FAILED_PRECONDITION, "nothing stands on the table");
   EXPECT_EQ(ReasonOf(status), "NO_CLUSTER");
-  view = ViewOf("wedge", 0, "a");
+  view = View(0, "a");
   *view.mutable_region_of_interest() = BoxMessage({5, 5, 5}, {6, 6, 6});
   status = Upload(view);
   ExpectError(status, grpc::StatusCode::FAILED_PRECONDITION, "holds no measurement");
@@ -103,18 +160,18 @@ TEST_F(UploadViewsTest, WithoutPosesTheObjectStandsInTheFrameOfTheTable) {
   EXPECT_NEAR(view.sensor_pose().position().z(), 0.65 * 0.7071, 0.01);
 }
 
-TEST_F(UploadViewsTest, ViewsBeforeACancellationStay) {
+TEST_P(EitherScanTest, ViewsBeforeACancellationStay) {
   grpc::ClientContext context;
   v1::UploadViewsResponse response;
   const auto stub = v1::CatalogService::NewStub(channel_);
   auto writer = stub->UploadViews(&context, &response);
-  ASSERT_TRUE(writer->Write(ViewOf("wedge", 0, "a")));
+  ASSERT_TRUE(writer->Write(View(0, "a")));
   while (Status().view_count() == 0) {
   }
   context.TryCancel();
   EXPECT_EQ(writer->Finish().error_code(), grpc::StatusCode::CANCELLED);
   EXPECT_EQ(Status().view_count(), 1);
-  ASSERT_THAT(Upload({ViewOf("wedge", 0, "a"), ViewOf("wedge", 60, "b")}, &response), IsGrpcOk());
+  ASSERT_THAT(Upload({View(0, "a"), View(60, "b")}, &response), IsGrpcOk());
   EXPECT_EQ(response.existing_count(), 1);
   EXPECT_EQ(response.created_count(), 1);
 }

@@ -165,13 +165,14 @@ TEST_F(CatalogueViewsTest, NewDescriptorsForAMissingViewChangeNone) {
   EXPECT_EQ(catalogue_->revision(), before);
 }
 
-TEST_F(CatalogueViewsTest, ForEachViewSeesOneRevisionInOrderOfNames) {
+TEST_F(CatalogueViewsTest, ForEachSeesOneRevisionInOrderOfNames) {
   for (const char* id : {"2", "0", "1"}) {
     ASSERT_TRUE(catalogue_->PutView(MakeView(Name(id))).ok());
   }
   const std::int64_t before = catalogue_->revision();
   std::vector<std::string> seen;
-  const auto revision = catalogue_->ForEachView([&](const ViewRecord& view) {
+  RecordVisitor visitor;
+  visitor.view = [&](const ViewRecord& view) {
     // Changes meanwhile are not visible, neither added nor deleted views.
     if (seen.empty()) {
       EXPECT_TRUE(catalogue_->PutView(MakeView(Name("00"))).ok());
@@ -179,20 +180,23 @@ TEST_F(CatalogueViewsTest, ForEachViewSeesOneRevisionInOrderOfNames) {
     }
     seen.push_back(view.name());
     return absl::OkStatus();
-  });
+  };
+  const auto revision = catalogue_->ForEach(visitor);
   ASSERT_TRUE(revision.ok());
   EXPECT_EQ(*revision, before);
   EXPECT_THAT(seen, ElementsAre(Name("0"), Name("1"), Name("2")));
 }
 
-TEST_F(CatalogueViewsTest, ForEachViewStopsAtAnError) {
+TEST_F(CatalogueViewsTest, ForEachStopsAtAnError) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(Name("0"))).ok());
   ASSERT_TRUE(catalogue_->PutView(MakeView(Name("1"))).ok());
   int calls = 0;
-  const auto revision = catalogue_->ForEachView([&calls](const ViewRecord&) {
+  RecordVisitor visitor;
+  visitor.view = [&calls](const ViewRecord&) {
     ++calls;
     return absl::CancelledError("enough");
-  });
+  };
+  const auto revision = catalogue_->ForEach(visitor);
   EXPECT_EQ(revision.status(), absl::CancelledError("enough"));
   EXPECT_EQ(calls, 1);
 }

@@ -11,7 +11,8 @@
 
 namespace graspdb::storage {
 
-ChildProcess::ChildProcess(const std::string& what, const std::string& database) {
+ChildProcess::ChildProcess(const std::string& what, const std::string& database,
+                           const std::string& backups) {
   int input[2];
   int output[2];
   if (pipe2(input, O_CLOEXEC) != 0 || pipe2(output, O_CLOEXEC) != 0) std::abort();
@@ -20,7 +21,8 @@ ChildProcess::ChildProcess(const std::string& what, const std::string& database)
   if (pid_ == 0) {
     dup2(input[0], STDIN_FILENO);
     dup2(output[1], STDOUT_FILENO);
-    execl(GRASPDB_OTHER_PROCESS, GRASPDB_OTHER_PROCESS, what.c_str(), database.c_str(), nullptr);
+    execl(GRASPDB_OTHER_PROCESS, GRASPDB_OTHER_PROCESS, what.c_str(), database.c_str(),
+          backups.c_str(), nullptr);
     _exit(127);
   }
   close(input[0]);

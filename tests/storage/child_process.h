@@ -13,7 +13,8 @@ namespace graspdb::storage {
 class ChildProcess {
  public:
   // `what` is one of the commands of other_process.cc.
-  ChildProcess(const std::string& what, const std::string& database);
+  ChildProcess(const std::string& what, const std::string& database,
+               const std::string& backups = "");
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

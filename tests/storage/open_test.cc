@@ -139,7 +139,7 @@ TEST_F(OpenTest, NewerSchemaIsRejectedAndUnchanged) {
     const absl::Status opened = TryOpen();
     EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
     EXPECT_THAT(std::string(opened.message()),
-                AllOf(HasSubstr("has schema version 3; this program supports up to 2"),
+                AllOf(HasSubstr("has schema version 4; this program supports up to 3"),
                       HasSubstr("start the newer program")));
   }
 }

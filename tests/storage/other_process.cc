@@ -1,9 +1,12 @@
 // The other process of the tests: opens the catalogue in argv[2] and
-//   open    keeps it open until its standard input ends,
-//   write   stores views until it is killed.
+//   open     keeps it open until its standard input ends,
+//   write    stores views until it is killed,
+//   backup   makes backups of it in the folder argv[3] until it is killed,
+//   restore  restores backup 1 of argv[3] to argv[2].
 // Writes every acknowledged revision to its standard output, eight bytes each; the first
-// one after opening. A program of its own, because the threads that RocksDB keeps in a
-// test program do not survive a fork.
+// one after opening. Of backups it writes their numbers, and for a restore the bytes read. A
+// program of its own, because the threads that RocksDB keeps in a test program do not survive a
+// fork.
 #include "tests/storage/other_process.h"
 
 #include <unistd.h>
@@ -14,6 +17,7 @@
 #include <string>
 #include <utility>
 
+#include "storage/backups.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::storage {
@@ -42,13 +46,30 @@ absl::Status WriteUntilKilled(Catalogue& catalogue) {
   }
 }
 
-absl::Status Run(const std::string& what, const std::string& database) {
+absl::Status MakeBackupsUntilKilled(Catalogue& catalogue, const std::string& folder) {
+  Backups backups(folder);
+  for (;;) {
+    const auto made = backups.Create(catalogue);
+    if (!made.ok()) return made.status();
+    if (!Report(made->id)) return absl::CancelledError("the output is closed");
+  }
+}
+
+absl::Status Restore(const std::string& database, const std::string& folder) {
+  BackupProgress progress;
+  progress.on_bytes = [](std::int64_t bytes) { Report(bytes); };
+  return Backups(folder).Restore(1, database, progress).status();
+}
+
+absl::Status Run(const std::string& what, const std::string& database, const std::string& folder) {
+  if (what == "restore") return Restore(database, folder);
   CatalogueOptions options;
   options.write_buffer_bytes = 256U << 10;  // so that kills hit flushes as well
   auto catalogue = Catalogue::Open(database, std::move(options));
   if (!catalogue.ok()) return catalogue.status();
   if (!Report((*catalogue)->revision())) return absl::CancelledError("the output is closed");
   if (what == "write") return WriteUntilKilled(**catalogue);
+  if (what == "backup") return MakeBackupsUntilKilled(**catalogue, folder);
   char byte = 0;
   return read(STDIN_FILENO, &byte, 1) == 0 ? absl::OkStatus() : absl::InternalError("not ended");
 }
@@ -57,8 +78,8 @@ absl::Status Run(const std::string& what, const std::string& database) {
 }  // namespace graspdb::storage
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
-  const absl::Status status = graspdb::storage::Run(argv[1], argv[2]);
+  if (argc != 4) return 2;
+  const absl::Status status = graspdb::storage::Run(argv[1], argv[2], argv[3]);
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return status.ok() ? 0 : 1;
 }

@@ -16,6 +16,7 @@
 #include "client/cell/robots/line_protocol.h"
 #include "client/cell/robots/robot_server.h"
 #include "client/sdk/resource_name.h"
+#include "program/client_flags.h"
 #include "program/listen_address.h"
 
 namespace graspdb::client {
@@ -27,6 +28,7 @@ ConnectionOptions ConnectionTo(const AgentOptions& options) {
   ConnectionOptions out;
   out.server = options.server;
   out.timeout = absl::Seconds(options.time_limit_s);
+  out.security = options.security;
   out.retry = false;  // CaptureAndRecognize retries within a job's time
   return out;
 }
@@ -41,12 +43,14 @@ CellRunnerOptions RunnerOptions(const AgentOptions& options) {
 
 absl::StatusOr<std::unique_ptr<RobotServer>> Listen(RobotProtocol& protocol,
                                                     const std::string& flag,
-                                                    const std::string& text) {
+                                                    const std::string& text,
+                                                    const std::vector<std::string>& allow) {
   const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
   if (!address.ok()) return address.status();
   RobotServerOptions options;
   options.address = address->host == "localhost" ? "127.0.0.1" : address->host;
   options.port = address->port;
+  options.allow = allow;
   return RobotServer::Start(protocol, options);
 }
 
@@ -131,6 +135,7 @@ Agent::~Agent() { parts_->capture_and_recognize.Stop(); }
 absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
+  if (absl::Status status = CheckSecurityFiles(options.security); !status.ok()) return status;
   absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
   if (!jobs.ok()) return jobs.status();
   const auto calibrations =
@@ -143,12 +148,12 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
   auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, *line, std::move(sensor),
                                        *std::move(box));
   if (!options.gri.empty()) {
-    auto server = Listen(parts->gri_protocol, "--gri", options.gri);
+    auto server = Listen(parts->gri_protocol, "--gri", options.gri, options.robots_allow);
     if (!server.ok()) return server.status();
     parts->gri_server = *std::move(server);
   }
   if (!options.line.empty()) {
-    auto server = Listen(parts->line_protocol, "--line", options.line);
+    auto server = Listen(parts->line_protocol, "--line", options.line, options.robots_allow);
     if (!server.ok()) return server.status();
     parts->line_server = *std::move(server);
   }

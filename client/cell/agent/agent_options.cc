@@ -4,7 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/agent/calibration_config.h"
+#include "program/client_flags.h"
 #include "program/listen_address.h"
+#include "program/loopback.h"
 #include "program/settings_file.h"
 #include "program/version.h"
 
@@ -28,6 +30,7 @@ Exit status: 0 stopped by a signal, 1 could not start, 2 wrong usage.)";
 
 void AddAddresses(CLI::App& app, AgentOptions* o) {
   app.add_option("--server", o->server, "HOST:PORT of graspdb-server")->capture_default_str();
+  AddSecurityFlags(app, &o->security);
   app.add_option("--gri", o->gri,
                  "HOST:PORT for robots with the Generic Robot Interface; \"\" for none")
       ->capture_default_str();
@@ -41,6 +44,11 @@ void AddAddresses(CLI::App& app, AgentOptions* o) {
   app.add_flag("--allow-remote-robots", o->allow_remote_robots,
                "Allow addresses that other machines can reach; the robot protocols have neither "
                "encryption nor passwords, so expose them only to the cell's network");
+  app.add_option("--robots-allow", o->robots_allow,
+                 "Networks or addresses from which robots may connect, e.g. 10.3.0.0/24,10.4.0.7; "
+                 "others are disconnected at once")
+      ->delimiter(',')
+      ->type_name("CIDR,...");
 }
 
 void AddLimits(CLI::App& app, AgentOptions* o) {

@@ -8,11 +8,13 @@
 #include "absl/status/statusor.h"
 #include "client/cell/agent/job_config.h"
 #include "client/cell/robots/line_protocol.h"
+#include "client/sdk/client.h"
 
 namespace graspdb::client {
 
 struct AgentOptions {
   std::string server = "127.0.0.1:50051";
+  SecurityOptions security = {};  // of the connection to the server
   std::string cell;
   std::string sensor;
   std::vector<std::string> jobs = {"1 any"};
@@ -22,6 +24,7 @@ struct AgentOptions {
   std::string line_format;  // for PoseFormatNamed; empty: robots must send FORMAT
   std::string health = "127.0.0.1:7102";
   bool allow_remote_robots = false;
+  std::vector<std::string> robots_allow;  // networks; empty: all
   double time_limit_s = 5;
   double max_frame_age_s = 1;
   double min_reach_m = 0;

@@ -5,6 +5,7 @@
 
 #include "client/cell/agent/refusal.h"
 #include "files/pose_message.h"
+#include "files/scan_message.h"
 
 namespace graspdb::client {
 namespace {
@@ -15,14 +16,6 @@ constexpr absl::Duration kMaxPause = absl::Milliseconds(500);
 bool IsTransient(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsUnavailable(status) ||
          absl::IsResourceExhausted(status);
-}
-
-void SetScan(std::variant<v1::DepthImage, v1::PointCloud> scan, v1::RecognizeRequest* request) {
-  if (auto* image = std::get_if<v1::DepthImage>(&scan)) {
-    *request->mutable_depth_image() = std::move(*image);
-  } else {
-    *request->mutable_cloud() = std::move(std::get<v1::PointCloud>(scan));
-  }
 }
 
 }  // namespace

@@ -2,17 +2,17 @@
 
 #include <spdlog/spdlog.h>
 
+#include <memory>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
 namespace {
-
-constexpr absl::Duration kShowMemory = absl::Minutes(10);
 
 PickOutcome OutcomeOf(JobKind kind) {
   if (kind == JobKind::kPicked) return PickOutcome::kPicked;
@@ -28,9 +28,18 @@ void Log(const JobRequest& request, const absl::Status& status, std::size_t pose
          absl::Duration camera, absl::Duration all) {
   spdlog::log(status.ok() ? spdlog::level::info : spdlog::level::warn,
               "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}",
-              request.job, LogField(request.robot), absl::StatusCodeToString(status.code()), poses,
-              absl::ToDoubleMilliseconds(camera), absl::ToDoubleMilliseconds(all),
+              request.job, LogField(request.session.robot()),
+              absl::StatusCodeToString(status.code()), poses, absl::ToDoubleMilliseconds(camera),
+              absl::ToDoubleMilliseconds(all),
               status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
+}
+
+std::shared_ptr<const SeenScene> SceneOf(const CaptureResult& capture, absl::Time time) {
+  auto out = std::make_shared<SeenScene>();
+  out->answer = capture.response;
+  out->frames = capture.cell.frames;
+  out->time = time;
+  return out;
 }
 
 }  // namespace
@@ -40,8 +49,7 @@ CellRunner::CellRunner(Jobs jobs, JobProtocol protocol, CellRunnerOptions option
       protocol_(protocol),
       options_(std::move(options)),
       parts_(std::move(parts)),
-      labels_(parts_.client),
-      teaching_(parts_.client, kShowMemory) {}
+      labels_(parts_.client) {}
 
 bool CellRunner::IsReady() { return parts_.cell.state().ok() && parts_.sensor.IsReady(); }
 
@@ -72,7 +80,7 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) 
   if (job.kind == JobKind::kRecognize) return Recognize(job, request);
   absl::Status done = job.kind == JobKind::kShowGrasp
                           ? Show(job, request)
-                          : ReportOutcome(request.robot, OutcomeOf(job.kind));
+                          : ReportOutcome(request.session, OutcomeOf(job.kind));
   Log(request, done, 0, absl::ZeroDuration(), absl::ZeroDuration());
   if (!done.ok()) return done;
   return std::vector<JobPose>();
@@ -84,8 +92,7 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
   report.status =
       parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.capture);
   if (report.status.ok()) {
-    teaching_.Remember(request.robot,
-                       {report.capture.response, report.capture.cell.frames, report.start});
+    request.session.SetScene(SceneOf(report.capture, report.start));
     absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.capture);
     report.status = poses.status();
     if (poses.ok()) report.poses = *std::move(poses);
@@ -123,8 +130,8 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   if (!request.base_flange) {
     return absl::InvalidArgumentError("send the pose of the tool with the request");
   }
-  std::optional<SeenScene> scene = teaching_.Recall(request.robot);
-  if (!scene) {
+  std::shared_ptr<const SeenScene> scene = RecallScene(request.session);
+  if (scene == nullptr) {
     const absl::StatusOr<KeptCell> cell = parts_.cell.Get();
     if (cell.ok() && cell->frames.flange_sensor) {
       return absl::InvalidArgumentError(
@@ -135,40 +142,28 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
     absl::Status recognized =
         parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &capture);
     if (!recognized.ok()) return recognized;
-    scene = SeenScene{capture.response, capture.cell.frames, absl::Now()};
+    scene = SceneOf(capture, absl::Now());
   }
-  absl::Status stored = teaching_.Store(job, *scene, *request.base_flange);
+  absl::Status stored = StoreShownGrasp(parts_.client, job, *scene, *request.base_flange);
   // The tool pose of the request is wrong, not the job.
   const bool is_misplaced = absl::IsNotFound(stored) || absl::IsOutOfRange(stored);
   return is_misplaced ? absl::InvalidArgumentError(stored.message()) : stored;
 }
 
-void CellRunner::Given(const std::string& robot, const JobPose& pose) {
-  absl::MutexLock lock(&mutex_);
-  given_.insert_or_assign(robot, pose);
-}
-
-absl::Status CellRunner::ReportOutcome(const std::string& robot, PickOutcome outcome) {
-  JobPose pose;
-  {
-    absl::MutexLock lock(&mutex_);
-    const auto given = given_.extract(robot);
-    if (given.empty()) {
-      return absl::FailedPreconditionError(
-          "no pose was given to this robot since its last outcome");
-    }
-    pose = given.mapped();
+absl::Status CellRunner::ReportOutcome(RobotSession& session, PickOutcome outcome) {
+  std::optional<JobPose> pose = session.TakeGiven();
+  if (!pose) {
+    return absl::FailedPreconditionError("no pose was given to this robot since its last outcome");
   }
-  if (pose.grasp_id.empty()) {
+  if (pose->grasp_id.empty()) {
     return absl::FailedPreconditionError("the pose that was given has no grasp");
   }
   v1::ReportGraspOutcomeRequest report;
-  report.set_name(pose.stable_pose);
-  report.set_grasp_id(pose.grasp_id);
+  report.set_name(pose->stable_pose);
+  report.set_grasp_id(pose->grasp_id);
   report.set_outcome(OutcomeMessage(outcome));
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
-    absl::MutexLock lock(&mutex_);
-    given_.try_emplace(robot, pose);  // may be retried, unless another pose was given meanwhile
+    session.RestoreGiven(*std::move(pose));  // the report may be retried
     return Refusal(kept);
   }
   parts_.counters.CountOutcome(outcome);

@@ -2,15 +2,11 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "client/cell/agent/capture_and_recognize.h"
 #include "client/cell/agent/counters.h"
-#include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_config.h"
 #include "client/cell/agent/labels.h"
 #include "client/cell/agent/reach.h"
@@ -23,7 +19,7 @@ struct CellRunnerOptions {
   Reach reach = {};                              // its workspace is set from the cell
 };
 
-// The result of a recognising job.
+// The result of a recognising job; its request refers to the session during the callback only.
 struct JobReport {
   JobRequest request;
   absl::Time start;
@@ -54,8 +50,7 @@ class CellRunner : public JobRunner {
   absl::Status Check(int job) override;
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override;
   bool ReturnsPoses(int job) override;
-  void Given(const std::string& robot, const JobPose& pose) override;
-  absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) override;
+  absl::Status ReportOutcome(RobotSession& session, PickOutcome outcome) override;
 
  private:
   absl::StatusOr<std::vector<JobPose>> Recognize(const JobConfig& job, const JobRequest& request);
@@ -68,9 +63,6 @@ class CellRunner : public JobRunner {
   const CellRunnerOptions options_;
   const CellParts parts_;
   Labels labels_;
-  HandGuidedTeaching teaching_;
-  absl::Mutex mutex_;
-  std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);  // last, by robot; outcome pending
 };
 
 }  // namespace graspdb::client

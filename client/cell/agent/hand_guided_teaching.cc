@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/agent/refusal.h"
@@ -16,6 +15,7 @@ using recognition::Pose;
 
 constexpr double kMaxDistanceM = 0.3;
 constexpr double kBelowTableM = 0.001;
+constexpr absl::Duration kSceneMemory = absl::Minutes(10);
 
 const v1::Detection* NearestObject(const JobConfig& job, const SeenScene& scene,
                                    const Eigen::Vector3d& world_tcp) {
@@ -57,20 +57,14 @@ v1::Grasp GraspOf(const JobConfig& job, const Pose& object_tcp) {
 
 }  // namespace
 
-void HandGuidedTeaching::Remember(const std::string& robot, SeenScene scene) {
-  absl::MutexLock lock(&mutex_);
-  seen_.insert_or_assign(robot, std::move(scene));
+std::shared_ptr<const SeenScene> RecallScene(const RobotSession& session) {
+  auto scene = std::dynamic_pointer_cast<const SeenScene>(session.scene());
+  if (scene != nullptr && absl::Now() - scene->time > kSceneMemory) scene = nullptr;
+  return scene;
 }
 
-std::optional<SeenScene> HandGuidedTeaching::Recall(const std::string& robot) {
-  absl::MutexLock lock(&mutex_);
-  const auto seen = seen_.find(robot);
-  if (seen == seen_.end() || absl::Now() - seen->second.time > memory_) return std::nullopt;
-  return seen->second;
-}
-
-absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& scene,
-                                       const Pose& base_tcp) {
+absl::Status StoreShownGrasp(Client& client, const JobConfig& job, const SeenScene& scene,
+                             const Pose& base_tcp) {
   const Pose world_tcp = scene.frames.world_base * base_tcp;
   const v1::Detection* object = NearestObject(job, scene, world_tcp.translation());
   if (object == nullptr) {
@@ -81,7 +75,7 @@ absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& sc
   const Pose object_tcp = FromMessage(object->refined_pose()).inverse() * world_tcp;
   absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
   if (!above.ok()) return above;
-  absl::StatusOr<v1::StablePose> pose = client_.GetStablePose(object->stable_pose());
+  absl::StatusOr<v1::StablePose> pose = client.GetStablePose(object->stable_pose());
   if (!pose.ok()) return Refusal(pose.status());
   v1::UpdateStablePoseRequest update;
   *update.mutable_stable_pose() = *pose;  // with its etag, so that no concurrent change is lost
@@ -90,7 +84,7 @@ absl::Status HandGuidedTeaching::Store(const JobConfig& job, const SeenScene& sc
   const auto existing = std::ranges::find_if(*grasps, is_it);
   (existing == grasps->end() ? *grasps->Add() : *existing) = GraspOf(job, object_tcp);
   update.mutable_update_mask()->add_paths("grasps");
-  absl::Status stored = Refusal(client_.UpdateStablePose(update).status());
+  absl::Status stored = Refusal(client.UpdateStablePose(update).status());
   if (stored.ok()) {
     spdlog::info("event=grasp_shown stable_pose={} grasp={}", object->stable_pose(), job.grasp_id);
   }

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/time_util.h>
 
+#include "client/cell/robots/robot_session.h"
 #include "program/version.h"
 
 namespace graspdb::client {
@@ -13,7 +14,7 @@ std::optional<v1::Bundle> BundleOf(const JobReport& report) {
   *out.mutable_request_time() =
       google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(report.start));
   out.set_duration_ms(absl::ToDoubleMilliseconds(report.duration));
-  out.set_robot(report.request.robot);
+  out.set_robot(report.request.session.robot());
   out.set_job(report.request.job);
   out.set_agent_version(kVersion);
   *out.mutable_request() = request;

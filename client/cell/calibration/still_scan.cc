@@ -7,11 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
-#include "recognition/points/depth_image.h"
 
 namespace graspdb::client {
 namespace {
@@ -21,25 +19,6 @@ using Eigen::Vector3f;
 // Depths farther from the median than this share of it belong to another surface.
 constexpr float kSameSurface = 0.01F;
 constexpr absl::Duration kPause = absl::Milliseconds(20);  // between checks of IsReady
-
-absl::StatusOr<StillScan> FromImage(const v1::DepthImage& message) {
-  recognition::DepthImage image{
-      .depth = {}, .camera = FromMessage(message.intrinsics()), .unit_m = DepthUnit(message)};
-  absl::StatusOr<std::vector<std::uint16_t>> counts = CountsFromMessage(message);
-  if (!counts.ok()) return counts.status();
-  if (!(image.camera.fx > 0 && image.camera.fy > 0)) {
-    return absl::InvalidArgumentError(absl::StrCat("the focal lengths of the depth image are ",
-                                                   image.camera.fx, " and ", image.camera.fy,
-                                                   " pixels; check the camera"));
-  }
-  image.depth = *std::move(counts);
-  StillScan out{.points = {}, .width = image.camera.width};
-  out.points.reserve(image.depth.size());
-  for (std::size_t i = 0; i < image.depth.size(); ++i) {
-    out.points.push_back(recognition::PointAt(image, i));
-  }
-  return out;
-}
 
 bool IsMeasured(const Vector3f& p) { return p.allFinite() && p.z() > 0; }
 
@@ -80,11 +59,14 @@ Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
 }  // namespace
 
 absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame) {
-  if (const auto* image = std::get_if<v1::DepthImage>(&frame.scan)) return FromImage(*image);
-  const auto& cloud = std::get<v1::PointCloud>(frame.scan);
-  absl::StatusOr<recognition::Points> points = PointsFromMessage(cloud);
+  absl::StatusOr<recognition::Points> points =
+      std::visit([](const auto& scan) { return PointsFromMessage(scan); }, frame.scan);
   if (!points.ok()) return points.status();
-  return StillScan{.points = *std::move(points), .width = cloud.width()};
+  if (const auto* cloud = std::get_if<v1::PointCloud>(&frame.scan)) {
+    return StillScan{.points = *std::move(points), .width = cloud->width()};
+  }
+  const auto camera = FromMessage(std::get<v1::DepthImage>(frame.scan).intrinsics());
+  return StillScan{.points = *std::move(points), .width = camera.width, .camera = camera};
 }
 
 absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
@@ -97,7 +79,7 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
     scans.push_back(*std::move(scan));
   }
   if (scans.size() == 1 || !AreAligned(scans)) return std::move(scans.back());
-  StillScan out{.points = {}, .width = scans.front().width};
+  StillScan out{.points = {}, .width = scans.front().width, .camera = scans.front().camera};
   out.points.reserve(scans.front().points.size());
   std::vector<float> depths;
   for (std::size_t i = 0; i < scans.front().points.size(); ++i) {

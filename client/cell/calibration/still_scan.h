@@ -1,6 +1,7 @@
 // Averages several frames of a static scene.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace graspdb::client {
 struct StillScan {
   recognition::Points points;
   int width = 0;  // points in a row; 0: not organised
+  // Of depth images: each point lies on the ray of its pixel.
+  std::optional<recognition::CameraIntrinsics> camera = {};
 };
 
 // The points of one frame. INVALID_ARGUMENT for an invalid frame: inconsistent sizes, or clouds not

@@ -41,37 +41,42 @@ void Give(const JobAnswer& answer, GriResponse* response) {
   response->pose = *sent;
 }
 
-}  // namespace
-
-void GriJobs::GivePrimary(const std::string& robot, const JobAnswer& answer,
-                          GriResponse* response) {
+void GivePrimary(RobotSession& session, const JobAnswer& answer, GriResponse* response) {
   Give(answer, response);
   if (response->code == GriCode::kNoError) {
-    jobs_.runner().Given(robot, answer.primary);
+    session.SetGiven(answer.primary);
   } else if (answer.code == GriCode::kNoError) {
-    jobs_.SkipPrimary(robot, response->job_id);
+    session.SkipPrimary(response->job_id);
   }
 }
+
+}  // namespace
 
 void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
                         GriResponse* response) {
   const int job = request.job_id;
   response->code = jobs_.Check(job).code;
   if (response->code != GriCode::kNoError) return;
-  const JobRequest job_request = {.job = job, .robot = robot, .base_flange = FlangeOf(request)};
+  const auto kept = jobs_.SessionOf(robot);
+  if (!kept.ok()) {
+    response->code = GriCodeOf(kept.status());
+    return;
+  }
+  RobotSession& session = **kept;
+  const JobRequest job_request = {.job = job, .session = session, .base_flange = FlangeOf(request)};
   switch (static_cast<GriAction>(request.action)) {
     case GriAction::kTriggerJobSync:
-      return GivePrimary(robot, jobs_.Run(job_request), response);
+      return GivePrimary(session, jobs_.Run(job_request), response);
     case GriAction::kTriggerJobAsync:
       response->code = jobs_.Start(job_request).code;
       return;
     case GriAction::kGetJobStatus:
-      response->data[gri_data::kJobStatus] = static_cast<std::int32_t>(jobs_.StatusOf(robot, job));
+      response->data[gri_data::kJobStatus] = static_cast<std::int32_t>(session.StatusOf(job));
       return;
     case GriAction::kGetNextPose:
-      return GivePrimary(robot, jobs_.Next(robot, job), response);
+      return GivePrimary(session, jobs_.Next(session, job), response);
     case GriAction::kGetRelatedPose:
-      return Give(jobs_.NextRelated(robot, job), response);
+      return Give(session.NextRelated(job), response);
     default:
       response->code = GriCode::kInvalidAction;
   }

@@ -20,7 +20,6 @@ class GriJobs {
 
  private:
   void AnswerJob(const std::string& robot, const GriRequest& request, GriResponse* response);
-  void GivePrimary(const std::string& robot, const JobAnswer& answer, GriResponse* response);
 
   RobotJobs jobs_;
 };

@@ -18,8 +18,14 @@ class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
+  template <typename... T>
+  void Read(T*... values) {
+    (ReadOne(values), ...);
+  }
+
+ private:
   template <typename T>
-  void Read(T* value) {
+  void ReadOne(T* value) {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < sizeof(T); ++i) {
       bits |= static_cast<std::uint64_t>(bytes_[at_++]) << (8 * i);
@@ -28,11 +34,10 @@ class Reader {
   }
 
   template <typename T, std::size_t kCount>
-  void Read(std::array<T, kCount>* values) {
-    for (T& value : *values) Read(&value);
+  void ReadOne(std::array<T, kCount>* values) {
+    for (T& value : *values) ReadOne(&value);
   }
 
- private:
   std::span<const std::uint8_t> bytes_;
   std::size_t at_ = 0;
 };
@@ -41,19 +46,24 @@ class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
 
+  template <typename... T>
+  void Write(const T&... values) {
+    (WriteOne(values), ...);
+  }
+
+ private:
   template <typename T>
-  void Write(T value) {
+  void WriteOne(T value) {
     for (std::size_t i = 0; i < sizeof(T); ++i) {
       bytes_[at_++] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
     }
   }
 
   template <typename T, std::size_t kCount>
-  void Write(const std::array<T, kCount>& values) {
-    for (const T value : values) Write(value);
+  void WriteOne(const std::array<T, kCount>& values) {
+    for (const T value : values) WriteOne(value);
   }
 
- private:
   std::span<std::uint8_t> bytes_;
   std::size_t at_ = 0;
 };
@@ -106,14 +116,8 @@ absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriReq
   reader.Read(&magic);
   if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
   GriRequest out;
-  reader.Read(&out.version);
-  reader.Read(&out.length);
-  reader.Read(&out.pose_format);
-  reader.Read(&out.action);
-  reader.Read(&out.job_id);
-  reader.Read(&out.pose.position);
-  reader.Read(&out.pose.rotation);
-  reader.Read(&out.data);
+  reader.Read(&out.version, &out.length, &out.pose_format, &out.action, &out.job_id,
+              &out.pose.position, &out.pose.rotation, &out.data);
   return out;
 }
 
@@ -125,52 +129,31 @@ absl::StatusOr<GriResponse> ParseGriResponse(
   if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
   std::uint8_t version = 0;
   std::uint8_t length = 0;
-  reader.Read(&version);
-  reader.Read(&length);
+  reader.Read(&version, &length);
   if (version != kGriVersion || length != kGriResponseBytes) {
     return absl::InvalidArgumentError("the answer is of another version or length");
   }
   GriResponse out;
   std::int16_t code = 0;
-  reader.Read(&out.pose_format);
-  reader.Read(&out.action);
-  reader.Read(&out.job_id);
-  reader.Read(&code);
+  reader.Read(&out.pose_format, &out.action, &out.job_id, &code, &out.pose.position,
+              &out.pose.rotation, &out.data);
   out.code = static_cast<GriCode>(code);
-  reader.Read(&out.pose.position);
-  reader.Read(&out.pose.rotation);
-  reader.Read(&out.data);
   return out;
 }
 
 std::array<std::uint8_t, kGriRequestBytes> GriBytes(const GriRequest& request) {
   std::array<std::uint8_t, kGriRequestBytes> out = {};
-  Writer writer(out);
-  writer.Write(kMagic);
-  writer.Write(request.version);
-  writer.Write(request.length);
-  writer.Write(request.pose_format);
-  writer.Write(request.action);
-  writer.Write(request.job_id);
-  writer.Write(request.pose.position);
-  writer.Write(request.pose.rotation);
-  writer.Write(request.data);
+  Writer(out).Write(kMagic, request.version, request.length, request.pose_format, request.action,
+                    request.job_id, request.pose.position, request.pose.rotation, request.data);
   return out;
 }
 
 std::array<std::uint8_t, kGriResponseBytes> GriBytes(const GriResponse& response) {
   std::array<std::uint8_t, kGriResponseBytes> out = {};
-  Writer writer(out);
-  writer.Write(kMagic);
-  writer.Write(kGriVersion);
-  writer.Write(static_cast<std::uint8_t>(kGriResponseBytes));
-  writer.Write(response.pose_format);
-  writer.Write(response.action);
-  writer.Write(response.job_id);
-  writer.Write(static_cast<std::int16_t>(response.code));
-  writer.Write(response.pose.position);
-  writer.Write(response.pose.rotation);
-  writer.Write(response.data);
+  Writer(out).Write(kMagic, kGriVersion, static_cast<std::uint8_t>(kGriResponseBytes),
+                    response.pose_format, response.action, response.job_id,
+                    static_cast<std::int16_t>(response.code), response.pose.position,
+                    response.pose.rotation, response.data);
   return out;
 }
 

@@ -11,6 +11,8 @@
 
 namespace graspdb::client {
 
+class RobotSession;
+
 // One result for a robot: a grasp with its object as the related pose, or an object with its
 // grasps, depending on the job.
 struct JobPose {
@@ -28,7 +30,7 @@ struct JobPose {
 
 struct JobRequest {
   int job = 0;
-  std::string robot;  // identifies the robot, e.g. by its address
+  RobotSession& session;  // of the robot; must outlive the run
   // The flange pose that the robot sent, if valid; jobs that show a grasp use it as the pose of the
   // tool centre point.
   std::optional<recognition::Pose> base_flange = {};
@@ -62,14 +64,11 @@ class JobRunner {
   // Whether Run returns poses; false for jobs that store a grasp or report an outcome.
   virtual bool ReturnsPoses(int /*job*/) { return true; }
 
-  // Records that the robot was given this pose; its next outcome refers to it.
-  virtual void Given(const std::string& robot, const JobPose& pose) = 0;
-
   // Reports the outcome of the last pose given to this robot, once per pose. FAILED_PRECONDITION
   // when no pose was given since the last outcome; the server's errors, as in Run, when the outcome
   // cannot be stored. Protocols without a command for outcomes use jobs instead: see
   // docs/line-protocol.md.
-  virtual absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) = 0;
+  virtual absl::Status ReportOutcome(RobotSession& session, PickOutcome outcome) = 0;
 };
 
 }  // namespace graspdb::client

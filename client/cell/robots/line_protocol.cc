@@ -48,6 +48,22 @@ std::string PoseLineOf(const JobAnswer& answer, int format) {
   return answer.code == GriCode::kNoError ? LineOf(PoseLine(answer, format)) : LineOf(answer);
 }
 
+std::string GivePrimary(RobotSession& session, int job, const JobAnswer& answer, int format) {
+  std::string line = PoseLineOf(answer, format);
+  if (line.starts_with("OK")) {
+    session.SetGiven(answer.primary);
+  } else if (answer.code == GriCode::kNoError) {
+    session.SkipPrimary(job);
+  }
+  return line;
+}
+
+std::string LastGrasp(RobotSession& session, int job) {
+  const std::optional<JobPose> primary = session.LastPrimary(job);
+  if (primary) return LineOf(GraspLine(*primary));
+  return client::ErrorLine(GriCode::kNoPosesFound, "the job gave no pose yet; send RUN or NEXT");
+}
+
 }  // namespace
 
 std::size_t LineProtocol::MessageBytes(std::string_view received) const {
@@ -63,96 +79,70 @@ RobotReply LineProtocol::Answer(const std::string& robot, std::string_view messa
                                                     " characters, its end included")),
             .hang_up = true};
   }
-  const absl::StatusOr<LineRequest> request =
-      ParseLineRequest(WithoutEnd(message), FormatOf(robot));
+  const auto session = jobs_.SessionOf(robot);
+  if (!session.ok()) return {.bytes = ErrorLine(session.status())};
+  const std::optional<int> own_format = (*session)->format();
+  const std::optional<int> usual_format = own_format ? own_format : options_.pose_format;
+  absl::StatusOr<LineRequest> request = ParseLineRequest(WithoutEnd(message), usual_format);
   if (!request.ok()) return {.bytes = ErrorLine(request.status())};
-  return {.bytes = AnswerLine(robot, *request), .hang_up = request->command == LineCommand::kQuit};
+  if (!request->format) request->format = usual_format;
+  return {.bytes = AnswerLine(**session, *request),
+          .hang_up = request->command == LineCommand::kQuit};
 }
 
-std::string LineProtocol::AnswerLine(const std::string& robot, const LineRequest& request) {
+std::string LineProtocol::AnswerLine(RobotSession& session, const LineRequest& request) {
   switch (request.command) {
     case LineCommand::kStatus:
       return OkLine(jobs_.runner().IsReady() ? "1" : "0");
     case LineCommand::kFormat:
-      return KeepFormat(robot, *request.format);
+      session.SetFormat(*request.format);
+      return OkLine(absl::StrCat(*request.format));
     case LineCommand::kPicked:
-      return ReportOutcome(robot, PickOutcome::kPicked);
+      return ReportOutcome(session, PickOutcome::kPicked);
     case LineCommand::kMissed:
-      return ReportOutcome(robot, PickOutcome::kMissed);
+      return ReportOutcome(session, PickOutcome::kMissed);
     case LineCommand::kSlipped:
-      return ReportOutcome(robot, PickOutcome::kSlipped);
+      return ReportOutcome(session, PickOutcome::kSlipped);
     case LineCommand::kHelp:
       return OkLine(kHelp);
     case LineCommand::kQuit:
       return OkLine();
     default:
-      return AnswerJob(robot, request);
+      return AnswerJob(session, request);
   }
 }
 
-std::string LineProtocol::AnswerJob(const std::string& robot, const LineRequest& request) {
+std::string LineProtocol::AnswerJob(RobotSession& session, const LineRequest& request) {
   const int job = request.job;
   if (const JobAnswer check = jobs_.Check(job); check.code != GriCode::kNoError) {
     return LineOf(check);
   }
-  const JobRequest job_request = {.job = job, .robot = robot, .base_flange = request.base_flange};
+  const JobRequest job_request = {
+      .job = job, .session = session, .base_flange = request.base_flange};
   if (request.command == LineCommand::kStart) return LineOf(jobs_.Start(job_request));
-  if (request.command == LineCommand::kGrasp) return AnswerGrasp(robot, job);
+  if (request.command == LineCommand::kGrasp) return LastGrasp(session, job);
   if (request.command == LineCommand::kState) {
-    const GriJobStatus status = jobs_.StatusOf(robot, job);
+    const GriJobStatus status = session.StatusOf(job);
     return OkLine(absl::StrCat(static_cast<int>(status), " ", NameOf(status)));
   }
   // All others return a pose; without a format none is taken from the job.
-  const std::optional<int> format = request.format ? request.format : FormatOf(robot);
-  if (!format) {
-    return client::ErrorLine(GriCode::kInvalidRequest, kNoFormat);
-  }
+  if (!request.format) return client::ErrorLine(GriCode::kInvalidRequest, kNoFormat);
   if (request.command == LineCommand::kRelated) {
-    return PoseLineOf(jobs_.NextRelated(robot, job), *format);
+    return PoseLineOf(session.NextRelated(job), *request.format);
   }
   const bool runs = request.command == LineCommand::kRun;
-  return GivePrimary(robot, job, runs ? jobs_.Run(job_request) : jobs_.Next(robot, job), *format);
+  return GivePrimary(session, job, runs ? jobs_.Run(job_request) : jobs_.Next(session, job),
+                     *request.format);
 }
 
-std::string LineProtocol::GivePrimary(const std::string& robot, int job, const JobAnswer& answer,
-                                      int format) {
-  std::string line = PoseLineOf(answer, format);
-  if (line.starts_with("OK")) {
-    jobs_.runner().Given(robot, answer.primary);
-  } else if (answer.code == GriCode::kNoError) {
-    jobs_.SkipPrimary(robot, job);
-  }
-  return line;
-}
-
-std::string LineProtocol::AnswerGrasp(const std::string& robot, int job) {
-  const std::optional<JobPose> primary = jobs_.LastPrimary(robot, job);
-  if (!primary) {
-    return client::ErrorLine(GriCode::kNoPosesFound, "the job gave no pose yet; send RUN or NEXT");
-  }
-  return LineOf(GraspLine(*primary));
-}
-
-std::string LineProtocol::ReportOutcome(const std::string& robot, PickOutcome outcome) {
-  const absl::Status status = jobs_.runner().ReportOutcome(robot, outcome);
+std::string LineProtocol::ReportOutcome(RobotSession& session, PickOutcome outcome) {
+  const absl::Status status = jobs_.runner().ReportOutcome(session, outcome);
   if (status.ok()) return OkLine();
   // The request is out of order; the job is not misconfigured.
   if (status.code() == absl::StatusCode::kFailedPrecondition) {
     return client::ErrorLine(GriCode::kInvalidRequest, std::string(status.message()));
   }
   return ErrorLine(status);
-}
-
-std::optional<int> LineProtocol::FormatOf(const std::string& robot) {
-  absl::MutexLock lock(&mutex_);
-  const auto found = formats_.find(robot);
-  return found == formats_.end() ? options_.pose_format : std::optional(found->second);
-}
-
-std::string LineProtocol::KeepFormat(const std::string& robot, int format) {
-  absl::MutexLock lock(&mutex_);
-  formats_[robot] = format;
-  return OkLine(absl::StrCat(format));
 }
 
 }  // namespace graspdb::client

@@ -2,12 +2,9 @@
 // line of ASCII per request and one per reply.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "client/cell/robots/line_request.h"
 #include "client/cell/robots/robot_jobs.h"
 #include "client/cell/robots/robot_server.h"
@@ -23,8 +20,8 @@ struct LineProtocolOptions {
   std::optional<int> pose_format = {};
 };
 
-// Keeps jobs and pose formats for each robot's address. A line that is too long closes the
-// connection, because its end is unknown. Thread-safe.
+// Keeps a session for each robot's address. A line that is too long closes the connection, because
+// its end is unknown. Thread-safe.
 class LineProtocol : public RobotProtocol {
  public:
   // `runner` must outlive this. The destructor waits for running jobs.
@@ -35,18 +32,12 @@ class LineProtocol : public RobotProtocol {
   RobotReply Answer(const std::string& robot, std::string_view message) override;
 
  private:
-  std::string AnswerLine(const std::string& robot, const LineRequest& request);
-  std::string AnswerJob(const std::string& robot, const LineRequest& request);
-  std::string GivePrimary(const std::string& robot, int job, const JobAnswer& answer, int format);
-  std::string AnswerGrasp(const std::string& robot, int job);
-  std::string ReportOutcome(const std::string& robot, PickOutcome outcome);
-  std::optional<int> FormatOf(const std::string& robot) ABSL_LOCKS_EXCLUDED(mutex_);
-  std::string KeepFormat(const std::string& robot, int format) ABSL_LOCKS_EXCLUDED(mutex_);
+  std::string AnswerLine(RobotSession& session, const LineRequest& request);
+  std::string AnswerJob(RobotSession& session, const LineRequest& request);
+  std::string ReportOutcome(RobotSession& session, PickOutcome outcome);
 
   RobotJobs jobs_;
   const LineProtocolOptions options_;
-  absl::Mutex mutex_;
-  std::map<std::string, int> formats_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace graspdb::client

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "client/cell/robots/gri_code.h"
 #include "client/cell/robots/job_runner.h"
-#include "client/cell/robots/robot_jobs.h"
+#include "client/cell/robots/robot_session.h"
 
 namespace graspdb::client {
 

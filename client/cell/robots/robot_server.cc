@@ -16,6 +16,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "client/cell/robots/allow_list.h"
 #include "client/cell/robots/robot_connection.h"
 #include "program/log_field.h"
 
@@ -46,6 +47,9 @@ class RobotServer::Listener {
   }
 
   absl::Status Listen() {
+    absl::StatusOr<AllowList> allow = AllowList::Parse(options_.allow);
+    if (!allow.ok()) return allow.status();
+    allow_ = *std::move(allow);
     asio::error_code error;
     const auto address = asio::ip::make_address(options_.address, error);
     if (error) return absl::InvalidArgumentError(options_.address + " is no IP address");
@@ -96,6 +100,13 @@ class RobotServer::Listener {
   }
 
   void AddConnection(asio::ip::tcp::socket socket) {
+    asio::error_code gone;
+    const asio::ip::address robot = socket.remote_endpoint(gone).address();
+    if (gone) return;
+    if (!allow_.Allows(robot)) {
+      spdlog::warn("event=robot_not_allowed robot={}", robot.to_string());
+      return;
+    }
     std::erase_if(connections_, [](const auto& other) { return other.expired(); });
     if (connections_.size() >= options_.max_connections) {
       spdlog::warn("event=robot_turned_away connections={}", connections_.size());
@@ -109,6 +120,7 @@ class RobotServer::Listener {
 
   RobotProtocol& protocol_;
   const RobotServerOptions options_;
+  AllowList allow_;
   // All but the workers is used on the context's one thread only.
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_ =

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
@@ -34,6 +35,8 @@ class RobotProtocol {
 struct RobotServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  // 0: any that is free
+  // Networks ("10.3.0.0/24") and addresses from which robots may connect; empty: all.
+  std::vector<std::string> allow = {};
   // A message must be complete within this time after its first byte.
   std::chrono::milliseconds message_time{5000};
   // Further connections are rejected.
@@ -46,8 +49,8 @@ struct RobotServerOptions {
 // not for each other. Idle connections stay open. Connects and disconnects are logged.
 class RobotServer {
  public:
-  // `protocol` must outlive it. INVALID_ARGUMENT for an invalid address, UNAVAILABLE when it cannot
-  // listen there, RESOURCE_EXHAUSTED when there are no threads left.
+  // `protocol` must outlive it. INVALID_ARGUMENT for an invalid address or network, UNAVAILABLE
+  // when it cannot listen there, RESOURCE_EXHAUSTED when there are no threads left.
   static absl::StatusOr<std::unique_ptr<RobotServer>> Start(RobotProtocol& protocol,
                                                             const RobotServerOptions& options);
   // Closes all connections, and waits for answers in progress.

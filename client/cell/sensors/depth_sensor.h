@@ -3,11 +3,10 @@
 
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "graspdb/v1/geometry.pb.h"
+#include "files/scan_message.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -19,7 +18,7 @@ inline constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
 // One frame, in the sensor frame (x right, y down, z forward).
 struct SensorFrame {
   // With intrinsics and capture time.
-  std::variant<v1::DepthImage, v1::PointCloud> scan;
+  ScanMessage scan;
   // Start of its exposure, by this machine's clock; for cameras without timestamps a lower bound.
   absl::Time time = absl::InfinitePast();
   // T_world_sensor, if the frame contains it, e.g. in a file's VIEWPOINT line.

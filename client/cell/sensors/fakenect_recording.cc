@@ -25,15 +25,15 @@ constexpr std::size_t kRawPixels = std::size_t{kKinectV1Width} * kKinectV1Height
 absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
   google::protobuf::Struct document;
   JsonObject device(&document);
-  device.Number("const_shift", calibration.const_shift);
-  JsonObject registration(&device.At("reg_info"));
-  JsonObject plane(&registration.At("zero_plane_info"));
-  plane.Number("dcmos_emitter_distance", 100 * calibration.baseline_m);
-  plane.Number("dcmos_rcmos_distance", 2.3);
-  plane.Number("reference_distance", 100 * calibration.reference_distance_m);
-  plane.Number("reference_pixel_size", 100 * calibration.reference_pixel_m);
-  JsonObject padding(&registration.At("pad_info"));
-  for (const char* lines : {"start_lines", "end_lines", "cropping_lines"}) padding.Number(lines, 0);
+  device.Set(Json("const_shift", calibration.const_shift));
+  JsonObject registration = device.Object("reg_info");
+  registration.Object("zero_plane_info")
+      .Set(Json("dcmos_emitter_distance", 100 * calibration.baseline_m),
+           Json("dcmos_rcmos_distance", 2.3),
+           Json("reference_distance", 100 * calibration.reference_distance_m),
+           Json("reference_pixel_size", 100 * calibration.reference_pixel_m));
+  registration.Object("pad_info")
+      .Set(Json("start_lines", 0), Json("end_lines", 0), Json("cropping_lines", 0));
   return PrintDocument(document, JsonLayout::kIndented);
 }
 

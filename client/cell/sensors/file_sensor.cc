@@ -4,43 +4,16 @@
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "files/capture_set.h"
-#include "files/cloud_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
 #include "files/pose_message.h"
+#include "files/scan_file.h"
 
 namespace graspdb::client {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string ExtensionOf(const fs::path& path) {
-  return absl::AsciiStrToLower(path.extension().string());
-}
-
-bool IsPlayable(const fs::path& path) {
-  const std::string extension = ExtensionOf(path);
-  return extension == ".pcd" || extension == ".ply" || extension == ".png";
-}
-
-absl::StatusOr<SensorFrame> ReadPng(const fs::path& path) {
-  const absl::StatusOr<DepthPngCamera> camera =
-      ReadIntrinsics(path.parent_path() / kIntrinsicsFile);
-  if (!camera.ok()) return camera.status();
-  absl::StatusOr<v1::DepthImage> image = ReadDepthPng(path, *camera);
-  if (!image.ok()) return image.status();
-  return SensorFrame{.scan = *std::move(image)};
-}
-
-absl::StatusOr<SensorFrame> ReadPoints(const fs::path& path) {
-  const absl::StatusOr<PointFile> file = ReadPointFile(path);
-  if (!file.ok()) return file.status();
-  return SensorFrame{.scan = CloudMessage(*file), .world_sensor = file->sensor_pose};
-}
 
 }  // namespace
 
@@ -62,7 +35,7 @@ absl::StatusOr<std::vector<FileSensor::Entry>> FileSensor::List(const fs::path& 
   }
   for (fs::directory_iterator file(path, error), end; !error && file != end;
        file.increment(error)) {
-    if (IsPlayable(file->path())) entries.push_back({.path = file->path(), .world_sensor = {}});
+    if (IsScanFile(file->path())) entries.push_back({.path = file->path(), .world_sensor = {}});
   }
   if (error) {
     return absl::FailedPreconditionError(
@@ -86,7 +59,7 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
     if (!listed.ok()) return listed.status();
     entries = *std::move(listed);
   }
-  if (entries.empty() || !IsPlayable(entries.front().path)) {
+  if (entries.empty() || !IsScanFile(entries.front().path)) {
     return absl::FailedPreconditionError(absl::StrCat(
         path.string(), " has nothing to play; .pcd, .ply and 16-bit .png files are supported"));
   }
@@ -122,11 +95,11 @@ absl::StatusOr<SensorFrame> FileSensor::Next(absl::Time deadline) {
   const absl::StatusOr<Entry> entry = Take(deadline);
   if (!entry.ok()) return entry.status();
   const absl::Time time = absl::Now();
-  absl::StatusOr<SensorFrame> frame =
-      ExtensionOf(entry->path) == ".png" ? ReadPng(entry->path) : ReadPoints(entry->path);
-  if (!frame.ok()) return frame;
-  SetTime(time, *frame);
-  if (entry->world_sensor) frame->world_sensor = entry->world_sensor;
+  absl::StatusOr<ScanFile> file = ReadScanFile(entry->path);
+  if (!file.ok()) return file.status();
+  SensorFrame frame{.scan = std::move(file->scan), .world_sensor = file->sensor_pose};
+  SetTime(time, frame);
+  if (entry->world_sensor) frame.world_sensor = entry->world_sensor;
   return frame;
 }
 

@@ -21,9 +21,7 @@ struct FilePlayback {
   double rate_hz = 0;  // maximum frames per second; 0: no limit
 };
 
-// Plays files in order: .pcd and .ply (see point_file.h), and .png with 16-bit depths and
-// intrinsics.json in the same folder (see depth_png.h). A frame's time is when it was read.
-// Thread-safe.
+// Plays files in order, see scan_file.h. A frame's time is when it was read. Thread-safe.
 class FileSensor : public DepthSensor {
  public:
   // `path` is a file, a capture set (its captures in order, with their sensor poses) or a folder

@@ -19,7 +19,9 @@ extern "C" void OnInterrupt(int /*signal*/) { interrupted.store(true); }
 }  // namespace
 
 Client Connect(const GlobalOptions& options) {
-  return Client({options.server, absl::Seconds(options.timeout_s)});
+  return Client({.server = options.server,
+                 .timeout = absl::Seconds(options.timeout_s),
+                 .security = options.security});
 }
 
 CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description) {

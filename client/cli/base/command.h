@@ -18,6 +18,7 @@ struct GlobalOptions {
   std::string server = "127.0.0.1:50051";
   double timeout_s = 30;
   bool json = false;
+  SecurityOptions security = {};
 };
 
 // The chosen command, run after the command line was parsed.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "program/client_flags.h"
 #include "program/log.h"
 #include "program/settings_file.h"
 #include "program/version.h"
@@ -16,7 +17,7 @@ namespace {
 
 enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoServer = 3 };
 
-int Execute(const Action& action) {
+int Execute(const GlobalOptions& global, const Action& action) {
   absl::Status status;
   try {
     status = action();
@@ -24,6 +25,11 @@ int Execute(const Action& action) {
     status = absl::InternalError(std::string("a library failed: ") + e.what());
   }
   if (status.ok()) return kDone;
+  // The handshake's error does not name the file.
+  if (absl::Status files = CheckSecurityFiles(global.security);
+      absl::IsUnavailable(status) && !files.ok()) {
+    status = files;
+  }
   std::fprintf(stderr, "graspdb: %s\n", std::string(status.message()).c_str());
   return absl::IsUnavailable(status) ? kNoServer : kFailed;
 }
@@ -37,10 +43,11 @@ void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
   app.add_flag("--json", global->json, "Print results as JSON, one document per line");
+  AddSecurityFlags(app, &global->security);
 }
 
-int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string> other_commands,
-                   int argc, char** argv) {
+int RunCommandLine(CLI::App& app, const GlobalOptions& global, const Action& action,
+                   std::vector<std::string> other_commands, int argc, char** argv) {
   AddSettingsFile(app, std::move(other_commands));
   if (const std::optional<int> end = ParseArguments(app, argc, argv)) return *end;
   if (!action) {  // checked here, so that CLI11 names a command that it does not know
@@ -48,7 +55,7 @@ int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string>
     return kWrongUsage;
   }
   StartLog("graspdb", "warn");  // standard output is for results
-  return Execute(action);
+  return Execute(global, action);
 }
 
 }  // namespace graspdb::client

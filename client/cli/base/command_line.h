@@ -12,10 +12,10 @@ namespace graspdb::client {
 // The flags that may precede or follow any command.
 void AddGlobalFlags(CLI::App& app, GlobalOptions* global);
 
-// Reads the command line into `app`, whose commands set `*action`, and runs that. Returns the exit
+// Reads the command line into `app`, whose commands set `action`, and runs that. Returns the exit
 // status: 0 done, 1 failed, 2 wrong usage, 3 no server reachable. A settings file may have sections
 // of `other_commands`, which belong to another program.
-int RunCommandLine(CLI::App& app, const Action& action, std::vector<std::string> other_commands,
-                   int argc, char** argv);
+int RunCommandLine(CLI::App& app, const GlobalOptions& global, const Action& action,
+                   std::vector<std::string> other_commands, int argc, char** argv);
 
 }  // namespace graspdb::client

@@ -1,5 +1,3 @@
-#include "client/cli/cells/calibration_commands.h"
-
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -9,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cell/calibration/table_level.h"
 #include "client/cli/cells/cell_saving.h"
+#include "client/cli/cells/commands.h"
 #include "client/cli/cells/table_scan.h"
 #include "files/pose_message.h"
 #include "recognition/base/units.h"

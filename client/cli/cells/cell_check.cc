@@ -1,5 +1,3 @@
-#include "client/cli/cells/cell_check.h"
-
 #include <google/protobuf/struct.pb.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "client/cell/calibration/calibrated_cell.h"
 #include "client/cell/calibration/table_level.h"
 #include "client/cell/calibration/target.h"
+#include "client/cli/cells/commands.h"
 #include "client/cli/cells/table_scan.h"
 #include "files/json_object.h"
 #include "files/pose_message.h"
@@ -126,13 +125,10 @@ absl::Status PrintHandEye(const std::vector<HandEyeResidual>& off) {
 
 absl::Status PrintHandEyeJson(const std::vector<HandEyeResidual>& off) {
   google::protobuf::Struct document;
-  JsonObject object(&document);
-  auto* poses = object.At("poses").mutable_list_value();
-  for (const HandEyeResidual& pose : off) {
-    JsonObject one(poses->add_values());
-    one.Number("shift_mm", kMmPerM * pose.shift_m);
-    one.Number("turn_deg", kDegreesPerRadian * pose.turn_rad);
-  }
+  JsonObject(&document).List("poses", off, [](const HandEyeResidual& pose, JsonObject out) {
+    out.Set(Json("shift_mm", kMmPerM * pose.shift_m),
+            Json("turn_deg", kDegreesPerRadian * pose.turn_rad));
+  });
   return PrintJson(document);
 }
 
@@ -166,11 +162,9 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
   const LevelError off = LevelErrorOf(*table, FromMessage(cell.sensor_pose()));
   if (as_json) {
     google::protobuf::Struct document;
-    JsonObject object(&document);
-    object.Number("height_mm", kMmPerM * off.height_m);
-    object.Number("tilt_deg", kDegreesPerRadian * off.tilt_rad);
-    object.Number("rms_mm", kMmPerM * table->rms_m);
-    object.Number("share", table->share);
+    JsonObject(&document).Set(Json("height_mm", kMmPerM * off.height_m),
+                              Json("tilt_deg", kDegreesPerRadian * off.tilt_rad),
+                              Json("rms_mm", kMmPerM * table->rms_m), Json("share", table->share));
     return PrintJson(document);
   }
   std::printf(

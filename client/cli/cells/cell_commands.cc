@@ -1,5 +1,3 @@
-#include "client/cli/cells/cell_commands.h"
-
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
@@ -9,10 +7,9 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "client/cli/cells/calibration_commands.h"
-#include "client/cli/cells/cell_check.h"
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/cell_text.h"
+#include "client/cli/cells/commands.h"
 
 namespace graspdb::client {
 namespace {

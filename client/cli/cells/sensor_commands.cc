@@ -1,5 +1,3 @@
-#include "client/cli/cells/sensor_commands.h"
-
 #include <google/protobuf/struct.pb.h>
 #include <spdlog/spdlog.h>
 
@@ -15,6 +13,7 @@
 #include "client/cell/sensors/open_sensor.h"
 #include "client/cell/sensors/simulated_recording.h"
 #include "client/cli/base/camera.h"
+#include "client/cli/cells/commands.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
@@ -67,11 +66,9 @@ absl::Status List(const GlobalOptions& global) {
   for (const SensorListing& kind : listing) {
     google::protobuf::Struct document;
     JsonObject object(&document);
-    object.Text("kind", kind.kind);
-    object.Bool("built", kind.is_built);
-    auto* connected = object.At("connected").mutable_list_value();
-    for (const std::string& spec : kind.connected) connected->add_values()->set_string_value(spec);
-    if (!kind.trouble.empty()) object.Text("trouble", kind.trouble);
+    object.Set(Json("kind", kind.kind), Json("built", kind.is_built),
+               Json("connected", kind.connected));
+    if (!kind.trouble.empty()) object.Set(Json("trouble", kind.trouble));
     if (absl::Status printed = PrintJson(document); !printed.ok()) return printed;
   }
   return absl::OkStatus();
@@ -121,9 +118,7 @@ absl::Status PrintKept(bool as_json, const std::string& file, const std::string&
     return absl::OkStatus();
   }
   google::protobuf::Struct document;
-  JsonObject object(&document);
-  object.Text("file", file);
-  object.Text("sensor", sensor);
+  JsonObject(&document).Set(Json("file", file), Json("sensor", sensor));
   return PrintJson(document);
 }
 
@@ -160,10 +155,8 @@ absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& o
   if (!written.ok()) return written;
   if (global.json) {
     google::protobuf::Struct document;
-    JsonObject object(&document);
-    object.Text("folder", options.out);
-    object.Number("scenes", options.scenes);
-    object.Number("hold_s", options.hold_s);
+    JsonObject(&document).Set(Json("folder", options.out), Json("scenes", options.scenes),
+                              Json("hold_s", options.hold_s));
     return PrintJson(document);
   }
   std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",

@@ -1,5 +1,3 @@
-#include "client/cli/objects/catalog_commands.h"
-
 #include <cstdio>
 #include <memory>
 
@@ -7,7 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/base/cache_text.h"
-#include "client/cli/objects/thresholds_command.h"
+#include "client/cli/objects/commands.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 
 namespace graspdb::client {
@@ -137,6 +135,18 @@ std::string IndexText(const v1::CatalogStatus& status) {
                          100 * index.recall_at_10(), index.byte_count() >> 20);
 }
 
+std::string BackupsText(const v1::BackupStatus& status) {
+  std::string text = "none";
+  if (status.has_last_good_backup()) {
+    text = absl::StrFormat("%d, the last good one %.1f h old, revision %d, %d MiB",
+                           status.backup_count(), status.last_good_age_s() / 3600,
+                           status.last_good_backup().catalog_revision(),
+                           status.last_good_backup().byte_count() >> 20);
+  }
+  if (!status.last_error().empty()) absl::StrAppend(&text, "; failed: ", status.last_error());
+  return text;
+}
+
 absl::Status ShowStatus(const GlobalOptions& global) {
   absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
   if (!status.ok()) return status.status();
@@ -155,6 +165,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
   std::printf("descriptor  %s\n", status->descriptor_name().c_str());
   std::printf("index       %s\n", IndexText(*status).c_str());
   std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
+  if (status->has_backup()) std::printf("backups     %s\n", BackupsText(status->backup()).c_str());
   std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
   std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
   const std::string advice = CacheAdvice(status->model_cache());

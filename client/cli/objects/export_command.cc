@@ -1,10 +1,9 @@
-#include "client/cli/objects/export_command.h"
-
 #include <cstdio>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
+#include "client/cli/objects/commands.h"
 #include "files/capture_set.h"
 #include "files/cloud_message.h"
 #include "files/point_file.h"

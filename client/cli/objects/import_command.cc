@@ -1,36 +1,46 @@
-#include "client/cli/objects/import_command.h"
+#include <openssl/sha.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/base/taught_report.h"
+#include "client/cli/objects/commands.h"
 #include "client/cli/objects/look_alike_notes.h"
-#include "client/teaching/upload/view_upload.h"
+#include "client/teaching/upload/bulk_upload.h"
 #include "files/capture_set.h"
-#include "files/cloud_message.h"
 #include "files/pose_message.h"
+#include "files/scan_file.h"
 
 namespace graspdb::client {
 namespace {
+
+// Failed views that are printed; the number of the others follows.
+constexpr std::size_t kMaxPrintedFailures = 20;
 
 struct ImportOptions {
   std::string folder;
   std::string split = "TEACH";
   bool replace = false;
+  bool resume = false;
+  bool atomic = false;
+  bool dry_run = false;
 };
 
 // Reads a capture into a request that teaches it as a view.
 absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet& set,
                       const v1::Capture& capture, v1::UploadViewsRequest* request) {
-  absl::StatusOr<PointFile> file = ReadPointFile(folder / capture.path());
+  absl::StatusOr<ScanFile> file = ReadScanFile(folder / capture.path());
   if (!file.ok()) return file.status();
   request->set_parent(StablePoseName(capture.object_id(), capture.stable_pose_id()));
   request->set_view_id(capture.view_id());
   v1::View* view = request->mutable_view();
-  *view->mutable_cloud() = CloudMessage(*file);
+  SetScan(std::move(file->scan), view);
   view->set_segmented(capture.segmented());
   if (capture.has_object_pose()) *view->mutable_object_pose() = capture.object_pose();
   if (capture.has_sensor_pose()) {
@@ -44,41 +54,105 @@ absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet&
   return absl::OkStatus();
 }
 
-absl::StatusOr<UploadCounts> Import(Client& client, const ImportOptions& options,
-                                    const v1::CaptureSet& set) {
-  const std::vector<const v1::Capture*> captures = TeachableCaptures(set, options.split);
-  if (captures.empty()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(options.folder, " has no captures to teach in split ", options.split,
-                     "; choose another --split or check captures.json"));
-  }
-  absl::Status parents = CreateParents(client, {set.objects().begin(), set.objects().end()});
-  if (!parents.ok()) return parents;
-  ProgressLine progress;
-  return TeachViews(client,
-                    {.count = captures.size(),
-                     .make =
-                         [&](std::size_t i, v1::UploadViewsRequest* request) {
-                           return ReadView(options.folder, set, *captures[i], request);
-                         },
-                     .replace = options.replace},
-                    {.report =
-                         [&](std::size_t done) {
-                           progress.Report(static_cast<int>(done),
-                                           static_cast<int>(captures.size()));
-                         },
-                     .cancelled = Interrupted});
+// The same set gets the same id, so that an interrupted import is found again.
+std::string UploadIdOf(const v1::CaptureSet& set, const ImportOptions& options) {
+  const std::string content = absl::StrCat(options.split, options.replace, set.SerializeAsString());
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(content.data()), content.size(), digest);
+  return absl::StrCat("import-",
+                      absl::BytesToHexString({reinterpret_cast<const char*>(digest), 8}));
 }
+
+// One import of a set.
+class Import {
+ public:
+  Import(Client& client, const ImportOptions& options, const v1::CaptureSet& set)
+      : client_(client),
+        options_(options),
+        set_(set),
+        captures_(TeachableCaptures(set, options.split)),
+        upload_id_(UploadIdOf(set, options)),
+        views_({.count = captures_.size(),
+                .make =
+                    [this](std::size_t i, v1::UploadViewsRequest* request) {
+                      return ReadView(options_.folder, set_, *captures_[i], request);
+                    },
+                .replace = options.replace}),
+        watch_({.report =
+                    [this](std::size_t done) {
+                      progress_.Report(static_cast<int>(done), static_cast<int>(captures_.size()));
+                    },
+                .cancelled = Interrupted}) {}
+
+  absl::Status Check() const {
+    if (captures_.empty()) {
+      return absl::FailedPreconditionError(
+          absl::StrCat(options_.folder, " has no captures to teach in split ", options_.split,
+                       "; choose another --split or check captures.json"));
+    }
+    if (!options_.resume) return absl::OkStatus();
+    const auto upload = client_.GetUpload("uploads/" + upload_id_);
+    if (upload.ok() && upload->state() == v1::UPLOAD_STATE_OPEN) return absl::OkStatus();
+    if (!upload.ok() && !absl::IsNotFound(upload.status())) return upload.status();
+    return absl::NotFoundError(absl::StrCat("there is no interrupted import of ", options_.folder,
+                                            "; leave out --resume to start one"));
+  }
+
+  absl::StatusOr<BulkUploadResult> Run() {
+    absl::Status parents = CreateParents(client_, {set_.objects().begin(), set_.objects().end()});
+    if (!parents.ok()) return parents;
+    return TeachInBulk(client_, views_, {.upload_id = upload_id_, .atomic = options_.atomic},
+                       watch_);
+  }
+
+  // Prints what Run() would do.
+  absl::Status PrintPlan() {
+    const auto plan = PlanUpload(client_, views_, upload_id_, watch_);
+    if (!plan.ok()) return plan.status();
+    std::printf("would send %zu views%s; %zu are in the catalogue already, %zu were sent before\n",
+                plan->new_count, options_.replace ? ", replacing those of the same id" : "",
+                plan->existing_count, plan->staged_count);
+    return FailureOf(plan->unreadable, "read");
+  }
+
+  // Prints the failed views; an error if there are any.
+  absl::Status FailureOf(const std::vector<FailedView>& failed, const char* verb) const {
+    if (failed.empty()) return absl::OkStatus();
+    for (std::size_t i = 0; i < std::min(failed.size(), kMaxPrintedFailures); ++i) {
+      std::fprintf(stderr, "%s: %s\n", captures_[failed[i].index]->path().c_str(),
+                   std::string(failed[i].error.message()).c_str());
+    }
+    return {failed.front().error.code(),
+            absl::StrCat(failed.size(), " of ", captures_.size(), " captures could not be ", verb,
+                         "; fix or remove them and run the same command again")};
+  }
+
+ private:
+  Client& client_;
+  const ImportOptions& options_;
+  const v1::CaptureSet& set_;
+  const std::vector<const v1::Capture*> captures_;
+  const std::string upload_id_;
+  ProgressLine progress_;
+  const ViewsToTeach views_;
+  const UploadWatch watch_;
+};
 
 absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options) {
   absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(options.folder);
   if (!set.ok()) return set.status();
   Client client = Connect(global);
-  const absl::StatusOr<UploadCounts> counts = Import(client, options, *set);
-  if (!counts.ok()) return counts.status();
+  Import import(client, options, *set);
+  if (absl::Status status = import.Check(); !status.ok()) return status;
+  if (options.dry_run) return import.PrintPlan();
+  const absl::StatusOr<BulkUploadResult> result = import.Run();
+  if (!result.ok()) return result.status();
+  const UploadCounts& counts = result->counts;
   const absl::StatusOr<v1::CatalogStatus> status =
-      ReportTaught(global, client, {.created = counts->created, .existing = counts->existing});
-  if (!status.ok() || global.json || counts->created == 0) return status.status();
+      ReportTaught(global, client, {.created = counts.created, .existing = counts.existing});
+  if (!status.ok()) return status.status();
+  if (absl::Status failed = import.FailureOf(result->failed, "taught"); !failed.ok()) return failed;
+  if (global.json || counts.created == 0) return absl::OkStatus();
   return NoteLookAlikes(client, "", *status);
 }
 
@@ -92,9 +166,18 @@ void AddImportCommand(CLI::App& app, const GlobalOptions& global, Action* action
   command->add_flag(
       "--replace", options->replace,
       "Replace views that are already in the catalogue, e.g. after poses were corrected");
+  command->add_flag("--atomic", options->atomic,
+                    "Teach all captures or none, where one cannot be taught");
+  command->add_flag("--resume", options->resume,
+                    "Only continue an interrupted import of this set; an error without one");
+  command->add_flag("--dry-run", options->dry_run,
+                    "Read all captures and print what would be sent; change nothing");
   command->footer(
       "Objects and stable poses are created as needed; existing ones keep their grasps.\n"
-      "Run an interrupted import again to continue it: existing views are skipped.\n\n"
+      "All views become part of the catalogue together, at the end, in one revision; recognition\n"
+      "goes on meanwhile. Captures that cannot be taught are listed, and the others taught.\n"
+      "Run an interrupted import again to continue it: what was sent is not sent again.\n"
+      "`graspdb uploads` lists and drops interrupted imports.\n\n"
       "Example: graspdb import captures/monday");
   command->callback(
       [=, &global] { *action = [=, &global] { return RunImport(global, *options); }; });

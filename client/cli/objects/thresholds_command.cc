@@ -1,11 +1,10 @@
-#include "client/cli/objects/thresholds_command.h"
-
 #include <cstdio>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/base/progress_line.h"
+#include "client/cli/objects/commands.h"
 
 namespace graspdb::client {
 namespace {

@@ -1,11 +1,10 @@
-#include "client/cli/recognize/describe_command.h"
-
 #include <google/protobuf/struct.pb.h>
 
 #include <cstdio>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/recognize/commands.h"
 #include "files/point_file.h"
 #include "recognition/descriptors/descriptor.h"
 #include "recognition/descriptors/descriptor_parameters.h"

@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/recognize/scoreboard.h"
 #include "files/cloud_message.h"
+#include "files/depth_message.h"
 #include "files/pose_message.h"
 #include "pictures/match_picture.h"
 #include "recognition/segmentation/region.h"
@@ -62,7 +63,9 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
     return absl::FailedPreconditionError(
         absl::StrCat("cannot make the folder ", folder.string(), ": ", error.message()));
   }
-  absl::StatusOr<recognition::Points> scan = PointsFromMessage(request.cloud());
+  absl::StatusOr<recognition::Points> scan = request.has_depth_image()
+                                                 ? PointsFromMessage(request.depth_image())
+                                                 : PointsFromMessage(request.cloud());
   if (!scan.ok()) return scan.status();
   const v1::Detection* detection = MainDetection(task, response);
   MatchPicture picture;

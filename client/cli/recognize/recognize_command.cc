@@ -1,5 +1,3 @@
-#include "client/cli/recognize/recognize_command.h"
-
 #include <google/protobuf/struct.pb.h>
 
 #include <cstdio>
@@ -7,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/splits.h"
+#include "client/cli/recognize/commands.h"
 #include "client/cli/recognize/picture_writer.h"
 #include "client/cli/recognize/scan_source.h"
 #include "client/cli/recognize/scoreboard.h"
@@ -107,7 +106,9 @@ void AddRecognizeCommand(CLI::App& app, const GlobalOptions& global, Action* act
   CLI::App* command =
       AddCommand(app, "recognize", "Recognise the objects in scans, with poses and grasps");
   auto options = std::make_shared<RecognizeOptions>();
-  command->add_option("INPUT", options->inputs, "Point files (.pcd, .ply) or capture sets")
+  command
+      ->add_option("INPUT", options->inputs,
+                   "Point files (.pcd, .ply), depth images (.png) or capture sets")
       ->required();
   AddSplitFlag(*command, &options->split);
   command->add_option("--cell", options->cell, "Cell with the calibration and settings to use");

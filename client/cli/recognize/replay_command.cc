@@ -1,5 +1,3 @@
-#include "client/cli/recognize/replay_command.h"
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -8,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cell/blackbox/bundle_file.h"
 #include "client/cell/blackbox/replay.h"
+#include "client/cli/recognize/commands.h"
 #include "files/json_object.h"
 
 namespace graspdb::client {
@@ -40,24 +39,17 @@ absl::Status PrintUnreadable(bool as_json, const std::string& path, const absl::
     return absl::OkStatus();
   }
   google::protobuf::Struct line;
-  JsonObject object(&line);
-  object.Text("bundle", path);
-  object.Text("error", std::string(why.message()));
+  JsonObject(&line).Set(Json("bundle", path), Json("error", std::string(why.message())));
   return PrintJson(line);
 }
 
 absl::Status PrintResult(bool as_json, const std::string& path, const ReplayResult& result) {
   if (as_json) {
     google::protobuf::Struct line;
-    JsonObject object(&line);
-    object.Text("bundle", path);
-    object.Bool("same", result.is_same);
-    object.Number("revisionThen", static_cast<double>(result.revision_then));
-    object.Number("revisionNow", static_cast<double>(result.revision_now));
-    google::protobuf::ListValue& list = *object.At("differences").mutable_list_value();
-    for (const std::string& difference : result.differences) {
-      list.add_values()->set_string_value(difference);
-    }
+    JsonObject(&line).Set(Json("bundle", path), Json("same", result.is_same),
+                          Json("revisionThen", result.revision_then),
+                          Json("revisionNow", result.revision_now),
+                          Json("differences", result.differences));
     return PrintJson(line);
   }
   const bool other_revision = result.revision_now != 0 && result.revision_then != 0 &&

@@ -1,23 +1,40 @@
 #include "client/cli/recognize/scan_source.h"
 
 #include <filesystem>
+#include <map>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/splits.h"
 #include "files/capture_set.h"
-#include "files/cloud_message.h"
 #include "files/pose_message.h"
+#include "files/scan_file.h"
+#include "rendering/mesh_file.h"
 
 namespace graspdb::client {
 namespace {
+
+using Shapes = std::map<std::string, std::shared_ptr<const MeasuredShape>>;
+
+// Of the set's objects that have a mesh, by object id.
+absl::StatusOr<Shapes> LoadShapes(const std::filesystem::path& folder, const v1::CaptureSet& set) {
+  Shapes out;
+  for (const v1::CapturedObject& object : set.objects()) {
+    if (object.mesh_path().empty()) continue;
+    absl::StatusOr<TriangleMesh> mesh = LoadMesh(folder / object.mesh_path());
+    if (!mesh.ok()) return mesh.status();
+    out[object.object_id()] = std::make_shared<const MeasuredShape>(Measure(*mesh));
+  }
+  return out;
+}
 
 absl::Status AddSet(const std::string& folder, const std::string& split, ScanTasks* out) {
   absl::StatusOr<v1::CaptureSet> loaded = LoadCaptureSet(folder);
   if (!loaded.ok()) return loaded.status();
   out->sets.push_back(std::make_unique<v1::CaptureSet>(*std::move(loaded)));
   const v1::CaptureSet& set = *out->sets.back();
-  absl::StatusOr<ObjectModels> models = LoadModels(folder, set);
-  if (!models.ok()) return models.status();
+  const absl::StatusOr<Shapes> shapes = LoadShapes(folder, set);
+  if (!shapes.ok()) return shapes.status();
   const std::vector<const v1::Capture*> captures = CapturesOfSplit(set, split);
   if (captures.empty()) {
     return absl::FailedPreconditionError(
@@ -30,8 +47,8 @@ absl::Status AddSet(const std::string& folder, const std::string& split, ScanTas
     task.capture = *capture;
     task.in_set = true;
     task.set = &set;
-    const auto model = models->find(capture->object_id());
-    if (model != models->end()) task.model = model->second;
+    const auto shape = shapes->find(capture->object_id());
+    if (shape != shapes->end()) task.shape = shape->second;
     out->tasks.push_back(std::move(task));
   }
   return absl::OkStatus();
@@ -58,10 +75,10 @@ absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
 }
 
 absl::StatusOr<v1::RecognizeRequest> ReadScan(const ScanTask& task) {
-  absl::StatusOr<PointFile> file = ReadPointFile(task.file);
+  absl::StatusOr<ScanFile> file = ReadScanFile(task.file);
   if (!file.ok()) return file.status();
   v1::RecognizeRequest request;
-  *request.mutable_cloud() = CloudMessage(*file);
+  SetScan(std::move(file->scan), &request);
   request.set_segmented(task.capture.segmented());
   if (task.capture.has_sensor_pose()) {
     *request.mutable_sensor_pose() = task.capture.sensor_pose();

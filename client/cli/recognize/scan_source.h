@@ -1,26 +1,27 @@
-// The inputs of `recognize`: point files and capture sets.
+// The inputs of `recognize`: files of captures and capture sets.
 #pragma once
 
-#include <functional>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/cli/recognize/pose_error.h"
 #include "graspdb/v1/capture_set.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
+#include "rendering/pose_error.h"
 
 namespace graspdb::client {
 
 // One scan to recognise.
 struct ScanTask {
-  std::string path;                          // as it is printed
-  std::filesystem::path file;                // to read
-  v1::Capture capture;                       // no ground truth for a single file
-  bool in_set = false;                       // whether `capture` came from a set
-  const v1::CaptureSet* set = nullptr;       // its set
-  std::shared_ptr<const ObjectModel> model;  // of the true object, where known
+  std::string path;                            // as it is printed
+  std::filesystem::path file;                  // to read
+  v1::Capture capture;                         // no ground truth for a single file
+  bool in_set = false;                         // whether `capture` came from a set
+  const v1::CaptureSet* set = nullptr;         // its set
+  std::shared_ptr<const MeasuredShape> shape;  // of the true object, if the set has its mesh
 };
 
 // All scans of the arguments; owns the sets that the tasks point into.
@@ -30,7 +31,7 @@ struct ScanTasks {
 };
 
 // Expands the arguments: a folder is a capture set, of which `split` is used,
-// any other argument a point file. Errors as LoadCaptureSet and LoadModels.
+// any other argument a file (see scan_file.h). Errors as LoadCaptureSet and LoadMesh.
 absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
                                     const std::string& split);
 

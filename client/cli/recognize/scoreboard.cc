@@ -2,17 +2,14 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <string>
 
 #include "absl/strings/str_format.h"
 #include "files/pose_message.h"
+#include "recognition/base/units.h"
 
 namespace graspdb::client {
 namespace {
-
-constexpr double kPoseRight = 0.05;  // of the diameter
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 int SymmetryOf(const ScanTask& task) {
   for (const v1::CapturedObject& object : task.set->objects()) {
@@ -80,10 +77,11 @@ std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& 
   const recognition::Pose truth = FromMessage(task.capture.object_pose());
   const recognition::Pose pose = FromMessage(detection->refined_pose());
   out.translation_error_m = (truth.translation() - pose.translation()).norm();
-  out.rotation_error_deg = RotationError(truth, pose, SymmetryOf(task)) * kDegrees;
-  if (task.model) {
-    out.add_s_m = AddS(*task.model, truth, pose);
-    out.pose_right = *out.add_s_m < kPoseRight * task.model->diameter_m;
+  out.rotation_error_deg =
+      RotationError(truth, pose, SymmetryOf(task)) * recognition::kDegreesPerRadian;
+  if (task.shape) {
+    out.add_s_m = AddS(*task.shape, truth, pose);
+    out.pose_right = IsRight(*task.shape, *out.add_s_m);
   }
   return out;
 }

@@ -11,8 +11,8 @@ namespace graspdb::client {
 // A response compared with the ground truth.
 struct Verdict {
   bool object_right = false;
-  bool pose_right = false;                   // ADD-S under 5 % of the diameter
-  std::optional<double> add_s_m;             // where the model is known
+  bool pose_right = false;                   // IsRight
+  std::optional<double> add_s_m;             // where the shape is known
   std::optional<double> rotation_error_deg;  // modulo symmetry
   std::optional<double> translation_error_m;
 };

@@ -1,12 +1,10 @@
-#include "client/cli/teach/grasps_command.h"
-
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "client/cli/teach/grasps_import.h"
+#include "client/cli/teach/commands.h"
 #include "recognition/grasps/grasp_proposals.h"
 
 namespace graspdb::client {

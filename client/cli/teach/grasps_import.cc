@@ -1,5 +1,3 @@
-#include "client/cli/teach/grasps_import.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/teach/commands.h"
 #include "client/teaching/mesh/mesh_grasps.h"
 #include "client/teaching/upload/view_upload.h"
 #include "files/pose_message.h"

@@ -1,5 +1,3 @@
-#include "client/cli/teach/teach_command.h"
-
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -11,6 +9,7 @@
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/taught_report.h"
 #include "client/cli/objects/look_alike_notes.h"
+#include "client/cli/teach/commands.h"
 #include "client/cli/teach/guided_teach.h"
 #include "client/cli/teach/stable_pose_pictures.h"
 #include "client/cli/teach/stable_pose_table.h"

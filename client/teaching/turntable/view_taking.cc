@@ -1,5 +1,6 @@
 #include "client/teaching/turntable/view_taking.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,9 @@
 #include "client/cell/calibration/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
 #include "files/cloud_message.h"
+#include "files/depth_message.h"
 #include "files/pose_message.h"
+#include "files/scan_message.h"
 
 namespace graspdb::client {
 namespace {
@@ -34,6 +37,19 @@ Vector3d CenterOf(const recognition::Points& points, const Pose& world_sensor) {
   Vector3d sum = Vector3d::Zero();
   for (const Eigen::Vector3f& p : points) sum += p.cast<double>();
   return world_sensor * (sum / static_cast<double>(points.size()));
+}
+
+// The mean of depth images is a finer depth image.
+ScanMessage MessageOf(const StillScan& scan) {
+  if (!scan.camera) return CloudMessage(scan.points, scan.width);
+  std::vector<float> depths;
+  depths.reserve(scan.points.size());
+  float far = 0;
+  for (const Eigen::Vector3f& p : scan.points) {
+    depths.push_back(p.z());
+    far = std::max(far, p.z());  // keeps `far` where p is NaN
+  }
+  return FineDepthMessage(depths, *scan.camera, static_cast<double>(far));
 }
 
 }  // namespace
@@ -80,11 +96,11 @@ absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
   if (!scan.ok()) return scan.status();
   v1::UploadViewsRequest upload;
   upload.set_parent(stable_pose);
-  *upload.mutable_view()->mutable_cloud() = CloudMessage(scan->points, scan->width);
+  SetScan(MessageOf(*scan), upload.mutable_view());
   *upload.mutable_view()->mutable_object_pose() = ToMessage(world_object);
   *upload.mutable_view()->mutable_sensor_pose() = ToMessage(shot->world_sensor);
   if (how_.region) *upload.mutable_region_of_interest() = *how_.region;
-  upload.set_view_id(ContentId(upload.view().cloud()));
+  upload.set_view_id(ContentId(upload.view()));
   const std::string name = absl::StrCat(stable_pose, "/views/", upload.view_id());
   const auto make = [&](std::size_t, v1::UploadViewsRequest* request) {
     *request = upload;

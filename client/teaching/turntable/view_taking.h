@@ -18,7 +18,7 @@ namespace graspdb::client {
 
 // How views are taken.
 struct ViewTaking {
-  v1::Cell cell;                                  // whose camera it is
+  v1::Cell cell = {};                             // whose camera it is
   std::optional<v1::AxisAlignedBox> region = {};  // in that world; none: the server's default
   // Of the plate under the object above the table z = 0, m. The views are stored in a world whose
   // table is the plate: equivalent to a camera that is lower by this height.

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/teaching/upload/turn_steps.h"
 #include "files/cloud_message.h"
+#include "files/depth_message.h"
 #include "files/pose_message.h"
 #include "rendering/counter_random.h"
 #include "rendering/simulation.h"
@@ -49,6 +50,15 @@ v1::AxisAlignedBox RegionOf(const TriangleMesh& mesh) {
   return region;
 }
 
+// Depth of the farthest corner, m.
+double FarthestDepth(const v1::AxisAlignedBox& region, const Pose& world_sensor) {
+  const Vector3d axis = world_sensor.linear().col(2);
+  const Vector3d corner(axis.x() > 0 ? region.max().x() : region.min().x(),
+                        axis.y() > 0 ? region.max().y() : region.min().y(),
+                        axis.z() > 0 ? region.max().z() : region.min().z());
+  return axis.dot(corner - world_sensor.translation());
+}
+
 // Renders views by their number: one stable pose after the other.
 class Turntable {
  public:
@@ -75,11 +85,13 @@ class Turntable {
     if (!frame.ok()) return frame.status();
     if (std::ranges::count(frame->surface, 0) < kMinPixels) return NotVisible(part);
     request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
+    *request->mutable_region_of_interest() = RegionOf(part.mesh);
     v1::View* view = request->mutable_view();
-    *view->mutable_cloud() = CloudMessage(ToPoints(*frame, views_.camera.intrinsics), frame->width);
+    *view->mutable_depth_image() =
+        FineDepthMessage(frame->depth_m, views_.camera.intrinsics,
+                         FarthestDepth(request->region_of_interest(), views_.world_sensor));
     *view->mutable_object_pose() = ToMessage(world_object);
     *view->mutable_sensor_pose() = ToMessage(views_.world_sensor);
-    *request->mutable_region_of_interest() = RegionOf(part.mesh);
     return absl::OkStatus();
   }
 
@@ -117,8 +129,7 @@ bool IsSameFrame(const Pose& a, const Pose& b) {
          Eigen::AngleAxisd(between.linear()).angle() < kSameRad;
 }
 
-// Stores the mesh's frame in a stable pose of this mesh that has none, e.g. one taught before
-// frames were stored.
+// Stores the mesh's frame in a stable pose of this mesh that has none.
 absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::string& name) {
   if (!part.object_mesh) return absl::OkStatus();
   const absl::StatusOr<v1::StablePose> known = client.GetStablePose(name);
@@ -149,7 +160,7 @@ absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t pa
   const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(first.parent());
   if (absl::IsNotFound(views.status())) return absl::OkStatus();
   if (!views.ok()) return views.status();
-  const std::string name = absl::StrCat(first.parent(), "/views/", ContentId(first.view().cloud()));
+  const std::string name = absl::StrCat(first.parent(), "/views/", ContentId(first.view()));
   if (views->empty() || std::ranges::find(*views, name, &v1::View::name) != views->end()) {
     return absl::OkStatus();
   }

@@ -1,11 +1,10 @@
 #include "client/teaching/upload/view_upload.h"
 
-#include <map>
-#include <set>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/teaching/upload/known_views.h"
 #include "files/cloud_message.h"
 
 namespace graspdb::client {
@@ -34,7 +33,8 @@ absl::Status CreateStablePose(Client& client, const std::string& object_id,
 // One upload: the views left to send and the results.
 class Upload {
  public:
-  Upload(Client& client, const ViewsToTeach& views) : client_(client), views_(views) {}
+  Upload(Client& client, const ViewsToTeach& views)
+      : client_(client), views_(views), known_(client) {}
 
   bool IsDone() const { return next_ == views_.count; }
   std::size_t next() const { return next_; }
@@ -63,9 +63,8 @@ class Upload {
   // Fills the request; false when the server has the view already.
   absl::StatusOr<bool> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
     request->Clear();
-    if (absl::Status made = views_.make(i, request); !made.ok()) return made;
-    if (request->view_id().empty()) request->set_view_id(ContentId(request->view().cloud()));
-    absl::StatusOr<bool> known = IsKnown(request->parent(), request->view_id());
+    if (absl::Status made = MakeRequest(views_, i, request); !made.ok()) return made;
+    const absl::StatusOr<bool> known = known_.Has(request->parent(), request->view_id());
     if (!known.ok()) return known.status();
     if (!*known) return true;
     if (!views_.replace) {
@@ -78,26 +77,21 @@ class Upload {
     return true;
   }
 
-  absl::StatusOr<bool> IsKnown(const std::string& stable_pose, const std::string& view_id) {
-    auto found = known_.find(stable_pose);
-    if (found == known_.end()) {
-      absl::StatusOr<std::vector<v1::View>> views = client_.ListViews(stable_pose);
-      if (!views.ok()) return views.status();
-      std::set<std::string> names;
-      for (const v1::View& view : *views) names.insert(view.name());
-      found = known_.emplace(stable_pose, std::move(names)).first;
-    }
-    return found->second.contains(absl::StrCat(stable_pose, "/views/", view_id));
-  }
-
   Client& client_;
   const ViewsToTeach& views_;
-  std::map<std::string, std::set<std::string>> known_;
+  KnownViews known_;
   std::size_t next_ = 0;
   UploadCounts counts_;
 };
 
 }  // namespace
+
+absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i,
+                         v1::UploadViewsRequest* request) {
+  if (absl::Status made = views.make(i, request); !made.ok()) return made;
+  if (request->view_id().empty()) request->set_view_id(ContentId(request->view()));
+  return absl::OkStatus();
+}
 
 std::string StablePoseName(const std::string& object_id, const std::string& stable_pose_id) {
   return absl::StrCat("objects/", object_id, "/stablePoses/", stable_pose_id);

@@ -25,11 +25,14 @@ absl::Status CreateParents(Client& client, const std::vector<v1::CapturedObject>
 struct ViewsToTeach {
   std::size_t count = 0;
   // Fills the request for view 0 … count - 1, with parent and view; without `view_id` it gets one
-  // from its cloud (ContentId). An error ends the upload.
+  // from its content (ContentId). An error ends the upload.
   std::function<absl::Status(std::size_t, v1::UploadViewsRequest*)> make;
   // Delete existing views and teach them again.
   bool replace = false;
 };
+
+// Fills the request for view `i`, its id included. Errors of `views.make`.
+absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i, v1::UploadViewsRequest* request);
 
 // Both callbacks are optional.
 struct UploadWatch {

@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "files/json_object.h"
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/report/case_figures.h"
@@ -61,14 +60,14 @@ std::vector<ImagePoint> Visible(const std::vector<ImagePoint>& points) {
   return out;
 }
 
-void FillPixels(const std::vector<ImagePoint>& points, Value* value) {
-  JsonObject out(value);
-  auto* u = out.At("u").mutable_list_value();
-  auto* v = out.At("v").mutable_list_value();
+void FillPixels(const std::vector<ImagePoint>& points, JsonObject out) {
+  std::vector<double> u;
+  std::vector<double> v;
   for (const ImagePoint& p : points) {
-    u->add_values()->set_number_value(std::round(10 * p.u) / 10);
-    v->add_values()->set_number_value(std::round(10 * p.v) / 10);
+    u.push_back(std::round(10 * p.u) / 10);
+    v.push_back(std::round(10 * p.v) / 10);
   }
+  out.Set(Json("u", u), Json("v", v));
 }
 
 std::string Caption(const Answer& a, const PartSet& set) {
@@ -83,21 +82,20 @@ std::string Caption(const Answer& a, const PartSet& set) {
   return out;
 }
 
-void FillDrawing(const CaseResult& result, std::size_t position, Value* value) {
+void FillDrawing(const CaseResult& result, std::size_t position, JsonObject out) {
   const Answer& a = result.answers[position];
   const recognition::CameraIntrinsics& k = result.experiment.queried.camera.intrinsics;
   const Pose camera_world = a.world_sensor.inverse();
   const auto model = [&](std::size_t part, const Pose& world_object) {
     return Visible(Project(result.set.shapes[part]->points, camera_world * world_object, k));
   };
-  JsonObject out(value);
-  out.Text("title", Caption(a, result.set));
+  out.Set(Json("title", Caption(a, result.set)));
   if (const auto scan = result.scans.find(position); scan != result.scans.end()) {
-    FillPixels(Project(scan->second, camera_world, k), &out.At("scan"));
+    FillPixels(Project(scan->second, camera_world, k), out.Object("scan"));
   }
-  if (a.posed) FillPixels(model(a.part, a.truth), &out.At("truth"));
+  if (a.posed) FillPixels(model(a.part, a.truth), out.Object("truth"));
   if (const auto part = PartOfFound(a, result.set)) {
-    FillPixels(model(*part, a.found), &out.At("match"));
+    FillPixels(model(*part, a.found), out.Object("match"));
   }
 }
 
@@ -113,11 +111,12 @@ const Answer* WorstWithCandidates(const CaseResult& result) {
 
 }  // namespace
 
-void FillDrawings(const CaseResult& result, Value* value) {
+void FillDrawings(const CaseResult& result, JsonObject* out) {
   std::vector<std::size_t> worst = WorstFirst(result);
   worst.resize(std::min(worst.size(), kDrawnAnswers));
-  auto* drawings = value->mutable_list_value();
-  for (const std::size_t position : worst) FillDrawing(result, position, drawings->add_values());
+  out->List("drawings", worst, [&](std::size_t position, JsonObject drawing) {
+    FillDrawing(result, position, drawing);
+  });
 }
 
 void FillFirstMatches(const CaseResult& result, Value* value) {
@@ -125,18 +124,18 @@ void FillFirstMatches(const CaseResult& result, Value* value) {
   const Answer* answer = WorstWithCandidates(result);
   if (answer == nullptr) return;
   JsonObject out(value);
-  out.Count("scene", answer->scene);
-  out.Text("stable_pose_asked", StablePoseName(result.set.parts[answer->part]));
-  out.Bool("answered", !answer->view.empty());
-  auto* views = out.At("views").mutable_list_value();
+  out.Set(Json("scene", answer->scene),
+          Json("stable_pose_asked", StablePoseName(result.set.parts[answer->part])),
+          Json("answered", !answer->view.empty()));
   const std::span<const Candidate> all = answer->candidates;
-  for (const Candidate& candidate : all.first(std::min(all.size(), kFirstMatches))) {
-    JsonObject view(views->add_values());
-    view.Text("object", ObjectOf(candidate.view ? candidate.view->stable_pose : ""));
-    view.Number("descriptor_distance", candidate.descriptor_distance);
-    view.Number("verification_score", candidate.verification_score.value_or(std::nan("")));
-    view.Bool("chosen", candidate.view && candidate.view->name == answer->view);
-  }
+  out.List("views", all.first(std::min(all.size(), kFirstMatches)),
+           [&](const Candidate& candidate, JsonObject view) {
+             view.Set(
+                 Json("object", ObjectOf(candidate.view ? candidate.view->stable_pose : "")),
+                 Json("descriptor_distance", candidate.descriptor_distance),
+                 Json("verification_score", candidate.verification_score.value_or(std::nan(""))),
+                 Json("chosen", candidate.view && candidate.view->name == answer->view));
+           });
 }
 
 }  // namespace graspdb::client

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "lab/experiment/descriptor_figures.h"
 #include "lab/experiment/experiment.h"
+#include "lab/experiment/real_frames.h"
 
 namespace graspdb::client {
 
@@ -22,5 +23,11 @@ google::protobuf::Value CaseAsJson(const CaseResult& result);
 absl::StatusOr<std::string> ReportJson(const std::string& command,
                                        const std::vector<DescriptorFigures>& descriptors,
                                        const std::vector<google::protobuf::Value>& cases);
+
+// What was found in frames of real cameras: {"command", "frames": [{"name", "sensor",
+// "arrangement", "error", "ms", "objects", "detections"}]}, laid out as ReportJson. INTERNAL when
+// the library refuses it.
+absl::StatusOr<std::string> FramesJson(const std::string& command,
+                                       const std::vector<FrameResult>& results);
 
 }  // namespace graspdb::client

@@ -1,5 +1,3 @@
-#include "lab/commands/simulate_command.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <string>
 
 #include "files/capture_set.h"
+#include "lab/commands/commands.h"
 #include "rendering/mesh_file.h"
 #include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "files/capture_set.h"
+#include "files/depth_message.h"
+#include "files/depth_png.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "rendering/sample_parts.h"
@@ -66,6 +68,22 @@ TEST_F(CaptureTrialsTest, MeasuresPosesByTaughtViewsWithoutMeshes) {
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(Summarize(*result).strictly_right, 1);
   EXPECT_GT(result->set.shapes[0]->diameter_m, 0.05);
+}
+
+TEST_F(CaptureTrialsTest, ReadsDepthImages) {
+  const DepthPngCamera camera = {
+      .intrinsics = {.width = 2, .height = 1, .fx = 500, .fy = 500, .cx = 0.5, .cy = 0}};
+  ASSERT_THAT(WriteIntrinsics(folder_.path() / kIntrinsicsFile, camera), IsOk());
+  ASSERT_THAT(WriteDepthPng(folder_.path() / "a.png",
+                            DepthMessage({700, 800}, camera.intrinsics, camera.depth_unit_m)),
+              IsOk());
+  Edit([](v1::CaptureSet* set) { set->mutable_captures(0)->set_path("a.png"); });
+  const auto loaded = LoadCaptureTrials(folder_.path(), /*leave_one_out=*/false);
+  ASSERT_THAT(loaded, IsOk());
+  const auto trial = loaded->trials.teaching.make(0);
+  ASSERT_THAT(trial, IsOk());
+  ASSERT_EQ(trial->scan.points.size(), 2U);
+  EXPECT_FLOAT_EQ(trial->scan.points[1].z(), 0.8F);
 }
 
 TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {

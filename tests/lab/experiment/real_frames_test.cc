@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "files/point_file.h"
-#include "lab/experiment/report/frames_json.h"
+#include "lab/experiment/report/report_json.h"
 #include "lab/experiment/trial.h"
 #include "rendering/mesh_file.h"
 #include "rendering/sample_parts.h"

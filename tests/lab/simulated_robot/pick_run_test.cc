@@ -40,8 +40,9 @@ class SeeingRunner : public ScriptedRunner {
 
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     if (request.job == kPicked || request.job == kMissed) {
-      if (absl::Status reported = ReportOutcome(
-              request.robot, request.job == kPicked ? PickOutcome::kPicked : PickOutcome::kMissed);
+      if (absl::Status reported =
+              ReportOutcome(request.session,
+                            request.job == kPicked ? PickOutcome::kPicked : PickOutcome::kMissed);
           !reported.ok()) {
         return reported;
       }

@@ -21,10 +21,8 @@ using ::graspdb::testing::WavySurface;
 
 double Turn(const Pose& pose) { return std::abs(Eigen::AngleAxisd(pose.linear()).angle()); }
 
-class RegistrationTest : public ::testing::TestWithParam<IcpMetric> {
+class RegistrationTest : public ::testing::Test {
  protected:
-  RegistrationTest() { parameters_.metric = GetParam(); }
-
   Registration AlignWith(const OrientedCloud& target, const Points& source,
                          const Pose& initial = Pose::Identity()) const {
     const PointSearch search(target.points);
@@ -35,14 +33,7 @@ class RegistrationTest : public ::testing::TestWithParam<IcpMetric> {
   MatchingParameters parameters_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Metrics, RegistrationTest,
-                         ::testing::Values(IcpMetric::kPointToPoint, IcpMetric::kPointToPlane),
-                         [](const auto& metric) {
-                           return metric.param == IcpMetric::kPointToPoint ? "PointToPoint"
-                                                                           : "PointToPlane";
-                         });
-
-TEST_P(RegistrationTest, KnownMotionsAreRecovered) {
+TEST_F(RegistrationTest, KnownMotionsAreRecovered) {
   parameters_.icp_iteration_count = 300;
   const OrientedCloud source = WavySurface(random_, 2000);
   const Vector3d center = Centroid(source.points);
@@ -59,7 +50,7 @@ TEST_P(RegistrationTest, KnownMotionsAreRecovered) {
   }
 }
 
-TEST_P(RegistrationTest, InitialPoseIsWhereTheAlignmentBegins) {
+TEST_F(RegistrationTest, InitialPoseIsWhereTheAlignmentBegins) {
   const OrientedCloud source = WavySurface(random_, 1500);
   const Pose truth = ::graspdb::testing::RandomPose(random_, 1.0);
   const OrientedCloud target = Moved(truth, source);
@@ -70,10 +61,9 @@ TEST_P(RegistrationTest, InitialPoseIsWhereTheAlignmentBegins) {
 }
 
 // A part of the source has no counterpart, as when the scan's object is partly hidden: the rest
-// must decide. Point to point is less robust, so a smaller part is hidden.
-TEST_P(RegistrationTest, PointsWithoutCounterpartDoNotMoveThePose) {
+// must decide.
+TEST_F(RegistrationTest, PointsWithoutCounterpartDoNotMoveThePose) {
   parameters_.icp_iteration_count = 100;
-  const float hidden_up_to = GetParam() == IcpMetric::kPointToPlane ? 0.015F : -0.045F;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     random_.seed(seed);
     const OrientedCloud source = WavySurface(random_, 3000);
@@ -81,7 +71,7 @@ TEST_P(RegistrationTest, PointsWithoutCounterpartDoNotMoveThePose) {
     const OrientedCloud moved = Moved(truth, source);
     OrientedCloud target;
     for (std::size_t i = 0; i < source.points.size(); ++i) {
-      if (source.points[i].x() < hidden_up_to) continue;
+      if (source.points[i].x() < 0.015F) continue;
       target.points.push_back(moved.points[i]);
       target.normals.push_back(moved.normals[i]);
     }
@@ -96,7 +86,7 @@ TEST_P(RegistrationTest, PointsWithoutCounterpartDoNotMoveThePose) {
   }
 }
 
-TEST_P(RegistrationTest, PlaneIsLevelledAndStaysInPlace) {
+TEST_F(RegistrationTest, PlaneIsLevelledAndStaysInPlace) {
   OrientedCloud target;
   Points source;
   for (int i = 0; i < 1500; ++i) {
@@ -115,7 +105,7 @@ TEST_P(RegistrationTest, PlaneIsLevelledAndStaysInPlace) {
   EXPECT_LT(Turn(found.target_source), 5 * kRadiansPerDegree);
 }
 
-TEST_P(RegistrationTest, PointsOnALineStayFinite) {
+TEST_F(RegistrationTest, PointsOnALineStayFinite) {
   OrientedCloud target;
   for (int i = 0; i < 100; ++i) {
     target.points.emplace_back(0.001F * static_cast<float>(i), 0.0F, 0.0F);
@@ -126,7 +116,7 @@ TEST_P(RegistrationTest, PointsOnALineStayFinite) {
   EXPECT_LT((found.target_source * Vector3d(0.05, 0, 0) - Vector3d(0.05, 0, 0)).norm(), 1e-3);
 }
 
-TEST_P(RegistrationTest, WithoutOverlapReturnsTheInitialPose) {
+TEST_F(RegistrationTest, WithoutOverlapReturnsTheInitialPose) {
   const OrientedCloud cloud = WavySurface(random_, 500);
   Pose away = Pose::Identity();
   away.translation() = Vector3d(0, 0, 1);
@@ -138,14 +128,14 @@ TEST_P(RegistrationTest, WithoutOverlapReturnsTheInitialPose) {
   EXPECT_EQ(found.rms_error_m, 0);
 }
 
-TEST_P(RegistrationTest, EmptyInputIsNotConverged) {
+TEST_F(RegistrationTest, EmptyInputIsNotConverged) {
   const OrientedCloud cloud = WavySurface(random_, 500);
   EXPECT_FALSE(AlignWith(cloud, {}).converged);
   EXPECT_FALSE(AlignWith({}, cloud.points).converged);
   EXPECT_TRUE(AlignWith({}, cloud.points).target_source.isApprox(Pose::Identity()));
 }
 
-TEST_P(RegistrationTest, TooFewIterationsAreNotConverged) {
+TEST_F(RegistrationTest, TooFewIterationsAreNotConverged) {
   parameters_.icp_iteration_count = 1;
   const OrientedCloud source = WavySurface(random_, 1000);
   const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kRadiansPerDegree, 0.004);
@@ -154,7 +144,7 @@ TEST_P(RegistrationTest, TooFewIterationsAreNotConverged) {
   EXPECT_EQ(found.iterations, 1);
 }
 
-TEST_P(RegistrationTest, SameInputGivesTheSameBits) {
+TEST_F(RegistrationTest, SameInputGivesTheSameBits) {
   const OrientedCloud source = WavySurface(random_, 1000);
   const Pose truth = RandomMotion(random_, Centroid(source.points), 6 * kRadiansPerDegree, 0.004);
   const OrientedCloud target = Moved(truth, source);

@@ -4,12 +4,8 @@
 
 #include <cmath>
 
-#include "tests/recognition/depth_points.h"
-
 namespace graspdb::recognition {
 namespace {
-
-using ::graspdb::testing::PointsOf;
 
 // 3 x 2 pixels with different focal lengths, so that a swap of u and v shows.
 constexpr CameraIntrinsics kCamera{3, 2, 100, 50, 1, 0.5};

@@ -5,13 +5,11 @@
 
 #include <limits>
 
-#include "tests/recognition/depth_points.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {
 
-using ::graspdb::testing::PointsOf;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPose;
 using ::testing::ElementsAre;

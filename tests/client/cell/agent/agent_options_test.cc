@@ -61,6 +61,18 @@ TEST(AgentOptions, RemoteRobotsMustBeAllowed) {
   EXPECT_THAT(CheckAddresses(options), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
+TEST(AgentOptions, SecurityFlagsAreRead) {
+  const AgentOptions options =
+      Parse({"--cell", "c", "--sensor", "s", "--ca", "ca.pem", "--cert", "c.pem", "--key", "k.pem",
+             "--token-file", "t", "--robots-allow", "10.3.0.0/24,10.4.0.7"})
+          .options;
+  EXPECT_EQ(options.security.ca, "ca.pem");
+  EXPECT_EQ(options.security.cert, "c.pem");
+  EXPECT_EQ(options.security.key, "k.pem");
+  EXPECT_EQ(options.security.token_file, "t");
+  EXPECT_THAT(options.robots_allow, ElementsAre("10.3.0.0/24", "10.4.0.7"));
+}
+
 TEST(AgentOptions, LineFormatSetsTheDefaultPoseFormat) {
   AgentOptions options;
   EXPECT_FALSE(LineOptions(options)->pose_format);

@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "client/cell/robots/robot_session.h"
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"
@@ -39,7 +40,7 @@ grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/, v1::Recogniz
 class CellRunnerTest : public ::testing::Test {
  protected:
   absl::StatusOr<std::vector<JobPose>> Run(int job, const std::optional<Pose>& flange = AtXZ(0)) {
-    return runner_.Run({.job = job, .robot = "r", .base_flange = flange});
+    return runner_.Run({.job = job, .session = session_, .base_flange = flange});
   }
 
   // Called before the first request.
@@ -75,6 +76,7 @@ class CellRunnerTest : public ::testing::Test {
   CaptureAndRecognize capture_and_recognize_{camera_, client_, cache_, "cells/press-3"};
   Counters counters_;
   std::vector<JobReport> reports_;
+  RobotSession session_{"r"};
   CellRunner runner_{*ParseJobs({"1 any", "2 label=cups", "3 label=plates", "4 any protocol=line",
                                  "80 show=side", "90 outcome=picked"}),
                      JobProtocol::kGri,
@@ -137,7 +139,7 @@ TEST_F(CellRunnerTest, IsReadyWithCameraAndServer) {
 TEST_F(CellRunnerTest, CallsTheJobCallback) {
   ASSERT_THAT(Run(1), IsOk());
   ASSERT_THAT(reports_, SizeIs(1));
-  EXPECT_EQ(reports_[0].request.robot, "r");
+  EXPECT_EQ(reports_[0].request.session.robot(), "r");
   EXPECT_THAT(reports_[0].status, IsOk());
   EXPECT_EQ(reports_[0].capture.response.catalog_revision(), 7);
   EXPECT_THAT(reports_[0].poses, SizeIs(1));
@@ -202,8 +204,8 @@ TEST_F(CellRunnerTest, RejectionsByTheServerAreDataLoss) {
   EXPECT_THAT(Run(80, AtXZ(1.25, 0.05) * down),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such pose")));
   EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("PERMISSION_DENIED")));
-  runner_.Given("r", Run(1)->front());
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
+  session_.SetGiven(Run(1)->front());
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such grasp")));
 }
 
@@ -216,14 +218,14 @@ TEST_F(CellRunnerTest, APoseGivenWhileReportingFailsIsReportedNext) {
     server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
       reported = request.grasp_id();
       if (reported == "handle") return grpc::Status::OK;
-      runner_.Given("r", newer);
+      session_.SetGiven(newer);
       return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
     };
   });
-  runner_.Given("r", given.front());
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
+  session_.SetGiven(given.front());
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed),
               StatusIs(absl::StatusCode::kUnavailable));
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kPicked), IsOk());
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kPicked), IsOk());
   EXPECT_EQ(reported, "handle");
 }
 
@@ -236,13 +238,13 @@ TEST_F(CellRunnerTest, AnOutcomeRefersToTheLastPoseOnce) {
     };
   });
   EXPECT_THAT(Run(90), StatusIs(absl::StatusCode::kFailedPrecondition));
-  runner_.Given("r", Run(1)->front());
+  session_.SetGiven(Run(1)->front());
   EXPECT_THAT(Run(90), IsOk());
   EXPECT_EQ(reported.name(), "objects/mug/stablePoses/upright");
   EXPECT_EQ(reported.grasp_id(), "rim");
   EXPECT_EQ(reported.outcome(), v1::GRASP_OUTCOME_PICKED);
   EXPECT_THAT(counters_.Text(), HasSubstr("picked=1"));
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kPicked),
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kPicked),
               StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
@@ -254,12 +256,12 @@ TEST_F(CellRunnerTest, AFailedOutcomeMayBeRetried) {
       };
     });
   };
-  runner_.Given("r", Run(1)->front());
+  session_.SetGiven(Run(1)->front());
   answer_with(grpc::StatusCode::UNAVAILABLE);
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed),
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed),
               StatusIs(absl::StatusCode::kUnavailable));
   answer_with(grpc::StatusCode::OK);
-  EXPECT_THAT(runner_.ReportOutcome("r", PickOutcome::kMissed), IsOk());
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed), IsOk());
 }
 
 }  // namespace

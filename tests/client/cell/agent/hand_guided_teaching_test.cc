@@ -55,13 +55,12 @@ class HandGuidedTeachingTest : public ::testing::Test {
   const Pose world_mug_ = At(0.1, 0, 0) * Pose(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ()));
   ScriptedServer server_;
   Client client_ = server_.Connect();
-  HandGuidedTeaching teaching_{client_, absl::Minutes(10)};
   SeenScene scene_;
   JobConfig job_;
 };
 
 TEST_F(HandGuidedTeachingTest, StoresTheGraspInTheFrameOfTheNearestObject) {
-  ASSERT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
+  ASSERT_THAT(StoreShownGrasp(client_, job_, scene_, ToolOverMug(0.09)), IsOk());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 2);
   const v1::Grasp& top = server_.stable_pose.grasps(1);
   EXPECT_EQ(top.grasp_id(), "top");
@@ -76,36 +75,38 @@ TEST_F(HandGuidedTeachingTest, StoresTheGraspInTheFrameOfTheNearestObject) {
 
 TEST_F(HandGuidedTeachingTest, ReplacesAGraspWithTheSameId) {
   job_.grasp_id = "rim";
-  ASSERT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)), IsOk());
+  ASSERT_THAT(StoreShownGrasp(client_, job_, scene_, ToolOverMug(0.09)), IsOk());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 1);
   EXPECT_EQ(server_.stable_pose.grasps(0).priority(), 3);
 }
 
 TEST_F(HandGuidedTeachingTest, AToolBelowTheTableIsRejected) {
-  EXPECT_THAT(teaching_.Store(job_, scene_, ToolOverMug(-0.02)),
+  EXPECT_THAT(StoreShownGrasp(client_, job_, scene_, ToolOverMug(-0.02)),
               StatusIs(absl::StatusCode::kOutOfRange, HasSubstr("20 mm below the table")));
   // Pointing up, e.g. when the z axis of the tool is inverted.
   const Pose up = scene_.frames.world_base.inverse() * At(0.1, 0, 0.05);
-  EXPECT_THAT(teaching_.Store(job_, scene_, up),
+  EXPECT_THAT(StoreShownGrasp(client_, job_, scene_, up),
               StatusIs(absl::StatusCode::kOutOfRange, HasSubstr("50 mm below the table")));
   EXPECT_EQ(server_.stable_pose.grasps_size(), 1);
 }
 
 TEST_F(HandGuidedTeachingTest, NoObjectNearTheToolIsAnError) {
   const Pose far = scene_.frames.world_base.inverse() * At(1, 0, 0.1, kPi);
-  EXPECT_THAT(teaching_.Store(job_, scene_, far), StatusIs(absl::StatusCode::kNotFound));
+  EXPECT_THAT(StoreShownGrasp(client_, job_, scene_, far), StatusIs(absl::StatusCode::kNotFound));
   job_.object = "objects/plate";
-  EXPECT_THAT(teaching_.Store(job_, scene_, ToolOverMug(0.09)),
+  EXPECT_THAT(StoreShownGrasp(client_, job_, scene_, ToolOverMug(0.09)),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("objects/plate")));
 }
 
 TEST_F(HandGuidedTeachingTest, ScenesAreKeptPerRobotForALimitedTime) {
-  teaching_.Remember("left", scene_);
-  EXPECT_TRUE(teaching_.Recall("left"));
-  EXPECT_FALSE(teaching_.Recall("right"));
+  RobotSession left("left");
+  const RobotSession right("right");
+  left.SetScene(std::make_shared<SeenScene>(scene_));
+  EXPECT_TRUE(RecallScene(left));
+  EXPECT_FALSE(RecallScene(right));
   scene_.time = absl::Now() - absl::Minutes(11);
-  teaching_.Remember("left", scene_);
-  EXPECT_FALSE(teaching_.Recall("left"));
+  left.SetScene(std::make_shared<SeenScene>(scene_));
+  EXPECT_FALSE(RecallScene(left));
 }
 
 }  // namespace

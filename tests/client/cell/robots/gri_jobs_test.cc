@@ -23,7 +23,7 @@ Pose At(double x_m) {
   return out;
 }
 
-// Returns scripted poses.
+// Returns scripted poses; records which pose the robot was given before a run.
 class FakeRunner : public JobRunner {
  public:
   bool IsReady() override { return ready; }
@@ -32,13 +32,14 @@ class FakeRunner : public JobRunner {
   }
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
     if (go_on != nullptr) go_on->WaitForNotification();
+    const absl::MutexLock lock(&mutex_);
     base_flange = request.base_flange;
+    if (const std::optional<JobPose> last = request.session.TakeGiven()) {
+      given.emplace_back(request.session.robot(), last->base_primary.translation().x());
+    }
     return found;
   }
-  void Given(const std::string& robot, const JobPose& pose) override {
-    given.emplace_back(robot, pose.base_primary.translation().x());
-  }
-  absl::Status ReportOutcome(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+  absl::Status ReportOutcome(RobotSession& /*session*/, PickOutcome /*outcome*/) override {
     return absl::OkStatus();
   }
 
@@ -50,6 +51,9 @@ class FakeRunner : public JobRunner {
   std::optional<Pose> base_flange;
   std::vector<std::pair<std::string, double>> given;
   absl::StatusOr<std::vector<JobPose>> found = std::vector<JobPose>();
+
+ private:
+  absl::Mutex mutex_;  // of concurrent runs
 };
 
 class GriJobsTest : public Test {
@@ -68,8 +72,8 @@ class GriJobsTest : public Test {
     runner_.found = std::vector<JobPose>{{At(0.1), {At(0.11), At(0.12)}}, {At(0.2), {}}};
   }
 
-  void AwaitStatus(GriJobStatus status) {
-    while (Call(GriAction::kGetJobStatus).data[1] != static_cast<int>(status)) {
+  void AwaitStatus(GriJobStatus status, const std::string& robot = "r") {
+    while (Call(GriAction::kGetJobStatus, robot).data[1] != static_cast<int>(status)) {
       std::this_thread::yield();
     }
   }
@@ -144,13 +148,32 @@ TEST_F(GriJobsTest, AnUnsendablePoseIsSkippedWithItsRelatedPoses) {
   EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kGetRelatedPose)), 300);
 }
 
-TEST_F(GriJobsTest, ReportsGivenPosesToTheRunner) {
+TEST_F(GriJobsTest, TheRunnerGetsThePoseGivenLast) {
   FindTwo();
   Call(GriAction::kTriggerJobSync, "left");
   Call(GriAction::kGetRelatedPose, "left");
+  Call(GriAction::kTriggerJobSync, "right");
+  Call(GriAction::kTriggerJobSync, "left");
   Call(GriAction::kGetNextPose, "left");
   Call(GriAction::kGetNextPose, "left");
+  Call(GriAction::kTriggerJobSync, "left");
   EXPECT_THAT(runner_.given, ElementsAre(Pair("left", 0.1), Pair("left", 0.2)));
+}
+
+TEST_F(GriJobsTest, ANewRobotIsRefusedWhileJobsOfAllOthersRun) {
+  FindTwo();
+  absl::Notification go_on;
+  runner_.go_on = &go_on;
+  for (std::size_t i = 0; i < kMaxSessions; ++i) {
+    ASSERT_EQ(Call(GriAction::kTriggerJobAsync, std::to_string(i)).code, GriCode::kNoError);
+  }
+  EXPECT_EQ(Call(GriAction::kTriggerJobAsync, "new").code, GriCode::kApiResponseError);
+  EXPECT_EQ(Call(GriAction::kStatus, "new").data[1], 1);
+  EXPECT_EQ(Call(GriAction::kGetNextPose, "0").code, GriCode::kJobStillRunning);
+  go_on.Notify();
+  for (std::size_t i = 0; i < kMaxSessions; ++i)
+    AwaitStatus(GriJobStatus::kDone, std::to_string(i));
+  EXPECT_DOUBLE_EQ(MillimetresOf(Call(GriAction::kTriggerJobSync, "new")), 100);
 }
 
 TEST_F(GriJobsTest, RelatedPosesBelongToTheLastPrimary) {

@@ -33,8 +33,7 @@ class EchoRunner : public JobRunner {
     found.translation().x() += 1;
     return std::vector<JobPose>{{found, {}}};
   }
-  void Given(const std::string& /*robot*/, const JobPose& /*pose*/) override {}
-  absl::Status ReportOutcome(const std::string& /*robot*/, PickOutcome /*outcome*/) override {
+  absl::Status ReportOutcome(RobotSession& /*session*/, PickOutcome /*outcome*/) override {
     return absl::OkStatus();
   }
 
@@ -212,6 +211,15 @@ TEST_F(GriServerTest, TooManyConnectionsAreRejected) {
   SocketRobot third(server_->port());
   EXPECT_TRUE(third.IsHungUpOn());
   EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+}
+
+TEST_F(GriServerTest, OnlyRobotsOfTheAllowListAreServed) {
+  Start({.allow = {"10.3.0.0/24"}});
+  EXPECT_TRUE(SocketRobot(server_->port()).IsHungUpOn());
+  Start({.allow = {"10.3.0.0/24", "127.0.0.0/8"}});
+  EXPECT_TRUE(IsServing());
+  EXPECT_THAT(RobotServer::Start(protocol_, {.allow = {"10.3.0.0/99"}}),
+              StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
 TEST_F(GriServerTest, DestructionClosesConnectionsAndWaitsForJobs) {

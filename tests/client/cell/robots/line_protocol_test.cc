@@ -138,6 +138,27 @@ TEST_F(LineProtocolTest, ErrorsHaveTheNumbersOfTheGenericRobotInterface) {
   EXPECT_EQ(Call("STATUS"), "OK 0\n");
 }
 
+TEST_F(LineProtocolTest, RobotsDoNotSeeEachOthersResults) {
+  Call("FORMAT STAUBLI", "left");
+  ASSERT_THAT(Call("RUN 7", "left"), StartsWith("OK 1 1 "));
+  EXPECT_THAT(Call("NEXT 7", "right"), StartsWith("ERR -6 ")) << "it has no format";
+  EXPECT_THAT(Call("FORMAT UR NEXT 7", "right"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_THAT(Call("FORMAT UR RELATED 7", "right"), StartsWith("ERR 2 NO_RELATED_POSES: "));
+  EXPECT_THAT(Call("GRASP 7", "right"), StartsWith("ERR 1 NO_POSES_FOUND: "));
+  EXPECT_EQ(Call("STATE 7", "right"), "OK 1 INACTIVE\n");
+  EXPECT_THAT(Call("NEXT 7", "left"), StartsWith("OK 0 0 550.000 "));
+}
+
+TEST_F(LineProtocolTest, AfterRequestsOfManyRobotsARobotIsLikeANewOne) {
+  Call("FORMAT STAUBLI");
+  ASSERT_THAT(Call("RUN 7"), StartsWith("OK 1 1 "));
+  for (std::size_t i = 0; i < kMaxSessions; ++i) Call("STATE 7", absl::StrCat(i));
+  EXPECT_EQ(Call("STATE 7"), "OK 1 INACTIVE\n");
+  EXPECT_THAT(Call("PICKED"), StartsWith("ERR -6 "));
+  EXPECT_THAT(Call("RUN 7"), HasSubstr("FORMAT STAUBLI"));
+  EXPECT_THAT(Call("FORMAT STAUBLI RUN 7"), StartsWith("OK 1 1 500.000 "));
+}
+
 TEST_F(LineProtocolTest, AnOutcomeWithoutAPoseIsRejected) {
   EXPECT_THAT(Call("PICKED"), StartsWith("ERR -6 INVALID_REQUEST_ERROR: no pose was given"));
   Call("FORMAT 4 RUN 7");
@@ -231,6 +252,19 @@ TEST_F(LineServerTest, AnswersLinesInOrderHoweverTheyAreSplit) {
   EXPECT_THAT(Line(robot), StartsWith("ERR -6 "));
   EXPECT_EQ(Line(robot), "OK\n");
   EXPECT_TRUE(robot.IsHungUpOn());
+}
+
+TEST_F(LineServerTest, ARobotMayReconnectForEveryLine) {
+  const auto call = [this](const std::string& line) {
+    SocketRobot robot(server_->port());
+    robot.Send(line + "\n");
+    return Line(robot);
+  };
+  EXPECT_EQ(call("FORMAT STAUBLI"), "OK 4\n");
+  EXPECT_THAT(call("RUN 7"), StartsWith("OK 1 1 500.000 "));
+  EXPECT_THAT(call("RELATED 7"), StartsWith("OK 1 0 600.000 "));
+  EXPECT_EQ(call("MISSED"), "OK\n");
+  EXPECT_THAT(call("NEXT 7"), StartsWith("OK 0 0 550.000 "));
 }
 
 TEST_F(LineServerTest, ALineThatIsTooLongClosesTheConnection) {

@@ -1,5 +1,7 @@
 #include "tests/client/cell/robots/scripted_runner.h"
 
+#include "client/cell/robots/robot_session.h"
+
 namespace graspdb::client {
 
 void ScriptedRunner::Set(int job, absl::StatusOr<std::vector<JobPose>> found) {
@@ -34,19 +36,11 @@ absl::StatusOr<std::vector<JobPose>> ScriptedRunner::Run(const JobRequest& reque
   return found_.at(request.job);
 }
 
-void ScriptedRunner::Given(const std::string& robot, const JobPose& pose) {
+absl::Status ScriptedRunner::ReportOutcome(RobotSession& session, PickOutcome outcome) {
+  const std::optional<JobPose> given = session.TakeGiven();
+  if (!given) return absl::FailedPreconditionError("no pose was given; run a job first");
   absl::MutexLock lock(&mutex_);
-  given_.insert_or_assign(robot, pose);
-}
-
-absl::Status ScriptedRunner::ReportOutcome(const std::string& robot, PickOutcome outcome) {
-  absl::MutexLock lock(&mutex_);
-  const auto given = given_.find(robot);
-  if (given == given_.end()) {
-    return absl::FailedPreconditionError("no pose was given; run a job first");
-  }
-  outcomes_.emplace_back(robot + "/" + given->second.grasp_id, outcome);
-  given_.erase(given);
+  outcomes_.emplace_back(session.robot() + "/" + given->grasp_id, outcome);
   return absl::OkStatus();
 }
 

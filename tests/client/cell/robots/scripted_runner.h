@@ -25,8 +25,7 @@ class ScriptedRunner : public JobRunner {
   bool IsReady() override;
   absl::Status Check(int job) override;
   absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override;
-  void Given(const std::string& robot, const JobPose& pose) override;
-  absl::Status ReportOutcome(const std::string& robot, PickOutcome outcome) override;
+  absl::Status ReportOutcome(RobotSession& session, PickOutcome outcome) override;
 
   // Of the last Run.
   std::optional<recognition::Pose> base_flange();
@@ -39,7 +38,6 @@ class ScriptedRunner : public JobRunner {
   bool ready_ ABSL_GUARDED_BY(mutex_) = true;
   std::map<int, absl::StatusOr<std::vector<JobPose>>> found_ ABSL_GUARDED_BY(mutex_);
   std::map<int, absl::Status> refusals_ ABSL_GUARDED_BY(mutex_);
-  std::map<std::string, JobPose> given_ ABSL_GUARDED_BY(mutex_);
   std::vector<ReportedOutcome> outcomes_ ABSL_GUARDED_BY(mutex_);
   std::optional<recognition::Pose> base_flange_ ABSL_GUARDED_BY(mutex_);
 };

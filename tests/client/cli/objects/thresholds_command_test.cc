@@ -1,6 +1,6 @@
-#include "client/cli/objects/thresholds_command.h"
-
 #include <gmock/gmock.h>
+
+#include "client/cli/objects/commands.h"
 
 namespace graspdb::client {
 namespace {

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
+#include <vector>
 
+#include "files/cloud_message.h"
 #include "files/depth_message.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "tests/client/cell/agent/fake_camera.h"
@@ -15,12 +17,13 @@
 namespace graspdb::client {
 namespace {
 
+using ::graspdb::testing::IsOk;
 using ::graspdb::testing::StatusIs;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Stores views, but fails to return them.
+// Stores the uploads of views by name, but fails to return views.
 class UnreadableCatalogue : public v1::CatalogService::Service {
  public:
   UnreadableCatalogue() {
@@ -34,7 +37,7 @@ class UnreadableCatalogue : public v1::CatalogService::Service {
             ConnectionOptions{.timeout = absl::Seconds(5), .retry = false}};
   }
 
-  std::set<std::string> views;
+  std::map<std::string, v1::View> views;
   bool deletes = true;
 
  private:
@@ -47,7 +50,7 @@ class UnreadableCatalogue : public v1::CatalogService::Service {
                            v1::UploadViewsResponse* response) override {
     v1::UploadViewsRequest request;
     while (reader->Read(&request)) {
-      views.insert(request.parent() + "/views/" + request.view_id());
+      views.emplace(request.parent() + "/views/" + request.view_id(), request.view());
       response->set_created_count(response->created_count() + 1);
     }
     return grpc::Status::OK;
@@ -74,6 +77,41 @@ absl::StatusOr<SensorFrame> Frame() {
       .world_sensor = recognition::Pose::Identity()};
 }
 
+// The view that two frames of these scans upload.
+v1::View Uploaded(const std::vector<ScanMessage>& scans) {
+  UnreadableCatalogue catalogue;
+  catalogue.deletes = false;
+  Client client = catalogue.Connect();
+  std::size_t next = 0;
+  FakeCamera camera([&]() -> absl::StatusOr<SensorFrame> {
+    return SensorFrame{.scan = scans.at(next++), .world_sensor = recognition::Pose::Identity()};
+  });
+  ViewTaker taker(camera, client, {.frames = static_cast<int>(scans.size())});
+  EXPECT_FALSE(taker.Take("objects/cup/stablePoses/pose-1", recognition::Pose::Identity()).ok());
+  EXPECT_EQ(catalogue.views.size(), 1U);
+  return catalogue.views.empty() ? v1::View() : catalogue.views.begin()->second;
+}
+
+TEST(ViewTaker, TheMeanOfDepthImagesIsUploadedAsAFinerDepthImage) {
+  constexpr recognition::CameraIntrinsics kTwoPixels = {
+      .width = 2, .height = 1, .fx = 100, .fy = 100, .cx = 0.5, .cy = 0};
+  const v1::View view = Uploaded(
+      {DepthMessage({800, 2000}, kTwoPixels, 0.001), DepthMessage({801, 0}, kTwoPixels, 0.001)});
+  EXPECT_FALSE(view.has_cloud());
+  EXPECT_EQ(FromMessage(view.depth_image().intrinsics()), kTwoPixels);
+  const auto points = PointsFromMessage(view.depth_image());
+  ASSERT_THAT(points, IsOk());
+  EXPECT_NEAR((*points)[0].z(), 0.8005, 16e-6);
+  EXPECT_NEAR((*points)[1].z(), 2, 16e-6);
+}
+
+TEST(ViewTaker, CloudsAreUploadedAsClouds) {
+  const v1::PointCloud cloud = CloudMessage({{0, 0, 0.5F}, {0.1F, 0, 0.5F}}, 2);
+  const v1::View view = Uploaded({cloud, cloud});
+  EXPECT_FALSE(view.has_depth_image());
+  EXPECT_EQ(view.cloud().data(), cloud.data());
+}
+
 TEST(ViewTaker, NothingIsTaughtIfTheViewCannotBeReadBack) {
   UnreadableCatalogue catalogue;
   Client client = catalogue.Connect();
@@ -94,7 +132,7 @@ TEST(ViewTaker, AViewThatCannotBeDeletedEitherIsNamed) {
   ASSERT_EQ(catalogue.views.size(), 1U);
   EXPECT_THAT(taken, StatusIs(absl::StatusCode::kInternal,
                               AllOf(HasSubstr("the disk is busy"), HasSubstr("the disk is gone"),
-                                    HasSubstr(*catalogue.views.begin()))));
+                                    HasSubstr(catalogue.views.begin()->first))));
 }
 
 }  // namespace

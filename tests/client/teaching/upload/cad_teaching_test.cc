@@ -150,6 +150,38 @@ TEST_F(CadTeachingTest, DetectionsHaveTheFrameOfTheMesh) {
   }
 }
 
+// The server's steps of 0.05 mm and the depth image's, which are finer, are the only errors of
+// views without noise.
+TEST_F(CadTeachingTest, ViewsLieOnTheSurfaceOfTheMesh) {
+  const Workpiece part{.object_id = "box",
+                       .display_name = "",
+                       .stable_pose_id = "resting-1",
+                       .grasps = {},
+                       .mesh = BoxSolid({-0.05F, -0.04F, 0}, {0.05F, 0.04F, 0.06F})};
+  CadViews views;
+  views.camera.noise = {};
+  views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+  views.step_deg = 120;
+  ASSERT_THAT(TeachCadViews(client_, {part}, views, {}), IsOk());
+  const auto listed = client_.ListViews("objects/box/stablePoses/resting-1");
+  ASSERT_THAT(listed, IsOk());
+  for (const v1::View& one : *listed) {
+    const auto view = client_.GetView(one.name());
+    ASSERT_THAT(view, IsOk());
+    const auto points = PointsFromMessage(view->cloud());
+    ASSERT_THAT(points, IsOk());
+    EXPECT_GT(points->size(), 500U);
+    const Pose object_sensor =
+        FromMessage(view->object_pose()).inverse() * FromMessage(view->sensor_pose());
+    for (const Eigen::Vector3f& p : *points) {
+      const Eigen::Vector3d q = object_sensor * p.cast<double>();
+      const Eigen::Vector3d from_faces(0.05 - std::abs(q.x()), 0.04 - std::abs(q.y()),
+                                       0.06 - q.z());
+      EXPECT_LT(from_faces.cwiseAbs().minCoeff(), 6e-5) << q.transpose();
+    }
+  }
+}
+
 TEST_F(CadTeachingTest, ATallObjectIsKeptUpToItsTop) {
   EXPECT_GT(KeptOf(0.05F, 0.04F, 0.55F).max.z(), 0.54);
 }

@@ -1,0 +1,111 @@
+// The state of one robot, independent of the protocol.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "client/cell/robots/gri_code.h"
+#include "client/cell/robots/job_runner.h"
+
+namespace graspdb::client {
+
+// The answer to a robot about its job. If `code` is not kNoError, only `why` is set: a sentence
+// with the problem and the next step.
+struct JobAnswer {
+  GriCode code = GriCode::kNoError;
+  std::string why = {};
+  recognition::Pose base_pose = recognition::Pose::Identity();  // primary or related
+  JobPose primary = {};  // the primary itself, or the one it is related to
+  std::size_t primaries_left = 0;
+  std::size_t related_left = 0;
+};
+
+// Its code and sentence.
+JobAnswer AnswerOf(const absl::Status& status);
+
+// The last scene that a JobRunner recognised for a robot; the derived type is the runner's.
+class RunnerScene {
+ public:
+  virtual ~RunnerScene() = default;
+};
+
+// The state of a robot between its requests, over all of its connections. Thread-safe; no lock is
+// held while a job runs.
+class RobotSession {
+ public:
+  // `robot` identifies the robot, e.g. by its address. The destructor waits for kept work.
+  explicit RobotSession(std::string robot) : robot_(std::move(robot)) {}
+
+  const std::string& robot() const { return robot_; }
+
+  // The pose format that the robot set, a code of pose_format.h.
+  std::optional<int> format() const;
+  void SetFormat(int format);
+
+  // Begins a run of the job and discards its previous results; JOB_STILL_RUNNING.
+  JobAnswer BeginRun(int job);
+  void EndRun(int job, absl::StatusOr<std::vector<JobPose>> found);
+  // Keeps a run in the background until the next one of the job, or the destructor.
+  void Keep(int job, std::future<void> run);
+
+  // Whether any job is running.
+  bool IsRunning() const;
+  GriJobStatus StatusOf(int job);
+
+  // Takes the next primary pose. NO_POSES_FOUND when none is left, and the job is then inactive;
+  // NO_RETURN_SPECIFIED when the job is done and does not return poses; JOB_STILL_RUNNING; or the
+  // job's error.
+  JobAnswer Next(int job, bool returns_poses);
+
+  // Takes the next pose that is related to the primary taken last. NO_RELATED_POSES when none is
+  // left; JOB_STILL_RUNNING; or the job's error.
+  JobAnswer NextRelated(int job);
+
+  // The last primary taken; none before the first and after a new run.
+  std::optional<JobPose> LastPrimary(int job);
+
+  // Discards the last primary and its related poses, because it could not be sent.
+  void SkipPrimary(int job);
+
+  // The pose given to the robot last, while its outcome is pending.
+  void SetGiven(JobPose pose);
+  std::optional<JobPose> TakeGiven();
+  // Reverts TakeGiven, unless another pose was given meanwhile.
+  void RestoreGiven(JobPose pose);
+
+  // Null before the first.
+  std::shared_ptr<const RunnerScene> scene() const;
+  void SetScene(std::shared_ptr<const RunnerScene> scene);
+
+ private:
+  struct Results {
+    GriJobStatus status = GriJobStatus::kInactive;
+    absl::Status failure = {};
+    std::deque<JobPose> left = {};
+    std::optional<JobPose> primary = {};  // taken last
+    std::deque<recognition::Pose> related = {};
+
+    JobAnswer Give(const recognition::Pose& base_pose) const;
+  };
+
+  const std::string robot_;
+  mutable absl::Mutex mutex_;
+  std::optional<int> format_ ABSL_GUARDED_BY(mutex_);
+  std::map<int, Results> results_ ABSL_GUARDED_BY(mutex_);  // by job
+  std::optional<JobPose> given_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<const RunnerScene> scene_ ABSL_GUARDED_BY(mutex_);
+  // Destroyed first: waits for the runs that use the members above. By job.
+  std::map<int, std::future<void>> runs_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::client

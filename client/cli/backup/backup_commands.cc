@@ -1,0 +1,163 @@
+#include "client/cli/backup/backup_commands.h"
+
+#include <google/protobuf/util/time_util.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/backup/restore_command.h"
+
+namespace graspdb::client {
+namespace {
+
+struct BackupOptions {
+  std::string from;
+  std::uint32_t id = 0;  // 0: the newest
+  std::vector<std::uint32_t> ids;
+};
+
+std::string NameOf(std::uint32_t id) { return ResourceName("backups", std::to_string(id)); }
+
+absl::StatusOr<std::string> ChooseBackup(Client& client, const BackupOptions& options) {
+  if (options.id != 0) return NameOf(options.id);
+  const auto backups = client.ListBackups();
+  if (!backups.ok()) return backups.status();
+  if (!backups->empty()) return backups->back().name();
+  return absl::NotFoundError("there are no backups; make one with: graspdb backup create");
+}
+
+absl::Status Print(const GlobalOptions& global, const v1::Backup& backup) {
+  if (global.json) return PrintJson(backup);
+  if (!backup.damage().empty()) {
+    std::printf("%-12s %s\n", backup.name().c_str(), backup.damage().c_str());
+    return absl::OkStatus();
+  }
+  std::printf("%s\n", absl::StrFormat(
+                          "%-12s %s: revision %d, %d objects, %d views, %.1f MiB", backup.name(),
+                          google::protobuf::util::TimeUtil::ToString(backup.create_time()),
+                          backup.catalog_revision(), backup.object_count(), backup.view_count(),
+                          static_cast<double>(backup.byte_count()) / (1 << 20))
+                          .c_str());
+  return absl::OkStatus();
+}
+
+// Prints the progress where a person sees it; Ctrl-C ends the call and with it the server's work.
+absl::Status OnBytes(std::int64_t bytes) {
+  if (Interrupted()) return absl::CancelledError("interrupted; nothing was changed");
+  if (isatty(STDERR_FILENO) == 1) {
+    std::fprintf(stderr, "\r%lld MiB\r", static_cast<long long>(bytes >> 20));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Create(const GlobalOptions& global) {
+  const auto made = Connect(global).CreateBackup(OnBytes);
+  return made.ok() ? Print(global, *made) : made.status();
+}
+
+absl::Status List(const GlobalOptions& global, const BackupOptions& options) {
+  if (!options.from.empty()) return ReadFolder(global, "list", options.from, {});
+  const auto backups = Connect(global).ListBackups();
+  if (!backups.ok()) return backups.status();
+  for (const v1::Backup& backup : *backups) {
+    if (absl::Status printed = Print(global, backup); !printed.ok()) return printed;
+  }
+  if (backups->empty() && !global.json) {
+    std::printf("there are no backups; make one with: graspdb backup create\n");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Verify(const GlobalOptions& global, const BackupOptions& options) {
+  if (!options.from.empty()) {
+    std::vector<std::string> id;
+    if (options.id != 0) id = {"--id", std::to_string(options.id)};
+    return ReadFolder(global, "verify", options.from, id);
+  }
+  Client client = Connect(global);
+  const auto name = ChooseBackup(client, options);
+  if (!name.ok()) return name.status();
+  const auto verified = client.VerifyBackup(*name, OnBytes);
+  return verified.ok() ? Print(global, *verified) : verified.status();
+}
+
+absl::Status Diff(const GlobalOptions& global, const BackupOptions& options) {
+  Client client = Connect(global);
+  const auto name = ChooseBackup(client, options);
+  if (!name.ok()) return name.status();
+  std::array<int, 4> counts{};
+  const auto print = [&](const v1::CompareBackupResponse& some) -> absl::Status {
+    if (Interrupted()) return absl::CancelledError("interrupted");
+    for (const v1::BackupDifference& difference : some.differences()) {
+      const auto kind = static_cast<std::size_t>(difference.kind());
+      constexpr std::array<char, 4> kSigns = {'?', '+', '~', '-'};
+      if (kind < kSigns.size()) ++counts[kind];
+      if (global.json) {
+        if (absl::Status printed = PrintJson(difference); !printed.ok()) return printed;
+      } else {
+        std::printf("%c %s\n", kind < kSigns.size() ? kSigns[kind] : '?',
+                    difference.name().c_str());
+      }
+    }
+    return absl::OkStatus();
+  };
+  const auto compared = client.CompareBackup(*name, print);
+  if (!compared.ok()) return compared.status();
+  if (global.json) return absl::OkStatus();
+  std::printf("restoring %s (revision %lld) would add %d records, change %d and remove %d\n",
+              compared->name().c_str(), static_cast<long long>(compared->catalog_revision()),
+              counts[v1::BackupDifference::KIND_ADDED], counts[v1::BackupDifference::KIND_CHANGED],
+              counts[v1::BackupDifference::KIND_REMOVED]);
+  return absl::OkStatus();
+}
+
+absl::Status Delete(const GlobalOptions& global, const BackupOptions& options) {
+  Client client = Connect(global);
+  for (const std::uint32_t id : options.ids) {
+    if (absl::Status deleted = client.DeleteBackup(NameOf(id)); !deleted.ok()) return deleted;
+    if (!global.json) std::printf("deleted %s\n", NameOf(id).c_str());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddBackupCommands(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* backup = AddCommand(app, "backup", "Make, list, verify, compare and restore backups");
+  backup->require_subcommand(1);
+  auto options = std::make_shared<BackupOptions>();
+  const auto add = [&](const char* name, const char* text, auto run) {
+    CLI::App* command = AddCommand(*backup, name, text);
+    command->callback([=, &global] { *action = [=, &global] { return run(global, *options); }; });
+    return command;
+  };
+  const auto add_id = [&](CLI::App* command) {
+    command->add_option("ID", options->id, "Number of the backup; default: the newest")
+        ->check(CLI::PositiveNumber);
+  };
+  const auto add_from = [&](CLI::App* command) {
+    command->add_option("--from", options->from,
+                        "Folder of backups to read, in place of the server's");
+  };
+  add("create", "Make a backup of the server's catalogue in its --backup-dir",
+      [](const GlobalOptions& all, const BackupOptions& /*unused*/) { return Create(all); });
+  add_from(add("list", "List the backups", List));
+  CLI::App* verify = add("verify", "Read every byte of a backup and compare the checksums", Verify);
+  add_id(verify);
+  add_from(verify);
+  add_id(add("diff",
+             "Print what a restore would change in the server's catalogue: + added, ~ changed, - "
+             "removed",
+             Diff));
+  add("delete", "Delete backups", Delete)
+      ->add_option("ID", options->ids, "Numbers of the backups")
+      ->required();
+  AddRestoreCommand(*backup, global, action);
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,136 @@
+#include "client/cli/objects/doctor_checks.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "client/cli/base/cache_text.h"
+
+namespace graspdb::client {
+namespace {
+
+// Views all around a stable pose; with steps of 60 degrees some azimuths are 30 degrees from the
+// nearest view, which the search still reaches. Doubled, small catalogues get false warnings.
+constexpr std::size_t kEnoughViews = 6;
+// An upload of this age is not in progress any more.
+constexpr absl::Duration kForgotten = absl::Hours(24);
+// A tabletop's region is smaller, m; a larger one is mostly a mistake of units.
+constexpr double kMaxRegionM = 5;
+
+void Add(Severity severity, std::string_view subject, std::string text, Findings* out) {
+  out->push_back({severity, std::string(subject), std::move(text)});
+}
+
+double LongestSide(const v1::AxisAlignedBox& box) {
+  return std::max({box.max().x() - box.min().x(), box.max().y() - box.min().y(),
+                   box.max().z() - box.min().z()});
+}
+
+bool Overlap(const v1::AxisAlignedBox& a, const v1::AxisAlignedBox& b) {
+  const auto overlap = [](double a_min, double a_max, double b_min, double b_max) {
+    return a_min <= b_max && b_min <= a_max;
+  };
+  return overlap(a.min().x(), a.max().x(), b.min().x(), b.max().x()) &&
+         overlap(a.min().y(), a.max().y(), b.min().y(), b.max().y()) &&
+         overlap(a.min().z(), a.max().z(), b.min().z(), b.max().z());
+}
+
+}  // namespace
+
+void CheckServer(const v1::CatalogStatus& status, std::string_view client_version, Findings* out) {
+  if (status.server_version() != client_version) {
+    Add(Severity::kWarning, "server",
+        absl::StrCat("has version ", status.server_version(), ", this program ",
+                     std::string(client_version), "; install the same version on both"),
+        out);
+  }
+  if (status.left_out_record_count() > 0) {
+    Add(Severity::kError, "server",
+        absl::StrCat(status.left_out_record_count(),
+                     " records cannot be used; its log names them (event=record_left_out): teach "
+                     "them again or delete them"),
+        out);
+  }
+  if (status.memory().refused_request_count() > 0) {
+    Add(Severity::kWarning, "server",
+        absl::StrCat(status.memory().refused_request_count(),
+                     " requests were rejected for lack of memory since its start; raise "
+                     "--memory-mib, or send depth images in place of clouds"),
+        out);
+  }
+  const std::string advice = CacheAdvice(status.model_cache());
+  if (!advice.empty()) Add(Severity::kAdvice, "server", advice, out);
+  if (status.view_count() == 0) {
+    Add(Severity::kWarning, "server", "the catalogue is empty; teach it with: graspdb import SET",
+        out);
+  }
+}
+
+void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& stable_poses,
+                 Findings* out) {
+  if (!stable_poses.empty()) return;
+  Add(Severity::kWarning, object.name(),
+      "has no stable pose, so it is never recognized; teach it or delete it", out);
+}
+
+void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views, Findings* out) {
+  // One view shows all of it.
+  const bool any_turn = stable_pose.has_symmetry_order() && stable_pose.symmetry_order() == 0;
+  if (views == 0) {
+    Add(Severity::kWarning, stable_pose.name(),
+        "has no views, so it is never recognized; teach it or delete it", out);
+  } else if (views < kEnoughViews && !any_turn) {
+    Add(Severity::kAdvice, stable_pose.name(),
+        absl::StrCat("has only ", views, " views; teach it every 30 degrees, or from CAD"), out);
+  }
+  if (stable_pose.grasps().empty()) {
+    Add(Severity::kAdvice, stable_pose.name(),
+        "has no grasps, so robots get its pose only; add some with: graspdb grasps", out);
+  }
+  for (const v1::Grasp& grasp : stable_pose.grasps()) {
+    if (grasp.gripper_opening_m() > 0) continue;
+    Add(Severity::kAdvice, stable_pose.name(),
+        absl::StrCat("its grasp ", grasp.grasp_id(), " has no gripper opening"), out);
+  }
+}
+
+void CheckCell(const v1::Cell& cell, Findings* out) {
+  if (!cell.has_sensor_pose() && !cell.has_flange_sensor_pose()) {
+    Add(Severity::kWarning, cell.name(),
+        "has no calibration, so poses are relative to the table under the camera; run: graspdb "
+        "cells level or cells calibrate",
+        out);
+  }
+  if (!cell.has_region_of_interest()) {
+    Add(Severity::kWarning, cell.name(),
+        "has no region of interest, so all that the camera sees is searched; set --region", out);
+  } else if (LongestSide(cell.region_of_interest()) > kMaxRegionM) {
+    Add(Severity::kError, cell.name(),
+        absl::StrCat("its region is ", LongestSide(cell.region_of_interest()),
+                     " m long; regions are in metres, not millimetres"),
+        out);
+  }
+  if (cell.has_workspace() && cell.has_region_of_interest() &&
+      !Overlap(cell.workspace(), cell.region_of_interest())) {
+    Add(Severity::kError, cell.name(),
+        "its workspace and its region do not overlap, so no grasp is ever proposed; both are in "
+        "the "
+        "world frame",
+        out);
+  }
+}
+
+void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {
+  if (upload.state() != v1::UPLOAD_STATE_OPEN) return;
+  const absl::Time created = absl::FromUnixNanos(
+      google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
+  if (now - created < kForgotten) return;
+  Add(Severity::kAdvice, upload.name(),
+      absl::StrCat("is open since ",
+                   absl::FormatTime("%Y-%m-%d %H:%M", created, absl::LocalTimeZone()),
+                   "; run its import again, or delete it with: graspdb uploads delete"),
+      out);
+}
+
+}  // namespace graspdb::client

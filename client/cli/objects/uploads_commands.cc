@@ -1,0 +1,103 @@
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/objects/commands.h"
+
+namespace graspdb::client {
+namespace {
+
+std::string TextOf(const v1::Upload& upload) {
+  if (upload.state() == v1::UPLOAD_STATE_COMMITTED) {
+    return absl::StrFormat("committed in revision %d: %d new, %d existing, %d replaced, %d failed",
+                           upload.commit_revision(), upload.created_count(),
+                           upload.existing_count(), upload.replaced_count(),
+                           upload.failed_view_count());
+  }
+  std::string out = absl::StrFormat("open: %d views sent", upload.staged_view_count());
+  if (upload.expected_view_count() > 0) {
+    absl::StrAppend(&out, " of ", upload.expected_view_count());
+  }
+  absl::StrAppend(&out, ", ", upload.failed_view_count(), " failed");
+  if (upload.views_per_second() > 0) {
+    absl::StrAppendFormat(&out, ", %.1f a second", upload.views_per_second());
+  }
+  if (upload.has_time_left_s()) absl::StrAppendFormat(&out, ", %.0f s left", upload.time_left_s());
+  return out;
+}
+
+absl::Status Print(const GlobalOptions& global, const v1::Upload& upload) {
+  if (global.json) return PrintJson(upload);
+  std::printf("%-40s %s\n", upload.name().c_str(), TextOf(upload).c_str());
+  return absl::OkStatus();
+}
+
+absl::Status ListUploads(const GlobalOptions& global) {
+  const auto uploads = Connect(global).ListUploads();
+  if (!uploads.ok()) return uploads.status();
+  for (const v1::Upload& upload : *uploads) {
+    if (absl::Status printed = Print(global, upload); !printed.ok()) return printed;
+  }
+  if (uploads->empty() && !global.json) std::printf("there are no uploads\n");
+  return absl::OkStatus();
+}
+
+absl::Status ShowUpload(const GlobalOptions& global, const std::string& id) {
+  Client client = Connect(global);
+  const auto upload = client.GetUpload(ResourceName("uploads", id));
+  if (!upload.ok()) return upload.status();
+  if (absl::Status printed = Print(global, *upload); !printed.ok()) return printed;
+  const auto views = client.ListUploadViews(upload->name());
+  if (!views.ok()) return views.status();
+  for (const v1::UploadView& view : *views) {
+    if (!view.has_error() || global.json) continue;
+    std::printf("  %s: %s\n", view.name().c_str(), view.error().message().c_str());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CommitUpload(const GlobalOptions& global, const std::string& id, bool skip_failed) {
+  v1::CommitUploadRequest request;
+  request.set_name(ResourceName("uploads", id));
+  request.set_skip_failed(skip_failed);
+  const auto upload = Connect(global).CommitUpload(request);
+  return upload.ok() ? Print(global, *upload) : upload.status();
+}
+
+absl::Status DeleteUpload(const GlobalOptions& global, const std::string& id) {
+  const std::string name = ResourceName("uploads", id);
+  absl::Status deleted = Connect(global).DeleteUpload(name);
+  if (deleted.ok() && !global.json) std::printf("deleted %s\n", name.c_str());
+  return deleted;
+}
+
+}  // namespace
+
+void AddUploadsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* uploads =
+      AddCommand(app, "uploads", "List, show, commit and delete bulk uploads, e.g. of `import`");
+  uploads->require_subcommand(1);
+  AddCommand(*uploads, "list", "List all uploads with their progress")->callback([=, &global] {
+    *action = [&global] { return ListUploads(global); };
+  });
+  auto id = std::make_shared<std::string>();
+  const auto add = [&](const char* name, const char* description) {
+    CLI::App* command = AddCommand(*uploads, name, description);
+    command->add_option("UPLOAD", *id, "Id, as in the list")->required();
+    return command;
+  };
+  add("show", "Print an upload and its failed views")->callback([=, &global] {
+    *action = [=, &global] { return ShowUpload(global, *id); };
+  });
+  auto skip_failed = std::make_shared<bool>(false);
+  CLI::App* commit = add("commit", "Make the views of an upload part of the catalogue");
+  commit->add_flag("--skip-failed", *skip_failed, "Without those that cannot be taught");
+  commit->callback(
+      [=, &global] { *action = [=, &global] { return CommitUpload(global, *id, *skip_failed); }; });
+  add("delete", "Drop an upload; views that are committed stay")->callback([=, &global] {
+    *action = [=, &global] { return DeleteUpload(global, *id); };
+  });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,62 @@
+#include <cstdio>
+#include <memory>
+
+#include "client/cli/objects/commands.h"
+
+namespace graspdb::client {
+namespace {
+
+struct WatchOptions {
+  std::int64_t after = -1;  // negative: the current revision
+  bool records = false;
+  double heartbeat_s = 30;
+};
+
+void PrintChange(const v1::WatchCatalogResponse& response) {
+  for (const v1::ResourceChange& change : response.changes()) {
+    std::printf("%lld %s %s\n", static_cast<long long>(response.catalog_revision()),
+                change.kind() == v1::CHANGE_KIND_DELETED ? "deleted" : "written",
+                change.name().c_str());
+  }
+}
+
+absl::Status Watch(const GlobalOptions& global, const WatchOptions& options) {
+  v1::WatchCatalogRequest request;
+  if (options.after >= 0) request.set_after_revision(options.after);
+  request.set_include_records(options.records);
+  request.set_heartbeat_s(options.heartbeat_s);
+  return Connect(global).WatchCatalog(request, [&](const v1::WatchCatalogResponse& response) {
+    absl::Status printed;
+    if (global.json) {
+      printed = PrintJson(response);
+    } else {
+      PrintChange(response);
+    }
+    std::fflush(stdout);  // for the next program in a pipe
+    return printed;
+  });
+}
+
+}  // namespace
+
+void AddWatchCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+  CLI::App* command = AddCommand(app, "watch", "Print the changes of the catalogue as they happen");
+  auto options = std::make_shared<WatchOptions>();
+  command
+      ->add_option("--after", options->after,
+                   "Begin after this revision, 0 for all that are kept; default: new changes")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--records", options->records,
+                    "With --json also the changed records, but for views");
+  command->add_option("--heartbeat", options->heartbeat_s, "Seconds between heartbeats (--json)")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  command->footer(
+      "Ends with Ctrl-C. With --json each line has the revision in catalogRevision; continue "
+      "after\n"
+      "the last one without `continued`.\n\n"
+      "Example: graspdb watch --after 0 --json | tee changes.jsonl");
+  command->callback([=, &global] { *action = [=, &global] { return Watch(global, *options); }; });
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,51 @@
+// Backups.
+#include <utility>
+
+#include "client/sdk/client_call.h"
+
+namespace graspdb::client {
+
+using BackupCalls = v1::BackupService::Stub;
+
+absl::StatusOr<v1::Backup> Client::CreateBackup(const OnBytes& on_bytes) {
+  grpc::ClientContext context;
+  auto last = LastMessage<v1::CreateBackupResponse>(
+      context, stubs_->backups->CreateBackup(&context, v1::CreateBackupRequest()),
+      [&](const auto& message) { return on_bytes(message.done_byte_count()); });
+  if (!last.ok()) return last.status();
+  return std::move(*last->mutable_backup());
+}
+
+absl::StatusOr<v1::Backup> Client::VerifyBackup(const std::string& name, const OnBytes& on_bytes) {
+  v1::VerifyBackupRequest request;
+  request.set_name(name);
+  grpc::ClientContext context;
+  auto last = LastMessage<v1::VerifyBackupResponse>(
+      context, stubs_->backups->VerifyBackup(&context, request),
+      [&](const auto& message) { return on_bytes(message.done_byte_count()); });
+  if (!last.ok()) return last.status();
+  return std::move(*last->mutable_backup());
+}
+
+absl::StatusOr<v1::Backup> Client::CompareBackup(const std::string& name,
+                                                 const OnDifferences& on_some) {
+  v1::CompareBackupRequest request;
+  request.set_name(name);
+  grpc::ClientContext context;
+  auto last = LastMessage<v1::CompareBackupResponse>(
+      context, stubs_->backups->CompareBackup(&context, request), on_some);
+  if (!last.ok()) return last.status();
+  return std::move(*last->mutable_backup());
+}
+
+absl::StatusOr<std::vector<v1::Backup>> Client::ListBackups() {
+  return ListAll(*stubs_->backups, &BackupCalls::ListBackups, v1::ListBackupsRequest(),
+                 &v1::ListBackupsResponse::mutable_backups);
+}
+
+absl::Status Client::DeleteBackup(const std::string& name) {
+  return Call(*stubs_->backups, &BackupCalls::DeleteBackup, Named<v1::DeleteBackupRequest>(name))
+      .status();
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,153 @@
+#include "client/sdk/security.h"
+
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_credentials_options.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "program/loopback.h"
+
+namespace graspdb::client {
+namespace {
+
+using grpc::experimental::FileWatcherCertificateProvider;
+using grpc::experimental::InterceptionHookPoints;
+
+// Seconds between reads of the files; longer, and a renewed certificate is used later.
+constexpr unsigned kRefreshSeconds = 1;
+
+// Bytes of a token; those of the server have 51. Metadata may have 8 KiB in total.
+constexpr std::size_t kMaxTokenBytes = 1024;
+
+bool UsesTls(const SecurityOptions& options) {
+  return !options.ca.empty() || !options.cert.empty() || !options.key.empty();
+}
+
+bool IsTokenSafe(const ConnectionOptions& options) {
+  const std::string_view server = options.server;
+  return UsesTls(options.security) || IsLoopback(server.substr(0, server.rfind(':')));
+}
+
+absl::StatusOr<std::string> ReadToken(const std::string& path) {
+  std::string out;
+  if (!std::getline(std::ifstream(path), out)) {
+    return absl::FailedPreconditionError(absl::StrCat("cannot read --token-file ", path));
+  }
+  absl::StripAsciiWhitespace(&out);
+  if (out.empty() || out.size() > kMaxTokenBytes ||
+      !std::ranges::all_of(out, absl::ascii_isgraph)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("--token-file ", path, " has no token in its first line"));
+  }
+  return out;
+}
+
+class TokenInterceptor : public grpc::experimental::Interceptor {
+ public:
+  explicit TokenInterceptor(const std::string& path) : path_(path) {}
+
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      // Without it the server answers UNAUTHENTICATED, which Explain() replaces by the reason.
+      if (const absl::StatusOr<std::string> token = ReadToken(path_); token.ok()) {
+        methods->GetSendInitialMetadata()->emplace("authorization",
+                                                   absl::StrCat("Bearer ", *token));
+      }
+    }
+    methods->Proceed();
+  }
+
+ private:
+  const std::string& path_;
+};
+
+class TokenInterceptors : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit TokenInterceptors(std::string path) : path_(std::move(path)) {}
+
+  grpc::experimental::Interceptor* CreateClientInterceptor(
+      grpc::experimental::ClientRpcInfo* /*call*/) override {
+    return new TokenInterceptor(path_);
+  }
+
+ private:
+  const std::string path_;
+};
+
+// What gRPC's text of a failed connection means; empty for another text.
+std::string HandshakeAdvice(const std::string& text, const SecurityOptions& options) {
+  const auto has = [&](const char* part) { return absl::StrContains(text, part); };
+  if (has("certificate verify failed")) {
+    return absl::StrCat("its certificate has expired or is not signed by an authority of ",
+                        options.ca.empty() ? "the system; give --ca" : "--ca " + options.ca);
+  }
+  if (has("Hostname Verification")) {
+    return "its certificate is for other host names; give --server with a name or address in it";
+  }
+  if (has("wrong version number")) return "it does not use TLS; leave out --ca, --cert and --key";
+  if (has("security handshaker")) return "the files of --ca, --cert and --key cannot be used";
+  if (!has("failed to connect") || !has("Socket closed")) return "";
+  if (!UsesTls(options)) return "it closed the connection; give --ca if it uses TLS";
+  return options.cert.empty() ? "it needs a client certificate; give --cert and --key"
+                              : "it does not accept --cert " + options.cert +
+                                    ", which has expired or is signed by another authority";
+}
+
+absl::Status NoServer(const std::string& text, const ConnectionOptions& options) {
+  const std::string advice = HandshakeAdvice(text, options.security);
+  return absl::UnavailableError(
+      advice.empty()
+          ? absl::StrCat("no graspdb server is reachable at ", options.server,
+                         "; start graspdb-server or give --server HOST:PORT (", text, ")")
+          : absl::StrCat("cannot connect to the server at ", options.server, ": ", advice));
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options) {
+  if (!UsesTls(options)) return grpc::InsecureChannelCredentials();
+  grpc::experimental::TlsChannelCredentialsOptions tls;
+  tls.set_certificate_provider(std::make_shared<FileWatcherCertificateProvider>(
+      options.key, options.cert, options.ca, kRefreshSeconds));
+  if (!options.ca.empty()) tls.watch_root_certs();
+  if (!options.cert.empty()) tls.watch_identity_key_cert_pairs();
+  return grpc::experimental::TlsCredentials(tls);
+}
+
+std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>>
+MakeTokenInterceptors(const ConnectionOptions& options) {
+  std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> out;
+  if (!options.security.token_file.empty() && IsTokenSafe(options)) {
+    out.push_back(std::make_unique<TokenInterceptors>(options.security.token_file));
+  }
+  return out;
+}
+
+absl::Status Explain(const grpc::Status& status, const ConnectionOptions& options) {
+  if (status.ok()) return absl::OkStatus();
+  // gRPC's own UNAVAILABLE describes sockets and has no details; the server's always has some.
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty()) {
+    return NoServer(status.error_message(), options);
+  }
+  const std::string& token_file = options.security.token_file;
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && !token_file.empty()) {
+    if (auto token = ReadToken(token_file); !token.ok()) return token.status();
+    if (!IsTokenSafe(options)) {
+      return absl::UnauthenticatedError(absl::StrCat("the token of --token-file ", token_file,
+                                                     " is not sent to ", options.server,
+                                                     " without encryption; give --ca"));
+    }
+  }
+  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+}
+
+}  // namespace graspdb::client

@@ -1,0 +1,27 @@
+// TLS and tokens; internal to the client library.
+#pragma once
+
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/client_interceptor.h>
+#include <grpcpp/support/status.h>
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/sdk/client.h"
+
+namespace graspdb::client {
+
+std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options);
+
+// Adds the token to every call of a channel, also without TLS, for which gRPC's own call
+// credentials are not sent. Empty without a token, or if it would be sent unencrypted to another
+// machine.
+std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>>
+MakeTokenInterceptors(const ConnectionOptions& options);
+
+// The error of a failed call, with advice on what gRPC reports about connection and handshake.
+absl::Status Explain(const grpc::Status& status, const ConnectionOptions& options);
+
+}  // namespace graspdb::client

@@ -1,0 +1,222 @@
+#include "client/teaching/upload/bulk_upload.h"
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "client/teaching/upload/known_views.h"
+
+namespace graspdb::client {
+namespace {
+
+class BulkUpload {
+ public:
+  BulkUpload(Client& client, const ViewsToTeach& views, const BulkUploadOptions& options,
+             const UploadWatch& watch)
+      : client_(client),
+        views_(views),
+        options_(options),
+        watch_(watch),
+        name_(absl::StrCat("uploads/", options.upload_id)),
+        known_(client) {}
+
+  // Finds the views of an interrupted upload.
+  absl::Status FindStaged() {
+    const auto upload = client_.GetUpload(name_);
+    if (absl::IsNotFound(upload.status())) return absl::OkStatus();
+    if (!upload.ok()) return upload.status();
+    if (upload->state() == v1::UPLOAD_STATE_COMMITTED) return client_.DeleteUpload(name_);
+    is_created_ = true;
+    const auto staged = client_.ListUploadViews(name_);
+    if (!staged.ok()) return staged.status();
+    for (const v1::UploadView& view : *staged) {
+      if (!view.has_error()) staged_.insert(view.name());
+    }
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<BulkUploadResult> Run() {
+    std::vector<std::thread> threads;
+    const int count = std::clamp(static_cast<int>(views_.count), 1, options_.streams);
+    for (int i = 0; i < count; ++i) {
+      threads.emplace_back([this] { Stop(Stream()); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    absl::MutexLock lock(&mutex_);
+    if (!stopped_.ok()) return stopped_;
+    std::ranges::sort(result_.failed, {}, &FailedView::index);
+    if (options_.atomic && !result_.failed.empty()) return NotAll();
+    if (is_created_) {
+      v1::CommitUploadRequest request;
+      request.set_name(name_);
+      request.set_skip_failed(!options_.atomic);
+      const auto committed = client_.CommitUpload(request);
+      if (!committed.ok()) return committed.status();
+      result_.counts.created +=
+          static_cast<int>(committed->created_count() + committed->replaced_count());
+      result_.counts.existing += static_cast<int>(committed->existing_count());
+    }
+    return std::move(result_);
+  }
+
+  // Reads all views, and counts what Run() would send.
+  absl::StatusOr<UploadPlan> Plan() {
+    UploadPlan plan;
+    v1::UploadViewsRequest request;
+    for (std::size_t i = 0; i < views_.count; ++i) {
+      if (watch_.cancelled && watch_.cancelled()) return absl::CancelledError("interrupted");
+      const absl::StatusOr<Place> place = Prepare(i, &request);
+      if (!place.ok()) {
+        plan.unreadable.push_back({i, place.status()});
+        continue;
+      }
+      if (*place == Place::kUnknown) return Stopped();
+      plan.new_count += *place == Place::kNowhere ? 1 : 0;
+      plan.existing_count += *place == Place::kCatalogue ? 1 : 0;
+      plan.staged_count += *place == Place::kUpload ? 1 : 0;
+      if (watch_.report) watch_.report(i + 1);
+    }
+    return plan;
+  }
+
+ private:
+  enum class Place { kNowhere, kCatalogue, kUpload, kUnknown };
+
+  // Fills the request for view `i`, and finds out where it is already; kUnknown stops the upload.
+  // Errors of the view.
+  absl::StatusOr<Place> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
+    request->Clear();
+    if (absl::Status made = MakeRequest(views_, i, request); !made.ok()) return made;
+    const std::string name = absl::StrCat(request->parent(), "/views/", request->view_id());
+    if (staged_.contains(name)) return Place::kUpload;
+    if (views_.replace) return Place::kNowhere;
+    const absl::StatusOr<bool> known = known_.Has(request->parent(), request->view_id());
+    if (known.ok()) return *known ? Place::kCatalogue : Place::kNowhere;
+    Stop(known.status());
+    return Place::kUnknown;
+  }
+
+  absl::Status Stream() {
+    std::deque<std::size_t> pending;
+    return client_.WriteUploadViews(
+        [&](v1::WriteUploadViewsRequest* request) -> absl::StatusOr<bool> {
+          for (;;) {
+            const absl::StatusOr<std::size_t> i = Next();
+            if (!i.ok()) return i.status();
+            if (*i == views_.count) return false;
+            const absl::StatusOr<Place> place = Prepare(*i, request->mutable_view());
+            if (!place.ok()) {
+              Done(*i, place.status(), false);
+            } else if (*place == Place::kUnknown) {
+              return Stopped();
+            } else if (*place == Place::kNowhere) {
+              if (absl::Status created = CreateOnce(); !created.ok()) return created;
+              request->set_upload(name_);
+              pending.push_back(*i);
+              return true;
+            } else {
+              Done(*i, absl::OkStatus(), *place == Place::kCatalogue);
+            }
+          }
+        },
+        [&](const v1::WriteUploadViewsResponse& response) {
+          const std::size_t i = pending.front();
+          pending.pop_front();
+          Done(i,
+               absl::Status(static_cast<absl::StatusCode>(response.error().code()),
+                            response.error().message()),
+               /*existing=*/false);
+        });
+  }
+
+  // The next view, or views_.count without one.
+  absl::StatusOr<std::size_t> Next() {
+    absl::MutexLock lock(&mutex_);
+    if (!stopped_.ok()) return stopped_;
+    if (watch_.cancelled && watch_.cancelled()) {
+      return absl::CancelledError(
+          absl::StrCat("interrupted after ", done_, " of ", views_.count,
+                       " views, which are safe; run the same command again to go on, or `graspdb "
+                       "uploads delete ",
+                       options_.upload_id, "` to drop them"));
+    }
+    return next_ == views_.count ? next_ : next_++;
+  }
+
+  absl::Status CreateOnce() {
+    absl::MutexLock lock(&mutex_);
+    if (is_created_) return absl::OkStatus();
+    v1::CreateUploadRequest request;
+    request.set_upload_id(options_.upload_id);
+    request.mutable_upload()->set_replace(views_.replace);
+    request.mutable_upload()->set_expected_view_count(static_cast<std::int64_t>(views_.count));
+    const auto created = client_.CreateUpload(request);
+    is_created_ = created.ok();
+    return created.status();
+  }
+
+  void Done(std::size_t i, const absl::Status& error, bool existing) {
+    absl::MutexLock lock(&mutex_);
+    if (!error.ok()) result_.failed.push_back({i, error});
+    if (existing) ++result_.counts.existing;
+    ++done_;
+    if (watch_.report) watch_.report(done_);
+  }
+
+  void Stop(const absl::Status& status) {
+    absl::MutexLock lock(&mutex_);
+    stopped_.Update(status);
+  }
+
+  absl::Status Stopped() {
+    absl::MutexLock lock(&mutex_);
+    return stopped_;
+  }
+
+  absl::Status NotAll() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        result_.failed.size(), " of ", views_.count, " views cannot be taught, so none is (view ",
+        result_.failed.front().index + 1, ": ", result_.failed.front().error.message(),
+        "); fix them and run the same command again, or leave out --atomic"));
+  }
+
+  Client& client_;
+  const ViewsToTeach& views_;
+  const BulkUploadOptions& options_;
+  const UploadWatch& watch_;
+  const std::string name_;
+  KnownViews known_;
+  std::set<std::string> staged_;  // sent by an upload that was interrupted
+
+  absl::Mutex mutex_;
+  std::size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool is_created_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status stopped_ ABSL_GUARDED_BY(mutex_);
+  BulkUploadResult result_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+absl::StatusOr<BulkUploadResult> TeachInBulk(Client& client, const ViewsToTeach& views,
+                                             const BulkUploadOptions& options,
+                                             const UploadWatch& watch) {
+  BulkUpload upload(client, views, options, watch);
+  if (absl::Status found = upload.FindStaged(); !found.ok()) return found;
+  return upload.Run();
+}
+
+absl::StatusOr<UploadPlan> PlanUpload(Client& client, const ViewsToTeach& views,
+                                      const std::string& upload_id, const UploadWatch& watch) {
+  const BulkUploadOptions options = {.upload_id = upload_id};
+  BulkUpload upload(client, views, options, watch);
+  if (absl::Status found = upload.FindStaged(); !found.ok()) return found;
+  return upload.Plan();
+}
+
+}  // namespace graspdb::client

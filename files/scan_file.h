@@ -1,0 +1,26 @@
+// Files of captures: point files and depth images.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "files/scan_message.h"
+#include "recognition/base/types.h"
+
+namespace graspdb::client {
+
+struct ScanFile {
+  ScanMessage scan;
+  // T_world_sensor of a point file, see PointFile; depth images have none.
+  std::optional<recognition::Pose> sensor_pose = {};
+};
+
+// Whether the extension is one that ReadScanFile reads: .pcd, .ply or .png, whatever its case.
+bool IsScanFile(const std::filesystem::path& path);
+
+// Reads a .png with 16-bit depths and intrinsics.json in the same folder (see depth_png.h), any
+// other path as a point file (see point_file.h). Errors as their readers. Thread-safe.
+absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path);
+
+}  // namespace graspdb::client

@@ -1,0 +1,67 @@
+#include "server/access/identities_file.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "program/log_field.h"
+
+namespace graspdb::server {
+namespace {
+
+// At most one byte more than allowed, which the parser rejects.
+absl::StatusOr<std::string> ReadBounded(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string out(kMaxIdentitiesBytes + 1, '\0');
+  file.read(out.data(), static_cast<std::streamsize>(out.size()));
+  if (!file.is_open() || file.bad()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("cannot read --identities ", path, " (", std::strerror(errno), ")"));
+  }
+  out.resize(static_cast<std::size_t>(file.gcount()));
+  return out;
+}
+
+}  // namespace
+
+IdentitiesFile::IdentitiesFile(const std::string& path) : path_(path), file_({path}) {}
+
+absl::StatusOr<std::unique_ptr<IdentitiesFile>> IdentitiesFile::Open(const std::string& path) {
+  std::unique_ptr<IdentitiesFile> out(new IdentitiesFile(path));
+  if (absl::Status status = out->Load(); !status.ok()) return status;
+  out->file_.Start([file = out.get()] {
+    const absl::Status status = file->Load();
+    if (status.ok()) {
+      spdlog::info("event=identities_read file={} count={}", LogField(file->path_),
+                   file->Get()->size());
+    } else {
+      spdlog::error("event=identities_invalid error={}", LogField(std::string(status.message())));
+    }
+  });
+  return out;
+}
+
+std::shared_ptr<const Identities> IdentitiesFile::Get() const {
+  absl::MutexLock lock(&mutex_);
+  return identities_;
+}
+
+absl::Status IdentitiesFile::Load() {
+  const absl::StatusOr<std::string> text = ReadBounded(path_);
+  if (!text.ok()) return text.status();
+  absl::StatusOr<Identities> parsed = Identities::Parse(*text);
+  if (!parsed.ok()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("--identities ", path_, ": ", parsed.status().message()));
+  }
+  auto identities = std::make_shared<const Identities>(*std::move(parsed));
+  absl::MutexLock lock(&mutex_);
+  identities_ = std::move(identities);
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::server

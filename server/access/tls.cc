@@ -1,0 +1,72 @@
+#include "server/access/tls.h"
+
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_credentials_options.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+#include <vector>
+
+#include "program/log_field.h"
+#include "program/pem_files.h"
+
+namespace graspdb::server {
+namespace {
+
+// Seconds between reads of the files. Longer, and a renewed certificate is used later.
+constexpr unsigned kRefreshSeconds = 1;
+
+}  // namespace
+
+absl::Status CheckTlsFiles(const TlsFiles& files) {
+  if (files.cert.empty() != files.key.empty()) {
+    return absl::InvalidArgumentError("--tls-cert and --tls-key belong together; give both");
+  }
+  if (files.cert.empty() && !files.client_ca.empty()) {
+    return absl::InvalidArgumentError("--tls-client-ca needs --tls-cert and --tls-key");
+  }
+  if (files.client_ca.empty() && files.require_client_cert) {
+    return absl::InvalidArgumentError("--require-client-cert needs --tls-client-ca");
+  }
+  absl::Status status;
+  if (!files.cert.empty()) {
+    status = CheckKeyPair({"--tls-cert", files.cert}, {"--tls-key", files.key});
+  }
+  if (!files.client_ca.empty())
+    status.Update(CheckCertificates({"--tls-client-ca", files.client_ca}));
+  return status;
+}
+
+std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(const TlsFiles& files) {
+  if (files.cert.empty()) return grpc::InsecureServerCredentials();
+  using grpc::experimental::FileWatcherCertificateProvider;
+  grpc::experimental::TlsServerCredentialsOptions options(
+      std::make_shared<FileWatcherCertificateProvider>(files.key, files.cert, files.client_ca,
+                                                       kRefreshSeconds));
+  options.watch_identity_key_cert_pairs();
+  if (!files.client_ca.empty()) {
+    options.watch_root_certs();
+    options.set_cert_request_type(files.require_client_cert
+                                      ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                                      : GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY);
+  }
+  return grpc::experimental::TlsServerCredentials(options);
+}
+
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files) {
+  if (files.cert.empty()) return nullptr;
+  std::vector<std::string> paths = {files.cert, files.key};
+  if (!files.client_ca.empty()) paths.push_back(files.client_ca);
+  auto out = std::make_unique<WatchedFiles>(std::move(paths));
+  out->Start([files] {
+    const absl::Status status = CheckTlsFiles(files);
+    if (status.ok()) {
+      spdlog::info("event=tls_files_changed cert={}", LogField(files.cert));
+    } else {
+      spdlog::error("event=tls_files_invalid error={}", LogField(std::string(status.message())));
+    }
+  });
+  return out;
+}
+
+}  // namespace graspdb::server

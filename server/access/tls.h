@@ -1,0 +1,25 @@
+// Encryption of the server's port.
+#pragma once
+
+#include <grpcpp/security/server_credentials.h>
+
+#include <memory>
+
+#include "absl/status/status.h"
+#include "server/access/tls_files.h"
+#include "server/access/watched_files.h"
+
+namespace graspdb::server {
+
+// INVALID_ARGUMENT for flags that do not fit together, FAILED_PRECONDITION with the file that
+// cannot be used.
+absl::Status CheckTlsFiles(const TlsFiles& files);
+
+// Credentials of these files, which gRPC reads again when they change; connections stay. From a
+// certificate without its key until both fit again, new connections are refused.
+std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(const TlsFiles& files);
+
+// Logs whether changed files can be used. Null without TLS.
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files);
+
+}  // namespace graspdb::server

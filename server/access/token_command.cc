@@ -1,0 +1,95 @@
+#include "server/access/token_command.h"
+
+#include <fcntl.h>
+#include <google/protobuf/util/json_util.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "program/settings_file.h"
+#include "server/access/identities.h"
+#include "server/access/method_role.h"
+#include "server/access/tokens.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr char kTokenFooter[] =
+    R"(The token is shown only once; the file of identities has its SHA-256. Example:
+  graspdb-server token press-3 --role read --role recognise --cell press-3 \
+    --out press-3.token >> identities.jsonl)";
+
+std::map<std::string, v1::Role> Roles() {
+  std::map<std::string, v1::Role> out;
+  for (int role = v1::ROLE_READ; role <= v1::Role_MAX; ++role) {
+    out[RoleName(static_cast<v1::Role>(role))] = static_cast<v1::Role>(role);
+  }
+  return out;
+}
+
+// A new file that only its owner can read.
+absl::Status WriteSecret(const std::string& path, const std::string& secret) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const bool written =
+      file >= 0 && write(file, secret.data(), secret.size()) == static_cast<ssize_t>(secret.size());
+  const int error = errno;
+  if (file >= 0 && close(file) == 0 && written) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("cannot write --out ", path, " (", std::strerror(error), ")"));
+}
+
+absl::Status MakeToken(v1::Identity identity, const std::string& out) {
+  const std::string token = NewToken();
+  if (token.empty()) return absl::InternalError("the system has no random numbers");
+  identity.add_token_sha256(HashToken(token));
+  if (absl::Status status = CheckIdentity(identity); !status.ok()) return status;
+  std::string line;
+  if (!google::protobuf::util::MessageToJsonString(identity, &line).ok()) {
+    return absl::InternalError("the identity has no JSON");
+  }
+  if (out.empty()) {
+    std::printf("%s\n", token.c_str());
+  } else if (absl::Status written = WriteSecret(out, token + "\n"); !written.ok()) {
+    return written;
+  }
+  std::printf("%s\n", line.c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+int RunTokenCommand(int argc, char** argv) {
+  CLI::App app("Makes a token: prints it, then the line for the file of --identities.",
+               "graspdb-server token");
+  app.footer(kTokenFooter);
+  std::string name;
+  std::string cell;
+  std::string out;
+  std::vector<v1::Role> roles;
+  app.add_option("NAME", name, "Name of the caller: a program or a person")->required();
+  app.add_option("--role", roles,
+                 "A role: read, recognise, teach, operate or admin; may be repeated")
+      ->required()
+      ->transform(CLI::CheckedTransformer(Roles()))
+      ->type_name("ROLE");
+  app.add_option("--cell", cell, "Id of the only cell that the caller may use");
+  app.add_option("--out", out, "New file for the token, instead of the first line of the output");
+  if (const std::optional<int> end = ParseArguments(app, argc, argv)) return *end;
+  v1::Identity identity;
+  identity.set_name(name);
+  for (const v1::Role role : roles) identity.add_roles(role);
+  if (!cell.empty()) identity.set_cell(storage::MakeCellName(cell));
+  const absl::Status status = MakeToken(std::move(identity), out);
+  if (status.ok()) return 0;
+  std::fprintf(stderr, "graspdb-server: %s\n", std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) ? 2 : 1;
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,61 @@
+#include "server/access/watched_files.h"
+
+#include <sys/stat.h>
+
+#include <utility>
+
+#include "absl/time/time.h"
+
+namespace graspdb::server {
+namespace {
+
+// How long a revoked token is still accepted. Twice as often costs twice as many stat calls.
+constexpr absl::Duration kPollInterval = absl::Seconds(1);
+
+}  // namespace
+
+bool WatchedFiles::Stamp::operator==(const Stamp& other) const {
+  return inode == other.inode && size == other.size && changed.tv_sec == other.changed.tv_sec &&
+         changed.tv_nsec == other.changed.tv_nsec;
+}
+
+WatchedFiles::WatchedFiles(std::vector<std::string> paths)
+    : paths_(std::move(paths)), stamps_(Stamps()) {}
+
+WatchedFiles::~WatchedFiles() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void WatchedFiles::Start(std::function<void()> on_change) {
+  thread_ = std::thread([this, on_change = std::move(on_change)] {
+    while (!Stopped()) {
+      std::vector<Stamp> now = Stamps();
+      if (now == stamps_) continue;
+      stamps_ = std::move(now);
+      on_change();
+    }
+  });
+}
+
+std::vector<WatchedFiles::Stamp> WatchedFiles::Stamps() const {
+  std::vector<Stamp> out;
+  out.reserve(paths_.size());
+  for (const std::string& path : paths_) {
+    struct stat file {};
+    const bool found = stat(path.c_str(), &file) == 0;
+    out.push_back(found ? Stamp{file.st_ino, file.st_size, file.st_mtim} : Stamp());
+  }
+  return out;
+}
+
+bool WatchedFiles::Stopped() {
+  absl::MutexLock lock(&mutex_);
+  mutex_.AwaitWithTimeout(absl::Condition(&stop_), kPollInterval);
+  return stop_;
+}
+
+}  // namespace graspdb::server

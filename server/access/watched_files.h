@@ -1,0 +1,48 @@
+// Files that are read again when they change.
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+
+namespace graspdb::server {
+
+// Polls the files' inode, size and time of change each second; also notices a file that is replaced
+// by another one, or reached by another symbolic link.
+class WatchedFiles {
+ public:
+  // Changes count from now on.
+  explicit WatchedFiles(std::vector<std::string> paths);
+  ~WatchedFiles();
+  WatchedFiles(const WatchedFiles&) = delete;
+  WatchedFiles& operator=(const WatchedFiles&) = delete;
+
+  // Calls `on_change`, which must not throw, on a thread of this after each change. To be called
+  // once.
+  void Start(std::function<void()> on_change);
+
+ private:
+  struct Stamp {
+    ino_t inode = 0;
+    off_t size = -1;  // no such file
+    timespec changed{};
+    bool operator==(const Stamp& other) const;
+  };
+
+  std::vector<Stamp> Stamps() const;
+  bool Stopped();
+
+  const std::vector<std::string> paths_;
+  std::vector<Stamp> stamps_;
+  absl::Mutex mutex_;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace graspdb::server

@@ -1,0 +1,203 @@
+#include "server/call_guard.h"
+
+#include <google/protobuf/util/time_util.h>
+#include <grpcpp/security/auth_context.h>
+
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/synchronization/mutex.h"
+#include "server/access/method_role.h"
+#include "server/access/tokens.h"
+#include "server/bounded_text.h"
+#include "server/errors.h"
+#include "server/request_limits.h"
+#include "server/request_names.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr std::string_view kAuthorization = "authorization";
+constexpr absl::string_view kBearer = "Bearer ";
+
+// Names that are read from a certificate; real ones have one to three.
+constexpr std::size_t kMaxCertificateNames = 16;
+
+// Resources in an audit record; doubled, a record takes up to 8 KiB.
+constexpr std::size_t kMaxResources = 16;
+
+// Guards by the contexts of their calls, which gRPC does not link.
+class Guards {
+ public:
+  void Add(const grpc::ServerContextBase& context, CallGuard* guard) {
+    absl::MutexLock lock(&mutex_);
+    guards_[&context] = guard;
+  }
+  void Remove(const grpc::ServerContextBase& context) {
+    absl::MutexLock lock(&mutex_);
+    guards_.erase(&context);
+  }
+  CallGuard* Find(const grpc::ServerContextBase& context) {
+    absl::MutexLock lock(&mutex_);
+    const auto found = guards_.find(&context);
+    return found == guards_.end() ? nullptr : found->second;
+  }
+
+ private:
+  absl::Mutex mutex_;
+  std::unordered_map<const grpc::ServerContextBase*, CallGuard*> guards_ ABSL_GUARDED_BY(mutex_);
+};
+
+Guards& AllGuards() {
+  static auto* const guards = new Guards;  // calls may end after static objects
+  return *guards;
+}
+
+class GuardFactory : public grpc::experimental::ServerInterceptorFactoryInterface {
+ public:
+  explicit GuardFactory(const AccessRules& rules) : rules_(rules) {}
+  grpc::experimental::Interceptor* CreateServerInterceptor(
+      grpc::experimental::ServerRpcInfo* call) override {
+    return new CallGuard(rules_, *call);
+  }
+
+ private:
+  const AccessRules& rules_;
+};
+
+// The names in the client's certificate, in the order in which they are looked up; empty without a
+// certificate that was verified.
+std::vector<std::string> CertificateNames(const grpc::ServerContextBase& context) {
+  std::vector<std::string> out;
+  const std::shared_ptr<const grpc::AuthContext> peer = context.auth_context();
+  if (peer == nullptr || !peer->IsPeerAuthenticated()) return out;
+  const auto add = [&](const char* type, const char* property) {
+    for (const grpc::string_ref& name : peer->FindPropertyValues(property)) {
+      if (out.size() == kMaxCertificateNames) return;
+      out.push_back(BoundedText(absl::StrCat(type, absl::string_view(name.data(), name.size())),
+                                kMaxStringBytes));
+    }
+  };
+  add("uri:", GRPC_PEER_URI_PROPERTY_NAME);
+  add("dns:", GRPC_PEER_DNS_PROPERTY_NAME);
+  add("cn:", GRPC_X509_CN_PROPERTY_NAME);
+  return out;
+}
+
+}  // namespace
+
+void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder) {
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> factories;
+  factories.push_back(std::make_unique<GuardFactory>(rules));
+  builder.experimental().SetInterceptorCreators(std::move(factories));
+}
+
+CallGuard::CallGuard(const AccessRules& rules, grpc::experimental::ServerRpcInfo& call)
+    : rules_(rules), context_(*call.server_context()), method_(FindMethod(call.method())) {
+  AllGuards().Add(context_, this);
+}
+
+CallGuard::~CallGuard() { AllGuards().Remove(context_); }
+
+CallGuard* CallGuard::Of(const grpc::ServerContextBase& context) {
+  return AllGuards().Find(context);
+}
+
+void CallGuard::Intercept(grpc::experimental::InterceptorBatchMethods* methods) {
+  using grpc::experimental::InterceptionHookPoints;
+  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
+    certificates_ = CertificateNames(context_);
+    auto& metadata = *methods->GetRecvInitialMetadata();
+    const auto [begin, end] =
+        metadata.equal_range(grpc::string_ref(kAuthorization.data(), kAuthorization.size()));
+    for (auto it = begin; it != end; ++it) {
+      const absl::string_view value(it->second.data(), it->second.size());
+      const bool is_bearer = absl::StartsWithIgnoreCase(value, kBearer);
+      tokens_.push_back(is_bearer ? HashToken(std::string(value.substr(kBearer.size()))) : "");
+    }
+    metadata.erase(begin, end);  // handlers cannot log it
+  }
+  methods->Proceed();
+}
+
+absl::StatusOr<const v1::Identity*> CallGuard::Identify(const Identities& identities) const {
+  if (tokens_.size() > 1) {
+    return absl::UnauthenticatedError("the call has several tokens; send one");
+  }
+  if (!tokens_.empty()) {
+    if (const v1::Identity* found = identities.FindTokenHash(tokens_.front())) return found;
+    return absl::UnauthenticatedError(
+        "the token is unknown to this server: it was revoked or mistyped; get another one from the "
+        "server's administrator (graspdb-server token)");
+  }
+  for (const std::string& name : certificates_) {
+    if (const v1::Identity* found = identities.FindCertificate(name)) return found;
+  }
+  if (certificates_.empty()) {
+    return absl::UnauthenticatedError(
+        "this server takes known callers only; give --token-file, or --cert and --key");
+  }
+  return absl::UnauthenticatedError(
+      absl::StrCat("the client certificate (", absl::StrJoin(certificates_, ", "),
+                   ") has no identity; add it to the server's file of --identities"));
+}
+
+absl::Status CallGuard::Authorize() {
+  identity_ = certificates_.empty() ? "" : certificates_.front();
+  cell_.clear();
+  if (rules_.identities == nullptr) return absl::OkStatus();
+  const std::shared_ptr<const Identities> identities = rules_.identities->Get();
+  const absl::StatusOr<const v1::Identity*> identity = Identify(*identities);
+  if (!identity.ok()) return identity.status();
+  identity_ = (*identity)->name();
+  cell_ = (*identity)->cell();
+  const v1::Role role = method_ == nullptr ? v1::ROLE_UNSPECIFIED : RoleOf(*method_);
+  if (role == v1::ROLE_UNSPECIFIED) return absl::PermissionDeniedError("the method has no role");
+  if (HasRole(**identity, role)) return absl::OkStatus();
+  return absl::PermissionDeniedError(absl::StrCat(
+      "identity ", identity_, " lacks the role ", RoleName(role), ", which ", method_->name(),
+      " takes; add it in the server's file of --identities, or use another identity"));
+}
+
+absl::Status CallGuard::AuthorizeRequest(const google::protobuf::Message& request) const {
+  if (cell_.empty()) return absl::OkStatus();
+  const std::optional<std::string> named = CellOf(request);
+  const std::string& service = method_->service()->name();
+  const bool is_about_cells = service == "CellService" || service == "ChangeService";
+  if (named == cell_ || (!named && !is_about_cells)) return absl::OkStatus();
+  return absl::PermissionDeniedError(absl::StrCat("identity ", identity_, " may use ", cell_,
+                                                  " only, not ",
+                                                  named && !named->empty() ? *named : "all cells"));
+}
+
+void CallGuard::NoteRequest(const google::protobuf::Message& request) {
+  if (rules_.audit != nullptr) NoteResource(ResourceOf(request));
+}
+
+void CallGuard::NoteResource(std::string_view name) {
+  if (rules_.audit == nullptr || name.empty() || resources_.size() == kMaxResources) return;
+  std::string bounded = BoundedText(name, kMaxStringBytes);
+  if (resources_.empty() || resources_.back() != bounded) resources_.push_back(std::move(bounded));
+}
+
+void CallGuard::Record(const grpc::Status& status) const {
+  const bool is_refused = status.error_code() == grpc::StatusCode::PERMISSION_DENIED ||
+                          status.error_code() == grpc::StatusCode::UNAUTHENTICATED;
+  if (rules_.audit == nullptr || method_ == nullptr || !(is_refused || IsAudited(*method_))) return;
+  v1::AuditRecord record;
+  *record.mutable_time() = google::protobuf::util::TimeUtil::GetCurrentTime();
+  record.set_identity(identity_);
+  record.set_peer(context_.peer());
+  record.set_method(method_->full_name());
+  for (const std::string& resource : resources_) record.add_resources(resource);
+  record.set_catalog_revision(rules_.revision());
+  record.set_code(absl::StatusCodeToString(static_cast<absl::StatusCode>(status.error_code())));
+  record.set_error(status.error_message());
+  rules_.audit->Write(record);
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,75 @@
+// Who may make which call: decided here for all services.
+//
+// An interceptor takes the caller's credentials at the start of each call. gRPC's interceptors
+// cannot end a call with a status, so that Handle() (server/handle.h), which every handler runs in,
+// takes the guard of its call and returns the guard's refusal instead of running the handler.
+// Without a guard, Handle() refuses the call.
+#pragma once
+
+#include <google/protobuf/message.h>
+#include <grpcpp/server_builder.h>
+#include <grpcpp/support/server_interceptor.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "server/access/audit_log.h"
+#include "server/access/identities_file.h"
+
+namespace graspdb::server {
+
+// The rules of one server.
+struct AccessRules {
+  std::unique_ptr<IdentitiesFile> identities;  // null: every caller may make all calls
+  std::unique_ptr<AuditLog> audit;             // null: no audit log
+  std::function<std::int64_t()> revision;      // of the catalogue; for the audit log
+};
+
+// Guards the calls of the server to be built. `rules` must outlive it.
+void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder);
+
+// The guard of one call, from its start to its end. Used by one thread at a time.
+class CallGuard final : public grpc::experimental::Interceptor {
+ public:
+  CallGuard(const AccessRules& rules, grpc::experimental::ServerRpcInfo& call);
+  ~CallGuard() override;
+  CallGuard(const CallGuard&) = delete;
+  CallGuard& operator=(const CallGuard&) = delete;
+
+  // The guard of a call in progress; null for a call that has none.
+  static CallGuard* Of(const grpc::ServerContextBase& context);
+
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override;
+
+  // UNAUTHENTICATED for an unknown caller, PERMISSION_DENIED for one without the method's role.
+  // By the identities of now: a later call may give another result.
+  absl::Status Authorize();
+
+  // After Authorize(): PERMISSION_DENIED if the caller may use another cell only.
+  absl::Status AuthorizeRequest(const google::protobuf::Message& request) const;
+
+  // Adds the name of the request's resource, or another one, to the audit record.
+  void NoteRequest(const google::protobuf::Message& request);
+  void NoteResource(std::string_view name);
+
+  // Writes the audit record, for a call that is refused or audited. To be called at its end.
+  void Record(const grpc::Status& status) const;
+
+ private:
+  absl::StatusOr<const v1::Identity*> Identify(const Identities& identities) const;
+
+  const AccessRules& rules_;
+  grpc::ServerContextBase& context_;
+  const google::protobuf::MethodDescriptor* const method_;  // null: not of a service of ours
+  std::vector<std::string> tokens_;                         // hashes; one in a correct call
+  std::vector<std::string> certificates_;
+  std::string identity_;  // for the audit log
+  std::string cell_;      // the only one that it may use; empty: all
+  std::vector<std::string> resources_;
+};
+
+}  // namespace graspdb::server

@@ -1,0 +1,71 @@
+// Backups of the served catalogue: logged, cancelled at shutdown, with a state for status requests.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "graspdb/v1/backup.pb.h"
+#include "server/options.h"
+#include "storage/backups.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+// Thread-safe. Errors as those of storage::Backups.
+class CatalogueBackups {
+ public:
+  // Claims the folder of the options. FAILED_PRECONDITION if it cannot be used as it is: of another
+  // process, with other files, or one of folder and database within the other. If its disk fails,
+  // this is logged, and later operations try again. `catalogue` must outlive the result.
+  static absl::StatusOr<std::unique_ptr<CatalogueBackups>> Open(const ServerOptions& options,
+                                                                storage::Catalogue& catalogue);
+
+  absl::StatusOr<storage::Backup> Create(const storage::BackupProgress& progress);
+  absl::StatusOr<storage::Backup> Verify(storage::BackupId id,
+                                         const storage::BackupProgress& progress);
+  absl::Status Delete(storage::BackupId id);
+  absl::Status DeleteOld(const storage::BackupRetention& retention);
+  absl::StatusOr<std::vector<storage::Backup>> List();
+  // What a restore would change in the catalogue.
+  absl::StatusOr<storage::Backup> Compare(storage::BackupId id,
+                                          const storage::BackupProgress& progress,
+                                          storage::DifferenceVisitor visit) const;
+
+  // Cancels running operations and all later ones, and returns at once.
+  void Stop() { stopped_ = true; }
+
+  // In memory; never waits for a disk.
+  v1::BackupStatus Status() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // When the newest good backup was begun.
+  std::optional<absl::Time> LastGoodTime() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  CatalogueBackups(const ServerOptions& options, storage::Catalogue& catalogue);
+  storage::BackupProgress UntilStop(const storage::BackupProgress& progress) const;
+  void Refresh() ABSL_LOCKS_EXCLUDED(mutex_);
+  void NoteFailure(const absl::Status& status, std::string_view action) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const double interval_s_;
+  storage::Catalogue& catalogue_;
+  storage::Backups backups_;
+  std::atomic<bool> stopped_ = false;
+
+  mutable absl::Mutex mutex_;
+  int count_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::optional<storage::Backup> last_good_ ABSL_GUARDED_BY(mutex_);
+  std::set<storage::BackupId> damaged_ ABSL_GUARDED_BY(mutex_);  // found by Verify()
+  std::string last_error_ ABSL_GUARDED_BY(mutex_);
+  absl::Time last_error_time_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::server

@@ -1,0 +1,65 @@
+// UploadService over the storage.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "graspdb/v1/upload_service.grpc.pb.h"
+#include "recognition/recognizer.h"
+#include "server/admission.h"
+#include "server/memory_budget.h"
+#include "server/teacher.h"
+#include "server/upload_rate.h"
+#include "storage/catalogue.h"
+#include "storage/uploads.h"
+
+namespace graspdb::server {
+
+// Dependencies of the handlers; all of them outlive the handlers.
+struct UploadContext {
+  storage::Catalogue& catalogue;
+  Admission& teaching;
+  RequestMemory& request_memory;
+  recognition::RecognitionParameters parameters;
+  TeachLimits limits;
+};
+
+// Thread-safe.
+class UploadService final : public v1::UploadService::Service {
+ public:
+  explicit UploadService(UploadContext context) : context_(std::move(context)) {}
+
+  grpc::Status CreateUpload(grpc::ServerContext* context, const v1::CreateUploadRequest* request,
+                            v1::Upload* response) override;
+  grpc::Status GetUpload(grpc::ServerContext* context, const v1::GetUploadRequest* request,
+                         v1::Upload* response) override;
+  grpc::Status ListUploads(grpc::ServerContext* context, const v1::ListUploadsRequest* request,
+                           v1::ListUploadsResponse* response) override;
+  grpc::Status ListUploadViews(grpc::ServerContext* context,
+                               const v1::ListUploadViewsRequest* request,
+                               v1::ListUploadViewsResponse* response) override;
+  using Stream =
+      grpc::ServerReaderWriter<v1::WriteUploadViewsResponse, v1::WriteUploadViewsRequest>;
+  grpc::Status WriteUploadViews(grpc::ServerContext* context, Stream* stream) override;
+  grpc::Status CommitUpload(grpc::ServerContext* context, const v1::CommitUploadRequest* request,
+                            v1::Upload* response) override;
+  grpc::Status DeleteUpload(grpc::ServerContext* context, const v1::DeleteUploadRequest* request,
+                            google::protobuf::Empty* response) override;
+
+ private:
+  storage::Uploads& uploads() { return context_.catalogue.uploads(); }
+  absl::Status Write(const v1::WriteUploadViewsRequest& request,
+                     const recognition::IsCancelled& is_cancelled,
+                     v1::WriteUploadViewsResponse* response);
+  absl::StatusOr<storage::NewView> MakeViewOf(const v1::UploadViewsRequest& request,
+                                              const recognition::IsCancelled& is_cancelled);
+  absl::StatusOr<v1::Upload> ToProto(const storage::UploadRecord& record);
+
+  UploadContext context_;
+  absl::Mutex mutex_;
+  std::map<std::string, UploadRate> rates_ ABSL_GUARDED_BY(mutex_);  // of open uploads
+};
+
+}  // namespace graspdb::server

@@ -1,0 +1,103 @@
+// Views of bulk uploads: the compute-intensive part of UploadService.
+#include <string>
+
+#include "absl/time/clock.h"
+#include "server/background.h"
+#include "server/call_guard.h"
+#include "server/errors.h"
+#include "server/handle.h"
+#include "server/request_limits.h"
+#include "server/upload_service.h"
+#include "storage/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+// Whether the view is wrong, and not the server short of something.
+bool IsErrorOfView(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ||
+         absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsOutOfRange(status);
+}
+
+// The name of the view, or an empty one.
+std::string NameOf(const v1::UploadViewsRequest& request) {
+  const auto parent = storage::ParseStablePoseName(request.parent());
+  if (!parent.ok() || !storage::ValidateResourceId(request.view_id()).ok()) return "";
+  return storage::MakeViewName(parent->object_id, parent->stable_pose_id, request.view_id());
+}
+
+}  // namespace
+
+// With the digest of the request; errors as UploadViews.
+absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
+    const v1::UploadViewsRequest& request, const recognition::IsCancelled& is_cancelled) {
+  absl::Status status = AtField("parent", storage::ParseStablePoseName(request.parent()).status());
+  status.Update(AtField("view_id", storage::ValidateResourceId(request.view_id())));
+  if (!status.ok()) return status;
+  if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
+    return pose.status();
+  }
+  const auto memory =
+      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
+  if (!memory.ok()) return memory.status();
+  const absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
+  if (!ticket.ok()) return ticket.status();
+  return MakeView(request, context_.parameters, context_.limits, is_cancelled);
+}
+
+absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
+                                  const recognition::IsCancelled& is_cancelled,
+                                  v1::WriteUploadViewsResponse* response) {
+  const auto upload = uploads().GetOpen(request.upload());
+  if (!upload.ok()) return AtField("upload", upload.status());
+  const std::string name = NameOf(request.view());
+  response->set_view(name);
+  // What is stored already is not computed again.
+  const std::string digest = UploadDigest(request.view());
+  const auto staged = uploads().DigestOf(request.upload(), name);
+  const auto stored = context_.catalogue.GetView(name);
+  if ((staged.ok() && *staged == digest) ||
+      (!upload->replace() && stored.ok() && stored->content_digest() == digest)) {
+    response->set_existing(true);
+    return absl::OkStatus();
+  }
+  absl::StatusOr<storage::NewView> view = MakeViewOf(request.view(), is_cancelled);
+  if (!view.ok()) {
+    if (!IsErrorOfView(view.status())) return view.status();
+    *response->mutable_error() = ToRpcStatus(view.status());
+    return name.empty() ? absl::OkStatus()
+                        : uploads().StageError(request.upload(), name, view.status());
+  }
+  view->record.set_name(name);
+  const auto outcome = uploads().Stage(request.upload(), *view);
+  if (absl::IsAlreadyExists(outcome.status())) {
+    *response->mutable_error() = ToRpcStatus(outcome.status());
+    return absl::OkStatus();
+  }
+  if (!outcome.ok()) return outcome.status();
+  response->set_existing(*outcome == storage::PutViewOutcome::kExisting);
+  absl::MutexLock lock(&mutex_);
+  rates_[request.upload()].Add(absl::Now());
+  return absl::OkStatus();
+}
+
+grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Stream* stream) {
+  return Handle(*context, "WriteUploadViews", [&] {
+    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    return InBackground([&]() -> absl::Status {
+      CallGuard& guard = *CallGuard::Of(*context);
+      v1::WriteUploadViewsRequest request;
+      while (stream->Read(&request)) {
+        guard.NoteResource(request.upload());
+        v1::WriteUploadViewsResponse response;
+        absl::Status status = CheckLimits(request);
+        status.Update(status.ok() ? Write(request, is_cancelled, &response) : status);
+        if (!status.ok()) return status;
+        if (!stream->Write(response)) break;
+      }
+      return is_cancelled() ? absl::CancelledError("the upload was cancelled") : absl::OkStatus();
+    });
+  });
+}
+
+}  // namespace graspdb::server

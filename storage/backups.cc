@@ -1,0 +1,207 @@
+#include "storage/backups.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "google/protobuf/util/time_util.h"
+#include "rocksdb/utilities/stackable_db.h"
+#include "storage/backup_engine.h"
+#include "storage/backup_record.h"
+#include "storage/change_log.h"
+#include "storage/database.h"
+#include "storage/operation_mark.h"
+#include "storage/restore_advice.h"
+#include "storage/rocksdb_status.h"
+
+namespace graspdb::storage {
+namespace {
+
+constexpr std::string_view kLockFile = "LOCK";
+
+// Names in a folder of backups: RocksDB's, ours, and one of new file systems.
+constexpr std::array<std::string_view, 6> kFolderNames = {
+    "meta", "private", "shared", "shared_checksum", kLockFile, "lost+found"};
+
+// RocksDB deletes files that it does not know in some of these folders.
+absl::Status CheckFolder(const std::string& directory) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (std::ranges::find(kFolderNames, name) != kFolderNames.end()) continue;
+    return absl::FailedPreconditionError("the folder " + directory + " has other files (" + name +
+                                         "); give an empty folder for the backups");
+  }
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError("the folder " + directory + " cannot be read (" + error.message() +
+                                "); check its permissions");
+}
+
+// Forwards everything to a database that it does not own; calls `captured` when the files and
+// their sizes are listed, after which changes of the database do not change the backup.
+class CapturedDatabase : public rocksdb::StackableDB {
+ public:
+  CapturedDatabase(rocksdb::DB& database, absl::FunctionRef<void()> captured)
+      : StackableDB(std::shared_ptr<rocksdb::DB>(&database, [](rocksdb::DB*) {})),
+        captured_(captured) {}
+
+  rocksdb::Status GetLiveFilesStorageInfo(
+      const rocksdb::LiveFilesStorageInfoOptions& options,
+      std::vector<rocksdb::LiveFileStorageInfo>* files) override {
+    rocksdb::Status listed = StackableDB::GetLiveFilesStorageInfo(options, files);
+    captured_();
+    return listed;
+  }
+
+ private:
+  absl::FunctionRef<void()> captured_;
+};
+
+}  // namespace
+
+Backups::Backups(std::string directory, std::int64_t bytes_per_second)
+    : directory_(std::move(directory)), bytes_per_second_(bytes_per_second) {}
+
+Backups::~Backups() {
+  if (lock_ != nullptr) rocksdb::Env::Default()->UnlockFile(lock_).PermitUncheckedError();
+}
+
+absl::Status Backups::Claim() {
+  absl::MutexLock lock(&claim_mutex_);
+  std::error_code error;
+  if (!std::filesystem::is_directory(directory_, error)) {
+    return absl::UnavailableError("there is no folder " + directory_ +
+                                  " for backups; make it, or mount its disk");
+  }
+  if (lock_ != nullptr) return absl::OkStatus();
+  if (auto ours = CheckFolder(directory_); !ours.ok()) return ours;
+  const std::string path = directory_ + "/" + std::string(kLockFile);
+  const rocksdb::Status locked = rocksdb::Env::Default()->LockFile(path, &lock_);
+  if (IsLockTaken(locked)) {
+    return absl::FailedPreconditionError("the folder " + directory_ +
+                                         " is in use by another process; stop it or choose another "
+                                         "--backup-dir");
+  }
+  if (!locked.ok()) return FromBackupEngine(locked, "make backups", directory_);
+  // Makes its folders, so that an empty folder of backups can be listed.
+  return OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default()).status();
+}
+
+absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgress& progress) {
+  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  const OperationMark mark(running_);
+  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  Database& database = *catalogue.database_;
+  const auto engine = OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv());
+  if (!engine.ok()) return engine.status();
+  // Before changes are held, since it takes longer; the logs of later ones become part of the
+  // backup.
+  if (auto flushed = database.Flush(); !flushed.ok()) return flushed;
+
+  std::int64_t bytes = 0;
+  rocksdb::CreateBackupOptions options;
+  options.progress_callback = [&] {
+    progress.Report(bytes += kBackupProgressBytes);
+    if (progress.IsCancelled()) (*engine)->StopBackup();
+  };
+  rocksdb::BackupID id = 0;
+  const auto copy = [&](const MetaRecord& meta, absl::FunctionRef<void()> release) {
+    const absl::Status cancelled = absl::CancelledError("the backup was cancelled");
+    if (progress.IsCancelled()) return cancelled;
+    BackupRecord record;
+    *record.mutable_meta() = meta;
+    *record.mutable_time() =
+        google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(absl::Now()));
+    CapturedDatabase captured(database.rocks(), release);
+    const rocksdb::Status made =
+        (*engine)->CreateNewBackupWithMetadata(options, &captured, EncodeBackupRecord(record), &id);
+    if (made.IsIncomplete()) return cancelled;
+    if (made.IsCorruption()) {
+      return absl::DataLossError("no backup was made, since the database is damaged (" +
+                                 made.ToString() + "); " + std::string(kRestoreAdvice));
+    }
+    return FromBackupEngine(made, "make a backup", directory_);
+  };
+  if (auto copied = catalogue.log_->HoldChanges(copy); !copied.ok()) return copied;
+  const auto info = FindBackup(**engine, id, directory_);
+  if (!info.ok()) return info.status();
+  return DescribeBackup(*info, directory_);
+}
+
+absl::StatusOr<std::vector<Backup>> Backups::List() const {
+  absl::MutexLock lock(&listing_mutex_);
+  return ListLocked();
+}
+
+absl::StatusOr<std::vector<Backup>> Backups::ListLocked() const {
+  const auto engine = OpenToRead(directory_, nullptr);
+  if (!engine.ok()) return engine.status();
+  std::vector<rocksdb::BackupInfo> infos;
+  (*engine)->GetBackupInfo(&infos);
+  std::vector<Backup> backups;
+  backups.reserve(infos.size());
+  for (const rocksdb::BackupInfo& info : infos) backups.push_back(DescribeBackup(info, directory_));
+  std::vector<rocksdb::BackupID> damaged;
+  (*engine)->GetCorruptedBackups(&damaged);
+  for (const rocksdb::BackupID id : damaged) {
+    Backup& backup = backups.emplace_back();
+    backup.id = id;
+    backup.state = FindBackup(**engine, id, directory_).status();
+  }
+  std::ranges::sort(backups, {}, &Backup::id);
+  return backups;
+}
+
+absl::Status Backups::Delete(BackupId id) {
+  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  const OperationMark mark(running_);
+  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  absl::MutexLock lock(&listing_mutex_);
+  const auto existing = ListLocked();
+  if (!existing.ok()) return existing.status();
+  if (std::ranges::find(*existing, id, &Backup::id) == existing->end()) {
+    return NoBackup(id, directory_);
+  }
+  return DeleteLocked({id});
+}
+
+absl::StatusOr<std::vector<BackupId>> Backups::DeleteOld(const BackupRetention& retention,
+                                                         absl::Time now) {
+  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  const OperationMark mark(running_);
+  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  absl::MutexLock lock(&listing_mutex_);
+  const auto existing = ListLocked();
+  if (!existing.ok()) return existing.status();
+  std::vector<BackupId> old;
+  std::int64_t newer = 0;  // intact ones
+  for (auto backup = existing->rbegin(); backup != existing->rend(); ++backup) {
+    if (!backup->state.ok()) continue;
+    const absl::Duration age =
+        now - absl::FromUnixNanos(
+                  google::protobuf::util::TimeUtil::TimestampToNanoseconds(backup->record.time()));
+    if (newer > 0 && (newer >= retention.count || age > retention.max_age)) {
+      old.push_back(backup->id);
+    }
+    ++newer;
+  }
+  if (auto deleted = DeleteLocked(old); !deleted.ok()) return deleted;
+  return old;
+}
+
+absl::Status Backups::DeleteLocked(const std::vector<BackupId>& ids) {
+  const auto engine = OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default());
+  if (!engine.ok()) return engine.status();
+  for (const BackupId id : ids) {
+    const absl::Status deleted = FromBackupEngine(
+        (*engine)->DeleteBackup(id), "delete backup " + std::to_string(id), directory_);
+    if (!deleted.ok()) return deleted;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::storage

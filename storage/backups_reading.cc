@@ -1,0 +1,155 @@
+// Backups: the functions that read a backup's contents.
+#include <memory>
+#include <utility>
+
+#include "storage/backup_engine.h"
+#include "storage/backups.h"
+#include "storage/database.h"
+#include "storage/database_directory.h"
+#include "storage/difference.h"
+#include "storage/log_check.h"
+#include "storage/operation_mark.h"
+#include "storage/restore_folder.h"
+#include "storage/revision_floor.h"
+#include "storage/schema.h"
+#include "storage/watched_reads.h"
+
+namespace graspdb::storage {
+namespace {
+
+absl::Status Cancelled() { return absl::CancelledError("cancelled; nothing was changed"); }
+
+// A backup that is open for reading.
+struct OpenBackup {
+  std::unique_ptr<rocksdb::Env> files;  // used by the engine
+  std::unique_ptr<rocksdb::BackupEngineReadOnly> engine;
+  rocksdb::BackupInfo info;
+  Backup backup;
+};
+
+absl::StatusOr<OpenBackup> OpenBackupToRead(BackupId id, const std::string& directory,
+                                            const BackupProgress& progress) {
+  OpenBackup out;
+  out.files = WatchReads(progress);
+  auto engine = OpenToRead(directory, out.files.get());
+  if (!engine.ok()) return progress.IsCancelled() ? Cancelled() : engine.status();
+  out.engine = *std::move(engine);
+  auto info = FindBackup(*out.engine, id, directory);
+  if (!info.ok()) return info.status();
+  out.info = *std::move(info);
+  out.backup = DescribeBackup(out.info, directory);
+  const int version = out.backup.record.meta().schema_version();
+  if (version <= kSchemaVersion) return out;
+  return absl::FailedPreconditionError(
+      "backup " + std::to_string(id) + " in " + directory + " has schema version " +
+      std::to_string(version) + "; this program supports up to " + std::to_string(kSchemaVersion) +
+      "; use the newer program that made it");
+}
+
+// The status of reading all bytes of a backup.
+absl::Status ReadStatus(const rocksdb::Status& status, const OpenBackup& open,
+                        const std::string& directory, const std::string& action,
+                        const BackupProgress& progress) {
+  if (status.ok()) return absl::OkStatus();
+  if (progress.IsCancelled()) return Cancelled();
+  if (status.IsCorruption() || status.IsNotFound() || status.IsPathNotFound()) {
+    return DamagedBackup(open.backup.id, directory, status.ToString());
+  }
+  return FromBackupEngine(status, action + " backup " + std::to_string(open.backup.id), directory);
+}
+
+// The database in a backup.
+absl::StatusOr<std::unique_ptr<Database>> OpenContent(const OpenBackup& open) {
+  return Database::OpenReadOnly(open.info.name_for_open, open.info.env_for_open.get());
+}
+
+// Whether a database has the revision that the backup's record names.
+absl::Status CheckContent(const absl::StatusOr<std::unique_ptr<Database>>& database,
+                          const OpenBackup& open, const std::string& directory) {
+  if (!database.ok()) {
+    return DamagedBackup(open.backup.id, directory, std::string(database.status().message()));
+  }
+  const auto meta = ReadMeta(**database);
+  if (!meta.ok()) {
+    return DamagedBackup(open.backup.id, directory, std::string(meta.status().message()));
+  }
+  if (meta->SerializeAsString() == open.backup.record.meta().SerializeAsString()) {
+    return absl::OkStatus();
+  }
+  return DamagedBackup(open.backup.id, directory,
+                       "it has revision " + std::to_string(meta->revision()) + " and not " +
+                           std::to_string(open.backup.record.meta().revision()));
+}
+
+}  // namespace
+
+absl::StatusOr<Backup> Backups::Verify(BackupId id, const BackupProgress& progress) const {
+  const OperationMark mark(running_);
+  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+  absl::Status status = ReadStatus(verified, *open, directory_, "verify", progress);
+  if (!status.ok()) return status;
+  status = CheckContent(OpenContent(*open), *open, directory_);
+  if (status.ok()) return open->backup;
+  return progress.IsCancelled() ? Cancelled() : status;
+}
+
+absl::StatusOr<Backup> Backups::Restore(BackupId id, const std::string& database,
+                                        const BackupProgress& progress) const {
+  const auto folder = RestoreFolder::Make(database);
+  if (!folder.ok()) return folder.status();
+  const std::string path = (*folder)->path();
+  // Ends before the folder, into which its threads write.
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  rocksdb::Status copied =
+      open->engine->RestoreDBFromBackup(rocksdb::RestoreOptions(), id, path, path);
+  // The error of a restore does not name the damaged file, that of a verification does.
+  if (copied.IsCorruption()) {
+    const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+    if (verified.IsCorruption()) copied = verified;
+  }
+  absl::Status status = ReadStatus(copied, *open, directory_, "restore", progress);
+  if (status.ok()) status = CheckLogs(path);
+  if (status.ok()) status = CheckContent(Database::OpenReadOnly(path, nullptr), *open, directory_);
+  if (status.ok()) status = WriteRevisionFloor(path, open->backup.record.meta().revision());
+  if (status.ok()) status = (*folder)->Publish();
+  if (!status.ok()) return status;
+  return open->backup;
+}
+
+absl::StatusOr<Backup> Backups::Compare(BackupId id, const Catalogue& catalogue,
+                                        const BackupProgress& progress,
+                                        DifferenceVisitor visit) const {
+  const Database::Snapshot snapshot = catalogue.database_->TakeSnapshot();
+  return CompareWith({*catalogue.database_, snapshot.get()}, id, progress, visit);
+}
+
+absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database,
+                                        const BackupProgress& progress,
+                                        DifferenceVisitor visit) const {
+  const auto found = InspectDirectory(database);
+  if (!found.ok()) return found.status();
+  if (*found == DirectoryContent::kNothing) {
+    return absl::NotFoundError("there is no database at " + database);
+  }
+  const auto there = Database::OpenReadOnly(database, nullptr);
+  if (!there.ok()) return there.status();
+  return CompareWith({**there}, id, progress, visit);
+}
+
+absl::StatusOr<Backup> Backups::CompareWith(const DatabaseState& there, BackupId id,
+                                            const BackupProgress& progress,
+                                            DifferenceVisitor visit) const {
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  const auto content = OpenContent(*open);
+  absl::Status status = content.status();
+  if (status.ok()) status = FindDifferences(there, {**content}, progress, visit);
+  if (status.ok()) return open->backup;
+  return progress.IsCancelled() ? Cancelled() : status;
+}
+
+}  // namespace graspdb::storage

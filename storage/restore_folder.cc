@@ -1,0 +1,103 @@
+#include "storage/restore_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+namespace graspdb::storage {
+namespace {
+
+constexpr std::string_view kPrefix = ".graspdb-restoring-";
+
+absl::Status CannotRestore(const std::filesystem::path& database, const std::string& reason) {
+  return absl::UnavailableError("cannot restore to " + database.string() + " (" + reason +
+                                "); check the disk and the permissions of its parent");
+}
+
+absl::Status CheckEmpty(const std::filesystem::path& database) {
+  std::error_code error;
+  if (!std::filesystem::exists(database, error) && !error) return absl::OkStatus();
+  const bool is_empty =
+      std::filesystem::is_directory(database, error) && std::filesystem::is_empty(database, error);
+  if (error) return CannotRestore(database, error.message());
+  if (is_empty) return absl::OkStatus();
+  return absl::FailedPreconditionError(database.string() +
+                                       " is not empty; restore to a new folder, or move the old "
+                                       "database away first");
+}
+
+absl::Status SyncFolder(const std::filesystem::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const int error = errno;
+  if (descriptor >= 0) close(descriptor);
+  return synced ? absl::OkStatus() : CannotRestore(folder, std::strerror(error));
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<RestoreFolder>> RestoreFolder::Make(const std::string& database) {
+  std::error_code error;
+  std::filesystem::path target =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(database, error), error);
+  if (!error && !target.has_filename()) target = target.parent_path();  // "db/"
+  if (!error) std::filesystem::create_directories(target.parent_path(), error);
+  if (error) return CannotRestore(database, error.message());
+  if (auto empty = CheckEmpty(target); !empty.ok()) return empty;
+
+  const std::filesystem::path path =
+      target.parent_path() / (std::string(kPrefix) + target.filename().string());
+  std::unique_ptr<RestoreFolder> folder(new RestoreFolder(target, path));
+  if (auto locked = folder->Lock(); !locked.ok()) return locked;
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::filesystem::remove_all(entry->path(), error);
+  }
+  if (error) return CannotRestore(target, error.message());
+  return folder;
+}
+
+absl::Status RestoreFolder::Lock() {
+  std::error_code error;
+  std::filesystem::create_directory(path_, error);
+  if (error) return CannotRestore(database_, error.message());
+  const int folder = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return CannotRestore(database_, std::strerror(errno));
+  // Another restore may have published this folder since it was opened: then it is its database.
+  struct stat opened {};
+  struct stat named {};
+  const bool is_locked = flock(folder, LOCK_EX | LOCK_NB) == 0 && fstat(folder, &opened) == 0 &&
+                         stat(path_.c_str(), &named) == 0 && opened.st_ino == named.st_ino;
+  if (is_locked) {
+    folder_ = folder;
+    return absl::OkStatus();
+  }
+  close(folder);
+  return absl::FailedPreconditionError("another restore to " + database_.string() +
+                                       " is running; wait for its end");
+}
+
+RestoreFolder::~RestoreFolder() {
+  if (folder_ < 0) return;
+  std::error_code error;
+  std::filesystem::remove_all(path_, error);  // the next restore empties it otherwise
+  close(folder_);
+}
+
+absl::Status RestoreFolder::Publish() {
+  if (auto synced = SyncFolder(path_); !synced.ok()) return synced;
+  if (std::rename(path_.c_str(), database_.c_str()) != 0) {
+    return CannotRestore(database_, std::strerror(errno));
+  }
+  close(std::exchange(folder_, -1));
+  return SyncFolder(database_.parent_path());
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,126 @@
+#include "storage/upload_commit.h"
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "storage/cloud_key.h"
+#include "storage/record_kind.h"
+
+namespace graspdb::storage {
+namespace {
+
+class Commit {
+ public:
+  Commit(const Database& database, bool skip_failed, UploadRecord* upload, ChangeBatch& batch)
+      : database_(database), skip_failed_(skip_failed), upload_(*upload), batch_(batch) {}
+
+  absl::Status Run() {
+    const std::string prefix = StagedKey(upload_, "");
+    const absl::Status scanned = database_.Scan(
+        Family::kStagedViews, prefix, "",
+        [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+          const std::string name(key.substr(prefix.size()));
+          if (absl::Status added = Add(name, value); !added.ok()) return added;
+          if (auto removed = database_.Delete(Family::kStagedViews, key, batch_.rocks());
+              !removed.ok()) {
+            return removed;
+          }
+          return true;
+        });
+    if (!scanned.ok()) return scanned;
+    upload_.set_commit_revision(batch_.meta().revision());
+    *upload_.mutable_commit_time() = batch_.time();
+    return database_.Put(Family::kUploads, upload_.name(), upload_.SerializeAsString(),
+                         batch_.rocks());
+  }
+
+ private:
+  absl::Status Add(const std::string& name, std::string_view value) {
+    StagedViewRecord staged;
+    if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+      return DamagedRecord(StagedKey(upload_, name));
+    }
+    if (staged.has_error()) return Fail(name, staged.error().message());
+    ViewRecord& view = *staged.mutable_view();
+    auto parent = HasParent(name);
+    if (!parent.ok()) return parent.status();
+    if (!*parent) return Drop(name, "its stable pose does not exist any more");
+    const auto stored = ReadRecord<ViewRecord>(database_, name);
+    if (!stored.ok() && !absl::IsNotFound(stored.status())) return stored.status();
+    if (stored.ok() && !upload_.replace() && stored->content_digest() == view.content_digest()) {
+      upload_.set_existing_count(upload_.existing_count() + 1);
+      return RemoveCloud(name);
+    }
+    if (stored.ok() && !upload_.replace()) {
+      return Drop(name, "the catalogue has a view of that name with other content");
+    }
+    Publish(name, stored.ok() ? &*stored : nullptr, &view);
+    return absl::OkStatus();
+  }
+
+  void Publish(const std::string& name, const ViewRecord* replaced, ViewRecord* view) {
+    if (batch_.changes().empty()) batch_.Begin();
+    *view->mutable_create_time() = batch_.time();
+    view->set_cloud_key(StagedKey(upload_, name));
+    if (replaced != nullptr) {
+      batch_.Remove(Family::kClouds, CloudKeyOf(*replaced));
+      batch_.Overwrite(Family::kViews, name, view->SerializeAsString());
+      upload_.set_replaced_count(upload_.replaced_count() + 1);
+    } else {
+      batch_.Insert(Family::kViews, name, view->SerializeAsString());
+      upload_.set_created_count(upload_.created_count() + 1);
+    }
+    batch_.NoteStoredCloud(view->cloud_key());
+  }
+
+  absl::StatusOr<bool> HasParent(const std::string& name) {
+    const auto parent = Kind<ViewRecord>::ParentOf(name);
+    if (!parent.ok()) return parent.status();
+    const auto [at, is_new] = parents_.try_emplace(parent->name, false);
+    if (is_new) {
+      const auto there = database_.Contains(parent->family, parent->name);
+      if (!there.ok()) return there;
+      at->second = *there;
+    }
+    return at->second;
+  }
+
+  // Leaves out a view that is staged.
+  absl::Status Drop(const std::string& name, const std::string& why) {
+    absl::Status failed = Fail(name, why);
+    return failed.ok() ? RemoveCloud(name) : failed;
+  }
+
+  absl::Status Fail(const std::string& name, const std::string& why) {
+    upload_.set_failed_count(upload_.failed_count() + 1);
+    if (skip_failed_) return absl::OkStatus();
+    return absl::FailedPreconditionError(
+        upload_.name() + " cannot be committed as a whole: " + name + ": " + why +
+        "; list its failed views, send them again or commit without them");
+  }
+
+  // Not in the change record: no reader ever got it.
+  absl::Status RemoveCloud(const std::string& name) {
+    return database_.Delete(Family::kClouds, StagedKey(upload_, name), batch_.rocks());
+  }
+
+  const Database& database_;
+  const bool skip_failed_;
+  UploadRecord& upload_;
+  ChangeBatch& batch_;
+  std::map<std::string, bool> parents_;  // whether a stable pose exists
+};
+
+}  // namespace
+
+std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
+  return upload.staging_prefix() + "/" + std::string(view_name);
+}
+
+absl::Status AddCommit(const Database& database, bool skip_failed, UploadRecord* upload,
+                       ChangeBatch& batch) {
+  return Commit(database, skip_failed, upload, batch).Run();
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,19 @@
+// The change that publishes the views of an upload. Internal to storage/.
+#pragma once
+
+#include "absl/status/status.h"
+#include "storage/change_batch.h"
+#include "storage/database.h"
+#include "storage/records.pb.h"
+
+namespace graspdb::storage {
+
+// Key of a view of `upload` in the families `staged_views` and `clouds`.
+std::string StagedKey(const UploadRecord& upload, std::string_view view_name);
+
+// Adds the change to `batch`, as documented at Uploads::Commit(), and fills in the counts and the
+// revision of `upload`.
+absl::Status AddCommit(const Database& database, bool skip_failed, UploadRecord* upload,
+                       ChangeBatch& batch);
+
+}  // namespace graspdb::storage

@@ -1,0 +1,108 @@
+// Bulk uploads: views that are stored one by one, and become part of the catalogue together.
+//
+// The views of an upload are durable as soon as they are staged, and no reader of the catalogue
+// gets them before Commit(). Staging is no change of the catalogue: it has no revision and no
+// change record. docs/adr/0029-bulk-uploads-are-staged-in-the-database.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "storage/catalogue.h"
+#include "storage/records.pb.h"
+
+namespace graspdb::storage {
+
+// Uploads that are not committed. Doubled, so many more may lie forgotten on the disk.
+inline constexpr std::size_t kMaxOpenUploads = 64;
+// Views of one upload. Commit() has all their records, about 2 KB each, in memory, twice.
+inline constexpr std::size_t kMaxStagedViews = 100'000;
+
+struct StagedCounts {
+  std::int64_t views = 0;
+  std::int64_t errors = 0;  // views that cannot be taught
+};
+
+// A view of an upload in lists.
+struct StagedItem {
+  std::string view_name;
+  absl::Status error;  // OK for a view that can be taught
+
+  const std::string& name() const { return view_name; }
+};
+
+// Thread-safe. Errors of the disk as in Catalogue.
+class Uploads {
+ public:
+  // Both must outlive this.
+  Uploads(Database& database, ChangeLog& log) : database_(database), log_(log) {}
+
+  // Creates an upload. The fields name, replace and expected_view_count of `wanted` are used.
+  // ALREADY_EXISTS; RESOURCE_EXHAUSTED with kMaxOpenUploads.
+  absl::StatusOr<UploadRecord> Create(const UploadRecord& wanted, absl::Time now);
+  // NOT_FOUND.
+  absl::StatusOr<UploadRecord> Get(std::string_view name) const;
+  absl::StatusOr<Page<UploadRecord>> List(std::size_t page_size, std::string_view after_name) const;
+  // Of an upload that is not committed; of a committed one zero. The first call after the start is
+  // linear in its views.
+  absl::StatusOr<StagedCounts> CountsOf(const UploadRecord& upload);
+  // The views of an upload that is not committed, by name.
+  absl::StatusOr<Page<StagedItem>> ListItems(const UploadRecord& upload, std::size_t page_size,
+                                             std::string_view after_name) const;
+
+  // An upload that can get views. NOT_FOUND; FAILED_PRECONDITION for a committed upload. Reads no
+  // disk but for the first time.
+  absl::StatusOr<UploadRecord> GetOpen(std::string_view name);
+
+  // Stores a view durably; concurrent calls share a write to the disk. A view that was staged with
+  // the same content is kExisting, with other content ALREADY_EXISTS. FAILED_PRECONDITION for a
+  // committed upload, RESOURCE_EXHAUSTED with kMaxStagedViews.
+  absl::StatusOr<PutViewOutcome> Stage(std::string_view upload, const NewView& view);
+  // Stores the reason why a view cannot be taught, unless it is staged. Staging it later replaces
+  // the reason.
+  absl::Status StageError(std::string_view upload, std::string_view view_name,
+                          const absl::Status& error);
+  // The digest of a staged view; NOT_FOUND without one.
+  absl::StatusOr<std::string> DigestOf(std::string_view upload, std::string_view view_name);
+
+  // Publishes all views in one change with one revision, and returns the record with its counts.
+  // A committed upload is returned as it is. FAILED_PRECONDITION, with nothing changed, when a view
+  // cannot be taught, its stable pose is gone, or its name is taken by other content and the upload
+  // does not replace; with `skip_failed` these views are left out. Other writers wait meanwhile: in
+  // the order of 10 us for each view.
+  absl::StatusOr<UploadRecord> Commit(std::string_view name, bool skip_failed);
+  // Deletes an upload with its views unless it is committed, then only its record.
+  absl::Status Delete(std::string_view name);
+  // Deletes the uploads that were created before `open_limit` if they are not committed, and before
+  // `committed_limit` if they are. Returns the names of the former.
+  absl::StatusOr<std::vector<std::string>> DeleteOlderThan(absl::Time open_limit,
+                                                           absl::Time committed_limit);
+
+ private:
+  // The views of an open upload, by name, so that each is stored once.
+  struct Open;
+  using OpenUpload = std::shared_ptr<Open>;
+
+  absl::StatusOr<OpenUpload> OpenOf(std::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status Write(Open& open, const std::string& view_name, const StagedViewRecord& record,
+                     const std::string* packed_cloud);
+  // Of an upload whose `in_use` is locked.
+  void End(std::string_view name, Open& open) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  Database& database_;
+  ChangeLog& log_;
+  absl::Mutex mutex_;
+  std::map<std::string, OpenUpload, std::less<>> open_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace graspdb::storage

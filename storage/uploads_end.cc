@@ -1,0 +1,83 @@
+// The end of an upload: its views become part of the catalogue, or are deleted.
+#include <utility>
+
+#include "google/protobuf/util/time_util.h"
+#include "storage/change_log.h"
+#include "storage/database.h"
+#include "storage/open_upload.h"
+#include "storage/record_list.h"
+#include "storage/upload_commit.h"
+#include "storage/uploads.h"
+
+namespace graspdb::storage {
+
+absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_failed) {
+  auto record = Get(name);
+  if (!record.ok() || record->has_commit_time()) return record;
+  const auto open = OpenOf(name);
+  if (!open.ok()) return open.status();
+  absl::MutexLock use(&(*open)->in_use);
+  // Another call may have committed it.
+  record = Get(name);
+  if (!record.ok() || record->has_commit_time()) return record;
+  const absl::Status committed = log_.Mutate([&](ChangeBatch& batch) {
+    absl::Status added = AddCommit(database_, skip_failed, &*record, batch);
+    // Without a change of the catalogue the batch is not written by the log.
+    return added.ok() && batch.changes().empty() ? database_.Write(batch.rocks()) : added;
+  });
+  if (!committed.ok()) return committed;
+  End(name, **open);
+  return record;
+}
+
+absl::Status Uploads::Delete(std::string_view name) {
+  auto record = Get(name);
+  if (!record.ok()) return record.status();
+  OpenUpload open;
+  if (!record->has_commit_time()) {
+    auto found = OpenOf(name);
+    if (!found.ok()) return found.status();
+    open = *std::move(found);
+  }
+  rocksdb::WriteBatch batch;
+  absl::Status status = database_.Delete(Family::kUploads, name, batch);
+  if (open == nullptr) return status.ok() ? database_.Write(batch) : status;
+  absl::MutexLock use(&open->in_use);
+  if (open->ended) return absl::AbortedError(std::string(name) + " was committed meanwhile");
+  const std::string prefix = StagedKey(*record, "");
+  for (const Family family : {Family::kStagedViews, Family::kClouds}) {
+    status.Update(database_.DeletePrefix(family, prefix, batch));
+  }
+  if (status.ok()) status = database_.Write(batch);
+  if (status.ok()) End(name, *open);
+  return status;
+}
+
+void Uploads::End(std::string_view name, Open& open) {
+  open.ended = true;
+  absl::MutexLock lock(&mutex_);
+  open_.erase(std::string(name));
+}
+
+absl::StatusOr<std::vector<std::string>> Uploads::DeleteOlderThan(absl::Time open_limit,
+                                                                  absl::Time committed_limit) {
+  std::vector<UploadRecord> old;
+  absl::Status status =
+      VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& upload) {
+        const absl::Time created = absl::FromUnixNanos(
+            google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
+        if (created < (upload.has_commit_time() ? committed_limit : open_limit)) {
+          old.push_back(upload);
+        }
+        return absl::OkStatus();
+      });
+  if (!status.ok()) return status;
+  std::vector<std::string> abandoned;
+  for (const UploadRecord& upload : old) {
+    if (status = Delete(upload.name()); !status.ok()) return status;
+    if (!upload.has_commit_time()) abandoned.push_back(upload.name());
+  }
+  return abandoned;
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,117 @@
+// Findings of `graspdb doctor`.
+#include "client/cli/objects/doctor_checks.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/time_util.h>
+
+#include "absl/time/clock.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+MATCHER_P2(Finds, severity, words, "") {
+  return arg.severity == severity && arg.text.find(words) != std::string::npos;
+}
+
+v1::CatalogStatus GoodStatus() {
+  v1::CatalogStatus status;
+  status.set_server_version("1.2.3");
+  status.set_view_count(10);
+  return status;
+}
+
+v1::StablePose GoodPose() {
+  v1::StablePose pose;
+  pose.set_name("objects/mug/stablePoses/upright");
+  pose.add_grasps()->set_gripper_opening_m(0.05);
+  return pose;
+}
+
+void SetBox(double half, double x, v1::AxisAlignedBox* box) {
+  for (auto [corner, sign] : {std::pair(box->mutable_min(), -1), {box->mutable_max(), 1}}) {
+    corner->set_x(x + sign * half);
+    corner->set_y(sign * half);
+    corner->set_z(sign * half);
+  }
+}
+
+v1::Cell GoodCell() {
+  v1::Cell cell;
+  cell.set_name("cells/press-3");
+  cell.mutable_sensor_pose()->mutable_position()->set_z(0.8);
+  SetBox(0.3, 0, cell.mutable_region_of_interest());
+  SetBox(0.5, 0, cell.mutable_workspace());
+  return cell;
+}
+
+TEST(DoctorChecks, NothingIsWrongWithAGoodCatalogue) {
+  Findings out;
+  CheckServer(GoodStatus(), "1.2.3", &out);
+  CheckObject(v1::Object(), {GoodPose()}, &out);
+  CheckStablePose(GoodPose(), 12, &out);
+  CheckCell(GoodCell(), &out);
+  CheckUpload(v1::Upload(), absl::Now(), &out);
+  EXPECT_THAT(out, IsEmpty());
+}
+
+TEST(DoctorChecks, ServerWithAnotherVersionAndRecordsThatCannotBeUsed) {
+  v1::CatalogStatus status = GoodStatus();
+  status.set_left_out_record_count(2);
+  status.mutable_memory()->set_refused_request_count(7);
+  status.set_view_count(0);
+  Findings out;
+  CheckServer(status, "1.2.4", &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "1.2.3"), Finds(Severity::kError, "2 rec"),
+                               Finds(Severity::kWarning, "7 requests"),
+                               Finds(Severity::kWarning, "empty")));
+}
+
+TEST(DoctorChecks, StablePosesThatAreNeverRecognized) {
+  Findings out;
+  CheckObject(v1::Object(), {}, &out);
+  v1::StablePose pose = GoodPose();
+  pose.clear_grasps();
+  CheckStablePose(pose, 0, &out);
+  CheckStablePose(GoodPose(), 3, &out);
+  pose = GoodPose();
+  pose.set_symmetry_order(0);
+  CheckStablePose(pose, 1, &out);
+  EXPECT_THAT(
+      out, ElementsAre(Finds(Severity::kWarning, "no stable pose"),
+                       Finds(Severity::kWarning, "no views"), Finds(Severity::kAdvice, "no grasps"),
+                       Finds(Severity::kAdvice, "only 3 views")));
+}
+
+TEST(DoctorChecks, CellsWithoutCalibrationOrInMillimetres) {
+  Findings out;
+  CheckCell(v1::Cell(), &out);
+  v1::Cell cell = GoodCell();
+  SetBox(300, 0, cell.mutable_region_of_interest());
+  CheckCell(cell, &out);
+  cell = GoodCell();
+  SetBox(0.2, 2, cell.mutable_workspace());
+  CheckCell(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "no calibration"),
+                               Finds(Severity::kWarning, "no region"),
+                               Finds(Severity::kError, "not millimetres"),
+                               Finds(Severity::kError, "do not overlap")));
+}
+
+TEST(DoctorChecks, ForgottenUploads) {
+  const absl::Time now = absl::FromUnixSeconds(1'800'000'000);
+  v1::Upload upload;
+  upload.set_state(v1::UPLOAD_STATE_OPEN);
+  *upload.mutable_create_time() = google::protobuf::util::TimeUtil::SecondsToTimestamp(
+      absl::ToUnixSeconds(now - absl::Hours(30)));
+  Findings out;
+  CheckUpload(upload, now - absl::Hours(20), &out);
+  EXPECT_THAT(out, IsEmpty());
+  CheckUpload(upload, now, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kAdvice, "uploads delete")));
+}
+
+}  // namespace
+}  // namespace graspdb::client

@@ -1,0 +1,60 @@
+#include "program/pem_files.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/certificates.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOk;
+using testing::StatusIs;
+
+constexpr auto kFailed = absl::StatusCode::kFailedPrecondition;
+
+class PemFilesTest : public ::testing::Test {
+ protected:
+  PemFile File(const std::string& flag, const std::string& text) {
+    return {flag, folder_.Write(flag, text)};
+  }
+  absl::Status Check(const testing::KeyPair& pair) {
+    return CheckKeyPair(File("--cert", pair.certificate), File("--key", pair.key));
+  }
+
+  const client::TemporaryFolder folder_;
+  const testing::Authority authority_{"plant"};
+};
+
+TEST_F(PemFilesTest, AValidPairIsAccepted) {
+  EXPECT_THAT(Check(authority_.IssueForLoopback()), IsOk());
+  EXPECT_THAT(CheckCertificates(File("--ca", authority_.certificate())), IsOk());
+}
+
+TEST_F(PemFilesTest, CertificateAndKeyMayBeInOneFile) {
+  const testing::KeyPair pair = authority_.IssueForLoopback();
+  EXPECT_THAT(Check({pair.key + pair.certificate, pair.key + pair.certificate}), IsOk());
+}
+
+TEST_F(PemFilesTest, AnExpiredCertificateIsRejectedWithItsDate) {
+  EXPECT_THAT(Check(authority_.IssueForLoopback(-60)),
+              StatusIs(kFailed, ::testing::ContainsRegex("--cert .* expired on 20.* UTC; renew")));
+}
+
+TEST_F(PemFilesTest, AnotherKeyIsRejected) {
+  EXPECT_THAT(Check({authority_.IssueForLoopback().certificate, authority_.IssueForLoopback().key}),
+              StatusIs(kFailed, HasSubstr("is not the key of --cert")));
+}
+
+TEST_F(PemFilesTest, FilesWithoutCertificateOrKeyAreRejected) {
+  const testing::KeyPair pair = authority_.IssueForLoopback();
+  EXPECT_THAT(Check({"", pair.key}), StatusIs(kFailed, HasSubstr("has no certificate")));
+  EXPECT_THAT(Check({pair.certificate, pair.certificate}), StatusIs(kFailed, HasSubstr("--key")));
+  EXPECT_THAT(CheckCertificates({"--ca", "/nonexistent"}),
+              StatusIs(kFailed, HasSubstr("--ca /nonexistent cannot be read")));
+}
+
+}  // namespace
+}  // namespace graspdb

@@ -1,0 +1,134 @@
+// The audit log of a server.
+#include <gmock/gmock.h>
+
+#include "absl/time/clock.h"
+#include "server/access/audit_log.h"
+#include "tests/server/access_fixture.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+class AuditTest : public AccessTest {};
+
+TEST_F(AuditTest, ChangesAreRecordedWithCallerResourceAndRevision) {
+  token_ = Add("teacher", {v1::ROLE_TEACH, v1::ROLE_READ});
+  const std::size_t before = Audited().size();
+  Declare("flange");
+  ASSERT_THAT(Upload({ViewOf("flange", 0, "a")}), IsGrpcOk());
+  v1::DeleteObjectRequest deletion;
+  deletion.set_name("objects/flange");
+  EXPECT_FALSE(Call(&Catalog::DeleteObject, deletion).ok());  // it has a stable pose
+  std::vector<v1::AuditRecord> records = Audited();
+  records.erase(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(before));
+  ASSERT_THAT(records, SizeIs(4));
+  std::vector<std::string> methods;
+  std::vector<std::string> codes;
+  for (const v1::AuditRecord& record : records) {
+    EXPECT_EQ(record.identity(), "teacher");
+    EXPECT_EQ(record.peer(), "unknown");  // in this process
+    EXPECT_LT(std::abs(record.time().seconds() - absl::ToUnixSeconds(absl::Now())), 600);
+    methods.push_back(record.method());
+    codes.push_back(record.code());
+  }
+  EXPECT_THAT(methods, ElementsAre("graspdb.v1.CatalogService.CreateObject",
+                                   "graspdb.v1.CatalogService.CreateStablePose",
+                                   "graspdb.v1.CatalogService.UploadViews",
+                                   "graspdb.v1.CatalogService.DeleteObject"));
+  EXPECT_THAT(codes, ElementsAre("OK", "OK", "OK", "FAILED_PRECONDITION"));
+  EXPECT_THAT(records[0].resources(), ElementsAre("objects/flange"));
+  EXPECT_THAT(records[1].resources(), ElementsAre("objects/flange/stablePoses/flat"));
+  EXPECT_THAT(records[2].resources(), ElementsAre("objects/flange/stablePoses/flat"));
+  EXPECT_EQ(records[0].catalog_revision() + 2, records[2].catalog_revision());
+  EXPECT_EQ(records[2].catalog_revision(), Status().catalog_revision());
+  EXPECT_THAT(records[3].error(), HasSubstr("force"));
+}
+
+TEST_F(AuditTest, ReadsAreNotRecordedButTheirRefusalsAre) {
+  EXPECT_THAT(StatusAs(token_), IsGrpcOk());
+  EXPECT_THAT(Audited(), IsEmpty());
+  EXPECT_FALSE(StatusAs("graspdb_wrong").ok());
+  const std::vector<v1::AuditRecord> records = Audited();
+  ASSERT_THAT(records, SizeIs(1));
+  EXPECT_EQ(records[0].code(), "UNAUTHENTICATED");
+  EXPECT_EQ(records[0].identity(), "");
+  EXPECT_EQ(records[0].method(), "graspdb.v1.CatalogService.GetCatalogStatus");
+}
+
+TEST_F(AuditTest, TheOutcomesOfGraspsAreRecorded) {
+  Declare("flange");
+  const std::size_t before = Audited().size();
+  v1::ReportGraspOutcomeRequest report;
+  report.set_name(FlatPoseOf("flange"));
+  report.set_grasp_id(Part("flange").grasps.front().grasp_id());
+  report.set_outcome(v1::GRASP_OUTCOME_PICKED);
+  EXPECT_THAT(Call(&Catalog::ReportGraspOutcome, report), IsGrpcOk());
+  ASSERT_EQ(Audited().size(), before + 1);
+  EXPECT_THAT(Audited().back().resources(), ElementsAre(FlatPoseOf("flange")));
+}
+
+TEST_F(AuditTest, TextOfCallersIsEscapedAndBounded) {
+  v1::DeleteObjectRequest deletion;
+  deletion.set_name("objects/x\"}\n{\"identity\":\"forged\xe2\x80\xa8" + std::string(100'000, 'y'));
+  EXPECT_FALSE(Call(&Catalog::DeleteObject, deletion).ok());
+  const std::string text = audit_text();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+  EXPECT_LT(text.size(), 2000U);
+  ASSERT_THAT(Audited(), SizeIs(1));
+  EXPECT_EQ(Audited()[0].identity(), "admin");
+  EXPECT_THAT(Audited()[0].resources(0), AllOf(StartsWith("objects/x\"}\n{"), EndsWith("...")));
+  EXPECT_EQ(Audited()[0].resources(0).size(), 256U);
+}
+
+TEST_F(AuditTest, TokensAreNotInIt) {
+  const std::string reader = Add("reader", {v1::ROLE_READ});
+  token_ = reader;
+  EXPECT_FALSE(CreateObject("mug").ok());
+  token_ = "graspdb_of-another-server";
+  EXPECT_FALSE(CreateObject("mug").ok());
+  EXPECT_THAT(audit_text(), AllOf(HasSubstr("PERMISSION_DENIED"), Not(HasSubstr(reader)),
+                                  Not(HasSubstr("of-another-server"))));
+}
+
+TEST_F(AuditTest, WithoutIdentitiesChangesAreRecordedToo) {
+  options_.identities.clear();
+  token_.clear();
+  Restart();
+  EXPECT_THAT(CreateObject("mug"), IsGrpcOk());
+  ASSERT_THAT(Audited(), SizeIs(1));
+  EXPECT_EQ(Audited()[0].identity(), "");
+}
+
+TEST(AuditLogTest, FullFilesAreRenamed) {
+  const client::TemporaryFolder folder;
+  const std::string path = folder.path() / "audit.jsonl";
+  auto log = server::AuditLog::Open(path, 1000);
+  ASSERT_THAT(log, IsOk());
+  v1::AuditRecord record;
+  record.set_error(std::string(300, 'x'));
+  for (int i = 0; i < 50; ++i) (*log)->Write(record);
+  std::vector<std::string> files;
+  for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
+    EXPECT_LE(file.file_size(), 1000U);
+    files.push_back(file.path().filename());
+  }
+  EXPECT_THAT(files, SizeIs(11));
+  EXPECT_THAT(files, ::testing::IsSupersetOf({"audit.jsonl", "audit.1.jsonl", "audit.10.jsonl"}));
+}
+
+TEST(AuditLogTest, AFileThatCannotBeOpenedIsAnError) {
+  EXPECT_THAT(server::AuditLog::Open("/proc/none/audit.jsonl", 1000),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--audit-log")));
+}
+
+}  // namespace
+}  // namespace graspdb::testing

@@ -1,0 +1,79 @@
+// The view that is stored of an upload.
+#include "server/teacher.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/server/server_fixture.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::testing {
+namespace {
+
+absl::StatusOr<storage::NewView> Made(const v1::UploadViewsRequest& request) {
+  return server::MakeView(request, {}, {}, [] { return false; });
+}
+
+// The same frame as a cloud and as a depth image.
+class EqualViewsTest : public ::testing::Test {
+ protected:
+  EqualViewsTest() {
+    const Frame frame = Photograph("wedge", {.x = 0.02, .turn_deg = 33}, 5);
+    *cloud_.mutable_view()->mutable_cloud() = CloudOf(frame);
+    *image_.mutable_view()->mutable_depth_image() = DepthImageOf(frame);
+    for (v1::UploadViewsRequest* request : {&cloud_, &image_}) {
+      *request->mutable_view()->mutable_sensor_pose() = PoseMessage(frame.world_sensor);
+      *request->mutable_view()->mutable_object_pose() = PoseMessage(frame.world_object);
+    }
+  }
+
+  // Poses, descriptors and packed points, bit for bit.
+  void ExpectEqualViews() {
+    auto of_cloud = Made(cloud_);
+    auto of_image = Made(image_);
+    ASSERT_THAT(of_cloud, IsOk());
+    ASSERT_THAT(of_image, IsOk());
+    EXPECT_GT(of_image->record.point_count(), 100);
+    EXPECT_EQ(of_image->packed_cloud, of_cloud->packed_cloud);
+    EXPECT_NE(of_image->record.content_digest(), of_cloud->record.content_digest());
+    of_image->record.clear_content_digest();
+    of_cloud->record.clear_content_digest();
+    EXPECT_EQ(of_image->record.SerializeAsString(), of_cloud->record.SerializeAsString());
+  }
+
+  v1::UploadViewsRequest cloud_;
+  v1::UploadViewsRequest image_;
+};
+
+TEST_F(EqualViewsTest, ADepthImageIsStoredAsItsCloud) { ExpectEqualViews(); }
+
+TEST_F(EqualViewsTest, AlsoWithoutPoses) {
+  for (v1::UploadViewsRequest* request : {&cloud_, &image_}) {
+    request->mutable_view()->clear_sensor_pose();
+    request->mutable_view()->clear_object_pose();
+  }
+  ExpectEqualViews();
+}
+
+TEST_F(EqualViewsTest, AlsoOfTheObjectAlone) {
+  for (v1::UploadViewsRequest* request : {&cloud_, &image_}) {
+    request->mutable_view()->set_segmented(true);
+    *request->mutable_region_of_interest() = BoxMessage({-0.1, -0.1, 0.01}, {0.1, 0.1, 0.2});
+  }
+  ExpectEqualViews();
+}
+
+TEST_F(EqualViewsTest, TheTableIsNotPartOfAnObject) {
+  image_.mutable_view()->set_segmented(true);
+  const absl::Status far = Made(image_).status();
+  EXPECT_THAT(far,
+              StatusIs(absl::StatusCode::kInvalidArgument,
+                       ::testing::HasSubstr("view.depth_image: shows an object larger than 1 m")));
+}
+
+TEST_F(EqualViewsTest, ACancelledUploadIsNotMade) {
+  EXPECT_THAT(server::MakeView(image_, {}, {}, [] { return true; }),
+              StatusIs(absl::StatusCode::kCancelled));
+}
+
+}  // namespace
+}  // namespace graspdb::testing

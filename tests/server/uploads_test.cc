@@ -1,0 +1,183 @@
+// Bulk uploads: UploadService.
+#include <gmock/gmock.h>
+
+#include "graspdb/v1/upload_service.grpc.pb.h"
+#include "tests/server/server_fixture.h"
+
+namespace graspdb::testing {
+namespace {
+
+constexpr char kUpload[] = "uploads/monday";
+
+class UploadsTest : public ServerTest {
+ protected:
+  void SetUp() override {
+    ServerTest::SetUp();
+    Declare("wedge");
+    Connect();
+  }
+
+  void Connect() { stub_ = v1::UploadService::NewStub(channel_); }
+
+  template <typename Request, typename Response>
+  using Method = grpc::Status (v1::UploadService::Stub::*)(grpc::ClientContext*, const Request&,
+                                                           Response*);
+  template <typename Request, typename Response>
+  grpc::Status Send(Method<Request, Response> method, const Request& request, Response* response) {
+    grpc::ClientContext context;
+    return (*stub_.*method)(&context, request, response);
+  }
+
+  grpc::Status Create(std::int64_t expected = 0) {
+    v1::CreateUploadRequest request;
+    request.set_upload_id("monday");
+    request.mutable_upload()->set_expected_view_count(expected);
+    v1::Upload response;
+    return Send(&v1::UploadService::Stub::CreateUpload, request, &response);
+  }
+  v1::Upload Get() {
+    v1::GetUploadRequest request;
+    request.set_name(kUpload);
+    v1::Upload response;
+    EXPECT_THAT(Send(&v1::UploadService::Stub::GetUpload, request, &response), IsGrpcOk());
+    return response;
+  }
+  grpc::Status Commit(bool skip_failed, v1::Upload* response) {
+    v1::CommitUploadRequest request;
+    request.set_name(kUpload);
+    request.set_skip_failed(skip_failed);
+    return Send(&v1::UploadService::Stub::CommitUpload, request, response);
+  }
+
+  // Sends views over one stream, each after the response to the one before it.
+  grpc::Status Write(const std::vector<v1::UploadViewsRequest>& views,
+                     std::vector<v1::WriteUploadViewsResponse>* responses) {
+    grpc::ClientContext context;
+    const auto stream = stub_->WriteUploadViews(&context);
+    for (const v1::UploadViewsRequest& view : views) {
+      v1::WriteUploadViewsRequest request;
+      request.set_upload(kUpload);
+      *request.mutable_view() = view;
+      v1::WriteUploadViewsResponse response;
+      if (!stream->Write(request) || !stream->Read(&response)) break;
+      responses->push_back(response);
+    }
+    stream->WritesDone();
+    return stream->Finish();
+  }
+
+  std::unique_ptr<v1::UploadService::Stub> stub_;
+};
+
+TEST_F(UploadsTest, ViewsAreRecognizedAfterTheCommitAndNotBefore) {
+  ASSERT_THAT(Create(12), IsGrpcOk());
+  std::vector<v1::UploadViewsRequest> views;
+  for (int i = 0; i < 12; ++i) views.push_back(ViewOf("wedge", 30 * i, std::to_string(i)));
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write(views, &responses), IsGrpcOk());
+  ASSERT_EQ(responses.size(), 12U);
+  for (const auto& response : responses) {
+    EXPECT_FALSE(response.has_error()) << response.DebugString();
+    EXPECT_FALSE(response.existing());
+  }
+  v1::Upload upload = Get();
+  EXPECT_EQ(upload.state(), v1::UPLOAD_STATE_OPEN);
+  EXPECT_EQ(upload.staged_view_count(), 12);
+  EXPECT_GT(upload.views_per_second(), 0);
+  EXPECT_EQ(upload.time_left_s(), 0);
+  EXPECT_EQ(Status().view_count(), 0);
+  const v1::RecognizeRequest frame = RequestOf(Photograph("wedge", {.turn_deg = 10}, 7));
+  EXPECT_NE(Answer(frame).status(), v1::OK);
+
+  const std::int64_t revision = Status().catalog_revision();
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  EXPECT_EQ(upload.state(), v1::UPLOAD_STATE_COMMITTED);
+  EXPECT_EQ(upload.created_count(), 12);
+  EXPECT_EQ(upload.commit_revision(), revision + 1);
+  EXPECT_EQ(Status().view_count(), 12);
+  const std::string answer = Answer(frame).SerializeAsString();
+  EXPECT_EQ(Answer(frame).status(), v1::OK);
+  Restart();
+  EXPECT_EQ(Answer(frame).SerializeAsString(), answer);
+}
+
+TEST_F(UploadsTest, AnUploadGoesOnAfterARestart) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({ViewOf("wedge", 0, "a"), ViewOf("wedge", 60, "b")}, &responses), IsGrpcOk());
+  Restart();
+  Connect();
+  EXPECT_EQ(Get().staged_view_count(), 2);
+  responses.clear();
+  ASSERT_THAT(Write({ViewOf("wedge", 60, "b"), ViewOf("wedge", 90, "c")}, &responses), IsGrpcOk());
+  EXPECT_TRUE(responses[0].existing());
+  EXPECT_FALSE(responses[1].existing());
+  v1::Upload upload;
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  EXPECT_EQ(upload.created_count(), 3);
+}
+
+TEST_F(UploadsTest, AViewThatCannotBeTaughtIsReportedAndTheStreamGoesOn) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  v1::UploadViewsRequest bad = ViewOf("wedge", 0, "bad");
+  bad.mutable_view()->mutable_cloud()->set_point_stride(7);
+  v1::UploadViewsRequest unnamed = ViewOf("wedge", 0, "a/b");
+  v1::UploadViewsRequest orphan = ViewOf("wedge", 0, "orphan");
+  orphan.set_parent("objects/wedge/stablePoses/upright");
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({bad, unnamed, orphan, ViewOf("wedge", 60, "good")}, &responses), IsGrpcOk());
+  ASSERT_EQ(responses.size(), 4U);
+  EXPECT_EQ(responses[0].error().code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(responses[0].error().message(), ::testing::HasSubstr("view.cloud.data"));
+  EXPECT_EQ(responses[1].error().code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(responses[1].view(), "");
+  EXPECT_EQ(responses[2].error().code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_FALSE(responses[3].has_error());
+  EXPECT_EQ(Get().failed_view_count(), 2);
+
+  v1::ListUploadViewsRequest list;
+  list.set_parent(kUpload);
+  list.set_page_size(1);
+  v1::ListUploadViewsResponse page;
+  ASSERT_THAT(Send(&v1::UploadService::Stub::ListUploadViews, list, &page), IsGrpcOk());
+  ASSERT_EQ(page.views_size(), 1);
+  EXPECT_EQ(page.views(0).name(), FlatPoseOf("wedge") + "/views/bad");
+  EXPECT_EQ(page.views(0).error().code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_FALSE(page.next_page_token().empty());
+
+  v1::Upload upload;
+  ExpectError(Commit(false, &upload), grpc::StatusCode::FAILED_PRECONDITION, "views/bad");
+  ASSERT_THAT(Commit(true, &upload), IsGrpcOk());
+  EXPECT_EQ(upload.created_count(), 1);
+  EXPECT_EQ(upload.failed_view_count(), 2);
+}
+
+TEST_F(UploadsTest, AStreamToNoOpenUploadEnds) {
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ExpectError(Write({ViewOf("wedge", 0, "a")}, &responses), grpc::StatusCode::NOT_FOUND, kUpload);
+  ASSERT_THAT(Create(), IsGrpcOk());
+  v1::Upload upload;
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  ExpectError(Write({ViewOf("wedge", 0, "a")}, &responses), grpc::StatusCode::FAILED_PRECONDITION,
+              kUpload);
+  EXPECT_TRUE(responses.empty());
+}
+
+TEST_F(UploadsTest, AnAbandonedUploadIsDeletedWithItsViews) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({ViewOf("wedge", 0, "a")}, &responses), IsGrpcOk());
+  v1::DeleteUploadRequest request;
+  request.set_name(kUpload);
+  google::protobuf::Empty empty;
+  ASSERT_THAT(Send(&v1::UploadService::Stub::DeleteUpload, request, &empty), IsGrpcOk());
+  v1::ListUploadsResponse list;
+  ASSERT_THAT(Send(&v1::UploadService::Stub::ListUploads, v1::ListUploadsRequest(), &list),
+              IsGrpcOk());
+  EXPECT_EQ(list.uploads_size(), 0);
+  ASSERT_THAT(Create(), IsGrpcOk());
+  EXPECT_EQ(Get().staged_view_count(), 0);
+}
+
+}  // namespace
+}  // namespace graspdb::testing
