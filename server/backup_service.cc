@@ -123,7 +123,7 @@ grpc::Status BackupService::CompareBackup(grpc::ServerContext* context,
     const auto id = ParseBackupName(request->name(), "name");
     if (!id.ok()) return id.status();
     return InBackground([&]() -> absl::Status {
-      const absl::Status cancelled = absl::CancelledError("the stream was cancelled");
+      absl::Status cancelled = absl::CancelledError("the stream was cancelled");
       AbandonedWatch watch(*context);
       storage::BackupProgress progress;
       progress.is_cancelled = [&watch] { return watch.IsAbandoned(); };

@@ -91,7 +91,7 @@ absl::StatusOr<std::vector<storage::Backup>> CatalogueBackups::List() {
 }
 
 absl::Status CatalogueBackups::Delete(storage::BackupId id) {
-  const absl::Status deleted = backups_.Delete(id);
+  absl::Status deleted = backups_.Delete(id);
   NoteFailure(deleted, "delete");
   if (deleted.ok()) spdlog::info("event=backup_deleted id={}", id);
   Refresh();

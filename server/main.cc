@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "program/health_command.h"
 #include "program/log.h"
 #include "program/log_field.h"
 #include "program/stop_signal.h"
@@ -25,6 +26,9 @@ int Fail(const absl::Status& status) {
 int Run(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "backup") return RunBackupProgram(argc, argv);
   if (argc > 1 && std::string_view(argv[1]) == "token") return RunTokenCommand(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "health") {
+    return RunHealthCommand("graspdb-server", "127.0.0.1:50051", argc - 1, argv + 1);
+  }
   const ParsedOptions parsed = ParseOptions(argc, argv);
   if (parsed.done) return parsed.exit_status;
   const ServerOptions& options = parsed.options;

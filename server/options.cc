@@ -18,7 +18,7 @@ constexpr char kFooter[] =
 GRASPDB_MAX_POINTS) or a key in the file of --config (max-points=1000000).
 
 Example: graspdb-server --db /var/lib/graspdb --listen 127.0.0.1:50051
-graspdb-server token NAME makes a token for a caller.
+graspdb-server token NAME makes a token for a caller; graspdb-server health checks a running one.
 SIGTERM or Ctrl-C stops it after the running calls have finished.
 "graspdb-server backup --help" lists, verifies and restores backups without a server.
 Exit status: 0 stopped by a signal, 1 could not start, 2 wrong usage.)";

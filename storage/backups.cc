@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "google/protobuf/util/time_util.h"
 #include "rocksdb/utilities/stackable_db.h"
 #include "storage/backup_engine.h"
@@ -33,8 +34,9 @@ absl::Status CheckFolder(const std::string& directory) {
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (std::ranges::find(kFolderNames, name) != kFolderNames.end()) continue;
-    return absl::FailedPreconditionError("the folder " + directory + " has other files (" + name +
-                                         "); give an empty folder for the backups");
+    return absl::FailedPreconditionError(absl::StrCat("the folder ", directory,
+                                                      " has other files (", name,
+                                                      "); give an empty folder for the backups"));
   }
   if (!error) return absl::OkStatus();
   return absl::UnavailableError("the folder " + directory + " cannot be read (" + error.message() +
@@ -110,7 +112,7 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
   };
   rocksdb::BackupID id = 0;
   const auto copy = [&](const MetaRecord& meta, absl::FunctionRef<void()> release) {
-    const absl::Status cancelled = absl::CancelledError("the backup was cancelled");
+    absl::Status cancelled = absl::CancelledError("the backup was cancelled");
     if (progress.IsCancelled()) return cancelled;
     BackupRecord record;
     *record.mutable_meta() = meta;
@@ -197,8 +199,8 @@ absl::Status Backups::DeleteLocked(const std::vector<BackupId>& ids) {
   const auto engine = OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default());
   if (!engine.ok()) return engine.status();
   for (const BackupId id : ids) {
-    const absl::Status deleted = FromBackupEngine(
-        (*engine)->DeleteBackup(id), "delete backup " + std::to_string(id), directory_);
+    absl::Status deleted = FromBackupEngine((*engine)->DeleteBackup(id),
+                                            "delete backup " + std::to_string(id), directory_);
     if (!deleted.ok()) return deleted;
   }
   return absl::OkStatus();

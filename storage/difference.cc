@@ -57,7 +57,7 @@ absl::Status FindDifferences(const DatabaseState& before, const DatabaseState& a
        {Family::kObjects, Family::kStablePoses, Family::kViews, Family::kCells}) {
     const auto rows_before = RowsOf(before, family);
     const auto rows_after = RowsOf(after, family);
-    const absl::Status compared = CompareRows(rows_before.get(), rows_after.get(), progress, visit);
+    absl::Status compared = CompareRows(rows_before.get(), rows_after.get(), progress, visit);
     if (!compared.ok()) return compared;
   }
   return absl::OkStatus();

@@ -17,7 +17,7 @@ class Commit {
 
   absl::Status Run() {
     const std::string prefix = StagedKey(upload_, "");
-    const absl::Status scanned = database_.Scan(
+    absl::Status scanned = database_.Scan(
         Family::kStagedViews, prefix, "",
         [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
           const std::string name(key.substr(prefix.size()));
@@ -80,7 +80,7 @@ class Commit {
     const auto [at, is_new] = parents_.try_emplace(parent->name, false);
     if (is_new) {
       const auto there = database_.Contains(parent->family, parent->name);
-      if (!there.ok()) return there;
+      if (!there.ok()) return there.status();
       at->second = *there;
     }
     return at->second;

@@ -20,7 +20,7 @@ class WatchedFile : public rocksdb::FSSequentialFileOwnerWrapper {
                          rocksdb::Slice* result, char* scratch,
                          rocksdb::IODebugContext* context) override {
     if (progress_.IsCancelled()) return rocksdb::IOStatus::IOError("cancelled");
-    const rocksdb::IOStatus read =
+    rocksdb::IOStatus read =
         FSSequentialFileOwnerWrapper::Read(size, options, result, scratch, context);
     if (read.ok()) progress_.Report(bytes_ += static_cast<std::int64_t>(result->size()));
     return read;

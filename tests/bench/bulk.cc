@@ -76,6 +76,7 @@ double OnStreams(const Options& options, const Work& work) {
   const absl::Time start = absl::Now();
   std::atomic<std::size_t> next = 0;
   std::vector<std::thread> threads;
+  threads.reserve(static_cast<std::size_t>(options.streams));
   for (int t = 0; t < options.streams; ++t) {
     threads.emplace_back([&] {
       for (std::size_t i = next++; i < options.views; i = next++) work(i);

@@ -85,6 +85,10 @@ class SecurityTest : public CellProgramsTest {
 TEST_F(SecurityTest, MutualTls) {
   StartMutualTls();
   EXPECT_THAT(As("engineer", {"status"}), EndsWith(0));
+  EXPECT_THAT(RunProgram(folder_.path(),
+                         {GRASPDB_SERVER_PROGRAM, "health", address_, "--ca", Path("plant.pem"),
+                          "--cert", Path("server.pem"), "--key", Path("server.key")}),
+              EndsWith(0));
   const Finished expired = As("expired", {"status"});
   EXPECT_THAT(expired, EndsWith(1));
   EXPECT_THAT(expired, SaysOnly("graspdb", "expired.pem expired on"));

@@ -35,6 +35,19 @@ TEST_F(ServerProcessTest, LogsItsAddressAndExitsWithZeroOnSigterm) {
   }
 }
 
+TEST_F(ServerProcessTest, AnswersItsOwnHealthCheck) {
+  StartServer();
+  const Finished serving = Serve({"health", address_});
+  EXPECT_THAT(serving, EndsWith(0));
+  EXPECT_EQ(serving.out, "SERVING\n");
+  server_->Signal(SIGKILL);
+  server_->Wait();
+  const Finished down = Serve({"health", address_, "--timeout", "0.5"});
+  EXPECT_THAT(down, EndsWith(1));
+  EXPECT_THAT(down, SaysOnly(kServer, address_));
+  EXPECT_THAT(Serve({"health", address_, "--cert", "server.pem"}), EndsWith(2));
+}
+
 TEST_F(ServerProcessTest, ReportsErrorsInOneSentence) {
   StartServer();
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "127.0.0.1:0"}),

@@ -19,7 +19,7 @@ void AccessTest::SetUp() {
 
 std::string AccessTest::Add(const std::string& name, const std::vector<v1::Role>& roles,
                             const std::string& cell) {
-  const std::string token = server::NewToken();
+  std::string token = server::NewToken();
   v1::Identity identity;
   identity.set_name(name);
   identity.set_cell(cell);
@@ -50,9 +50,9 @@ void AccessTest::WriteIdentities(const std::string& text) const {
 }
 
 grpc::Status AccessTest::StatusAs(std::string token) {
-  const std::string before = std::exchange(token_, token);
-  const grpc::Status out = Call(&Catalog::GetCatalogStatus, v1::GetCatalogStatusRequest());
-  token_ = before;
+  std::swap(token_, token);
+  grpc::Status out = Call(&Catalog::GetCatalogStatus, v1::GetCatalogStatusRequest());
+  std::swap(token_, token);
   return out;
 }
 

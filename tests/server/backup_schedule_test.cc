@@ -28,7 +28,7 @@ class BackupScheduleTest : public ServerTest {
   // Waits, until the test's limit, for a state of the backups.
   v1::BackupStatus WaitFor(const std::function<bool(const v1::BackupStatus&)>& is_reached) {
     for (;;) {
-      const v1::BackupStatus status = Status().backup();
+      v1::BackupStatus status = Status().backup();
       if (is_reached(status) || HasFailure()) return status;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

@@ -255,17 +255,17 @@ TEST_F(BackupServiceTest, UnsuitableFoldersAreRejectedAtTheStart) {
     other.backup_dir = folder;
     return server::Server::Start(other).status();
   };
-  const auto kRejected = absl::StatusCode::kFailedPrecondition;
-  EXPECT_THAT(start_with(options_.backup_dir), StatusIs(kRejected, HasSubstr("in use")));
+  const auto rejected = absl::StatusCode::kFailedPrecondition;
+  EXPECT_THAT(start_with(options_.backup_dir), StatusIs(rejected, HasSubstr("in use")));
   EXPECT_THAT(start_with((folder_.path() / "other").string()),
-              StatusIs(kRejected, HasSubstr("another disk")));
+              StatusIs(rejected, HasSubstr("another disk")));
   EXPECT_THAT(start_with((folder_.path() / "other/backups").string()),
-              StatusIs(kRejected, HasSubstr("another disk")));
-  EXPECT_THAT(start_with(folder_.path().string()), StatusIs(kRejected, HasSubstr("contain")));
+              StatusIs(rejected, HasSubstr("another disk")));
+  EXPECT_THAT(start_with(folder_.path().string()), StatusIs(rejected, HasSubstr("contain")));
   std::filesystem::create_directory(folder_.path() / "documents");
   folder_.Write("documents/letter.txt", "Dear");
   EXPECT_THAT(start_with((folder_.path() / "documents").string()),
-              StatusIs(kRejected, HasSubstr("letter.txt")));
+              StatusIs(rejected, HasSubstr("letter.txt")));
 }
 
 TEST_F(BackupServiceTest, AServerStartsWithoutTheDiskOfItsBackupsAndUsesItLater) {

@@ -72,6 +72,7 @@ class UploadsTest : public ServerTest {
 TEST_F(UploadsTest, ViewsAreRecognizedAfterTheCommitAndNotBefore) {
   ASSERT_THAT(Create(12), IsGrpcOk());
   std::vector<v1::UploadViewsRequest> views;
+  views.reserve(12);
   for (int i = 0; i < 12; ++i) views.push_back(ViewOf("wedge", 30 * i, std::to_string(i)));
   std::vector<v1::WriteUploadViewsResponse> responses;
   ASSERT_THAT(Write(views, &responses), IsGrpcOk());

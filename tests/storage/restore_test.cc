@@ -184,7 +184,7 @@ TEST_F(RestoreTest, ComparisonNamesWhatARestoreChanges) {
   EXPECT_THAT(Names(backups_.Compare(1, *catalogue, {}, note)),
               ElementsAre("-objects/a-cup", "-objects/bowl", "~objects/mug/stablePoses/upright",
                           "+" + WrittenViewName(3), "-cells/press"));
-  const absl::Status ended = absl::OutOfRangeError("enough");
+  absl::Status ended = absl::OutOfRangeError("enough");
   EXPECT_EQ(backups_.Compare(1, *catalogue, {}, [&](const Difference&) { return ended; }).status(),
             ended);
   BackupProgress progress;

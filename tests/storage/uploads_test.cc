@@ -13,7 +13,7 @@ namespace graspdb::storage {
 namespace {
 
 constexpr absl::Time kNow = absl::FromUnixSeconds(1'800'000'000);
-const std::string kUpload = "uploads/monday";
+constexpr char kUpload[] = "uploads/monday";
 
 std::string ViewNameOf(int i) {
   return "objects/mug/stablePoses/upright/views/" + std::to_string(i);
@@ -224,6 +224,7 @@ TEST_F(UploadsTest, PublishedViewsCanBeDeletedAndTaughtAgain) {
 TEST_F(UploadsTest, SeveralThreadsSendAtTheSameTime) {
   Create();
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int t = 0; t < 4; ++t) {
     threads.emplace_back([this, t] {
       for (int i = 0; i < 25; ++i) EXPECT_TRUE(Stage(4 * i + t, 4 * i + t).ok());

@@ -25,7 +25,7 @@ the --config file:
 
 A first try without camera and robot:
   graspdb-cell --cell press-3 --sensor simulated
-Stop it with SIGTERM or Ctrl-C: running jobs are finished.
+Stop it with SIGTERM or Ctrl-C: running jobs are finished. graspdb-cell health checks a running one.
 Exit status: 0 stopped by a signal, 1 could not start, 2 wrong usage.)";
 
 void AddAddresses(CLI::App& app, AgentOptions* o) {

@@ -3,10 +3,12 @@
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "client/cell/agent/agent.h"
 #include "client/cell/agent/agent_options.h"
 #include "client/cell/sensors/open_sensor.h"
+#include "program/health_command.h"
 #include "program/log.h"
 #include "program/log_field.h"
 #include "program/stop_signal.h"
@@ -25,6 +27,9 @@ void PrintAddress(const char* service, const std::string& address) {
 }
 
 int Run(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "health") {
+    return RunHealthCommand("graspdb-cell", "127.0.0.1:7102", argc - 1, argv + 1);
+  }
   const ParsedAgentOptions parsed = ParseAgentOptions(argc, argv);
   if (parsed.done) return parsed.exit_status;
   const AgentOptions& options = parsed.options;

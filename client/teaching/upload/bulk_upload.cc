@@ -43,6 +43,7 @@ class BulkUpload {
   absl::StatusOr<BulkUploadResult> Run() {
     std::vector<std::thread> threads;
     const int count = std::clamp(static_cast<int>(views_.count), 1, options_.streams);
+    threads.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
       threads.emplace_back([this] { Stop(Stream()); });
     }

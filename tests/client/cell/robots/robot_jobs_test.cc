@@ -160,7 +160,8 @@ TEST_F(RobotSessionsTest, ANewRobotIsRefusedWhileJobsOfAllOthersRun) {
 TEST_F(RobotSessionsTest, ManyThreadsMayUseThem) {
   runner_.go_on.Notify();
   std::vector<std::thread> robots;
-  for (int thread = 0; thread < 4; ++thread) {
+  robots.reserve(4);
+  for (std::size_t thread = 0; thread < 4; ++thread) {
     robots.emplace_back([this, thread] {
       for (std::size_t i = 0; i < 2 * kMaxSessions; ++i) {
         const auto session = SessionOf(std::to_string((i + 7 * thread) % (kMaxSessions + 8)));

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# install.sh ROOT PACKAGES [BEFORE]: installs the Debian packages of the folder PACKAGES in ROOT, a Debian 12
+# in a folder (debootstrap), as an administrator does, and prints what was checked. BEFORE is a folder with
+# packages of an earlier version, to upgrade from. Needs root; starts the units' command lines, not systemd.
+set -euo pipefail
+root=${1:?install.sh ROOT PACKAGES [BEFORE]}
+packages=${2:?install.sh ROOT PACKAGES [BEFORE]}
+before=${3:-$packages}
+
+here() { chroot "$root" "$@"; }
+checked() { printf 'ok: %s\n' "$*"; }
+install_from() {
+  rm -rf "$root/packages"
+  cp -r "$1" "$root/packages"
+  here sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends /packages/graspdb-server_*.deb \
+    /packages/graspdb-client_*.deb' >"$root/install.log" 2>&1 || { tail -n 20 "$root/install.log"; return 1; }
+}
+command_of() { sed -n 's/^ExecStart=//p' "$root/lib/systemd/system/graspdb-server.service"; }
+
+server=
+start() {
+  install -d -o "$(here id -u graspdb)" -g "$(here id -g graspdb)" -m 700 "$root/var/lib/graspdb"  # StateDirectory
+  # shellcheck disable=SC2046  # words of a command
+  here setpriv --reuid graspdb --regid graspdb --clear-groups $(command_of) >"$root/server.out" 2>"$root/server.log" &
+  server=$!
+  for _ in $(seq 300); do
+    grep -q "listening on" "$root/server.out" && return
+    kill -0 "$server" 2>/dev/null || break
+    sleep 0.1
+  done
+  cat "$root/server.log"
+  return 1
+}
+stop() {
+  kill "$server"
+  wait "$server" || true
+  server=
+}
+trap '[ -z "$server" ] || stop' EXIT
+
+here sh -c 'apt-get update -q' >/dev/null
+install_from "$before"
+checked "installed $(here dpkg-query -W -f '${Package} ${Version}, ' graspdb-server graspdb-client)"
+start
+here graspdb status >/dev/null
+checked "the unit's command line serves as user graspdb: $(command_of)"
+here sh -c 'cd /tmp && rm -rf teach scene && graspdb simulate --parts l-bracket,flange --step 30 --out teach >/dev/null 2>&1 &&
+  graspdb simulate --parts flange --random 1 --seed 7 --out scene >/dev/null 2>&1 && graspdb import teach >/dev/null 2>&1'
+here sh -c 'graspdb --json recognize /tmp/scene/clouds/*.pcd' | grep -q '"objects/flange"'
+checked "the client teaches two parts and recognizes one"
+stop
+
+if [ "$before" != "$packages" ]; then
+  echo "# a line of the administrator" >>"$root/etc/graspdb/server.conf"
+  install_from "$packages"
+  grep -q "a line of the administrator" "$root/etc/graspdb/server.conf"
+  start
+  here sh -c 'graspdb --json recognize /tmp/scene/clouds/*.pcd' | grep -q '"objects/flange"'
+  checked "upgraded to $(here dpkg-query -W -f '${Version}' graspdb-server): settings kept, parts taught before are recognized"
+  stop
+fi
+
+here man --version >/dev/null 2>&1 && here man -w graspdb-server graspdb >/dev/null && checked "man pages"
+here sh -c 'apt-get purge -q -y graspdb-server graspdb-client' >"$root/install.log" 2>&1
+[ -e "$root/var/lib/graspdb/db/CURRENT" ] && [ ! -e "$root/usr/bin/graspdb-server" ] && [ ! -e "$root/etc/graspdb/server.conf" ]
+checked "purged; the database in /var/lib/graspdb stays"
