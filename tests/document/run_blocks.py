@@ -6,38 +6,19 @@ in the text, with the programs of BIN in PATH and SOURCE in GRASPDB; it ends at 
 fails, with that status. The network is a namespace of its own, where the kernel allows one: documents
 name the default ports.
 """
-import fcntl
 import os
 import re
 import signal
-import socket
-import struct
 import subprocess
 import sys
 import tempfile
 
-IN_NAMESPACE = "GRASPDB_RUN_BLOCKS_NAMESPACE"
-
-
-def enter_network_namespace():
-    unshare = ["unshare", "--net", "--map-root-user"]
-    if IN_NAMESPACE in os.environ or subprocess.run(unshare + ["true"], stderr=subprocess.DEVNULL).returncode:
-        return
-    os.environ[IN_NAMESPACE] = "1"
-    os.execvp("unshare", unshare + [sys.executable] + sys.argv)
-
-
-def set_loopback_up():
-    siocsifflags, iff_up = 0x8914, 1  # linux/sockios.h, linux/if.h
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
-        fcntl.ioctl(any_socket, siocsifflags, struct.pack("16sH14x", b"lo", iff_up))
-
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../testing"))
+import own_network  # noqa: E402
 
 def main():
     programs, source, document = (os.path.abspath(path) for path in sys.argv[1:4])
-    enter_network_namespace()
-    if IN_NAMESPACE in os.environ:
-        set_loopback_up()
+    own_network.enter()
     with open(document, encoding="utf-8") as file:
         blocks = re.findall(r"^```sh\n(.*?)^```$", file.read(), re.MULTILINE | re.DOTALL)
     if not blocks:

@@ -25,8 +25,9 @@ for unit in "$@"; do
   case $unit in */tests/*) checks="$checks,-clang-analyzer-*" ;; esac
   # Comments can switch checks off: the sources count, not only what the preprocessor leaves of them.
   sources=$(sed -n 's/^#include "\(.*\.cc\)"$/\1/p' "$unit")
+  # Without the checkout's own path, so that another one finds the same results.
   key=$( (clang-tidy --version; echo "$checks"; cat .clang-tidy "$unit"
-    echo "$sources" | xargs -r cat; preprocessed "$unit") | sha256sum | cut -d' ' -f1)
+    echo "$sources" | xargs -r cat; preprocessed "$unit") | sed "s|$PWD/||g" | sha256sum | cut -d' ' -f1)
   [ -e "$cache/$key" ] && continue
   if clang-tidy --load="$build/own_declarations.so" -p "$build" --quiet --checks="$checks" --extra-arg=-Wno-unknown-warning-option "$unit" 2>/dev/null; then
     touch "$cache/$key"
