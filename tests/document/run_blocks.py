@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """run_blocks.py BIN SOURCE FILE: runs all ```sh blocks of a Markdown file as one bash script.
 
-Other blocks are not run. The script begins in an empty folder, which also takes the place of /tmp/cell
+A block of another language with a name, as in ```python status.py, is written to the file of that name
+first. Other blocks are not used. The script begins in an empty folder, which also takes the place of /tmp/cell
 in the text, with the programs of BIN in PATH and SOURCE in GRASPDB; it ends at the first command that
 fails, with that status. The network is a namespace of its own, where the kernel allows one: documents
 name the default ports.
@@ -20,11 +21,16 @@ def main():
     programs, source, document = (os.path.abspath(path) for path in sys.argv[1:4])
     own_network.enter()
     with open(document, encoding="utf-8") as file:
-        blocks = re.findall(r"^```sh\n(.*?)^```$", file.read(), re.MULTILINE | re.DOTALL)
+        text = file.read()
+    blocks = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    files = re.findall(r"^```[a-z]+ ([\w.]+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     if not blocks:
         sys.exit(f"{document} has no ```sh block")
     environment = dict(os.environ, GRASPDB=source, PATH=programs + ":" + os.environ["PATH"])
     with tempfile.TemporaryDirectory() as folder:
+        for name, content in files:
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
         script = "set -euo pipefail\nset -x\n" + "\n".join(blocks).replace("/tmp/cell", folder)
         script = script.replace("$GRASPDB/build/release", os.path.dirname(programs))
         bash = subprocess.Popen(["bash", "-c", script], cwd=folder, env=environment,

@@ -1,0 +1,56 @@
+"""refused.py AUDIT_LOG SERVER_LOG: calls that the server must refuse, and the traces that they leave."""
+import json
+import os
+import sys
+
+import grpc
+
+import plant
+from graspdb.v1 import catalog_service_pb2, catalog_service_pb2_grpc
+
+
+def delete_object(name):
+    """Deletes an object as the caller `name`; returns the code and text of the error."""
+    with plant.channel(name) as channel:
+        try:
+            catalog_service_pb2_grpc.CatalogServiceStub(channel).DeleteObject(
+                catalog_service_pb2.DeleteObjectRequest(name="objects/wedge", force=True), timeout=10)
+        except grpc.RpcError as error:
+            return error.code(), error.details()
+    raise AssertionError(f"the server accepted {name}")
+
+
+def new_lines(file):
+    """The lines that were added to a file since the last call."""
+    return file.read().splitlines()
+
+
+def check_call(audit, name, code, identity, why):
+    """A refused call has its line in the audit log: who, from where, what, why."""
+    assert delete_object(name)[0] == code
+    (record,) = map(json.loads, new_lines(audit))
+    print(record)
+    assert record.get("identity", "") == identity and record["peer"].startswith("ipv")
+    assert record["method"] == "graspdb.v1.CatalogService.DeleteObject" and record["resources"] == ["objects/wedge"]
+    assert record["code"] == code.name and why in record["error"]
+
+
+def check_connection(audit, log, name):
+    """A refused certificate ends the connection before any call: the reason is in the server's log (level debug)."""
+    assert delete_object(name)[0] == grpc.StatusCode.UNAVAILABLE
+    assert not new_lines(audit)
+    reasons = [line for line in new_lines(log) if "Handshake failed" in line and "certificate verify failed" in line]
+    print(reasons[0])
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as audit, open(sys.argv[2], encoding="utf-8") as log:
+        audit.seek(0, os.SEEK_END)
+        log.seek(0, os.SEEK_END)
+        check_call(audit, "press-3", grpc.StatusCode.PERMISSION_DENIED, "press-3", "lacks the role teach")
+        check_call(audit, None, grpc.StatusCode.UNAUTHENTICATED, "", "known callers only")
+        check_connection(audit, log, "expired")
+        check_connection(audit, log, "stranger")
+
+
+main()
