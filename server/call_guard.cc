@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/time_util.h>
 #include <grpcpp/security/auth_context.h>
+#include <spdlog/spdlog.h>
 
 #include <optional>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
+#include "program/log_field.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
 #include "server/bounded_text.h"
@@ -94,6 +96,19 @@ void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder) {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> factories;
   factories.push_back(std::make_unique<GuardFactory>(rules));
   builder.experimental().SetInterceptorCreators(std::move(factories));
+}
+
+void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refused) {
+  const std::string error = BoundedText(std::string(refused.message()), 2 * kMaxStringBytes);
+  spdlog::warn("event=handshake_refused error={}", LogField(error));
+  if (rules.audit == nullptr) return;
+  v1::AuditRecord record;
+  *record.mutable_time() = google::protobuf::util::TimeUtil::GetCurrentTime();
+  record.set_method("TLS handshake");
+  record.set_catalog_revision(rules.revision());
+  record.set_code(absl::StatusCodeToString(refused.code()));
+  record.set_error(error);
+  rules.audit->Write(record);
 }
 
 CallGuard::CallGuard(const AccessRules& rules, grpc::experimental::ServerRpcInfo& call)

@@ -29,6 +29,10 @@ struct AccessRules {
   std::function<std::int64_t()> revision;      // of the catalogue; for the audit log
 };
 
+// Logs and audits a client whose certificate was refused in the TLS handshake, before any call. Its
+// address is not known there.
+void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refused);
+
 // Guards the calls of the server to be built. `rules` must outlive it.
 void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder);
 

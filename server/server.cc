@@ -238,7 +238,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   quota.SetMaxThreads(ThreadsFor(memory, MaxMessageBytes(options), options));
   builder.SetResourceQuota(quota);
   int port = 0;
-  builder.AddListeningPort(options.listen, MakeServerCredentials(options.tls), &port);
+  builder.AddListeningPort(
+      options.listen,
+      MakeServerCredentials(options.tls,
+                            [access = &out->parts_->access](const absl::Status& refused) {
+                              RecordRefusedHandshake(*access, refused);
+                            }),
+      &port);
   GuardCalls(out->parts_->access, builder);
   builder.RegisterService(&out->parts_->catalog_service);
   builder.RegisterService(&out->parts_->recognition_service);

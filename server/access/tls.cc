@@ -9,6 +9,7 @@
 
 #include "program/log_field.h"
 #include "program/pem_files.h"
+#include "server/access/client_certificates.h"
 
 namespace graspdb::server {
 namespace {
@@ -37,18 +38,19 @@ absl::Status CheckTlsFiles(const TlsFiles& files) {
   return status;
 }
 
-std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(const TlsFiles& files) {
+std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
+    const TlsFiles& files, std::function<void(const absl::Status&)> on_refused) {
   if (files.cert.empty()) return grpc::InsecureServerCredentials();
   using grpc::experimental::FileWatcherCertificateProvider;
   grpc::experimental::TlsServerCredentialsOptions options(
-      std::make_shared<FileWatcherCertificateProvider>(files.key, files.cert, files.client_ca,
-                                                       kRefreshSeconds));
+      std::make_shared<FileWatcherCertificateProvider>(files.key, files.cert, kRefreshSeconds));
   options.watch_identity_key_cert_pairs();
   if (!files.client_ca.empty()) {
-    options.watch_root_certs();
-    options.set_cert_request_type(files.require_client_cert
-                                      ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
-                                      : GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY);
+    // The verifier does what gRPC's AND_VERIFY does, and reports whom it refuses.
+    options.set_cert_request_type(GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_BUT_DONT_VERIFY);
+    options.set_certificate_verifier(
+        grpc::experimental::ExternalCertificateVerifier::Create<ClientCertificateVerifier>(
+            files.client_ca, files.require_client_cert, std::move(on_refused)));
   }
   return grpc::experimental::TlsServerCredentials(options);
 }

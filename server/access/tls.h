@@ -3,6 +3,7 @@
 
 #include <grpcpp/security/server_credentials.h>
 
+#include <functional>
 #include <memory>
 
 #include "absl/status/status.h"
@@ -15,9 +16,11 @@ namespace graspdb::server {
 // cannot be used.
 absl::Status CheckTlsFiles(const TlsFiles& files);
 
-// Credentials of these files, which gRPC reads again when they change; connections stay. From a
-// certificate without its key until both fit again, new connections are refused.
-std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(const TlsFiles& files);
+// Credentials of these files, which are read again when they change; connections stay. From a
+// certificate without its key until both fit again, new connections are refused. `on_refused` gets
+// each client that is refused in the handshake, from any thread, with who and why.
+std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
+    const TlsFiles& files, std::function<void(const absl::Status&)> on_refused);
 
 // Logs whether changed files can be used. Null without TLS.
 std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files);

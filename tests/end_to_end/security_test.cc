@@ -101,6 +101,17 @@ TEST_F(SecurityTest, MutualTls) {
   EXPECT_THAT(Graspdb({"status"}), SaysOnly("graspdb", "give --ca if it uses TLS"));
   EXPECT_THAT(Graspdb({"--ca", Path("none.pem"), "status"}),
               SaysOnly("graspdb", "none.pem cannot be read"));
+
+  // Both refused handshakes, of clients that may have tried again.
+  std::string errors;
+  for (const v1::AuditRecord& record : Audited()) {
+    EXPECT_EQ(record.method(), "TLS handshake");
+    EXPECT_EQ(record.code(), "UNAUTHENTICATED");
+    errors += record.error() + "\n";
+  }
+  EXPECT_THAT(errors, HasSubstr("the client certificate /CN=engineer, serial number "));
+  EXPECT_THAT(errors, HasSubstr("was refused: unable to get local issuer certificate"));
+  EXPECT_THAT(errors, HasSubstr("the client has no certificate"));
 }
 
 TEST_F(SecurityTest, VariablesTakeThePlaceOfFlags) {
