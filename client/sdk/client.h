@@ -48,10 +48,14 @@ struct ConnectionOptions {
   SecurityOptions security = {};
 };
 
+// Payload of a server's error (absl::Status::GetPayload): the serialized google.rpc.Status with its
+// details, such as ErrorInfo, BadRequest and RetryInfo (docs/errors.md).
+inline constexpr char kErrorDetails[] = "type.googleapis.com/google.rpc.Status";
+
 // A connection to a server. Connects with the first call and reconnects when the connection is
 // lost; read-only calls are then retried unless the options disable it. Thread-safe.
 //
-// All methods return the server's error, with its text; UNAVAILABLE, with advice in the text, when
+// All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice in the text, when
 // no server can be reached.
 class Client {
  public:

@@ -12,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
+#include "absl/strings/cord.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "program/loopback.h"
@@ -147,7 +148,11 @@ absl::Status Explain(const grpc::Status& status, const ConnectionOptions& option
                                                      " without encryption; give --ca"));
     }
   }
-  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  if (!status.error_details().empty()) {
+    out.SetPayload(kErrorDetails, absl::Cord(status.error_details()));
+  }
+  return out;
 }
 
 }  // namespace graspdb::client

@@ -28,6 +28,10 @@ class Shaky : public v1::CatalogService::Service {
                             v1::Object*) override {
     return Next();
   }
+  grpc::Status DeleteObject(grpc::ServerContext*, const v1::DeleteObjectRequest*,
+                            google::protobuf::Empty*) override {
+    return {grpc::StatusCode::NOT_FOUND, "no such object", "details"};
+  }
   int calls() const { return calls_; }
 
  private:
@@ -53,6 +57,13 @@ class ClientRetryTest : public ::testing::Test {
 
   std::unique_ptr<grpc::Server> server_;
 };
+
+TEST_F(ClientRetryTest, ErrorsKeepTheirDetails) {
+  Shaky service(0);
+  const absl::Status status = Connect(service).DeleteObject("objects/mug", false);
+  EXPECT_THAT(status, StatusIs(absl::StatusCode::kNotFound, "no such object"));
+  EXPECT_EQ(status.GetPayload(kErrorDetails), "details");
+}
 
 TEST_F(ClientRetryTest, AReadOnlyCallIsRetried) {
   Shaky service(2);
