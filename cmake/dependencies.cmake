@@ -10,6 +10,7 @@ find_package(RocksDB REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(OpenSSL REQUIRED)
 pkg_check_modules(GRASPDB_ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(GRASPDB_PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core prometheus-cpp-pull)
 pkg_check_modules(GRASPDB_JEMALLOC REQUIRED IMPORTED_TARGET jemalloc)
 
 # FLANN's CMake config is not packaged; its header drags in lz4 for saved indices.

@@ -7,9 +7,7 @@
 #include <ctime>
 #include <memory>
 
-#include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "absl/time/time.h"
 
 namespace graspdb {
 namespace {
@@ -46,11 +44,14 @@ absl::StatusOr<Certificate> FirstCertificate(const PemFile& file) {
 // Without a terminal, where OpenSSL would read a passphrase.
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
-std::string TimeText(const ASN1_TIME* time) {
+absl::Time ToTime(const ASN1_TIME* time) {
   std::tm parts{};
   ASN1_TIME_to_tm(time, &parts);
-  return absl::FormatTime("%Y-%m-%d %H:%M UTC", absl::FromTM(parts, absl::UTCTimeZone()),
-                          absl::UTCTimeZone());
+  return absl::FromTM(parts, absl::UTCTimeZone());
+}
+
+std::string TimeText(const ASN1_TIME* time) {
+  return absl::FormatTime("%Y-%m-%d %H:%M UTC", ToTime(time), absl::UTCTimeZone());
 }
 
 }  // namespace
@@ -79,6 +80,12 @@ absl::Status CheckKeyPair(const PemFile& certificate, const PemFile& key) {
                                             "; check the clock of this machine"));
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<absl::Time> CertificateEnd(const PemFile& file) {
+  const absl::StatusOr<Certificate> first = FirstCertificate(file);
+  if (!first.ok()) return first.status();
+  return ToTime(X509_get0_notAfter(first->get()));
 }
 
 }  // namespace graspdb

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
 
 namespace graspdb {
 
@@ -19,5 +21,8 @@ absl::Status CheckCertificates(const PemFile& file);
 // FAILED_PRECONDITION unless `certificate` begins with a certificate that is valid now, and `key`
 // has its private key, without a passphrase.
 absl::Status CheckKeyPair(const PemFile& certificate, const PemFile& key);
+
+// When the first certificate of the file expires. FAILED_PRECONDITION if it cannot be read.
+absl::StatusOr<absl::Time> CertificateEnd(const PemFile& file);
 
 }  // namespace graspdb

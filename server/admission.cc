@@ -39,6 +39,11 @@ bool Admission::Arrive(Waiter& waiter) {
   return true;
 }
 
+Admission::Use Admission::use() const {
+  absl::MutexLock lock(&mutex_);
+  return {.working = slots_ - free_, .slots = slots_, .waiting = queue_.size(), .places = places_};
+}
+
 bool Admission::Await(Waiter& waiter) {
   absl::MutexLock lock(&mutex_);
   if (!waiter.has_slot) waiter.let_in.WaitWithTimeout(&mutex_, kCancelPollInterval);

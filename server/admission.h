@@ -28,12 +28,22 @@ class Admission {
     Admission* admission_;
   };
 
-  Admission(int slots, int waiting) : free_(slots), places_(static_cast<std::size_t>(waiting)) {}
+  struct Use {
+    int working = 0;
+    int slots = 0;
+    std::size_t waiting = 0;
+    std::size_t places = 0;
+  };
+
+  Admission(int slots, int waiting)
+      : slots_(slots), places_(static_cast<std::size_t>(waiting)), free_(slots) {}
 
   // Waits for a slot. RESOURCE_EXHAUSTED when too many wait already; CANCELLED when
   // `is_cancelled`, which is called outside of all locks, returns true while waiting or once a slot
   // is free.
   absl::StatusOr<Ticket> Enter(const std::function<bool()>& is_cancelled);
+
+  Use use() const;
 
  private:
   // A caller in the queue, on its own stack.
@@ -51,9 +61,10 @@ class Admission {
   // Gives a slot to the caller that has waited longest.
   void Release() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  absl::Mutex mutex_;
-  int free_ ABSL_GUARDED_BY(mutex_);  // 0 while a caller waits
+  const int slots_;
   const std::size_t places_;
+  mutable absl::Mutex mutex_;
+  int free_ ABSL_GUARDED_BY(mutex_);                  // 0 while a caller waits
   std::list<Waiter*> queue_ ABSL_GUARDED_BY(mutex_);  // first come, first in the list
 };
 

@@ -148,11 +148,11 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
     report->set_stage(stage.stage);
     report->set_input_point_count(static_cast<int>(stage.input_points));
     report->set_output_point_count(static_cast<int>(stage.output_points));
-    if (!context.omit_timings) report->set_duration_ms(stage.duration_ms);
+    report->set_duration_ms(stage.duration_ms);
   }
   out.set_untried_view_count(static_cast<int>(recognition.untried_view_count));
   out.set_search_timed_out(recognition.out_of_time);
-  if (!context.omit_timings) AddTimings(recognition, context, out.mutable_timings());
+  AddTimings(recognition, context, out.mutable_timings());
   return out;
 }
 

@@ -9,7 +9,6 @@ namespace graspdb::server {
 // Properties of the request that the recognition does not know.
 struct AnswerContext {
   bool sensor_pose_from_cell = false;
-  bool omit_timings = false;
   double decode_ms = 0;
   double total_ms = 0;
 };

@@ -24,10 +24,7 @@ BackupSchedule::BackupSchedule(CatalogueBackups& backups, absl::Duration interva
       }) {}
 
 BackupSchedule::~BackupSchedule() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stop_ = true;
-  }
+  stop_.Raise();
   backups_.Stop();
   thread_.join();
 }
@@ -47,12 +44,6 @@ absl::Duration BackupSchedule::UntilNext() const {
   // A backup of the future was made before the clock was set back.
   if (!last || *last > now) return absl::ZeroDuration();
   return std::max(absl::ZeroDuration(), *last + interval_ - now);
-}
-
-bool BackupSchedule::Stopped(absl::Duration wait) {
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&stop_), wait);
-  return stop_;
 }
 
 }  // namespace graspdb::server

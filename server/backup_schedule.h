@@ -3,9 +3,8 @@
 
 #include <thread>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "program/stop_flag.h"
 #include "server/catalogue_backups.h"
 #include "storage/backups.h"
 
@@ -27,13 +26,12 @@ class BackupSchedule {
  private:
   void Run();
   absl::Duration UntilNext() const;
-  bool Stopped(absl::Duration wait) ABSL_LOCKS_EXCLUDED(mutex_);
+  bool Stopped(absl::Duration wait) { return stop_.Wait(absl::ToChronoNanoseconds(wait)); }
 
   CatalogueBackups& backups_;
   const absl::Duration interval_;
   const storage::BackupRetention retention_;
-  absl::Mutex mutex_;
-  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;  // the last member: it uses the others
 };
 

@@ -7,12 +7,14 @@
 #include <optional>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
 #include "program/log_field.h"
+#include "program/request_id.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
 #include "server/bounded_text.h"
@@ -92,6 +94,23 @@ std::vector<std::string> CertificateNames(const grpc::ServerContextBase& context
 
 }  // namespace
 
+absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
+  AccessRules out;
+  if (!options.identities.empty()) {
+    auto identities = IdentitiesFile::Open(options.identities);
+    if (!identities.ok()) return identities.status();
+    out.identities = *std::move(identities);
+  }
+  if (!options.audit_log.empty()) {
+    auto audit =
+        AuditLog::Open(options.audit_log, static_cast<std::size_t>(options.audit_log_mib) << 20U);
+    if (!audit.ok()) return audit.status();
+    out.audit = *std::move(audit);
+  }
+  if (!options.metrics.listen.empty()) out.metrics = std::make_unique<CallMetrics>();
+  return out;
+}
+
 void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder) {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> factories;
   factories.push_back(std::make_unique<GuardFactory>(rules));
@@ -125,18 +144,30 @@ CallGuard* CallGuard::Of(const grpc::ServerContextBase& context) {
 void CallGuard::Intercept(grpc::experimental::InterceptorBatchMethods* methods) {
   using grpc::experimental::InterceptionHookPoints;
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
-    certificates_ = CertificateNames(context_);
-    auto& metadata = *methods->GetRecvInitialMetadata();
-    const auto [begin, end] =
-        metadata.equal_range(grpc::string_ref(kAuthorization.data(), kAuthorization.size()));
-    for (auto it = begin; it != end; ++it) {
-      const absl::string_view value(it->second.data(), it->second.size());
-      const bool is_bearer = absl::StartsWithIgnoreCase(value, kBearer);
-      tokens_.push_back(is_bearer ? HashToken(std::string(value.substr(kBearer.size()))) : "");
-    }
-    metadata.erase(begin, end);  // handlers cannot log it
+    TakeCredentials(*methods->GetRecvInitialMetadata());
+    TakeRequestId(*methods->GetRecvInitialMetadata());
   }
   methods->Proceed();
+}
+
+void CallGuard::TakeCredentials(std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
+  certificates_ = CertificateNames(context_);
+  const auto [begin, end] =
+      metadata.equal_range(grpc::string_ref(kAuthorization.data(), kAuthorization.size()));
+  for (auto it = begin; it != end; ++it) {
+    const absl::string_view value(it->second.data(), it->second.size());
+    const bool is_bearer = absl::StartsWithIgnoreCase(value, kBearer);
+    tokens_.push_back(is_bearer ? HashToken(std::string(value.substr(kBearer.size()))) : "");
+  }
+  metadata.erase(begin, end);  // handlers cannot log it
+}
+
+void CallGuard::TakeRequestId(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
+  if (method_ == nullptr) return;
+  const auto sent = metadata.find(kRequestIdKey);
+  if (sent != metadata.end()) request_id_.assign(sent->second.data(), sent->second.size());
+  if (!IsRequestId(request_id_)) request_id_ = MakeRequestId();
+  context_.AddTrailingMetadata(kRequestIdKey, request_id_);
 }
 
 absl::StatusOr<const v1::Identity*> CallGuard::Identify(const Identities& identities) const {
@@ -199,7 +230,21 @@ void CallGuard::NoteResource(std::string_view name) {
   if (resources_.empty() || resources_.back() != bounded) resources_.push_back(std::move(bounded));
 }
 
-void CallGuard::Record(const grpc::Status& status) const {
+void CallGuard::NoteForLog(std::string_view key, std::string_view value) {
+  absl::StrAppend(&notes_, " ", std::string(key), "=", LogField(value));
+}
+
+std::string CallGuard::TakeLogFields() {
+  return absl::StrCat(" request_id=", request_id_, std::exchange(notes_, ""));
+}
+
+void CallGuard::Record(std::string_view method, const grpc::Status& status,
+                       absl::Duration time) const {
+  if (metrics() != nullptr) metrics()->CountCall(method, status, time);
+  Audit(status);
+}
+
+void CallGuard::Audit(const grpc::Status& status) const {
   const bool is_refused = status.error_code() == grpc::StatusCode::PERMISSION_DENIED ||
                           status.error_code() == grpc::StatusCode::UNAUTHENTICATED;
   if (rules_.audit == nullptr || method_ == nullptr || !(is_refused || IsAudited(*method_))) return;

@@ -1,6 +1,7 @@
-// Who may make which call: decided here for all services.
+// Who may make which call, and what is recorded about it: decided here for all services.
 //
-// An interceptor takes the caller's credentials at the start of each call. gRPC's interceptors
+// An interceptor takes the caller's credentials and request id at the start of each call, and
+// returns the id, or a new one, in the trailing metadata. gRPC's interceptors
 // cannot end a call with a status, so that Handle() (server/handle.h), which every handler runs in,
 // takes the guard of its call and returns the guard's refusal instead of running the handler.
 // Without a guard, Handle() refuses the call.
@@ -12,26 +13,34 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "server/access/audit_log.h"
 #include "server/access/identities_file.h"
+#include "server/call_metrics.h"
+#include "server/options.h"
 
 namespace graspdb::server {
 
-// The rules of one server.
+// The rules of one server, and where calls are recorded.
 struct AccessRules {
   std::unique_ptr<IdentitiesFile> identities;  // null: every caller may make all calls
   std::unique_ptr<AuditLog> audit;             // null: no audit log
   std::function<std::int64_t()> revision;      // of the catalogue; for the audit log
+  std::unique_ptr<CallMetrics> metrics;        // null: none
 };
 
 // Logs and audits a client whose certificate was refused in the TLS handshake, before any call. Its
 // address is not known there.
 void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refused);
+
+// Opens the files of the options. Errors as those of IdentitiesFile and AuditLog.
+absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options);
 
 // Guards the calls of the server to be built. `rules` must outlive it.
 void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder);
@@ -60,11 +69,26 @@ class CallGuard final : public grpc::experimental::Interceptor {
   void NoteRequest(const google::protobuf::Message& request);
   void NoteResource(std::string_view name);
 
-  // Writes the audit record, for a call that is refused or audited. To be called at its end.
-  void Record(const grpc::Status& status) const;
+  // Adds ` key=value` to the log line of the call, or of the stream's frame.
+  void NoteForLog(std::string_view key, std::string_view value);
+
+  // To be called at the end of the call, or of a stream's frame, with its method and duration.
+  // Counts it, and writes the audit record of a call that is refused or audited.
+  void Record(std::string_view method, const grpc::Status& status, absl::Duration time) const;
+
+  // Of the log line: the request id and the notes since the last call of this.
+  std::string TakeLogFields();
+
+  // The cell of the caller's identity; empty if it has none.
+  const std::string& cell() const { return cell_; }
+  // Null: there are none.
+  CallMetrics* metrics() const { return rules_.metrics.get(); }
 
  private:
   absl::StatusOr<const v1::Identity*> Identify(const Identities& identities) const;
+  void TakeCredentials(std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
+  void TakeRequestId(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
+  void Audit(const grpc::Status& status) const;
 
   const AccessRules& rules_;
   grpc::ServerContextBase& context_;
@@ -74,6 +98,8 @@ class CallGuard final : public grpc::experimental::Interceptor {
   std::string identity_;  // for the audit log
   std::string cell_;      // the only one that it may use; empty: all
   std::vector<std::string> resources_;
+  std::string request_id_;
+  std::string notes_;
 };
 
 }  // namespace graspdb::server

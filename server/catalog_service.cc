@@ -84,7 +84,7 @@ v1::MemoryStatus MemoryToProto(const CatalogContext& context) {
 }  // namespace
 
 CatalogService::CatalogService(CatalogContext context)
-    : context_(std::move(context)), start_(absl::Now()) {}
+    : context_(std::move(context)), start_(std::chrono::steady_clock::now()) {}
 
 grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
                                           const v1::CreateObjectRequest* request,
@@ -257,8 +257,18 @@ grpc::Status CatalogService::DeleteView(grpc::ServerContext* context,
 grpc::Status CatalogService::ReportGraspOutcome(grpc::ServerContext* context,
                                                 const v1::ReportGraspOutcomeRequest* request,
                                                 v1::ReportGraspOutcomeResponse* response) {
-  return Handle(*context, "ReportGraspOutcome", *request, [&] {
-    return Respond("name", server::ReportGraspOutcome(*request, context_.catalogue), response);
+  return Handle(*context, "ReportGraspOutcome", *request, [&]() -> absl::Status {
+    if (request->has_cell()) {
+      const auto cell = context_.catalogue.GetCell(request->cell());
+      if (!cell.ok()) return AtField("cell", cell.status());
+    }
+    absl::Status status =
+        Respond("name", server::ReportGraspOutcome(*request, context_.catalogue), response);
+    const CallGuard& guard = *CallGuard::Of(*context);
+    if (status.ok() && guard.metrics() != nullptr) {
+      guard.metrics()->CountPicks(request->has_cell() ? request->cell() : guard.cell(), *request);
+    }
+    return status;
   });
 }
 
@@ -273,7 +283,8 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     response->set_view_count(counts.views);
     response->set_left_out_record_count(context_.live.left_out_count());
     response->set_server_version(kVersion);
-    response->set_uptime_s(absl::ToDoubleSeconds(absl::Now() - start_));
+    const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - start_;
+    response->set_uptime_s(uptime.count());
     response->set_descriptor_name(
         std::string(recognition::DescriptorName(context_.parameters.descriptor.kind)));
     response->set_schema_version(context_.catalogue.schema_version());

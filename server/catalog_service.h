@@ -81,7 +81,7 @@ class CatalogService final : public v1::CatalogService::Service {
                          v1::UploadViewsResponse* response);
 
   CatalogContext context_;
-  absl::Time start_;
+  std::chrono::steady_clock::time_point start_;
 };
 
 }  // namespace graspdb::server

@@ -1,17 +1,19 @@
 #include "server/change_service.h"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "server/errors.h"
 #include "server/handle.h"
 #include "storage/family.h"
 
 namespace graspdb::server {
 namespace {
+
+using Clock = std::chrono::steady_clock;  // cannot be set
 
 // Changes that are read at once, and resources in one response: with the longest names 110 KB.
 constexpr std::size_t kChangesAtOnce = 64;
@@ -20,7 +22,7 @@ constexpr double kHeartbeatS = 30;
 constexpr double kMinHeartbeatS = 1;
 constexpr double kMaxHeartbeatS = 3600;
 // Time in which a cancelled call is noticed.
-constexpr absl::Duration kCancelNoticed = absl::Milliseconds(500);
+constexpr std::chrono::milliseconds kCancelNoticed{500};
 
 // Adds the record to `out`; leaves it out where the change record has no values.
 void AddRecord(const storage::Mutation& mutation, v1::ResourceChange* out) {
@@ -66,11 +68,12 @@ std::vector<v1::WatchCatalogResponse> ResponsesTo(const storage::ChangeRecord& c
   return out;
 }
 
-absl::StatusOr<absl::Duration> HeartbeatOf(const v1::WatchCatalogRequest& request) {
-  if (!request.has_heartbeat_s()) return absl::Seconds(kHeartbeatS);
-  const double seconds = request.heartbeat_s();
+absl::StatusOr<Clock::duration> HeartbeatOf(const v1::WatchCatalogRequest& request) {
+  const double seconds = request.has_heartbeat_s() ? request.heartbeat_s() : kHeartbeatS;
   // Not a number fails, too.
-  if (seconds >= kMinHeartbeatS && seconds <= kMaxHeartbeatS) return absl::Seconds(seconds);
+  if (seconds >= kMinHeartbeatS && seconds <= kMaxHeartbeatS) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
   return InvalidField("heartbeat_s", "must be 1 to 3600");
 }
 
@@ -101,7 +104,7 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
                      "; it is another one, or was restored: read all records anew"));
   }
   // The first one at once: the caller then knows that it watches.
-  absl::Time next_heartbeat = absl::InfinitePast();
+  Clock::time_point next_heartbeat = Clock::now();
   while (!IsAbandoned(context)) {
     if (stopping_) {
       return TryAgainLater(absl::UnavailableError(
@@ -112,13 +115,15 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
       if (!sent.ok()) return sent;
       continue;
     }
-    if (absl::Now() >= next_heartbeat) {
+    const Clock::time_point now = Clock::now();
+    if (now >= next_heartbeat) {
       v1::WatchCatalogResponse alive;
       alive.set_catalog_revision(revision);
       if (!writer.Write(alive)) break;
-      next_heartbeat = absl::Now() + *heartbeat;
+      next_heartbeat = now + *heartbeat;
     }
-    live_.AwaitRevisionAfter(revision, std::min(next_heartbeat, absl::Now() + kCancelNoticed));
+    live_.AwaitRevisionAfter(revision,
+                             std::min<Clock::duration>(next_heartbeat - now, kCancelNoticed));
   }
   return absl::CancelledError("the watcher is gone");
 }

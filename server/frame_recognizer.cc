@@ -84,7 +84,6 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
 
   AnswerContext context;
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
-  context.omit_timings = request.omit_timings();
   context.decode_ms = MillisecondsSince(start);
   using Response = absl::StatusOr<v1::RecognizeResponse>;
   return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {

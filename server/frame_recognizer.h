@@ -17,8 +17,8 @@ class FrameRecognizer {
                   recognition::ViewClouds& clouds,
                   const recognition::RecognitionParameters& parameters, std::size_t max_points);
 
-  // INVALID_ARGUMENT with the wrong field, NOT_FOUND for an unknown cell, and the
-  // errors of recognition::Recognize.
+  // With timings, whether the request omits them or not. INVALID_ARGUMENT with the wrong field,
+  // NOT_FOUND for an unknown cell, and the errors of recognition::Recognize.
   absl::StatusOr<v1::RecognizeResponse> Answer(const v1::RecognizeRequest& request,
                                                const recognition::IsCancelled& is_cancelled);
 

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "program/log_field.h"
 #include "server/call_guard.h"
 #include "server/errors.h"
@@ -65,11 +66,12 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
   if (absl::IsCancelled(status) && context.deadline() < std::chrono::system_clock::now()) {
     status = absl::DeadlineExceededError("the call's deadline passed before it was done");
   }
-  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+  const absl::Duration spent = absl::FromChrono(std::chrono::steady_clock::now() - start);
   grpc::Status answer = ToGrpcStatus(status);
-  if (guard != nullptr) guard->Record(answer);
-  spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}", method,
-              LogField(context.peer()), absl::StatusCodeToString(status.code()), spent.count(),
+  if (guard != nullptr) guard->Record(method, answer, spent);
+  spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}{}", method,
+              LogField(context.peer()), absl::StatusCodeToString(status.code()),
+              absl::ToDoubleMilliseconds(spent), guard == nullptr ? "" : guard->TakeLogFields(),
               status.ok() ? "" : absl::StrCat(" error=", LogField(answer.error_message())));
   return answer;
 }

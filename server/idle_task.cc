@@ -1,5 +1,6 @@
 #include "server/idle_task.h"
 
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -8,14 +9,14 @@
 namespace graspdb::server {
 namespace {
 
-constexpr absl::Duration kPollInterval = absl::Seconds(10);
+constexpr std::chrono::seconds kPollInterval{10};
 
 }  // namespace
 
 IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> task)
     : thread_([this, &live, task = std::move(task)] {
         LowerPriority();
-        for (std::int64_t seen = -1; !Stopped(kPollInterval);) {
+        for (std::int64_t seen = -1; !stop_.Wait(kPollInterval);) {
           live.CatchUp();
           const std::int64_t now = live.snapshot()->revision;
           if (now == seen) task();
@@ -24,17 +25,8 @@ IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> task)
       }) {}
 
 IdleTask::~IdleTask() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stop_ = true;
-  }
+  stop_.Raise();
   thread_.join();
-}
-
-bool IdleTask::Stopped(absl::Duration wait) {
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&stop_), wait);
-  return stop_;
 }
 
 }  // namespace graspdb::server

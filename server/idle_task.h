@@ -4,9 +4,7 @@
 #include <functional>
 #include <thread>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
-#include "absl/time/time.h"
+#include "program/stop_flag.h"
 #include "server/live_catalogue.h"
 
 namespace graspdb::server {
@@ -23,10 +21,7 @@ class IdleTask {
   IdleTask& operator=(const IdleTask&) = delete;
 
  private:
-  bool Stopped(absl::Duration wait) ABSL_LOCKS_EXCLUDED(mutex_);
-
-  absl::Mutex mutex_;
-  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;
 };
 

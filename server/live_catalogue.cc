@@ -79,7 +79,7 @@ absl::StatusOr<std::vector<std::string>> LiveCatalogue::Reload() {
   all_left_out.insert(undescribed.begin(), undescribed.end());
   Publish({loaded->revision, std::move(loaded->index),
            std::make_shared<const TaughtPoses>(Changed({}, poses))});
-  left_out_ = std::move(all_left_out);
+  SetLeftOut(std::move(all_left_out));
   return undescribed;
 }
 
@@ -116,13 +116,31 @@ void LiveCatalogue::Advance(const Snapshot& current, const storage::ChangeRecord
   for (const std::string& name : effects.touched) left_out.erase(name);
   left_out.insert(effects.left_out.begin(), effects.left_out.end());
   Publish(std::move(next));
-  left_out_ = std::move(left_out);
+  SetLeftOut(std::move(left_out));
+}
+
+void LiveCatalogue::SetLeftOut(std::set<std::string> names) {
+  left_out_ = std::move(names);
+  left_out_count_ = std::ssize(left_out_);
+}
+
+void LiveCatalogue::SetAgrees(bool agrees) {
+  agrees_ = agrees;
+  if (report_) report_(agrees);
+}
+
+void LiveCatalogue::ReportAgreement(std::function<void(bool)> report) {
+  absl::MutexLock lock(&change_mutex_);
+  report_ = std::move(report);
+  if (report_) report_(agrees_);
 }
 
 void LiveCatalogue::Recover() {
+  SetAgrees(false);
   const absl::Status reloaded = Guarded([&] { return Reload().status(); });
   if (reloaded.ok()) {
     stale_ = false;
+    SetAgrees(true);
     spdlog::info("event=catalogue_reloaded revision={}", snapshot()->revision);
   } else {
     spdlog::error("event=catalogue_behind revision={} error={}", snapshot()->revision,
@@ -135,23 +153,17 @@ void LiveCatalogue::CatchUp() {
   if (stale_) Recover();
 }
 
-std::int64_t LiveCatalogue::left_out_count() const {
-  absl::MutexLock lock(&change_mutex_);
-  return std::ssize(left_out_);
-}
-
 void LiveCatalogue::Publish(Snapshot snapshot) {
   auto next = std::make_shared<const Snapshot>(std::move(snapshot));
+  const std::scoped_lock publishing(publishing_);
+  published_.notify_all();  // who wakes up waits for the lock
   absl::MutexLock lock(&mutex_);
-  snapshot_.swap(next);  // the old one is released after the lock
-  published_.SignalAll();
+  snapshot_.swap(next);  // the old one is released after the locks
 }
 
-void LiveCatalogue::AwaitRevisionAfter(std::int64_t revision, absl::Time deadline) const {
-  absl::MutexLock lock(&mutex_);
-  while (snapshot_->revision <= revision) {
-    if (published_.WaitWithDeadline(&mutex_, deadline)) return;
-  }
+void LiveCatalogue::AwaitRevisionAfter(std::int64_t revision, std::chrono::nanoseconds time) const {
+  std::unique_lock lock(publishing_);
+  published_.wait_for(lock, time, [&] { return snapshot()->revision > revision; });
 }
 
 std::shared_ptr<const recognition::CatalogueSnapshot> LiveCatalogue::snapshot() const {

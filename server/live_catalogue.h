@@ -1,15 +1,19 @@
 // The catalogue in memory, always as of the last acknowledged change.
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/time.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
 #include "server/loaded_views.h"
@@ -33,8 +37,8 @@ class LiveCatalogue {
 
   std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
 
-  // Waits until the snapshot is newer than `revision`, or until `deadline`.
-  void AwaitRevisionAfter(std::int64_t revision, absl::Time deadline) const
+  // Waits until the snapshot is newer than `revision`, or for `time` of the monotonic clock.
+  void AwaitRevisionAfter(std::int64_t revision, std::chrono::nanoseconds time) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   // The listener of the catalogue: applies a change, so that the next snapshot contains it. If that
@@ -46,8 +50,15 @@ class LiveCatalogue {
   // periodically. Writers wait meanwhile.
   void CatchUp() ABSL_LOCKS_EXCLUDED(change_mutex_);
 
+  // Calls `report` now, with false when a change could not be applied, and with true when the
+  // snapshot has all changes again; each before the call that made the change returns. It must not
+  // call this. Empty: ends the reports.
+  void ReportAgreement(std::function<void(bool)> report) ABSL_LOCKS_EXCLUDED(change_mutex_);
+  // The last result.
+  bool agrees() const { return agrees_; }
+
   // Stored views and stable poses that cannot be used; the log has their names.
-  std::int64_t left_out_count() const ABSL_LOCKS_EXCLUDED(change_mutex_);
+  std::int64_t left_out_count() const { return left_out_count_; }
 
   // Searches with this approximate index from now on, or exactly if it is null. Waits for a change
   // that is being applied. O(views).
@@ -78,6 +89,8 @@ class LiveCatalogue {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Recover() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Publish(Snapshot snapshot);
+  void SetLeftOut(std::set<std::string> names) ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  void SetAgrees(bool agrees) ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
 
   storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
@@ -85,9 +98,14 @@ class LiveCatalogue {
   mutable absl::Mutex change_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   bool stale_ ABSL_GUARDED_BY(change_mutex_) = false;  // a change is not in the snapshot
   std::set<std::string> left_out_ ABSL_GUARDED_BY(change_mutex_);
+  std::function<void(bool)> report_ ABSL_GUARDED_BY(change_mutex_);
+  // Written with change_mutex_ locked, which is held for seconds while all records are read.
+  std::atomic<std::int64_t> left_out_count_ = 0;
+  std::atomic<bool> agrees_ = true;
 
+  mutable std::mutex publishing_;  // of published_
+  mutable std::condition_variable published_;
   mutable absl::Mutex mutex_;
-  mutable absl::CondVar published_;
   std::shared_ptr<const Snapshot> snapshot_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -39,6 +39,9 @@ int Run(int argc, char** argv) {
   if (!server.ok()) return Fail(server.status());
   spdlog::info("event=start version={} db={} listen={}", kVersion, LogField(options.database),
                (*server)->address());
+  if (const std::string metrics = (*server)->metrics_address(); !metrics.empty()) {
+    std::printf("metrics on http://%s/metrics\n", metrics.c_str());
+  }
   std::printf("listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
 

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "program/listen_address.h"
 #include "program/loopback.h"
+#include "program/metrics/metrics_flags.h"
 #include "program/settings_file.h"
 #include "program/version.h"
 #include "recognition/descriptors/descriptor.h"
@@ -82,11 +83,15 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   app.add_option("--listen", o->listen, "HOST:PORT to listen on; port 0 selects a free one")
       ->capture_default_str();
   AddServerSecurityFlags(app, o);
+  AddMetricsFlags(app, &o->metrics);
   const auto number = [&](const char* flag, auto* value, const char* text, double lo, double hi) {
     app.add_option(flag, *value, text)->check(CLI::Range(lo, hi))->capture_default_str();
   };
   number("--workers", &o->workers, "Frames processed at once; 0: one per core", 0, 1024);
-  number("--queue", &o->queue, "Maximum number of waiting frames; more are rejected", 0, 100000);
+  app.add_option("--queue", o->queue,
+                 "Maximum number of waiting frames; more are rejected; one per worker, at least 2, "
+                 "if not given")
+      ->check(CLI::Range(0, 100'000));
   number("--max-points", &o->max_points, "Maximum number of points in a frame", 10, 100e6);
   number("--max-message-mib", &o->max_message_mib, "Maximum size of a message, MiB", 1, 1024);
   number(

@@ -1,9 +1,11 @@
 // The server's settings: flags, environment variables, a file.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
+#include "program/metrics/metrics_server.h"
 #include "server/access/tls_files.h"
 
 namespace graspdb::server {
@@ -13,11 +15,13 @@ struct ServerOptions {
   std::string listen = "127.0.0.1:50051";
   bool allow_remote_without_tls = false;
   TlsFiles tls = {};
+  MetricsOptions metrics = {};
   std::string identities;  // file; empty: every caller may make all calls
   std::string audit_log;   // file; empty: none
   int audit_log_mib = 64;  // of a full file
   int workers = 0;         // frames that are processed at once; 0: one per core
-  int queue = 64;          // frames that may wait for a worker
+  // Frames that may wait for a worker; absent: one per worker, at least 2.
+  std::optional<int> queue = std::nullopt;
   int max_points = 2'000'000;
   int max_message_mib = 64;
   int memory_mib = 0;            // of the whole server; 0: half of the machine's memory

@@ -7,6 +7,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "server/bounded_text.h"
+#include "server/call_guard.h"
 #include "server/errors.h"
 #include "server/handle.h"
 #include "server/request_limits.h"
@@ -47,6 +48,19 @@ absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& i
   }
 }
 
+// A response for the log and the metrics.
+void Note(const std::string& cell, const v1::RecognizeResponse& response, absl::Duration waited,
+          CallGuard& guard) {
+  if (!cell.empty()) guard.NoteForLog("cell", cell);
+  guard.NoteForLog("status", v1::RecognitionStatus_Name(response.status()));
+  if (guard.metrics() != nullptr) guard.metrics()->CountFrame(cell, response, waited);
+}
+
+void LeaveOutTimings(v1::RecognizeResponse* response) {
+  response->clear_timings();
+  for (v1::StageReport& stage : *response->mutable_stages()) stage.clear_duration_ms();
+}
+
 }  // namespace
 
 absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context,
@@ -54,10 +68,17 @@ absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context
                                               v1::RecognizeResponse* response) {
   const auto memory = memory_.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
   if (!memory.ok()) return memory.status();
+  const absl::Time arrival = absl::Now();
+  absl::Duration waited;
   const auto answer = [&](const auto& is_cancelled) {
+    waited = absl::Now() - arrival;
     return recognizer_.Answer(request, is_cancelled);
   };
-  return Admitted(context, admission_, answer, response);
+  absl::Status status = Admitted(context, admission_, answer, response);
+  if (!status.ok()) return status;
+  Note(request.cell(), *response, waited, *CallGuard::Of(context));
+  if (request.omit_timings()) LeaveOutTimings(response);
+  return status;
 }
 
 grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
@@ -111,8 +132,9 @@ grpc::Status RecognitionService::RecognizeStream(
       v1::RecognizeStreamResponse answer;
       const grpc::Status status = Handle(*context, "RecognizeStream.frame", frame.request(), [&] {
         absl::Status named = CheckLength(frame.frame_id(), "frame_id");
-        return named.ok() ? RecognizeOne(*context, frame.request(), answer.mutable_response())
-                          : named;
+        if (!named.ok()) return named;
+        CallGuard::Of(*context)->NoteForLog("frame_id", frame.frame_id());
+        return RecognizeOne(*context, frame.request(), answer.mutable_response());
       });
       answer.set_frame_id(BoundedText(frame.frame_id(), kMaxStringBytes));
       if (!status.ok()) answer.mutable_error()->ParseFromString(status.error_details());

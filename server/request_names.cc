@@ -15,10 +15,13 @@ using google::protobuf::Message;
 constexpr std::string_view kIdSuffix = "_id";
 constexpr std::string_view kCells = "cells/";
 
-// A field that is one string; nullopt if there is none of that name.
+// A field that is one string; nullopt if there is none of that name, or an optional one is absent.
 std::optional<std::string> Text(const Message& message, const std::string& name) {
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(name);
   if (field == nullptr || field->is_repeated() || field->type() != FieldDescriptor::TYPE_STRING) {
+    return std::nullopt;
+  }
+  if (field->has_presence() && !message.GetReflection()->HasField(message, field)) {
     return std::nullopt;
   }
   return message.GetReflection()->GetString(message, field);

@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "program/loopback.h"
+#include "program/metrics/metrics_server.h"
 #include "server/access/tls.h"
 #include "server/admission.h"
 #include "server/approximate_index_builder.h"
@@ -23,11 +25,14 @@
 #include "server/catalogue_backups.h"
 #include "server/cell_service.h"
 #include "server/change_service.h"
+#include "server/dead_connections.h"
 #include "server/frame_recognizer.h"
+#include "server/health.h"
 #include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/recognition_service.h"
+#include "server/status_metrics.h"
 #include "server/upload_expiry.h"
 #include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
@@ -66,20 +71,10 @@ int WorkersOf(const ServerOptions& options) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
-  AccessRules out;
-  if (!options.identities.empty()) {
-    auto identities = IdentitiesFile::Open(options.identities);
-    if (!identities.ok()) return identities.status();
-    out.identities = *std::move(identities);
-  }
-  if (!options.audit_log.empty()) {
-    auto audit =
-        AuditLog::Open(options.audit_log, static_cast<std::size_t>(options.audit_log_mib) << 20U);
-    if (!audit.ok()) return audit.status();
-    out.audit = *std::move(audit);
-  }
-  return out;
+// A waiting frame takes as long as the one before it, twice as long as one that is alone. Doubled,
+// it takes three times as long (docs/reliability.md).
+int QueueOf(const ServerOptions& options) {
+  return options.queue.value_or(std::max(2, WorkersOf(options)));
 }
 
 std::size_t MaxMessageBytes(const ServerOptions& options) {
@@ -141,11 +136,12 @@ struct Server::Parts {
         idle_task(*live,
                   [this] {
                     if (approximate_keeper != nullptr) approximate_keeper->RebuildIfOutdated();
-                    upload_expiry.Run(catalogue->uploads());
+                    upload_expiry.Run(catalogue->uploads(), absl::Now(),
+                                      UploadExpiry::Clock::now());
                   }),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
-        recognizing(WorkersOf(options), options.queue),
+        recognizing(WorkersOf(options), QueueOf(options)),
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
         recognition_service(recognizer, check, recognizing, request_memory),
@@ -165,6 +161,11 @@ struct Server::Parts {
                        ThreadsFor(memory, MaxMessageBytes(options), options) / kWatcherShare),
         backup_service(backups.get()),
         backup_schedule(ScheduleBackups(options, backups.get())) {}
+
+  StatusSources StatusSourcesOf(const ServerOptions& options, const MemoryShares& memory) {
+    return {*catalogue,  *live,    clouds,    request_memory, memory,
+            recognizing, teaching, uploading, backups.get(),  options.tls.cert};
+  }
 
   recognition::RecognitionParameters parameters;
   std::size_t max_points;
@@ -190,6 +191,7 @@ struct Server::Parts {
   std::unique_ptr<BackupSchedule> backup_schedule;  // null: none are scheduled
   AccessRules access = {};
   std::unique_ptr<WatchedFiles> tls_files;
+  std::unique_ptr<MetricsServer> metrics;  // null: none
 };
 
 Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -218,6 +220,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
     return parts->catalogue->revision();
   };
   out->parts_->tls_files = WatchTlsFiles(options.tls);
+  auto metrics = ServeMetrics(options.metrics, out->parts_->StatusSourcesOf(options, memory),
+                              out->parts_->access.metrics.get());
+  if (!metrics.ok()) return metrics.status();
+  out->parts_->metrics = *std::move(metrics);
   WarnIfOpen(options);
 
   grpc::EnableDefaultHealthCheckService(true);
@@ -228,6 +234,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   builder.SetMaxSendMessageSize(max_bytes);
   // Two servers on one port would each get some of the calls; the second must fail.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  EndDeadConnections(builder);
   // A thread that finds more pollers than this ends, and the next frame starts a new one.
   builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
                               std::max(kMinPollers, 2 * WorkersOf(options)));
@@ -258,8 +265,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
                                                "; is the port in use? Choose another --listen"));
   }
   out->address_ = absl::StrCat(options.listen.substr(0, options.listen.rfind(':')), ":", port);
-  out->grpc_->GetHealthCheckService()->SetServingStatus(true);
+  out->health_ = std::make_unique<Health>(*out->parts_->live, *out->grpc_);
   return out;
+}
+
+std::string Server::metrics_address() const {
+  return parts_->metrics == nullptr ? "" : parts_->metrics->address();
 }
 
 std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
@@ -270,7 +281,7 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
 
 void Server::Drain() {
   if (grpc_ == nullptr) return;
-  grpc_->GetHealthCheckService()->SetServingStatus(false);
+  health_->Drain();
   std::this_thread::sleep_for(kHealthNotifyTime);
   Stop();
 }
@@ -282,6 +293,7 @@ void Server::Stop() {
   grpc_->Shutdown(std::chrono::system_clock::now() +
                   std::chrono::duration_cast<std::chrono::system_clock::duration>(drain_time_));
   grpc_->Wait();
+  health_.reset();
   grpc_.reset();
   parts_.reset();
 }

@@ -13,6 +13,8 @@
 
 namespace graspdb::server {
 
+class Health;
+
 // A running server. The destructor drains it.
 class Server {
  public:
@@ -23,6 +25,9 @@ class Server {
 
   // HOST:PORT, with the selected port.
   const std::string& address() const { return address_; }
+
+  // The same for metrics; empty if there are none.
+  std::string metrics_address() const;
 
   // A channel inside the process, for tests.
   std::shared_ptr<grpc::Channel> InProcessChannel();
@@ -39,6 +44,7 @@ class Server {
 
   std::unique_ptr<Parts> parts_;
   std::unique_ptr<grpc::Server> grpc_;
+  std::unique_ptr<Health> health_;
   std::string address_;
   std::chrono::duration<double> drain_time_{};
 };

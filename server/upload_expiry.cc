@@ -2,9 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <string>
 
-#include "absl/time/clock.h"
 #include "program/log_field.h"
 
 namespace graspdb::server {
@@ -13,15 +13,15 @@ namespace {
 // As documented in the contract.
 constexpr absl::Duration kOpenUploadAge = absl::Hours(7 * 24);
 constexpr absl::Duration kCommittedUploadAge = absl::Hours(30 * 24);
-constexpr absl::Duration kExpiryInterval = absl::Hours(1);
+constexpr std::chrono::hours kExpiryInterval{1};
 
 }  // namespace
 
-void UploadExpiry::Run(storage::Uploads& uploads) {
-  const absl::Time now = absl::Now();
-  if (now < next_) return;
-  next_ = now + kExpiryInterval;
-  const auto deleted = uploads.DeleteOlderThan(now - kOpenUploadAge, now - kCommittedUploadAge);
+void UploadExpiry::Run(storage::Uploads& uploads, absl::Time wall, Clock::time_point monotonic) {
+  if (last_ && monotonic - *last_ < kExpiryInterval) return;
+  now_ = last_ ? std::min(wall, now_ + absl::FromChrono(monotonic - *last_)) : wall;
+  last_ = monotonic;
+  const auto deleted = uploads.DeleteOlderThan(now_ - kOpenUploadAge, now_ - kCommittedUploadAge);
   if (!deleted.ok()) {
     spdlog::error("event=upload_expiry error={}",
                   LogField(std::string(deleted.status().message())));

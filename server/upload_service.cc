@@ -34,7 +34,7 @@ absl::StatusOr<v1::Upload> UploadService::ToProto(const storage::UploadRecord& r
   absl::MutexLock lock(&mutex_);
   const auto rate = rates_.find(record.name());
   if (rate == rates_.end()) return out;
-  out.set_views_per_second(rate->second.PerSecond(absl::Now()));
+  out.set_views_per_second(rate->second.PerSecond(UploadRate::Clock::now()));
   const std::int64_t left = record.expected_view_count() - counts->views - counts->errors;
   if (left >= 0 && record.expected_view_count() > 0 && out.views_per_second() > 0) {
     out.set_time_left_s(static_cast<double>(left) / out.views_per_second());

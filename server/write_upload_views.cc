@@ -1,7 +1,6 @@
 // Views of bulk uploads: the compute-intensive part of UploadService.
 #include <string>
 
-#include "absl/time/clock.h"
 #include "server/background.h"
 #include "server/call_guard.h"
 #include "server/errors.h"
@@ -77,7 +76,7 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
   if (!outcome.ok()) return outcome.status();
   response->set_existing(*outcome == storage::PutViewOutcome::kExisting);
   absl::MutexLock lock(&mutex_);
-  rates_[request.upload()].Add(absl::Now());
+  rates_[request.upload()].Add(UploadRate::Clock::now());
   return absl::OkStatus();
 }
 

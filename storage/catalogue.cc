@@ -55,6 +55,7 @@ CatalogueCounts Catalogue::counts() const {
 
 int Catalogue::schema_version() const { return log_->meta().schema_version(); }
 
+DatabaseStatus Catalogue::database_status() const { return StatusOf(*database_); }
 const std::string& Catalogue::directory() const { return database_->directory(); }
 
 absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {

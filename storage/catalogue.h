@@ -7,8 +7,10 @@
 // Durability: a mutation that returned OK is on the disk. It survives a crash of the
 // process at any instruction and, if the disk flushes as requested, a crash of the
 // machine. A mutation that did not return is applied as a whole or not at all; so is
-// one that returned UNAVAILABLE, RESOURCE_EXHAUSTED or DATA_LOSS from the disk, and
-// after such an error the catalogue rejects further changes until it is reopened.
+// one that returned UNAVAILABLE or DATA_LOSS from the disk, and after such an error the
+// catalogue rejects further changes until it is reopened. When the disk is full, changes
+// return RESOURCE_EXHAUSTED and are not applied (unless the process ends before there is
+// room, then as a whole or not at all); they work again once there is room.
 //
 // Revisions: every change gets the next revision, 1 first, without gaps, and leaves a
 // change record in the same atomic write. No write bypasses them. Old change records are
@@ -34,6 +36,7 @@
 #include "absl/time/time.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/cell.pb.h"
+#include "storage/database_status.h"
 #include "storage/records.pb.h"
 
 namespace rocksdb {
@@ -131,6 +134,8 @@ class Catalogue {
   // Numbers of records; kept in memory.
   CatalogueCounts counts() const;
   int schema_version() const;
+  // The state of database and disk.
+  DatabaseStatus database_status() const;
   // The directory given to Open().
   const std::string& directory() const;
 

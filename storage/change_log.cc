@@ -39,6 +39,7 @@ absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fil
 absl::Status ChangeLog::Commit(ChangeBatch& batch) {
   if (auto finished = batch.Finish(keep_); !finished.ok()) return finished;
   if (auto written = database_.Write(batch.rocks()); !written.ok()) {
+    if (absl::IsResourceExhausted(written)) return written;  // not written
     // The batch may be on the disk or not. A further change could reuse its revision.
     failure_ = absl::UnavailableError("the catalogue rejects changes since a write failed (" +
                                       std::string(written.message()) +
@@ -85,6 +86,8 @@ absl::Status ChangeLog::HoldChanges(
   if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
   absl::ReleasableMutexLock lock(&writer_mutex_);
   if (!failure_.ok()) return failure_;
+  // The log may have a change that was reported as failed.
+  if (auto recovered = database_.RecoverFromFullDisk(); !recovered.ok()) return recovered;
   return work(meta(), [&lock] { lock.Release(); });
 }
 

@@ -33,15 +33,16 @@ class ChangeLog {
   // `fill` adds changes to a batch, which is committed atomically and durably; then the
   // listener is notified. One mutation at a time: the database does not change while
   // `fill` reads it. An error of `fill`, or a batch without a change, changes nothing.
-  // FAILED_PRECONDITION from within the listener. After a failed write the state of the
-  // disk is unknown: all further mutations return UNAVAILABLE. If the listener throws,
-  // the change remains, and the listener gets the next one.
+  // FAILED_PRECONDITION from within the listener. RESOURCE_EXHAUSTED when the disk is full: nothing
+  // changed. After any other failed write the state of the disk is unknown: all further mutations
+  // return UNAVAILABLE. If the listener throws, the change remains, and the listener gets the next
+  // one.
   absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
   // Runs `work` while no change begins, until it calls `release` (once) or returns; it gets the
   // MetaRecord, which is the one on the disk. FAILED_PRECONDITION from within the listener,
-  // UNAVAILABLE after a failed write.
+  // RESOURCE_EXHAUSTED or UNAVAILABLE after a failed write.
   absl::Status HoldChanges(
       absl::FunctionRef<absl::Status(const MetaRecord& meta, absl::FunctionRef<void()> release)>
           work) ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "rocksdb/cache.h"
 #include "storage/database_directory.h"
 #include "storage/log_check.h"
 #include "storage/rocksdb_options.h"
 #include "storage/rocksdb_status.h"
+#include "storage/text_log.h"
 
 namespace graspdb::storage {
 namespace {
@@ -17,6 +19,9 @@ constexpr std::size_t kBlockCacheBytes = 16U << 20;
 // The next start replays the logs, which takes time. Less than this is not worth a
 // file for each family.
 constexpr std::uint64_t kLargeLogBytes = 1U << 20;
+// Between two attempts to write to a disk that was full, each of which may write the memtables.
+// Doubled, writes fail for up to a second longer after there is room.
+constexpr std::chrono::seconds kRecoveryInterval{1};
 
 rocksdb::Slice ToSlice(std::string_view text) { return {text.data(), text.size()}; }
 std::string_view ToView(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
@@ -82,9 +87,10 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
   if (auto prepared = PrepareDirectory(directory, options.create_if_missing); !prepared.ok()) {
     return prepared;
   }
-  const rocksdb::DBOptions db_options = MakeDbOptions(options.env);
+  rocksdb::DBOptions db_options = MakeDbOptions(options.env);
   const auto names = FamiliesToOpen(db_options, directory);
   if (!names.ok()) return names.status();
+  db_options.info_log = OpenTextLog(directory);
 
   std::unique_ptr<Database> database(new Database(directory, options.write_buffer_bytes));
   rocksdb::DB* db = nullptr;
@@ -189,7 +195,7 @@ absl::StatusOr<std::string> Database::Get(Family family, std::string_view key,
   options.snapshot = snapshot;
   std::string value;
   const rocksdb::Status read = db_->Get(options, Handle(family), ToSlice(key), &value);
-  if (!read.ok()) return FromRocksDb(read, "read " + std::string(key));
+  if (!read.ok()) return FromRocksDb(read, "read " + absl::CHexEscape(std::string(key)));
   return value;
 }
 
@@ -198,7 +204,7 @@ absl::StatusOr<bool> Database::Contains(Family family, std::string_view key) con
   const rocksdb::Status read =
       db_->Get(rocksdb::ReadOptions(), Handle(family), ToSlice(key), &value);
   if (read.IsNotFound()) return false;
-  if (!read.ok()) return FromRocksDb(read, "read " + std::string(key));
+  if (!read.ok()) return FromRocksDb(read, "read " + absl::CHexEscape(std::string(key)));
   return true;
 }
 
@@ -261,9 +267,47 @@ absl::Status Database::DeletePrefix(Family family, std::string_view prefix,
 }
 
 absl::Status Database::Write(rocksdb::WriteBatch& batch) {
+  if (auto recovered = RecoverFromFullDisk(); !recovered.ok()) return recovered;
+  absl::ReaderMutexLock lock(&log_mutex_);
+  const rocksdb::Status written = WriteToLog(batch);
+  if (written.IsNoSpace()) is_full_ = true;
+  return FromRocksDb(written, "write the change");
+}
+
+rocksdb::Status Database::WriteToLog(rocksdb::WriteBatch& batch) {
+  // A new log begins when memtables with entries are flushed. Without an entry, a log that found
+  // the disk full could not be replaced: see RecoverFromFullDisk().
+  std::uint64_t entries = 0;
+  db_->GetIntProperty(Handle(Family::kMeta), rocksdb::DB::Properties::kNumEntriesActiveMemTable,
+                      &entries);
+  if (entries == 0) {
+    rocksdb::WriteOptions unlogged;
+    unlogged.disableWAL = true;
+    const rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
+    if (!marked.ok()) return marked;
+  }
   rocksdb::WriteOptions options;
   options.sync = true;
-  return FromRocksDb(db_->Write(options, &batch), "write the change");
+  return db_->Write(options, &batch);
+}
+
+absl::Status Database::RecoverFromFullDisk() {
+  if (!is_full_) return absl::OkStatus();
+  absl::MutexLock lock(&log_mutex_);
+  if (!is_full_) return absl::OkStatus();
+  const rocksdb::Status full = rocksdb::Status::NoSpace("the disk is full");
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_recovery_) return FromRocksDb(full, "write the change");
+  next_recovery_ = now + kRecoveryInterval;
+  // The log may end in a part of a write, and RocksDB does not write behind that any more.
+  // Everything in the memtables goes to sorted files, and a new log begins.
+  rocksdb::Status recovered = db_->Resume();
+  // CheckLogs() takes a torn log beside a newer one for damage; a backup keeps what it copies.
+  rocksdb::VectorLogPtr logs;
+  if (recovered.ok()) recovered = db_->GetSortedWalFiles(logs);
+  is_full_ = !recovered.ok() || logs.size() > 1;
+  const bool waits = recovered.IsBusy() || (recovered.ok() && is_full_);
+  return FromRocksDb(waits ? full : recovered, "write the change");
 }
 
 }  // namespace graspdb::storage

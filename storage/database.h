@@ -3,15 +3,19 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
 #include "rocksdb/db.h"
 #include "rocksdb/iterator.h"
 #include "rocksdb/snapshot.h"
@@ -82,7 +86,13 @@ class Database {
   absl::Status DeletePrefix(Family family, std::string_view prefix,
                             rocksdb::WriteBatch& batch) const;
   // Writes all of `batch` or nothing; when it returns, the batch is on the disk.
-  absl::Status Write(rocksdb::WriteBatch& batch);
+  // RESOURCE_EXHAUSTED when the disk is full: nothing was written, unless the process ends before
+  // the next write succeeds, and writes succeed once there is room. After any other error it is
+  // unknown whether the batch was written, until the database is opened again.
+  absl::Status Write(rocksdb::WriteBatch& batch) ABSL_LOCKS_EXCLUDED(log_mutex_);
+  // After a write found the disk full: makes it possible to write again, if there is room. OK
+  // without such a write. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.
+  absl::Status RecoverFromFullDisk() ABSL_LOCKS_EXCLUDED(log_mutex_);
   // Moves everything from the logs to sorted files.
   absl::Status Flush();
 
@@ -95,6 +105,7 @@ class Database {
       const std::vector<std::string>& families) const;
   void FlushLargeLogs();
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
+  rocksdb::Status WriteToLog(rocksdb::WriteBatch& batch) ABSL_SHARED_LOCKS_REQUIRED(log_mutex_);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
     return families_[static_cast<std::size_t>(family)];
   }
@@ -105,6 +116,10 @@ class Database {
   std::unique_ptr<rocksdb::DB> db_;
   std::vector<rocksdb::ColumnFamilyHandle*> handles_;  // all of them, known or not
   std::array<rocksdb::ColumnFamilyHandle*, kFamilyCount> families_{};
+
+  absl::Mutex log_mutex_;  // shared by writers
+  std::atomic<bool> is_full_ = false;
+  std::chrono::steady_clock::time_point next_recovery_ ABSL_GUARDED_BY(log_mutex_);
 };
 
 }  // namespace graspdb::storage

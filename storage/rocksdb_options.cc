@@ -4,6 +4,7 @@
 
 #include "rocksdb/cache.h"
 #include "rocksdb/file_checksum.h"
+#include "rocksdb/listener.h"
 #include "rocksdb/table.h"
 #include "storage/family.h"
 
@@ -14,6 +15,16 @@ constexpr std::uint64_t kMaxWalBytes = 64ULL << 20;
 constexpr std::uint64_t kBlobFileBytes = 64ULL << 20;
 constexpr std::uint64_t kMinBlobBytes = 4096;
 constexpr int kMaxOpenFiles = 512;
+
+// RocksDB tries a failed flush or compaction again when there is room on the disk. After a failed
+// write to the log it would go on without replacing the torn log; Database::Write() does it.
+class LogErrorsPersist : public rocksdb::EventListener {
+ public:
+  void OnErrorRecoveryBegin(rocksdb::BackgroundErrorReason reason, rocksdb::Status /*error*/,
+                            bool* automatic) override {
+    if (reason == rocksdb::BackgroundErrorReason::kWriteCallback) *automatic = false;
+  }
+};
 
 }  // namespace
 
@@ -29,14 +40,14 @@ rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env) {
   // All families are flushed together, so that even without its log a database is the
   // catalogue of some revision, and no idle family keeps old logs alive.
   options.atomic_flush = true;
+  options.avoid_flush_during_shutdown = true;  // the log has all but Database::WriteToLog()'s mark
   // The manifest has the checksum of every file: a backup detects damaged files as it copies them,
   // and does not read those that it has already.
   options.file_checksum_gen_factory = rocksdb::GetFileChecksumGenCrc32cFactory();
   options.max_total_wal_size = kMaxWalBytes;
   options.max_open_files = kMaxOpenFiles;  // below the usual limit of 1024 descriptors
   options.bytes_per_sync = 1 << 20;
-  options.max_log_file_size = 4 << 20;  // RocksDB's own text log
-  options.keep_log_file_num = 4;
+  options.listeners.push_back(std::make_shared<LogErrorsPersist>());
   return options;
 }
 

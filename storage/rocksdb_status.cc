@@ -14,7 +14,7 @@ absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action)
     return absl::DataLossError(what + "; " + std::string(kRestoreAdvice));
   }
   if (status.IsNoSpace()) {
-    return absl::ResourceExhaustedError(what + "; free space on the disk and restart the server");
+    return absl::ResourceExhaustedError(what + "; free space on the disk, and repeat the call");
   }
   return absl::UnavailableError(what + "; check the disk and restart the server");
 }

@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "absl/strings/cord.h"
 #include "client/sdk/client_call.h"
 #include "client/sdk/security.h"
+#include "program/request_id.h"
 
 namespace graspdb::client {
 namespace {
@@ -57,8 +59,20 @@ Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions 
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 
-absl::Status Client::ToStatus(const grpc::Status& status) const {
-  return Explain(status, options_);
+std::string RequestIdOf(const absl::Status& status) {
+  return std::string(status.GetPayload(kRequestIdKey).value_or(absl::Cord()));
+}
+
+absl::Status Client::ToStatus(const grpc::Status& status,
+                              const grpc::ClientContext& context) const {
+  absl::Status out = Explain(status, options_);
+  const auto& trailing = context.GetServerTrailingMetadata();
+  const auto id = trailing.find(kRequestIdKey);
+  if (!out.ok() && id != trailing.end()) {
+    out.SetPayload(kRequestIdKey,
+                   absl::Cord(absl::string_view(id->second.data(), id->second.size())));
+  }
+  return out;
 }
 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request) {
@@ -66,8 +80,10 @@ absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeReque
 }
 
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request,
-                                                        absl::Duration timeout) {
-  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request, timeout);
+                                                        absl::Duration timeout,
+                                                        const std::string& request_id) {
+  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request, timeout,
+              request_id);
 }
 
 absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {

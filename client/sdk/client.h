@@ -52,11 +52,15 @@ struct ConnectionOptions {
 // details, such as ErrorInfo, BadRequest and RetryInfo (docs/errors.md).
 inline constexpr char kErrorDetails[] = "type.googleapis.com/google.rpc.Status";
 
+// The id of the call that failed with this status, which is in the server's log; empty if the
+// server was not reached.
+std::string RequestIdOf(const absl::Status& status);
+
 // A connection to a server. Connects with the first call and reconnects when the connection is
 // lost; read-only calls are then retried unless the options disable it. Thread-safe.
 //
-// All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice in the text, when
-// no server can be reached.
+// All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice
+// in the text, when no server can be reached.
 class Client {
  public:
   explicit Client(const ConnectionOptions& options);
@@ -66,9 +70,11 @@ class Client {
   Client(Client&&) noexcept;
 
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
-  // With its own time limit.
+  // With its own time limit. `request_id`, of 1 to 64 letters, digits, '-', '_' and '.', is sent as
+  // the call's id (metadata x-request-id); if empty, the server chooses one.
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request,
-                                                  absl::Duration timeout);
+                                                  absl::Duration timeout,
+                                                  const std::string& request_id = "");
 
   // For the object with this resource name; for all objects if "".
   absl::StatusOr<v1::FindLookAlikesResponse> FindLookAlikes(const std::string& object);
@@ -144,12 +150,14 @@ class Client {
 
  private:
   struct Stubs;
-  absl::Status ToStatus(const grpc::Status& status) const;
+  // `context` is that of the call, which has ended.
+  absl::Status ToStatus(const grpc::Status& status, const grpc::ClientContext& context) const;
   template <typename Stub, typename Request, typename Response>
   using Method = grpc::Status (Stub::*)(grpc::ClientContext*, const Request&, Response*);
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
-                                const Request& request, absl::Duration timeout) const;
+                                const Request& request, absl::Duration timeout,
+                                const std::string& request_id = "") const;
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
                                 const Request& request) const {

@@ -18,6 +18,7 @@
 #include "graspdb/v1/change_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
+#include "program/request_id.h"
 
 namespace graspdb::client {
 
@@ -39,12 +40,14 @@ struct Client::Stubs {
 
 template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Call(Stub& stub, Method<Stub, Request, Response> method,
-                                      const Request& request, absl::Duration timeout) const {
+                                      const Request& request, absl::Duration timeout,
+                                      const std::string& request_id) const {
   grpc::ClientContext context;
+  if (!request_id.empty()) context.AddMetadata(kRequestIdKey, request_id);
   context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
-  if (!status.ok()) return ToStatus(status);
+  if (!status.ok()) return ToStatus(status, context);
   return response;
 }
 
@@ -61,7 +64,7 @@ absl::StatusOr<Response> Client::LastMessage(grpc::ClientContext& context,
     return status;
   }
   const grpc::Status status = reader->Finish();
-  if (!status.ok()) return ToStatus(status);
+  if (!status.ok()) return ToStatus(status, context);
   return message;
 }
 

@@ -100,7 +100,7 @@ absl::StatusOr<v1::UploadViewsResponse> Client::UploadViews(const NextView& next
   }
   writer->WritesDone();
   const grpc::Status status = writer->Finish();
-  if (!status.ok()) return ToStatus(status);
+  if (!status.ok()) return ToStatus(status, context);
   return response;
 }
 

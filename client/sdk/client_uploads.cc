@@ -74,7 +74,7 @@ absl::Status Client::WriteUploadViews(const NextUploadView& next, const UploadVi
   const grpc::Status status = stream->Finish();
   return status.ok() && broken
              ? absl::UnavailableError("the stream ended early; send the rest again")
-             : ToStatus(status);
+             : ToStatus(status, context);
 }
 
 }  // namespace graspdb::client

@@ -2,15 +2,14 @@
 
 #include <sys/stat.h>
 
+#include <chrono>
 #include <utility>
-
-#include "absl/time/time.h"
 
 namespace graspdb::server {
 namespace {
 
 // How long a revoked token is still accepted. Twice as often costs twice as many stat calls.
-constexpr absl::Duration kPollInterval = absl::Seconds(1);
+constexpr std::chrono::seconds kPollInterval{1};
 
 }  // namespace
 
@@ -23,16 +22,13 @@ WatchedFiles::WatchedFiles(std::vector<std::string> paths)
     : paths_(std::move(paths)), stamps_(Stamps()) {}
 
 WatchedFiles::~WatchedFiles() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stop_ = true;
-  }
+  stop_.Raise();
   if (thread_.joinable()) thread_.join();
 }
 
 void WatchedFiles::Start(std::function<void()> on_change) {
   thread_ = std::thread([this, on_change = std::move(on_change)] {
-    while (!Stopped()) {
+    while (!stop_.Wait(kPollInterval)) {
       std::vector<Stamp> now = Stamps();
       if (now == stamps_) continue;
       stamps_ = std::move(now);
@@ -50,12 +46,6 @@ std::vector<WatchedFiles::Stamp> WatchedFiles::Stamps() const {
     out.push_back(found ? Stamp{file.st_ino, file.st_size, file.st_mtim} : Stamp());
   }
   return out;
-}
-
-bool WatchedFiles::Stopped() {
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&stop_), kPollInterval);
-  return stop_;
 }
 
 }  // namespace graspdb::server

@@ -8,8 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::server {
 
@@ -36,12 +35,10 @@ class WatchedFiles {
   };
 
   std::vector<Stamp> Stamps() const;
-  bool Stopped();
 
   const std::vector<std::string> paths_;
   std::vector<Stamp> stamps_;
-  absl::Mutex mutex_;
-  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;
 };
 

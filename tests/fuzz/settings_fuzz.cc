@@ -68,7 +68,8 @@ void StartServer(std::vector<char*>& arguments) {
   Require(parsed.exit_status == 0 || parsed.exit_status == 2, "a documented exit status");
   if (parsed.done) return;
   const server::ServerOptions& options = parsed.options;
-  Require(options.workers >= 0 && options.queue >= 0 && options.max_points >= 10, "within limits");
+  Require(options.workers >= 0 && options.queue.value_or(0) >= 0 && options.max_points >= 10,
+          "within limits");
   Require(options.voxel_size_m > 0 && options.normal_radius_m > 0, "lengths above 0");
   Require(options.drain_s >= 0 && options.drain_s <= 3600, "a drain time within limits");
   server::CheckListenAddress(options).IgnoreError();

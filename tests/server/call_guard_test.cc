@@ -235,6 +235,16 @@ TEST_F(CellOfCallerTest, OnlyThatCellIsReadAndChanged) {
               IsRefused(StatusCode::PERMISSION_DENIED, "not all cells"));
 }
 
+TEST_F(CellOfCallerTest, OutcomesAreReportedForThatCellOrWithoutOne) {
+  v1::ReportGraspOutcomeRequest report;
+  report.set_name("objects/o/stablePoses/p");
+  report.set_outcome(v1::GRASP_OUTCOME_PICKED);
+  EXPECT_EQ(Call(&Catalog::ReportGraspOutcome, report).error_code(), StatusCode::NOT_FOUND);
+  report.set_cell("cells/press-4");
+  EXPECT_THAT(Call(&Catalog::ReportGraspOutcome, report),
+              IsRefused(StatusCode::PERMISSION_DENIED, "only"));
+}
+
 TEST_F(CellOfCallerTest, TheCatalogueIsRead) {
   EXPECT_THAT(Call(&Catalog::ListObjects, v1::ListObjectsRequest()), IsGrpcOk());
 }

@@ -51,9 +51,9 @@ TEST_F(ClientCertificatesTest, NamesWhoIsRefusedAndWhy) {
 
 TEST_F(ClientCertificatesTest, RefusesAllWithoutTheFileOfAuthorities) {
   folder_.Write("plant.pem", "");
-  EXPECT_THAT(Verify(plant_.Issue("press-3", "DNS:press-3").certificate),
-              ::graspdb::testing::StatusIs(absl::StatusCode::kFailedPrecondition,
-                                           HasSubstr("plant.pem")));
+  EXPECT_THAT(
+      Verify(plant_.Issue("press-3", "DNS:press-3").certificate),
+      ::graspdb::testing::StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("plant.pem")));
 }
 
 }  // namespace

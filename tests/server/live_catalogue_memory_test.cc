@@ -1,13 +1,17 @@
 // The catalogue in memory when any allocation fails while a change is applied.
 #include <gmock/gmock.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
 #include <limits>
 #include <new>
 
+#include "server/health.h"
 #include "server/live_catalogue.h"
 #include "tests/files/temporary_folder.h"
+#include "tests/server/raw_call.h"
 #include "tests/testing/status_matchers.h"
 
 namespace {
@@ -51,6 +55,10 @@ namespace graspdb::server {
 namespace {
 
 using testing::IsOk;
+
+// grpc.health.v1.HealthCheckResponse.
+constexpr char kServing[] = "\x08\x01";
+constexpr char kNotServing[] = "\x08\x02";
 
 constexpr char kPose[] = "objects/o/stablePoses/p";
 constexpr char kView[] = "objects/o/stablePoses/p/views/v";
@@ -128,6 +136,26 @@ TEST_F(LiveCatalogueMemoryTest, ViewIsVisibleAfterAnyFailedAllocation) {
   }
   EXPECT_GT(first, 2);
   EXPECT_LT(first, 10'000);
+}
+
+TEST_F(LiveCatalogueMemoryTest, HealthIsNotServingUntilAFailedChangeIsInTheIndex) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::ServerBuilder builder;
+  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  const Health health(*live_, *server);
+  const auto status = [&] {
+    testing::RawCall check(server->InProcessChannel({}), "/grpc.health.v1.Health/Check");
+    EXPECT_TRUE(check.Write(""));
+    return check.Read().value_or("no response");
+  };
+  EXPECT_EQ(status(), kServing);
+  PutFailing(0, std::numeric_limits<int>::max());
+  ASSERT_TRUE(struck_);
+  EXPECT_EQ(status(), kNotServing);
+  EXPECT_FALSE(live_->agrees());
+  live_->CatchUp();
+  EXPECT_EQ(status(), kServing);
+  EXPECT_TRUE(live_->agrees());
 }
 
 TEST_F(LiveCatalogueMemoryTest, ViewIsVisibleOnceMemoryIsAvailable) {

@@ -60,6 +60,27 @@ TEST_F(CatalogueResourcesTest, CreatedObjectHasItsTimes) {
   EXPECT_EQ(catalogue_->counts().objects, 1);
 }
 
+TEST_F(CatalogueResourcesTest, AClockThatIsSetChangesTimesOnly) {
+  const auto created = catalogue_->CreateObject(MakeObject("mug"));
+  ASSERT_TRUE(created.ok()) << created.status();
+  std::string etag = created->etag();
+  for (const absl::Duration jump : {absl::Hours(-9000), absl::Hours(90'000), absl::Hours(-1)}) {
+    now_ += jump;
+    const auto updated = catalogue_->UpdateObject("objects/mug", etag, Rename);
+    ASSERT_TRUE(updated.ok()) << updated.status();
+    EXPECT_NE(updated->etag(), etag);
+    EXPECT_EQ(updated->create_time().seconds(), created->create_time().seconds());
+    EXPECT_EQ(updated->update_time().seconds(), absl::ToUnixSeconds(now_));
+    etag = updated->etag();
+  }
+  const auto changes = catalogue_->ReadChanges(0, 10);
+  ASSERT_TRUE(changes.ok()) << changes.status();
+  ASSERT_EQ(changes->size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ((*changes)[i].revision(), static_cast<std::int64_t>(i) + 1);
+  }
+}
+
 TEST_F(CatalogueResourcesTest, NamesAreUnique) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug", "first")).ok());
   const auto again = catalogue_->CreateObject(MakeObject("mug", "second"));

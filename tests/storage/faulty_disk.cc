@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "tests/storage/catalogue_fixture.h"
+
 namespace graspdb::storage {
 namespace {
 
@@ -15,15 +17,16 @@ class WatchedFile : public rocksdb::FSWritableFileOwnerWrapper {
   rocksdb::IOStatus Append(const rocksdb::Slice& data, const rocksdb::IOOptions& options,
                            rocksdb::IODebugContext* context) override {
     if (auto running = disk_->Running(); !running.ok()) return running;
-    size_ += data.size();
-    return FSWritableFileOwnerWrapper::Append(data, options, context);
+    const std::size_t taken = disk_->Take(data.size());
+    size_ += taken;
+    rocksdb::IOStatus done =
+        FSWritableFileOwnerWrapper::Append({data.data(), taken}, options, context);
+    return done.ok() && taken < data.size() ? rocksdb::IOStatus::NoSpace("no byte left") : done;
   }
   rocksdb::IOStatus Append(const rocksdb::Slice& data, const rocksdb::IOOptions& options,
-                           const rocksdb::DataVerificationInfo& info,
+                           const rocksdb::DataVerificationInfo& /*info*/,
                            rocksdb::IODebugContext* context) override {
-    if (auto running = disk_->Running(); !running.ok()) return running;
-    size_ += data.size();
-    return FSWritableFileOwnerWrapper::Append(data, options, info, context);
+    return Append(data, options, context);
   }
   rocksdb::IOStatus Sync(const rocksdb::IOOptions& options,
                          rocksdb::IODebugContext* context) override {
@@ -42,6 +45,40 @@ class WatchedFile : public rocksdb::FSWritableFileOwnerWrapper {
   std::uint64_t size_ = 0;
 };
 
+class WatchedDirectory : public rocksdb::FSDirectoryWrapper {
+ public:
+  WatchedDirectory(std::unique_ptr<rocksdb::FSDirectory> directory, std::string name,
+                   FaultyDisk* disk)
+      : FSDirectoryWrapper(std::move(directory)), name_(std::move(name)), disk_(disk) {}
+
+  rocksdb::IOStatus Fsync(const rocksdb::IOOptions& options,
+                          rocksdb::IODebugContext* context) override {
+    const rocksdb::IOStatus allowed = disk_->NamesSynced(name_);
+    return allowed.ok() ? FSDirectoryWrapper::Fsync(options, context) : allowed;
+  }
+  rocksdb::IOStatus FsyncWithDirOptions(const rocksdb::IOOptions& options,
+                                        rocksdb::IODebugContext* context,
+                                        const rocksdb::DirFsyncOptions& what) override {
+    const rocksdb::IOStatus allowed = disk_->NamesSynced(name_);
+    return allowed.ok() ? FSDirectoryWrapper::FsyncWithDirOptions(options, context, what) : allowed;
+  }
+
+ private:
+  const std::string name_;
+  FaultyDisk* const disk_;
+};
+
+// Without the slash at its end and doubled ones.
+std::string Normal(const std::string& path) {
+  std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
+  return normal.has_filename() ? normal.string() : normal.parent_path().string();
+}
+
+std::optional<std::string> BytesIfThere(const std::string& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  return ReadBytes(path);
+}
+
 }  // namespace
 
 rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
@@ -49,12 +86,14 @@ rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
                                               std::unique_ptr<rocksdb::FSWritableFile>* file,
                                               rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
+  std::optional<std::string> before = BytesIfThere(name);
   std::unique_ptr<rocksdb::FSWritableFile> inner;
   rocksdb::IOStatus made = target()->NewWritableFile(name, options, &inner, context);
   if (!made.ok()) return made;
   *file = std::make_unique<WatchedFile>(std::move(inner), name, this);
   const std::scoped_lock lock(mutex_);
   synced_[name] = 0;
+  renamed_.try_emplace(Normal(name), std::move(before));
   return made;
 }
 
@@ -62,8 +101,10 @@ rocksdb::IOStatus FaultyDisk::RenameFile(const std::string& from, const std::str
                                          const rocksdb::IOOptions& options,
                                          rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
+  std::optional<std::string> before = BytesIfThere(to);
   rocksdb::IOStatus renamed = target()->RenameFile(from, to, options, context);
   const std::scoped_lock lock(mutex_);
+  if (renamed.ok()) renamed_.try_emplace(Normal(to), std::move(before));
   if (const auto file = synced_.find(from); renamed.ok() && file != synced_.end()) {
     synced_[to] = file->second;
     synced_.erase(file);
@@ -75,6 +116,18 @@ rocksdb::IOStatus FaultyDisk::DeleteFile(const std::string& name, const rocksdb:
                                          rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
   return target()->DeleteFile(name, options, context);
+}
+
+rocksdb::IOStatus FaultyDisk::NewDirectory(const std::string& name,
+                                           const rocksdb::IOOptions& options,
+                                           std::unique_ptr<rocksdb::FSDirectory>* directory,
+                                           rocksdb::IODebugContext* context) {
+  std::unique_ptr<rocksdb::FSDirectory> inner;
+  rocksdb::IOStatus made = target()->NewDirectory(name, options, &inner, context);
+  if (made.ok()) {
+    *directory = std::make_unique<WatchedDirectory>(std::move(inner), Normal(name), this);
+  }
+  return made;
 }
 
 rocksdb::IOStatus FaultyDisk::Running() const {
@@ -92,6 +145,24 @@ rocksdb::IOStatus FaultyDisk::Synced(const std::string& name, std::uint64_t size
   return rocksdb::IOStatus::OK();
 }
 
+rocksdb::IOStatus FaultyDisk::NamesSynced(const std::string& directory) {
+  if (auto running = Running(); !running.ok()) return running;
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(renamed_, [&](const auto& change) {
+    return std::filesystem::path(change.first).parent_path() == directory;
+  });
+  return rocksdb::IOStatus::OK();
+}
+
+std::size_t FaultyDisk::Take(std::size_t bytes) {
+  std::int64_t left = space_;
+  std::int64_t taken = 0;
+  do {
+    taken = std::min(left, static_cast<std::int64_t>(bytes));
+  } while (!space_.compare_exchange_weak(left, left - taken));
+  return static_cast<std::size_t>(taken);
+}
+
 void FaultyDisk::LosePower(const std::string& directory) {
   const std::scoped_lock lock(mutex_);
   for (const auto& [name, size] : synced_) {
@@ -101,6 +172,15 @@ void FaultyDisk::LosePower(const std::string& directory) {
     const std::uintmax_t written = std::filesystem::file_size(path, missing);
     if (missing) continue;
     std::filesystem::resize_file(path, std::min<std::uintmax_t>(written, size));
+  }
+  for (const auto& [name, before] : renamed_) {
+    const std::filesystem::path path =
+        std::filesystem::path(directory) / std::filesystem::path(name).filename();
+    if (before) {
+      WriteBytes(path, *before);
+    } else {
+      std::filesystem::remove(path);
+    }
   }
 }
 

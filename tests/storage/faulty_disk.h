@@ -1,10 +1,13 @@
-// A disk that drops unsynced bytes, and that fails on request.
+// A disk that drops unsynced bytes and names, and that fails or is full on request.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "rocksdb/env.h"
@@ -12,7 +15,7 @@
 
 namespace graspdb::storage {
 
-// Forwards everything to the machine's files, and counts the synced bytes.
+// Forwards everything to the machine's files, and notes the synced bytes and names.
 // Safe from any thread.
 class FaultyDisk : public rocksdb::FileSystemWrapper {
  public:
@@ -28,22 +31,35 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
 
   rocksdb::IOStatus DeleteFile(const std::string& name, const rocksdb::IOOptions& options,
                                rocksdb::IODebugContext* context) override;
+  rocksdb::IOStatus NewDirectory(const std::string& name, const rocksdb::IOOptions& options,
+                                 std::unique_ptr<rocksdb::FSDirectory>* directory,
+                                 rocksdb::IODebugContext* context) override;
 
   // Stops all further changes to this disk, including pending ones.
   void Stop() { stopped_ = true; }
-  // Truncates every file written through this disk, as found in `directory`, to its synced bytes.
+  // Truncates every file written through this disk, as found in `directory`, to its synced bytes,
+  // and undoes renames and new names since the last sync of their directory.
   void LosePower(const std::string& directory);
+  // Bytes that can still be written to files.
+  void SetSpace(std::int64_t bytes) { space_ = bytes; }
+  static constexpr std::int64_t kMuchSpace = std::numeric_limits<std::int64_t>::max() / 2;
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }
 
   // For the files of this disk.
   rocksdb::IOStatus Synced(const std::string& name, std::uint64_t size);
+  rocksdb::IOStatus NamesSynced(const std::string& directory);
+  // Takes up to `bytes` of the space and returns how many.
+  std::size_t Take(std::size_t bytes);
   // An error once the disk has stopped.
   rocksdb::IOStatus Running() const;
 
  private:
   std::mutex mutex_;
   std::map<std::string, std::uint64_t> synced_;  // by path
+  // Paths whose names changed since the last sync: the bytes that they had before, if they existed.
+  std::map<std::string, std::optional<std::string>> renamed_;
+  std::atomic<std::int64_t> space_ = kMuchSpace;
   std::atomic<int> syncs_of_logs_ = 0;
   std::atomic<bool> fail_syncs_of_logs_ = false;
   std::atomic<bool> stopped_ = false;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/agent/calibrations.h"
+#include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/cell_runner.h"
 #include "client/cell/agent/counters_log.h"
 #include "client/cell/agent/health.h"
@@ -78,6 +79,9 @@ struct Agent::Parts {
         black_box(std::move(box)),
         sensor(std::move(camera)),
         client(ConnectionTo(options)),
+        metrics(options.metrics.listen.empty()
+                    ? nullptr
+                    : std::make_unique<CellMetrics>(ResourceName("cells", options.cell))),
         cell(client, ResourceName("cells", options.cell), absl::Seconds(options.cell_period_s)),
         capture_and_recognize(*sensor, client, cell, ResourceName("cells", options.cell)),
         gri_runner(jobs, JobProtocol::kGri, RunnerOptions(options), PartsOfRunner()),
@@ -88,10 +92,14 @@ struct Agent::Parts {
         line_protocol(line_runner, line) {}
 
   CellParts PartsOfRunner() {
-    return {*sensor,  client,
-            cell,     capture_and_recognize,
-            counters, [this](const JobReport& report) {
-              Keep(report); }};
+    return {*sensor,
+            client,
+            cell,
+            capture_and_recognize,
+            counters,
+            ResourceName("cells", options.cell),
+            [this](const JobReport& report) { Keep(report); },
+            metrics.get()};
   }
 
   void Keep(const JobReport& report) {
@@ -109,10 +117,22 @@ struct Agent::Parts {
                         " bundles_failed=", kept.failed);
   }
 
+  CellState State() {
+    const auto connections = [](const auto& server) {
+      return server == nullptr ? 0 : server->connection_count();
+    };
+    return {.is_camera_ready = sensor->IsReady(),
+            .is_server_ready = cell.state().ok(),
+            .gri_connections = connections(gri_server),
+            .line_connections = connections(line_server),
+            .bundles = black_box == nullptr ? BlackBoxCounts() : black_box->counts()};
+  }
+
   const AgentOptions options;
   const std::unique_ptr<BlackBox> black_box;
   const std::unique_ptr<DepthSensor> sensor;
   Client client;
+  const std::unique_ptr<CellMetrics> metrics;  // null: none
   Counters counters;
   CellCache cell;
   CaptureAndRecognize capture_and_recognize;
@@ -126,6 +146,7 @@ struct Agent::Parts {
   std::unique_ptr<RobotServer> line_server;
   std::unique_ptr<Health> health;
   std::optional<CountersLog> counters_log;
+  std::unique_ptr<MetricsServer> metrics_server;
 };
 
 Agent::Agent(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -163,6 +184,10 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
     if (!health.ok()) return health.status();
     parts->health = *std::move(health);
   }
+  auto metrics = MetricsServer::Start(
+      options.metrics, [p = parts.get()] { return p->metrics->Collect(p->State()); });
+  if (!metrics.ok()) return metrics.status();
+  parts->metrics_server = *std::move(metrics);
   parts->counters_log.emplace([p = parts.get()] { return p->CountersText(); },
                               absl::Seconds(options.counters_period_s));
   return std::unique_ptr<Agent>(new Agent(std::move(parts)));
@@ -174,6 +199,10 @@ std::string Agent::gri_address() const {
 
 std::string Agent::line_address() const {
   return AddressOf(parts_->options.line, parts_->line_server.get());
+}
+
+std::string Agent::metrics_address() const {
+  return parts_->metrics_server == nullptr ? "" : parts_->metrics_server->address();
 }
 
 std::string Agent::health_address() const {

@@ -25,6 +25,7 @@ class Agent {
   std::string gri_address() const;
   std::string line_address() const;
   std::string health_address() const;
+  std::string metrics_address() const;
 
  private:
   struct Parts;

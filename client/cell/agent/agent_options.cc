@@ -7,6 +7,7 @@
 #include "program/client_flags.h"
 #include "program/listen_address.h"
 #include "program/loopback.h"
+#include "program/metrics/metrics_flags.h"
 #include "program/settings_file.h"
 #include "program/version.h"
 
@@ -41,6 +42,7 @@ void AddAddresses(CLI::App& app, AgentOptions* o) {
                  "or a number from 1 to 51");
   app.add_option("--health", o->health, "HOST:PORT of the health service (gRPC); \"\" for none")
       ->capture_default_str();
+  AddMetricsFlags(app, &o->metrics);
   app.add_flag("--allow-remote-robots", o->allow_remote_robots,
                "Allow addresses that other machines can reach; the robot protocols have neither "
                "encryption nor passwords, so expose them only to the cell's network");

@@ -9,6 +9,7 @@
 #include "client/cell/agent/job_config.h"
 #include "client/cell/robots/line_protocol.h"
 #include "client/sdk/client.h"
+#include "program/metrics/metrics_server.h"
 
 namespace graspdb::client {
 
@@ -24,6 +25,7 @@ struct AgentOptions {
   std::string line_format;  // for PoseFormatNamed; empty: robots must send FORMAT
   std::string health = "127.0.0.1:7102";
   bool allow_remote_robots = false;
+  MetricsOptions metrics = {};
   std::vector<std::string> robots_allow;  // networks; empty: all
   double time_limit_s = 5;
   double max_frame_age_s = 1;

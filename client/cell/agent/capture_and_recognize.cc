@@ -6,6 +6,7 @@
 #include "client/cell/agent/refusal.h"
 #include "files/pose_message.h"
 #include "files/scan_message.h"
+#include "program/request_id.h"
 
 namespace graspdb::client {
 namespace {
@@ -31,6 +32,7 @@ absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(absl::Time deadline) {
 absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& base_flange,
                                       absl::Time deadline, CaptureResult* capture) {
   capture->request.Clear();
+  capture->request_id.clear();
   const absl::StatusOr<KeptCell> cell = cell_.Get();
   if (!cell.ok()) return cell.status();
   capture->cell = *cell;
@@ -38,14 +40,16 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   absl::StatusOr<SensorFrame> frame = Grab(deadline);
   capture->camera_time += absl::Now() - start;
   if (!frame.ok()) return frame.status();
+  capture->frame_time = frame->time;
   const absl::StatusOr<recognition::Pose> world_sensor =
       WorldSensor(cell->frames, base_flange, frame->world_sensor);
   if (!world_sensor.ok()) return world_sensor.status();
   capture->request.set_cell(name_);
   *capture->request.mutable_sensor_pose() = ToMessage(*world_sensor);
   SetScan(std::move(frame->scan), &capture->request);
+  capture->request_id = MakeRequestId();
   absl::StatusOr<v1::RecognizeResponse> response =
-      client_.Recognize(capture->request, deadline - absl::Now());
+      client_.Recognize(capture->request, deadline - absl::Now(), capture->request_id);
   if (!response.ok()) return Refusal(response.status());
   capture->response = *std::move(response);
   return absl::OkStatus();

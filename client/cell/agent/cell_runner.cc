@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"
@@ -24,13 +25,16 @@ v1::GraspOutcome OutcomeMessage(PickOutcome outcome) {
   return outcome == PickOutcome::kMissed ? v1::GRASP_OUTCOME_MISSED : v1::GRASP_OUTCOME_SLIPPED;
 }
 
-void Log(const JobRequest& request, const absl::Status& status, std::size_t poses,
-         absl::Duration camera, absl::Duration all) {
+void Log(const JobReport& report) {
+  const absl::Status& status = report.status;
+  const std::string& id = report.capture.request_id;
   spdlog::log(status.ok() ? spdlog::level::info : spdlog::level::warn,
-              "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}",
-              request.job, LogField(request.session.robot()),
-              absl::StatusCodeToString(status.code()), poses, absl::ToDoubleMilliseconds(camera),
-              absl::ToDoubleMilliseconds(all),
+              "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}{}",
+              report.request.job, LogField(report.request.session.robot()),
+              absl::StatusCodeToString(status.code()), report.poses.size(),
+              absl::ToDoubleMilliseconds(report.capture.camera_time),
+              absl::ToDoubleMilliseconds(report.duration),
+              id.empty() ? "" : absl::StrCat(" request_id=", id),
               status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
 }
 
@@ -81,7 +85,7 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) 
   absl::Status done = job.kind == JobKind::kShowGrasp
                           ? Show(job, request)
                           : ReportOutcome(request.session, OutcomeOf(job.kind));
-  Log(request, done, 0, absl::ZeroDuration(), absl::ZeroDuration());
+  Log({.request = request, .start = absl::Now(), .status = done});
   if (!done.ok()) return done;
   return std::vector<JobPose>();
 }
@@ -98,9 +102,10 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
     if (poses.ok()) report.poses = *std::move(poses);
   }
   report.duration = absl::Now() - report.start;
-  const absl::Duration camera = report.capture.camera_time;
-  parts_.counters.CountJob(report.status, report.poses.size(), report.duration - camera);
-  Log(request, report.status, report.poses.size(), camera, report.duration);
+  parts_.counters.CountJob(report.status, report.poses.size(),
+                           report.duration - report.capture.camera_time);
+  if (parts_.metrics != nullptr) parts_.metrics->CountJob(report);
+  Log(report);
   if (parts_.on_job) parts_.on_job(report);
   if (!report.status.ok()) return report.status;
   return std::move(report.poses);
@@ -162,11 +167,13 @@ absl::Status CellRunner::ReportOutcome(RobotSession& session, PickOutcome outcom
   report.set_name(pose->stable_pose);
   report.set_grasp_id(pose->grasp_id);
   report.set_outcome(OutcomeMessage(outcome));
+  report.set_cell(parts_.name);
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
     session.RestoreGiven(*std::move(pose));  // the report may be retried
     return Refusal(kept);
   }
   parts_.counters.CountOutcome(outcome);
+  if (parts_.metrics != nullptr) parts_.metrics->CountPick(pose->object, report.outcome());
   return absl::OkStatus();
 }
 

@@ -14,6 +14,8 @@
 
 namespace graspdb::client {
 
+class CellMetrics;
+
 struct CellRunnerOptions {
   absl::Duration time_limit = absl::Seconds(5);  // of jobs without one of their own
   Reach reach = {};                              // its workspace is set from the cell
@@ -38,7 +40,9 @@ struct CellParts {
   CellCache& cell;
   CaptureAndRecognize& capture_and_recognize;
   Counters& counters;
+  std::string name;  // of the cell, a resource name
   JobCallback on_job = {};
+  CellMetrics* metrics = nullptr;  // null: none
 };
 
 // Runs the jobs of a cell for robots of one protocol. Thread-safe.

@@ -17,6 +17,7 @@ std::optional<v1::Bundle> BundleOf(const JobReport& report) {
   out.set_robot(report.request.session.robot());
   out.set_job(report.request.job);
   out.set_agent_version(kVersion);
+  out.set_request_id(report.capture.request_id);
   *out.mutable_request() = request;
   if (report.status.ok()) {
     *out.mutable_response() = report.capture.response;

@@ -47,6 +47,7 @@ int Run(int argc, char** argv) {
                LogField(options.cell), LogField(name), LogField(options.server));
   PrintAddress("line protocol", (*agent)->line_address());
   PrintAddress("health", (*agent)->health_address());
+  PrintAddress("metrics", (*agent)->metrics_address());
   PrintAddress("GRI", (*agent)->gri_address());
   std::printf("ready for robots\n");
   std::fflush(stdout);

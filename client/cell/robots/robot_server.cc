@@ -71,6 +71,15 @@ class RobotServer::Listener {
 
   std::uint16_t port() const { return port_; }
 
+  std::size_t connection_count() {
+    std::promise<std::size_t> count;
+    asio::post(context_, [&] {
+      std::erase_if(connections_, [](const auto& other) { return other.expired(); });
+      count.set_value(connections_.size());
+    });
+    return count.get_future().get();
+  }
+
  private:
   void HangUp() {
     stopping_ = true;
@@ -139,6 +148,8 @@ RobotServer::RobotServer(std::unique_ptr<Listener> listener) : listener_(std::mo
 RobotServer::~RobotServer() = default;
 
 std::uint16_t RobotServer::port() const { return listener_->port(); }
+
+std::size_t RobotServer::connection_count() const { return listener_->connection_count(); }
 
 absl::StatusOr<std::unique_ptr<RobotServer>> RobotServer::Start(RobotProtocol& protocol,
                                                                 const RobotServerOptions& options) {

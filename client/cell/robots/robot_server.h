@@ -60,6 +60,9 @@ class RobotServer {
 
   std::uint16_t port() const;
 
+  // Open connections. Waits for the thread that accepts them.
+  std::size_t connection_count() const;
+
  private:
   class Listener;
   explicit RobotServer(std::unique_ptr<Listener> listener);

@@ -18,6 +18,7 @@ struct GlobalOptions {
   std::string server = "127.0.0.1:50051";
   double timeout_s = 30;
   bool json = false;
+  bool verbose = false;
   SecurityOptions security = {};
 };
 

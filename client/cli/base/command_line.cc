@@ -31,6 +31,9 @@ int Execute(const GlobalOptions& global, const Action& action) {
     status = files;
   }
   std::fprintf(stderr, "graspdb: %s\n", std::string(status.message()).c_str());
+  if (const std::string id = RequestIdOf(status); global.verbose && !id.empty()) {
+    std::fprintf(stderr, "graspdb: request id %s\n", id.c_str());
+  }
   return absl::IsUnavailable(status) ? kNoServer : kFailed;
 }
 
@@ -43,6 +46,8 @@ void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
   app.add_flag("--json", global->json, "Print results as JSON, one document per line");
+  app.add_flag("--verbose", global->verbose,
+               "Print the request id of a call that fails, which is in the server's log");
   AddSecurityFlags(app, &global->security);
 }
 

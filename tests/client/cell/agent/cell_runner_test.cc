@@ -4,6 +4,8 @@
 
 #include <atomic>
 
+#include "client/cell/agent/cell_metrics.h"
+#include "client/cell/agent/job_bundle.h"
 #include "client/cell/robots/robot_session.h"
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
@@ -75,14 +77,15 @@ class CellRunnerTest : public ::testing::Test {
   CellCache cache_{client_, "cells/press-3", absl::Hours(1)};
   CaptureAndRecognize capture_and_recognize_{camera_, client_, cache_, "cells/press-3"};
   Counters counters_;
+  CellMetrics metrics_{"cells/press-3"};
   std::vector<JobReport> reports_;
   RobotSession session_{"r"};
   CellRunner runner_{*ParseJobs({"1 any", "2 label=cups", "3 label=plates", "4 any protocol=line",
                                  "80 show=side", "90 outcome=picked"}),
                      JobProtocol::kGri,
                      {},
-                     {camera_, client_, cache_, capture_and_recognize_, counters_,
-                      [this](const JobReport& report) { reports_.push_back(report); }}};
+                     {camera_, client_, cache_, capture_and_recognize_, counters_, "cells/press-3",
+                      [this](const JobReport& report) { reports_.push_back(report); }, &metrics_}};
 };
 
 TEST_F(CellRunnerTest, ReturnsGraspsInTheRobotsBaseFrame) {
@@ -144,6 +147,43 @@ TEST_F(CellRunnerTest, CallsTheJobCallback) {
   EXPECT_EQ(reports_[0].capture.response.catalog_revision(), 7);
   EXPECT_THAT(reports_[0].poses, SizeIs(1));
   EXPECT_THAT(counters_.Text(), HasSubstr("jobs=1 with_pose=1"));
+}
+
+TEST_F(CellRunnerTest, SendsTheRequestIdThatItReports) {
+  std::vector<std::string> received;
+  server_.Change([&](ScriptedServer& server) {
+    server.recognize_id = [&](const std::string& id) { received.push_back(id); };
+  });
+  ASSERT_THAT(Run(1), IsOk());
+  ASSERT_THAT(reports_, SizeIs(1));
+  EXPECT_THAT(received, ::testing::ElementsAre(reports_[0].capture.request_id));
+  const std::optional<v1::Bundle> bundle = BundleOf(reports_[0]);
+  ASSERT_TRUE(bundle);
+  EXPECT_EQ(bundle->request_id(), received[0]);
+}
+
+TEST_F(CellRunnerTest, CountsJobsAndPicksForMetrics) {
+  ASSERT_THAT(Run(1), IsOk());
+  ASSERT_THAT(Run(3), IsOk());
+  session_.SetGiven(*Run(1)->begin());
+  ASSERT_THAT(runner_.ReportOutcome(session_, PickOutcome::kSlipped), IsOk());
+  const auto value = [&](const std::string& name, const std::vector<std::string>& labels) {
+    for (const prometheus::MetricFamily& family : metrics_.Collect({})) {
+      if (family.name != name) continue;
+      for (const prometheus::ClientMetric& metric : family.metric) {
+        std::vector<std::string> values;
+        for (const auto& label : metric.label) values.push_back(label.value);
+        if (values == labels) return metric.counter.value + metric.gauge.value;
+      }
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(value("graspdb_cell_jobs_total", {"cells/press-3", "1", "OK"}), 2);
+  EXPECT_EQ(value("graspdb_cell_empty_jobs_total", {"cells/press-3", "3"}), 1);
+  EXPECT_EQ(
+      value("graspdb_cell_picks_total", {"cells/press-3", "objects/mug", "GRASP_OUTCOME_SLIPPED"}),
+      1);
+  EXPECT_GE(value("graspdb_cell_frame_age_seconds", {"cells/press-3"}), 0);
 }
 
 TEST_F(CellRunnerTest, AShownGraspUsesThePreviousDetection) {

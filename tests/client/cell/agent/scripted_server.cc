@@ -1,5 +1,7 @@
 #include "tests/client/cell/agent/scripted_server.h"
 
+#include "program/request_id.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -22,10 +24,14 @@ Client ScriptedServer::Connect(ConnectionOptions options) {
   return {server_->InProcessChannel({}), std::move(options)};
 }
 
-grpc::Status ScriptedServer::Recognize(grpc::ServerContext* /*context*/,
+grpc::Status ScriptedServer::Recognize(grpc::ServerContext* context,
                                        const v1::RecognizeRequest* request,
                                        v1::RecognizeResponse* response) {
   absl::MutexLock lock(&mutex_);
+  const auto id = context->client_metadata().find(kRequestIdKey);
+  if (recognize_id && id != context->client_metadata().end()) {
+    recognize_id(std::string(id->second.data(), id->second.size()));
+  }
   return Play(recognize, *request, response);
 }
 

@@ -30,13 +30,14 @@ class ScriptedServer : private v1::RecognitionService::Service,
 
   // The script. After the first call, access it only in Change.
   std::function<grpc::Status(const v1::RecognizeRequest&, v1::RecognizeResponse*)> recognize;
+  std::function<void(const std::string&)> recognize_id;  // may be empty
   std::function<grpc::Status(v1::Cell*)> get_cell;
   std::function<grpc::Status(v1::ListObjectsResponse*)> list_objects;
   std::function<grpc::Status(const v1::ReportGraspOutcomeRequest&)> report_outcome;
   v1::StablePose stable_pose;  // for GetStablePose and UpdateStablePose
 
  private:
-  grpc::Status Recognize(grpc::ServerContext* /*context*/, const v1::RecognizeRequest* request,
+  grpc::Status Recognize(grpc::ServerContext* context, const v1::RecognizeRequest* request,
                          v1::RecognizeResponse* response) override;
   grpc::Status GetCell(grpc::ServerContext* /*context*/, const v1::GetCellRequest* request,
                        v1::Cell* response) override;

@@ -1,0 +1,63 @@
+#include "client/cell/agent/cell_metrics.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "program/version.h"
+
+namespace graspdb::client {
+
+void CellMetrics::CountJob(const JobReport& report) {
+  const std::string job = absl::StrCat(report.request.job);
+  jobs_.With({cell_, job, absl::StatusCodeToString(report.status.code())}).Increment();
+  if (report.status.ok() && report.poses.empty()) empty_jobs_.With({cell_, job}).Increment();
+  job_times_.With({cell_}).Observe(absl::ToDoubleSeconds(report.duration));
+  camera_times_.With({cell_}).Observe(absl::ToDoubleSeconds(report.capture.camera_time));
+  absl::MutexLock lock(&mutex_);
+  frame_time_ = std::max(frame_time_, report.capture.frame_time);
+}
+
+void CellMetrics::CountPick(const std::string& object, v1::GraspOutcome outcome) {
+  picks_.With({cell_, object, v1::GraspOutcome_Name(outcome)}).Increment();
+}
+
+MetricFamilies CellMetrics::Collect(const CellState& state) const {
+  const auto sample = [&](auto value, const char* label = nullptr, const char* text = "") {
+    Sample out{static_cast<double>(value), {{"cell", cell_}}};
+    if (label != nullptr) out.labels.push_back({label, text});
+    return out;
+  };
+  std::vector<Sample> age;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (frame_time_ != absl::InfinitePast()) {
+      age.push_back(sample(absl::ToDoubleSeconds(absl::Now() - frame_time_)));
+    }
+  }
+  return {GaugeOf("graspdb_build_info", "1, with the version of the program.",
+                  {{1, {{"version", kVersion}}}}),
+          GaugeOf("graspdb_cell_camera_ready", "1 while the camera delivers frames, else 0.",
+                  {sample(state.is_camera_ready)}),
+          GaugeOf("graspdb_cell_frame_age_seconds",
+                  "Age of the newest frame that a job used; none before the first one.",
+                  std::move(age)),
+          GaugeOf("graspdb_cell_server_ready",
+                  "1 if the last periodic read of the cell's calibration succeeded, else 0.",
+                  {sample(state.is_server_ready)}),
+          GaugeOf("graspdb_cell_robot_connections", "Open connections of robots.",
+                  {sample(state.gri_connections, "protocol", "gri"),
+                   sample(state.line_connections, "protocol", "line")}),
+          CounterOf("graspdb_cell_bundles_total", "Bundles of the black box.",
+                    {sample(state.bundles.kept, "result", "kept"),
+                     sample(state.bundles.dropped, "result", "dropped"),
+                     sample(state.bundles.failed, "result", "failed")}),
+          jobs_.Collect(),
+          empty_jobs_.Collect(),
+          job_times_.Collect(),
+          camera_times_.Collect(),
+          picks_.Collect()};
+}
+
+}  // namespace graspdb::client

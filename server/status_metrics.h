@@ -1,0 +1,45 @@
+// Metrics of the server's state, read when they are collected.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "program/metrics/families.h"
+#include "program/metrics/metrics_server.h"
+#include "server/admission.h"
+#include "server/call_metrics.h"
+#include "server/catalogue_backups.h"
+#include "server/live_catalogue.h"
+#include "server/memory_budget.h"
+#include "server/view_cloud_cache.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+struct StatusSources {
+  storage::Catalogue& catalogue;
+  const LiveCatalogue& live;
+  const ViewCloudCache& clouds;
+  const RequestMemory& request_memory;
+  MemoryShares memory;
+  const Admission& recognizing;
+  const Admission& teaching;
+  const Admission& uploading;
+  const CatalogueBackups* backups;  // null: there is no folder for them
+  std::string certificate;          // file; empty: no TLS
+  absl::Time start = absl::Now();   // of the server
+};
+
+// Does not wait for a change of the catalogue. Reads the records of bulk uploads and the
+// certificate from the disk.
+MetricFamilies StatusMetrics(const StatusSources& sources);
+
+// Serves these and the metrics of `calls`, which must outlive the result, as MetricsServer::Start.
+absl::StatusOr<std::unique_ptr<MetricsServer>> ServeMetrics(const MetricsOptions& options,
+                                                            const StatusSources& sources,
+                                                            const CallMetrics* calls);
+
+}  // namespace graspdb::server

@@ -1,0 +1,119 @@
+// Flipped bytes in the files of a database.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "tests/faults/fault_fixture.h"
+
+namespace graspdb::faults {
+namespace {
+
+using ::testing::HasSubstr;
+
+class DamageTest : public FaultTest {
+ protected:
+  void Stop() {
+    server_->Signal(SIGTERM);
+    server_->Wait();
+  }
+  // A database with one view of each content, all of them in sorted files and blob files.
+  void MakeDatabase() {
+    Prepare();
+    StartServer();
+    client::Client client = Connect();
+    ASSERT_TRUE(samples_.Prepare(client).ok());
+    for (int i = 0; i < samples_.count(); ++i) ASSERT_TRUE(Teach(client, i).ok());
+    Stop();
+    StartServer();  // moves the log into files
+    Stop();
+  }
+  std::vector<std::filesystem::path> Files(const char* extension) const {
+    std::vector<std::filesystem::path> out;
+    for (const auto& entry : std::filesystem::directory_iterator(Path("db"))) {
+      if (entry.path().extension() == extension) out.push_back(entry.path());
+    }
+    return out;
+  }
+  static void Flip(const std::filesystem::path& path, std::uintmax_t offset) {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekg(static_cast<std::streamoff>(offset));
+    const int byte = file.get();
+    file.seekp(static_cast<std::streamoff>(offset));
+    file.put(static_cast<char>(byte ^ 0x41));
+  }
+};
+
+TEST_F(DamageTest, ADamagedCloudIsNamedAndAllOthersAreServed) {
+  MakeDatabase();
+  const std::vector<std::filesystem::path> blobs = Files(".blob");
+  ASSERT_EQ(blobs.size(), 1U);
+  Flip(blobs[0], std::filesystem::file_size(blobs[0]) / 2);
+  StartServer();
+  client::Client client = Connect();
+  int damaged = -1;
+  for (int i = 0; i < samples_.count(); ++i) {
+    const auto view = client.GetView(NameOf(i));
+    if (!view.ok()) {
+      EXPECT_EQ(damaged, -1) << "one byte is in one cloud";
+      damaged = i;
+      EXPECT_TRUE(absl::IsDataLoss(view.status())) << view.status();
+      EXPECT_THAT(std::string(view.status().message()), HasSubstr(NameOf(i)));
+      EXPECT_THAT(std::string(view.status().message()), HasSubstr("restore a backup"));
+    } else {
+      EXPECT_TRUE(samples_.IsStored(*view, i)) << i;
+    }
+  }
+  ASSERT_NE(damaged, -1);
+  for (int i = 0; i < samples_.count(); ++i) {
+    const auto answer = client.Recognize(samples_.Scan(i));
+    if (!answer.ok()) {
+      EXPECT_TRUE(absl::IsDataLoss(answer.status())) << answer.status();
+      continue;
+    }
+    const v1::Detection& found = answer->detections(0);
+    if (found.object().empty()) continue;
+    EXPECT_EQ(found.stable_pose(), samples_.StablePoseOf(i)) << "never a wrong answer";
+    EXPECT_NE(i, damaged);
+  }
+}
+
+TEST_F(DamageTest, DamagedSortedFilesAreNamedOrReadAsTheyWere) {
+  MakeDatabase();
+  int named = 0;
+  for (const std::filesystem::path& file : Files(".sst")) {
+    const std::uintmax_t size = std::filesystem::file_size(file);
+    for (const std::uintmax_t offset : {size / 50, size / 3}) {
+      std::filesystem::remove_all(Path("copy"));
+      std::filesystem::copy(Path("db"), Path("copy"));
+      Flip(std::filesystem::path(Path("copy")) / file.filename(), offset);
+      server_ = std::make_unique<end_to_end::Process>(folder_.path(),
+                                                      ServerCommand(Path("copy"), "127.0.0.1:0"));
+      address_ = server_->WaitForLine("listening on ");
+      if (address_.empty()) {
+        const end_to_end::Finished refused = server_->Wait();
+        EXPECT_EQ(refused.exit_status, 1);
+        EXPECT_THAT(refused.err, HasSubstr(file.filename().string()));
+        EXPECT_THAT(refused.err, HasSubstr("restore a backup"));
+        ++named;
+        continue;
+      }
+      client::Client client = Connect();
+      for (int i = 0; i < samples_.count(); ++i) {
+        const auto view = client.GetView(NameOf(i));
+        if (view.ok()) {
+          EXPECT_TRUE(samples_.IsStored(*view, i)) << i;
+        } else {
+          EXPECT_TRUE(absl::IsDataLoss(view.status())) << view.status();
+          EXPECT_THAT(std::string(view.status().message()), HasSubstr(file.filename().string()));
+        }
+      }
+    }
+  }
+  EXPECT_GT(named, 2);
+}
+
+}  // namespace
+}  // namespace graspdb::faults
