@@ -13,7 +13,9 @@ namespace {
 // A UUID with dashes has 36. Doubled, a log line may be 64 bytes longer.
 constexpr std::size_t kMaxBytes = 64;
 
-bool IsPlain(char c) { return absl::ascii_isalnum(c) || c == '-' || c == '_' || c == '.'; }
+bool IsPlain(char c) {
+  return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.';
+}
 
 }  // namespace
 

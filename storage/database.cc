@@ -283,7 +283,7 @@ rocksdb::Status Database::WriteToLog(rocksdb::WriteBatch& batch) {
   if (entries == 0) {
     rocksdb::WriteOptions unlogged;
     unlogged.disableWAL = true;
-    const rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
+    rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
     if (!marked.ok()) return marked;
   }
   rocksdb::WriteOptions options;

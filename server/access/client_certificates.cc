@@ -99,7 +99,9 @@ ClientCertificateVerifier::ClientCertificateVerifier(std::string authorities, bo
 bool ClientCertificateVerifier::Verify(
     grpc::experimental::TlsCustomVerificationCheckRequest* request,
     std::function<void(grpc::Status)> /*callback*/, grpc::Status* sync_status) {
-  const auto text = [](grpc::string_ref value) { return std::string(value.data(), value.size()); };
+  const auto text = [](const grpc::string_ref& value) {
+    return std::string(value.data(), value.size());
+  };
   const PeerCertificate peer = {text(request->peer_cert()), text(request->peer_cert_full_chain())};
   if (peer.leaf.empty() && !is_required_) return true;
   const absl::Status status = VerifyClientCertificate(peer, authorities_);
