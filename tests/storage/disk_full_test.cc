@@ -41,7 +41,7 @@ class DiskFullTest : public ::testing::Test {
   template <typename Call>
   static absl::Status Repeat(const Call& call) {
     for (;;) {
-      const absl::Status status = call();
+      absl::Status status = call();
       if (!absl::IsResourceExhausted(status)) return status;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
