@@ -60,11 +60,13 @@ class ConnectionsTest : public FaultTest {
 TEST_F(ConnectionsTest, IdleAndSilentClientsDoNotKeepOthersFromWorking) {
   StartServer("db", {"--drain", "0.5"});
   std::vector<client::Client> idle;
+  idle.reserve(kManyClients);
   for (int i = 0; i < kManyClients; ++i) {
     idle.push_back(Connect());
     EXPECT_TRUE(idle.back().GetCatalogStatus().ok());
   }
   std::vector<std::unique_ptr<SilentConnection>> silent;
+  silent.reserve(kManyClients);
   for (int i = 0; i < kManyClients; ++i) {
     silent.push_back(std::make_unique<SilentConnection>(
         address_, kHalfPreface.substr(0, static_cast<std::size_t>(i) % kHalfPreface.size())));

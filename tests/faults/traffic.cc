@@ -117,6 +117,7 @@ void Traffic::UploadInBulk() {
         upload, [](KnownUpload& known) { known.created = true; }, 1);
     std::vector<absl::Status> ends(kStreams);
     std::vector<std::thread> streams;
+    streams.reserve(kStreams);
     for (int s = 0; s < kStreams; ++s) {
       streams.emplace_back([&, s] { ends[static_cast<std::size_t>(s)] = StageViews(upload, s); });
     }
