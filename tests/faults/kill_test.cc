@@ -42,7 +42,7 @@ class KillTest : public FaultTest {
   void Start() { StartServer("db", {"--backup-dir", Path("backups"), "--drain", "1"}); }
   microseconds Moment(int round) {
     const std::int64_t longest = round % 2 == 0 ? kLongestUs : kLongestUs / 4;
-    return microseconds(static_cast<std::int64_t>(random_() % longest));
+    return microseconds(static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(longest)));
   }
   // Kills the server, in some rounds some time after SIGTERM.
   void Kill(int round) {

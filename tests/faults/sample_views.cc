@@ -28,8 +28,10 @@ recognition::Points Ridge(int number) {
   recognition::Points out;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const float x = kStepM * static_cast<float>(column - columns / 2);
-      const float y = kStepM * static_cast<float>(row - rows / 2);
+      const float x =
+          kStepM * (static_cast<float>(column) - std::floor(0.5F * static_cast<float>(columns)));
+      const float y =
+          kStepM * (static_cast<float>(row) - std::floor(0.5F * static_cast<float>(rows)));
       const float z = 0.01F + height * std::abs(std::sin((20.0F + 3.0F * n) * x)) + 0.3F * y;
       out.emplace_back(x + noise(random), noise(random) - y, kSensorHeightM - z + noise(random));
     }
