@@ -23,7 +23,7 @@
 
 namespace graspdb::storage {
 
-// Uploads that are not committed. Doubled, so many more may lie forgotten on the disk.
+// Limit of uploads that are not committed. Doubled, abandoned ones may take twice the disk space.
 inline constexpr std::size_t kMaxOpenUploads = 64;
 // Views of one upload. Commit() has all their records, about 2 KB each, in memory, twice.
 inline constexpr std::size_t kMaxStagedViews = 100'000;
