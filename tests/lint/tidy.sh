@@ -32,6 +32,7 @@ for unit in "$@"; do
   if clang-tidy --load="$build/own_declarations.so" -p "$build" --quiet --checks="$checks" --extra-arg=-Wno-unknown-warning-option "$unit" 2>/dev/null; then
     touch "$cache/$key"
   else
+    echo "tidy.sh: clang-tidy failed on $unit"
     failed=1
   fi
 done
