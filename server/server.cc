@@ -21,6 +21,7 @@
 #include "server/backup_schedule.h"
 #include "server/backup_service.h"
 #include "server/call_guard.h"
+#include "server/capacity.h"
 #include "server/catalog_service.h"
 #include "server/catalogue_backups.h"
 #include "server/cell_service.h"
@@ -47,10 +48,6 @@ constexpr int kTeachQueue = 64;
 // Minimum number of threads that wait for calls.
 constexpr int kMinPollers = 8;
 
-// Minimum and maximum number of threads for calls, whatever the memory.
-constexpr int kMinThreads = 16;
-constexpr std::size_t kMaxThreads = 256;
-
 // Of the threads a quarter may wait for changes. Halved, half of them.
 constexpr int kWatcherShare = 4;
 
@@ -64,30 +61,6 @@ recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   out.descriptor.voxel_size_m = options.voxel_size_m;
   out.descriptor.normal_radius_m = options.normal_radius_m;
   return out;
-}
-
-int WorkersOf(const ServerOptions& options) {
-  if (options.workers > 0) return options.workers;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-// A waiting frame takes as long as the one before it, twice as long as one that is alone. Doubled,
-// it takes three times as long (docs/reliability.md).
-int QueueOf(const ServerOptions& options) {
-  return options.queue.value_or(std::max(2, WorkersOf(options)));
-}
-
-std::size_t MaxMessageBytes(const ServerOptions& options) {
-  return static_cast<std::size_t>(options.max_message_mib) << 20U;
-}
-
-// Number of threads for calls, each of which may have parsed a message of the maximum size, within
-// the memory for requests; but enough for the workers, and for calls that wait or are idle streams.
-int ThreadsFor(const MemoryShares& memory, std::size_t max_message_bytes,
-               const ServerOptions& options) {
-  const std::size_t fit = memory.requests / max_message_bytes;
-  const int least = kMinThreads + 2 * WorkersOf(options);
-  return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMaxThreads)));
 }
 
 // Null without a folder for backups.
@@ -157,8 +130,7 @@ struct Server::Parts {
         uploading(WorkersOf(options), kTeachQueue),
         upload_service({*catalogue, uploading, request_memory, parameters, {max_points}}),
         cell_service(*catalogue),
-        change_service(*catalogue, *live,
-                       ThreadsFor(memory, MaxMessageBytes(options), options) / kWatcherShare),
+        change_service(*catalogue, *live, ThreadsFor(memory, options) / kWatcherShare),
         backup_service(backups.get()),
         backup_schedule(ScheduleBackups(options, backups.get())) {}
 
@@ -226,6 +198,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   out->parts_->metrics = *std::move(metrics);
   WarnIfOpen(options);
 
+  if (absl::Status status = out->Listen(options, memory); !status.ok()) return status;
+  return out;
+}
+
+absl::Status Server::Listen(const ServerOptions& options, const MemoryShares& memory) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -242,31 +219,31 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   // calls. A call beyond the threads is rejected before its message is parsed.
   grpc::ResourceQuota quota("graspdb");
   quota.Resize(memory.requests);
-  quota.SetMaxThreads(ThreadsFor(memory, MaxMessageBytes(options), options));
+  quota.SetMaxThreads(ThreadsFor(memory, options));
   builder.SetResourceQuota(quota);
   int port = 0;
   builder.AddListeningPort(
       options.listen,
       MakeServerCredentials(options.tls,
-                            [access = &out->parts_->access](const absl::Status& refused) {
+                            [access = &parts_->access](const absl::Status& refused) {
                               RecordRefusedHandshake(*access, refused);
                             }),
       &port);
-  GuardCalls(out->parts_->access, builder);
-  builder.RegisterService(&out->parts_->catalog_service);
-  builder.RegisterService(&out->parts_->recognition_service);
-  builder.RegisterService(&out->parts_->upload_service);
-  builder.RegisterService(&out->parts_->cell_service);
-  builder.RegisterService(&out->parts_->change_service);
-  builder.RegisterService(&out->parts_->backup_service);
-  out->grpc_ = builder.BuildAndStart();
-  if (out->grpc_ == nullptr || port == 0) {
+  GuardCalls(parts_->access, builder);
+  builder.RegisterService(&parts_->catalog_service);
+  builder.RegisterService(&parts_->recognition_service);
+  builder.RegisterService(&parts_->upload_service);
+  builder.RegisterService(&parts_->cell_service);
+  builder.RegisterService(&parts_->change_service);
+  builder.RegisterService(&parts_->backup_service);
+  grpc_ = builder.BuildAndStart();
+  if (grpc_ == nullptr || port == 0) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,
                                                "; is the port in use? Choose another --listen"));
   }
-  out->address_ = absl::StrCat(options.listen.substr(0, options.listen.rfind(':')), ":", port);
-  out->health_ = std::make_unique<Health>(*out->parts_->live, *out->grpc_);
-  return out;
+  address_ = absl::StrCat(options.listen.substr(0, options.listen.rfind(':')), ":", port);
+  health_ = std::make_unique<Health>(*parts_->live, *grpc_);
+  return absl::OkStatus();
 }
 
 std::string Server::metrics_address() const {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "recognition/recognizer.h"
 #include "server/options.h"
@@ -14,6 +15,7 @@
 namespace graspdb::server {
 
 class Health;
+struct MemoryShares;
 
 // A running server. The destructor drains it.
 class Server {
@@ -38,6 +40,8 @@ class Server {
 
  private:
   void Stop();
+  // Opens the port and answers calls. UNAVAILABLE if the address is in use.
+  absl::Status Listen(const ServerOptions& options, const MemoryShares& memory);
 
   struct Parts;
   explicit Server(std::unique_ptr<Parts> parts);

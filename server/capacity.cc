@@ -1,0 +1,34 @@
+#include "server/capacity.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace graspdb::server {
+namespace {
+
+// Minimum and maximum number of threads for calls, whatever the memory.
+constexpr int kMinThreads = 16;
+constexpr std::size_t kMaxThreads = 256;
+
+}  // namespace
+
+int WorkersOf(const ServerOptions& options) {
+  if (options.workers > 0) return options.workers;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int QueueOf(const ServerOptions& options) {
+  return options.queue.value_or(std::max(2, WorkersOf(options)));
+}
+
+std::size_t MaxMessageBytes(const ServerOptions& options) {
+  return static_cast<std::size_t>(options.max_message_mib) << 20U;
+}
+
+int ThreadsFor(const MemoryShares& memory, const ServerOptions& options) {
+  const std::size_t fit = memory.requests / MaxMessageBytes(options);
+  const int least = kMinThreads + 2 * WorkersOf(options);
+  return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMaxThreads)));
+}
+
+}  // namespace graspdb::server
