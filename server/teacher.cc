@@ -138,8 +138,11 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   absl::StatusOr<Capture> capture = CaptureFromProto(request, limits.max_points);
   if (!capture.ok()) return capture.status();
   recognition::StageLog log;
+  // The normals that count are those of the points as they are stored.
+  recognition::DescriptorParameters without_normals = parameters.descriptor;
+  without_normals.normal_radius_m = 0;
   absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
-      capture->scan, parameters.segmentation, parameters.descriptor, is_cancelled, &log);
+      capture->scan, parameters.segmentation, without_normals, is_cancelled, &log);
   if (!segmentation.ok()) return segmentation.status();
   absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture->object_pose);
   if (!segment.ok()) return segment.status();
@@ -161,7 +164,6 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
       MakeDescriptorRecord(*cloud, sensor, parameters.descriptor);
   if (!descriptor.ok()) return descriptor.status();
 
-  out.record.set_content_digest(UploadDigest(request));
   *out.record.mutable_sensor_pose() = PoseToProto(sensor);
   *out.record.mutable_object_pose() = PoseToProto(capture->object_pose.value_or(
       recognition::DefaultObjectPose(segmentation->world_frame, **segment)));

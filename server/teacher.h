@@ -15,7 +15,8 @@ struct TeachLimits {
 
 // Segments the object in the capture with the code of the recognition, and makes the
 // record of the view: the object's points packed, its descriptor computed from the
-// packed points, so that it can be recomputed from the stored record. Errors name the
+// packed points, so that it can be recomputed from the stored record. Without its name and
+// digest, which the caller knows. Errors name the
 // field at `path`; FAILED_PRECONDITION when the capture shows no object or, without an
 // object pose, several objects.
 absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,

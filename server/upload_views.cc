@@ -26,7 +26,8 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
 
   // Existing views are not computed again.
   absl::StatusOr<storage::ViewRecord> existing = context_.catalogue.GetView(name);
-  if (existing.ok() && existing->content_digest() == UploadDigest(request)) {
+  const std::string digest = UploadDigest(request);
+  if (existing.ok() && existing->content_digest() == digest) {
     response->set_existing_count(response->existing_count() + 1);
     return absl::OkStatus();
   }
@@ -42,6 +43,7 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
       MakeView(request, context_.parameters, context_.limits, is_cancelled);
   if (!view.ok()) return view.status();
   view->record.set_name(name);
+  view->record.set_content_digest(digest);
   absl::StatusOr<storage::PutViewOutcome> outcome = context_.catalogue.PutView(*view);
   if (!outcome.ok()) return outcome.status();
   if (*outcome == storage::PutViewOutcome::kCreated) {

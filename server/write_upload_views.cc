@@ -27,7 +27,7 @@ std::string NameOf(const v1::UploadViewsRequest& request) {
 
 }  // namespace
 
-// With the digest of the request; errors as UploadViews.
+// Errors as UploadViews.
 absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
     const v1::UploadViewsRequest& request, const recognition::IsCancelled& is_cancelled) {
   absl::Status status = AtField("parent", storage::ParseStablePoseName(request.parent()).status());
@@ -68,6 +68,7 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
                         : uploads().StageError(request.upload(), name, view.status());
   }
   view->record.set_name(name);
+  view->record.set_content_digest(digest);
   const auto outcome = uploads().Stage(request.upload(), *view);
   if (absl::IsAlreadyExists(outcome.status())) {
     *response->mutable_error() = ToRpcStatus(outcome.status());

@@ -124,12 +124,15 @@ std::vector<Segment> MakeSegments(const RegionPoints& cloud, const VoxelCloud& v
   std::vector<std::int32_t> cluster_of(voxels.points.size(), -1);
   std::vector<Segment> segments(clusters.size());
   Normals normals;
-  log->Measure("normals", voxels.points.size(), [&] {
-    normals = EstimateNormals(voxels.points, viewpoint, descriptor.normal_radius_m, is_cancelled);
-    return normals.size();
-  });
+  if (descriptor.normal_radius_m > 0) {
+    log->Measure("normals", voxels.points.size(), [&] {
+      normals = EstimateNormals(voxels.points, viewpoint, descriptor.normal_radius_m, is_cancelled);
+      return normals.size();
+    });
+  }
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    segments[c].cloud = {Select(voxels.points, clusters[c]), Select(normals, clusters[c])};
+    segments[c].cloud.points = Select(voxels.points, clusters[c]);
+    if (!normals.empty()) segments[c].cloud.normals = Select(normals, clusters[c]);
     segments[c].centroid = Centroid(segments[c].cloud.points);
     segments[c].too_large = IsTooLarge(segments[c].cloud.points, parameters.max_object_size_m);
     for (const std::int32_t v : clusters[c]) {

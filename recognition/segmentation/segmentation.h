@@ -63,7 +63,8 @@ inline constexpr std::size_t kMaxVoxels = 300'000;
 // O(n log n) in the points of the scan; cancelled within some milliseconds.
 //
 // Without a plane in the region nothing is removed as table. A scan that is `segmented` is one
-// segment, whatever it contains, as long as it has min_cluster_point_count voxels.
+// segment, whatever it contains, as long as it has min_cluster_point_count voxels. With a
+// normal_radius_m of 0 the segments have no normals.
 // FAILED_PRECONDITION when the sensor pose is not known and there is no plane that could replace
 // it; INVALID_ARGUMENT when there are more than kMaxVoxels; CANCELLED.
 absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,

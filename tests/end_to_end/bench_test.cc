@@ -148,9 +148,12 @@ TEST_F(BenchTest, CountsExceededDeadlines) {
   const Fields report =
       ReportOf(Graspdb(BenchWords({"--requests", "20", "--timeout", "0.001", "--camera", "v1"})));
   EXPECT_EQ(Number(report, "answered") + Number(report, "failed"), 20);
-  ASSERT_EQ(report.at("errors").list_value().values_size(), 1);
-  const auto& error = report.at("errors").list_value().values(0).struct_value().fields();
-  EXPECT_EQ(error.at("code").string_value(), "DEADLINE_EXCEEDED");
+  // Others may find the queue full of requests that the server has not yet given up.
+  std::vector<std::string> codes;
+  for (const auto& error : report.at("errors").list_value().values()) {
+    codes.push_back(error.struct_value().fields().at("code").string_value());
+  }
+  EXPECT_THAT(codes, ::testing::Contains("DEADLINE_EXCEEDED"));
 }
 
 }  // namespace
