@@ -1,17 +1,13 @@
 // Deleted objects and earlier revisions of objects.
-#include "storage/history.h"
-
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "storage/change_author.h"
-#include "storage/database.h"
-#include "storage/resource_name.h"
 #include "storage/schema.h"
 #include "storage/uploads.h"
-#include "tests/storage/catalogue_fixture.h"
+#include "tests/storage/history_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 
 namespace graspdb::storage {
@@ -19,114 +15,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-constexpr char kMug[] = "objects/mug";
-constexpr char kMugUpright[] = "objects/mug/stablePoses/upright";
-constexpr absl::Time kStart = absl::FromUnixSeconds(1'800'000'000);
-
-std::string MugView(int i) { return std::string(kMugUpright) + "/views/" + std::to_string(i); }
-
-// Without what a restored record has of its own.
-std::map<std::string, std::string> ContentOf(const Picture& picture) {
-  std::map<std::string, std::string> out = picture.records;
-  for (auto& [name, bytes] : out) {
-    if (name.find("/views/") != std::string::npos) continue;
-    v1::Object object;
-    v1::StablePose pose;
-    if (name.find("/stablePoses/") != std::string::npos && pose.ParseFromString(bytes)) {
-      pose.clear_etag();
-      pose.clear_update_time();
-      bytes = pose.SerializeAsString();
-    } else if (object.ParseFromString(bytes)) {
-      object.clear_etag();
-      object.clear_update_time();
-      bytes = object.SerializeAsString();
-    }
-  }
-  return out;
-}
-
-class HistoryTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    Open();
-    ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug", "Mug")).ok());
-    ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
-    for (int i = 0; i < 3; ++i) Put(i);
-    // Neighbours in the order of keys.
-    ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug-2")).ok());
-    ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mugs")).ok());
-  }
-
-  void Open() {
-    catalogue_.reset();
-    CatalogueOptions options;
-    options.clock = [this] { return now_; };
-    catalogue_ = OpenOrDie(directory_ / "db", options);
-  }
-
-  void Put(int i, int seed = 1) {
-    ASSERT_EQ(*catalogue_->PutView(MakeView(MugView(i), seed, 6000)), PutViewOutcome::kCreated);
-  }
-  void Pick(int count) {
-    v1::GraspOutcomeCounts counts;
-    counts.set_grasp_id("top");
-    counts.set_picked_count(count);
-    ASSERT_TRUE(catalogue_->AddGraspOutcomes(kMugUpright, counts).ok());
-  }
-  void Rename(const std::string& display_name) {
-    const auto renamed = catalogue_->UpdateObject(kMug, "", [&](v1::Object& object) {
-      object.set_display_name(display_name);
-      return absl::OkStatus();
-    });
-    ASSERT_TRUE(renamed.ok()) << renamed.status();
-  }
-  void OpenGripper(double opening_m) {
-    const auto changed = catalogue_->UpdateStablePose(kMugUpright, "", [&](v1::StablePose& pose) {
-      pose.mutable_grasps(0)->set_gripper_opening_m(opening_m);
-      return absl::OkStatus();
-    });
-    ASSERT_TRUE(changed.ok()) << changed.status();
-  }
-  void DeleteMug() { ASSERT_TRUE(catalogue_->DeleteObject(kMug, /*force=*/true, "").ok()); }
-
-  // Also checks that counts, clouds and change records match the records.
-  Picture Take() {
-    const auto picture = TakePicture(*catalogue_);
-    EXPECT_TRUE(picture.ok()) << picture.status();
-    return picture.ok() ? *picture : Picture();
-  }
-  std::vector<std::int64_t> RevisionsOf(const std::string& object) {
-    std::vector<std::int64_t> out;
-    const auto page = history().List(object, 1000, 0);
-    EXPECT_TRUE(page.ok()) << page.status();
-    for (const auto& row : page->records) out.push_back(row.revision());
-    return out;
-  }
-  // Keys in the family `clouds`, of a closed database.
-  std::vector<std::string> StoredClouds() {
-    catalogue_.reset();
-    std::vector<std::string> out;
-    {
-      const auto database = Database::Open(directory_ / "db", {});
-      EXPECT_TRUE((*database)
-                      ->Scan(Family::kClouds, "", "",
-                             [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
-                               out.emplace_back(key);
-                               return true;
-                             })
-                      .ok());
-    }
-    Open();
-    return out;
-  }
-
-  History& history() { return catalogue_->history(); }
-
-  absl::Time now_ = kStart;
-  TemporaryDirectory directory_;
-  std::unique_ptr<Catalogue> catalogue_;
-};
 
 TEST_F(HistoryTest, ADeletedObjectComesBackAsItWas) {
   Pick(3);
@@ -303,58 +191,6 @@ TEST_F(HistoryTest, AnUploadIntoADeletedObjectDropsItsViews) {
   EXPECT_EQ(catalogue_->uploads().Commit("uploads/monday", true)->failed_count(), 1);
   ASSERT_TRUE(history().Undelete(kMug).ok());
   EXPECT_EQ(catalogue_->counts().views, 3);
-}
-
-TEST_F(HistoryTest, APurgeFreesTheCloudsOfADeletedObject) {
-  EXPECT_TRUE(absl::IsNotFound(history().Purge(kMug))) << "not deleted";
-  const std::int64_t before = catalogue_->revision();
-  DeleteMug();
-  EXPECT_EQ(StoredClouds().size(), 3U);
-  const std::int64_t revision = catalogue_->revision();
-  ASSERT_TRUE(history().Purge(kMug).ok());
-  EXPECT_EQ(catalogue_->revision(), revision) << "no change of the catalogue";
-  EXPECT_THAT(StoredClouds(), IsEmpty());
-  EXPECT_TRUE(absl::IsNotFound(history().Undelete(kMug).status()));
-  EXPECT_TRUE(absl::IsNotFound(history().Restore(kMug, before, "").status()));
-  EXPECT_TRUE(absl::IsNotFound(history().List(kMug, 10, 0).status()));
-  EXPECT_EQ(RevisionsOf("objects/mugs").size(), 1U) << "others stay";
-}
-
-TEST_F(HistoryTest, OldHistoryIsPurgedWithTheCloudsThatNothingUses) {
-  ASSERT_TRUE(catalogue_->DeleteView(MugView(0)).ok());
-  now_ += absl::Hours(24);
-  Put(0, 7);
-  ASSERT_TRUE(catalogue_->DeleteView(MugView(1)).ok());
-  const std::int64_t kept = catalogue_->revision() - 1;
-  EXPECT_EQ(StoredClouds().size(), 4U);
-  const auto purged = history().PurgeOlderThan(kStart + absl::Hours(1));
-  ASSERT_TRUE(purged.ok()) << purged.status();
-  EXPECT_THAT(*purged, IsEmpty()) << "nothing was a deleted object";
-  EXPECT_THAT(StoredClouds(),
-              ::testing::UnorderedElementsAre(MugView(0) + "@9", MugView(1), MugView(2)));
-  EXPECT_EQ(RevisionsOf(kMug).size(), 2U);
-  EXPECT_TRUE(absl::IsOutOfRange(history().Restore(kMug, 5, "").status()));
-  ASSERT_TRUE(history().Restore(kMug, kept, "").ok());
-  EXPECT_EQ(catalogue_->counts().views, 3);
-  Take();
-  // All of it: the views that are there keep their clouds.
-  ASSERT_TRUE(history().PurgeOlderThan(kStart + absl::Hours(48)).ok());
-  EXPECT_EQ(StoredClouds().size(), 3U);
-  Take();
-}
-
-TEST_F(HistoryTest, ADeletedObjectIsPurgedByTheTimeOfItsDeletion) {
-  now_ += absl::Hours(24);
-  DeleteMug();
-  ASSERT_THAT(*history().PurgeOlderThan(kStart + absl::Hours(1)), IsEmpty());
-  Open();
-  EXPECT_EQ(StoredClouds().size(), 3U);
-  ASSERT_TRUE(history().Undelete(kMug).ok());
-  Take();
-  DeleteMug();
-  EXPECT_THAT(*history().PurgeOlderThan(now_ + absl::Seconds(1)), ElementsAre(kMug));
-  EXPECT_THAT(StoredClouds(), IsEmpty());
-  EXPECT_TRUE(absl::IsNotFound(history().Undelete(kMug).status()));
 }
 
 TEST_F(HistoryTest, AMigratedDatabaseHasAHistoryFromThenOn) {
