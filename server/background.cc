@@ -5,6 +5,8 @@
 
 #include <future>
 
+#include "storage/change_author.h"
+
 namespace graspdb::server {
 namespace {
 
@@ -22,7 +24,8 @@ void LowerPriority() {
 }
 
 absl::Status InBackground(const std::function<absl::Status()>& work) {
-  const auto quietly = [&] {
+  const auto quietly = [&, caller = storage::ChangeAuthor::Current()] {
+    const storage::ChangeAuthor author(caller);
     LowerPriority();
     return work();
   };

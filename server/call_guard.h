@@ -79,6 +79,8 @@ class CallGuard final : public grpc::experimental::Interceptor {
   // Of the log line: the request id and the notes since the last call of this.
   std::string TakeLogFields();
 
+  // The name of the caller's identity after Authorize(); empty if it is unknown.
+  const std::string& identity() const { return identity_; }
   // The cell of the caller's identity; empty if it has none.
   const std::string& cell() const { return cell_; }
   // Null: there are none.

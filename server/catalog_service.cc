@@ -1,7 +1,6 @@
 #include "server/catalog_service.h"
 
 #include <array>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,29 +11,30 @@
 #include "server/errors.h"
 #include "server/grasp_outcomes.h"
 #include "server/handle.h"
+#include "server/record_checks.h"
 #include "server/records.h"
 #include "server/respond.h"
 #include "server/scan_from_proto.h"
-#include "server/update_mask.h"
 #include "storage/packed_cloud.h"
 #include "storage/resource_name.h"
 
 namespace graspdb::server {
 namespace {
 
-constexpr std::array<std::string_view, 2> kObjectFields = {"display_name", "labels"};
-constexpr std::array<std::string_view, 5> kStablePoseFields = {"display_name", "symmetry_order",
-                                                               "grasps", "min_score", "mesh_pose"};
+constexpr std::array<std::string_view, 3> kObjectFields = {"display_name", "labels", "release"};
+constexpr std::array<std::string_view, 6> kStablePoseFields = {
+    "display_name", "symmetry_order", "grasps", "min_score", "mesh_pose", "release"};
 
-absl::Status CheckLabels(const v1::Object& object) {
-  std::set<std::string_view> labels;
-  for (int i = 0; i < object.labels_size(); ++i) {
-    const std::string path = absl::StrCat("object.labels[", i, "]");
-    absl::Status status = AtField(path, storage::ValidateResourceId(object.labels(i)));
-    if (!status.ok()) return status;
-    if (!labels.insert(object.labels(i)).second) return InvalidField(path, "is given twice");
-  }
-  return absl::OkStatus();
+absl::Status CheckObject(const v1::Object& object) {
+  absl::Status status = CheckLabels(object.labels(), "object.labels");
+  status.Update(CheckRelease(object.release(), "object.release"));
+  return status;
+}
+
+absl::Status CheckStablePose(const v1::StablePose& pose) {
+  absl::Status status = StablePoseFromProto(pose).status();
+  status.Update(CheckRelease(pose.release(), "stable_pose.release"));
+  return status;
 }
 
 v1::View ViewToProto(const storage::ViewRecord& record) {
@@ -91,7 +91,7 @@ grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
                                           v1::Object* response) {
   return Handle(*context, "CreateObject", *request, [&]() -> absl::Status {
     absl::Status status = AtField("object_id", storage::ValidateResourceId(request->object_id()));
-    status.Update(CheckLabels(request->object()));
+    status.Update(CheckObject(request->object()));
     if (!status.ok()) return status;
     v1::Object object = request->object();
     object.DiscardUnknownFields();
@@ -129,9 +129,9 @@ grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
                    context_.catalogue.UpdateObject(
                        update.name(), update.etag(),
                        [&](v1::Object& object) {
-                         absl::Status status =
-                             ApplyUpdate(update, request->update_mask(), kObjectFields, &object);
-                         return status.ok() ? CheckLabels(object) : status;
+                         absl::Status status = ApplyReleasedUpdate(update, request->update_mask(),
+                                                                   kObjectFields, &object);
+                         return status.ok() ? CheckObject(object) : status;
                        }),
                    response);
   });
@@ -158,7 +158,7 @@ grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
     v1::StablePose pose = request->stable_pose();
     pose.DiscardUnknownFields();
     pose.set_name(storage::MakeStablePoseName(parent->object_id, request->stable_pose_id()));
-    if (auto valid = StablePoseFromProto(pose); !valid.ok()) return valid.status();
+    if (status = CheckStablePose(pose); !status.ok()) return status;
     return Respond("parent", context_.catalogue.CreateStablePose(std::move(pose)), response);
   });
 }
@@ -198,9 +198,9 @@ grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
   return Handle(*context, "UpdateStablePose", *request, [&] {
     const v1::StablePose& update = request->stable_pose();
     const auto change = [&](v1::StablePose& pose) {
-      absl::Status status = ApplyUpdate(update, request->update_mask(), kStablePoseFields, &pose);
-      if (!status.ok()) return status;
-      return StablePoseFromProto(pose).status();
+      absl::Status status =
+          ApplyReleasedUpdate(update, request->update_mask(), kStablePoseFields, &pose);
+      return status.ok() ? CheckStablePose(pose) : status;
     };
     return Respond("stable_pose.name",
                    context_.catalogue.UpdateStablePose(update.name(), update.etag(), change),

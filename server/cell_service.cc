@@ -6,6 +6,7 @@
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/handle.h"
+#include "server/record_checks.h"
 #include "server/respond.h"
 #include "server/update_mask.h"
 #include "storage/resource_name.h"
@@ -13,9 +14,10 @@
 namespace graspdb::server {
 namespace {
 
-constexpr std::array<std::string_view, 7> kFields = {
-    "display_name", "sensor_pose",     "region_of_interest", "workspace",
-    "pipeline",     "robot_base_pose", "flange_sensor_pose"};
+constexpr std::array<std::string_view, 9> kFields = {
+    "display_name",       "sensor_pose", "region_of_interest",
+    "workspace",          "pipeline",    "robot_base_pose",
+    "flange_sensor_pose", "labels",      "include_drafts"};
 
 }  // namespace
 
@@ -36,6 +38,7 @@ absl::Status ValidateCell(const v1::Cell& cell) {
   if (cell.has_workspace()) {
     status.Update(BoxFromProto(cell.workspace(), "cell.workspace").status());
   }
+  status.Update(CheckLabels(cell.labels(), "cell.labels"));
   recognition::RecognitionParameters scratch;
   status.Update(ApplyPipeline(cell.pipeline(), "cell.pipeline", &scratch));
   return status;

@@ -22,6 +22,7 @@ struct Job {
   recognition::Scan scan;
   recognition::RecognitionParameters parameters;
   bool sensor_pose_from_cell = false;
+  Visibility visibility = {};
 };
 
 // Applies the settings of the cell or the request; `path` is the prefix of the
@@ -49,6 +50,7 @@ absl::Status ApplyCell(const storage::Catalogue& catalogue, const std::string& n
   if (!cell.ok()) return AtField("cell", cell.status());
   if (absl::Status status = ApplySettings(*cell, "cell.", job); !status.ok()) return status;
   job->sensor_pose_from_cell = cell->has_sensor_pose();
+  job->visibility = {cell->include_drafts(), {cell->labels().begin(), cell->labels().end()}};
   if (cell->has_workspace()) {
     absl::StatusOr<recognition::Box> box = BoxFromProto(cell->workspace(), "cell.workspace");
     if (!box.ok()) return box.status();
@@ -86,13 +88,14 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
   context.decode_ms = MillisecondsSince(start);
   using Response = absl::StatusOr<v1::RecognizeResponse>;
-  return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {
+  const auto recognize = [&](const recognition::CatalogueSnapshot& snapshot) -> Response {
     const auto result =
         recognition::Recognize(job.scan, snapshot, clouds_, job.parameters, is_cancelled);
     if (!result.ok()) return result.status();
     context.total_ms = MillisecondsSince(start);
     return MakeAnswer(*result, snapshot, context);
-  });
+  };
+  return live_.WithSnapshot(job.visibility, recognize);
 }
 
 }  // namespace graspdb::server

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
@@ -12,6 +13,7 @@
 #include "server/call_guard.h"
 #include "server/errors.h"
 #include "server/request_limits.h"
+#include "storage/change_author.h"
 
 namespace graspdb::server {
 namespace {
@@ -62,7 +64,10 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
   CallGuard* const guard = CallGuard::Of(context);
   absl::Status status =
       guard == nullptr ? absl::InternalError("the call has no guard") : guard->Authorize();
-  if (status.ok()) status = RunGuarded(work);
+  if (status.ok()) {
+    const storage::ChangeAuthor author({guard->identity(), std::string(method)});
+    status = RunGuarded(work);
+  }
   if (absl::IsCancelled(status) && context.deadline() < std::chrono::system_clock::now()) {
     status = absl::DeadlineExceededError("the call's deadline passed before it was done");
   }

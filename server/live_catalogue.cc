@@ -70,15 +70,19 @@ absl::StatusOr<std::vector<std::string>> LiveCatalogue::Reload() {
   TaughtPoseChange poses;
   std::vector<std::string> left_out;
   std::vector<std::string> undescribed;
+  storage::RecordVisitor others = StablePoseVisitor(&poses, &left_out);
+  ReleaseGates gates;
+  ReleaseGates::AddTo(&others, &gates);
   absl::StatusOr<LoadedViews> loaded =
-      ReadViews(catalogue_, parameters_, StablePoseVisitor(&poses, &left_out), &undescribed);
+      ReadViews(catalogue_, parameters_, std::move(others), &undescribed);
   if (!loaded.ok()) return loaded.status();
   poses.added_views = std::move(loaded->views);
   std::set<std::string> all_left_out(left_out.begin(), left_out.end());
   all_left_out.insert(loaded->left_out.begin(), loaded->left_out.end());
   all_left_out.insert(undescribed.begin(), undescribed.end());
-  Publish({loaded->revision, std::move(loaded->index),
-           std::make_shared<const TaughtPoses>(Changed({}, poses))});
+  Publish({{loaded->revision, std::move(loaded->index),
+            std::make_shared<const TaughtPoses>(Changed({}, poses))},
+           std::make_shared<const ReleaseGates>(std::move(gates))});
   SetLeftOut(std::move(all_left_out));
   return undescribed;
 }
@@ -112,6 +116,7 @@ void LiveCatalogue::Advance(const Snapshot& current, const storage::ChangeRecord
   if (!effects.added.empty()) next.index = next.index.With(effects.added);
   next.stable_poses =
       std::make_shared<const TaughtPoses>(Changed(*next.stable_poses, effects.poses));
+  next.gates = ReleaseGates::After(next.gates, change);
   std::set<std::string> left_out = left_out_;
   for (const std::string& name : effects.touched) left_out.erase(name);
   left_out.insert(effects.left_out.begin(), effects.left_out.end());
@@ -166,7 +171,7 @@ void LiveCatalogue::AwaitRevisionAfter(std::int64_t revision, std::chrono::nanos
   published_.wait_for(lock, time, [&] { return snapshot()->revision > revision; });
 }
 
-std::shared_ptr<const recognition::CatalogueSnapshot> LiveCatalogue::snapshot() const {
+std::shared_ptr<const LiveSnapshot> LiveCatalogue::snapshot() const {
   absl::MutexLock lock(&mutex_);
   return snapshot_;
 }

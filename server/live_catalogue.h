@@ -16,6 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
+#include "server/filtered_snapshots.h"
 #include "server/loaded_views.h"
 #include "server/taught_poses.h"
 #include "storage/catalogue.h"
@@ -35,7 +36,7 @@ class LiveCatalogue {
   LiveCatalogue(const LiveCatalogue&) = delete;
   LiveCatalogue& operator=(const LiveCatalogue&) = delete;
 
-  std::shared_ptr<const recognition::CatalogueSnapshot> snapshot() const;
+  std::shared_ptr<const LiveSnapshot> snapshot() const;
 
   // Waits until the snapshot is newer than `revision`, or for `time` of the monotonic clock.
   void AwaitRevisionAfter(std::int64_t revision, std::chrono::nanoseconds time) const
@@ -69,15 +70,20 @@ class LiveCatalogue {
   // cloud: if `work` returns NOT_FOUND and there is a newer snapshot, it is retried.
   template <typename Work>
   auto WithSnapshot(const Work& work) const {
+    return WithSnapshot({.include_drafts = true}, work);
+  }
+  // The same for the objects that a request of this visibility meets.
+  template <typename Work>
+  auto WithSnapshot(const Visibility& visibility, const Work& work) const {
     for (;;) {
-      const std::shared_ptr<const recognition::CatalogueSnapshot> current = snapshot();
-      auto result = work(*current);
+      const std::shared_ptr<const LiveSnapshot> current = snapshot();
+      auto result = work(*filters_.Get(current, visibility));
       if (!absl::IsNotFound(result.status()) || snapshot() == current) return result;
     }
   }
 
  private:
-  using Snapshot = recognition::CatalogueSnapshot;
+  using Snapshot = LiveSnapshot;
 
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
   // Changes the catalogue, whose writers wait for change_mutex_, so it must not be locked.
@@ -103,6 +109,7 @@ class LiveCatalogue {
   std::atomic<std::int64_t> left_out_count_ = 0;
   std::atomic<bool> agrees_ = true;
 
+  mutable FilteredSnapshots filters_;
   mutable std::mutex publishing_;  // of published_
   mutable std::condition_variable published_;
   mutable absl::Mutex mutex_;

@@ -68,6 +68,35 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
   return store();
 }
 
+absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
+                            const recognition::DescriptorParameters& parameters) {
+  std::vector<std::string> undescribed;
+  const auto add_from = [&](const std::string& pose) -> absl::Status {
+    std::string after;
+    for (bool more = true; more;) {
+      const auto views = catalogue.ListViews(pose, kRedescribeBatch, after);
+      if (!views.ok()) return views.status();
+      for (const storage::ViewRecord& view : views->records) {
+        if (FindDescriptor(view, parameters) == nullptr) undescribed.push_back(view.name());
+        after = view.name();
+      }
+      more = views->more;
+    }
+    return absl::OkStatus();
+  };
+  std::string after;
+  for (bool more = true; more;) {
+    const auto poses = catalogue.ListStablePoses(object, kRedescribeBatch, after);
+    if (!poses.ok()) return poses.status();
+    for (const v1::StablePose& pose : poses->records) {
+      if (absl::Status added = add_from(pose.name()); !added.ok()) return added;
+      after = pose.name();
+    }
+    more = poses->more;
+  }
+  return undescribed.empty() ? absl::OkStatus() : Redescribe(catalogue, undescribed, parameters);
+}
+
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
                                       const recognition::DescriptorParameters& parameters,
                                       storage::RecordVisitor others,

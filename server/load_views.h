@@ -26,4 +26,8 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters);
 
+// Redescribe() for the views of one object that have no descriptor of these parameters.
+absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
+                            const recognition::DescriptorParameters& parameters);
+
 }  // namespace graspdb::server

@@ -1,5 +1,7 @@
 #include "server/options.h"
 
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <map>
 
@@ -101,6 +103,13 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   number("--cache-mib", &o->cache_mib,
          "Part of --memory-mib for models and clouds of views, MiB; 0: half of it", 0, 1 << 24);
   number("--keep-changes", &o->keep_changes, "Number of change records that are kept", 1, 1e9);
+  app.add_option(
+         "--deleted-objects-kept", o->deleted_objects_kept_s,
+         "Time in which deleted objects and earlier revisions of objects can be brought back, "
+         "e.g. 30d (s, m, h, d)")
+      ->transform(Duration())
+      ->check(CLI::Range(0.0, 3660 * 24 * 3600.0))
+      ->default_str("30d");
   AddBackupFlags(app, o);
   number("--drain", &o->drain_s, "Maximum seconds to wait for running calls when stopping", 0,
          3600);
@@ -149,6 +158,15 @@ absl::Status CheckListenAddress(const ServerOptions& options) {
         "the network is trusted"));
   }
   return absl::OkStatus();
+}
+
+void WarnIfOpen(const ServerOptions& options) {
+  if (IsLoopback(options.listen.substr(0, options.listen.rfind(':')))) return;
+  if (options.tls.cert.empty() && !options.identities.empty()) {
+    spdlog::warn("event=tokens_unencrypted advice=\"give --tls-cert and --tls-key\"");
+  } else if (options.identities.empty() && !options.tls.require_client_cert) {
+    spdlog::warn("event=open_to_network advice=\"give --identities, or --require-client-cert\"");
+  }
 }
 
 }  // namespace graspdb::server

@@ -24,10 +24,11 @@ struct ServerOptions {
   std::optional<int> queue = std::nullopt;
   int max_points = 2'000'000;
   int max_message_mib = 64;
-  int memory_mib = 0;            // of the whole server; 0: half of the machine's memory
-  int cache_mib = 0;             // part of it for models and clouds; 0: half of it
-  int keep_changes = 50'000;     // change records in the database
-  std::string backup_dir;        // folder of the backups; empty: none
+  int memory_mib = 0;         // of the whole server; 0: half of the machine's memory
+  int cache_mib = 0;          // part of it for models and clouds; 0: half of it
+  int keep_changes = 50'000;  // change records in the database
+  double deleted_objects_kept_s = 30 * 24 * 3600.0;  // and earlier revisions of objects
+  std::string backup_dir;                            // folder of the backups; empty: none
   double backup_every_s = 0;     // interval of scheduled backups; 0: none are scheduled
   int backup_keep = 14;          // backups that are kept; 0: all
   double backup_rate_mib = 100;  // MiB a second that a backup copies at most; 0: no limit
@@ -54,5 +55,8 @@ ParsedOptions ParseOptions(int argc, char** argv);
 // FAILED_PRECONDITION when `listen` is reachable from other machines without TLS and this is not
 // allowed; INVALID_ARGUMENT when it is not HOST:PORT.
 absl::Status CheckListenAddress(const ServerOptions& options);
+
+// Logs what other machines may do, where it is more than intended for most networks.
+void WarnIfOpen(const ServerOptions& options);
 
 }  // namespace graspdb::server

@@ -23,7 +23,7 @@ struct LengthLimit {
   std::string_view field;  // its full name
   std::size_t bytes;
 };
-constexpr std::array<LengthLimit, 8> kLengths = {{
+constexpr std::array<LengthLimit, 10> kLengths = {{
     {"graspdb.v1.Object.display_name", kMaxNameBytes},
     {"graspdb.v1.StablePose.display_name", kMaxNameBytes},
     {"graspdb.v1.Cell.display_name", kMaxNameBytes},
@@ -33,14 +33,17 @@ constexpr std::array<LengthLimit, 8> kLengths = {{
     {"graspdb.v1.ListViewsRequest.page_token", 384},
     {"graspdb.v1.ListUploadsRequest.page_token", 384},
     {"graspdb.v1.ListUploadViewsRequest.page_token", 384},
+    {"graspdb.v1.ListDeletedObjectsRequest.page_token", 384},
+    {"graspdb.v1.ListObjectRevisionsRequest.page_token", 384},
 }};
 
 struct CountLimit {
   std::string_view field;
   int elements;
 };
-constexpr std::array<CountLimit, 3> kCounts = {{
+constexpr std::array<CountLimit, 4> kCounts = {{
     {"graspdb.v1.Object.labels", 32},
+    {"graspdb.v1.Cell.labels", 32},
     {"graspdb.v1.StablePose.grasps", kMaxGrasps},
     {"graspdb.v1.StablePose.grasp_outcomes", kMaxGrasps},
 }};

@@ -4,16 +4,15 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/server_builder.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "program/loopback.h"
 #include "program/metrics/metrics_server.h"
 #include "server/access/tls.h"
 #include "server/admission.h"
@@ -27,14 +26,15 @@
 #include "server/cell_service.h"
 #include "server/change_service.h"
 #include "server/dead_connections.h"
+#include "server/expiry.h"
 #include "server/frame_recognizer.h"
 #include "server/health.h"
 #include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
+#include "server/object_history_service.h"
 #include "server/recognition_service.h"
 #include "server/status_metrics.h"
-#include "server/upload_expiry.h"
 #include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
 #include "storage/catalogue.h"
@@ -81,16 +81,6 @@ std::unique_ptr<BackupSchedule> ScheduleBackups(const ServerOptions& options,
                                           retention);
 }
 
-// Logs what other machines may do, where it is more than intended for most networks.
-void WarnIfOpen(const ServerOptions& options) {
-  if (IsLoopback(options.listen.substr(0, options.listen.rfind(':')))) return;
-  if (options.tls.cert.empty() && !options.identities.empty()) {
-    spdlog::warn("event=tokens_unencrypted advice=\"give --tls-cert and --tls-key\"");
-  } else if (options.identities.empty() && !options.tls.require_client_cert) {
-    spdlog::warn("event=open_to_network advice=\"give --identities, or --require-client-cert\"");
-  }
-}
-
 }  // namespace
 
 // Everything below gRPC, in the order of dependencies.
@@ -106,11 +96,11 @@ struct Server::Parts {
         approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
                                                           *catalogue, *live, parameters.descriptor)
                                                     : nullptr),
+        expiry(absl::Seconds(options.deleted_objects_kept_s)),
         idle_task(*live,
                   [this] {
                     if (approximate_keeper != nullptr) approximate_keeper->RebuildIfOutdated();
-                    upload_expiry.Run(catalogue->uploads(), absl::Now(),
-                                      UploadExpiry::Clock::now());
+                    expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now());
                   }),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
@@ -129,6 +119,7 @@ struct Server::Parts {
                          backups.get()}),
         uploading(WorkersOf(options), kTeachQueue),
         upload_service({*catalogue, uploading, request_memory, parameters, {max_points}}),
+        history_service(*catalogue, parameters.descriptor, expiry.history_kept()),
         cell_service(*catalogue),
         change_service(*catalogue, *live, ThreadsFor(memory, options) / kWatcherShare),
         backup_service(backups.get()),
@@ -145,7 +136,7 @@ struct Server::Parts {
   std::unique_ptr<LiveCatalogue> live;
   std::unique_ptr<CatalogueBackups> backups;                    // null: no folder for them
   std::unique_ptr<ApproximateIndexBuilder> approximate_keeper;  // null: searches are exact
-  UploadExpiry upload_expiry;                                   // on the thread of idle_task
+  Expiry expiry;                                                // on the thread of idle_task
   IdleTask idle_task;                                           // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
@@ -157,9 +148,13 @@ struct Server::Parts {
   CatalogService catalog_service;
   Admission uploading;
   UploadService upload_service;
+  ObjectHistoryService history_service;
   CellService cell_service;
   ChangeService change_service;
   BackupService backup_service;
+  const std::array<grpc::Service*, 7> services = {
+      &catalog_service, &recognition_service, &upload_service, &history_service,
+      &cell_service,    &change_service,      &backup_service};
   std::unique_ptr<BackupSchedule> backup_schedule;  // null: none are scheduled
   AccessRules access = {};
   std::unique_ptr<WatchedFiles> tls_files;
@@ -230,12 +225,7 @@ absl::Status Server::Listen(const ServerOptions& options, const MemoryShares& me
                             }),
       &port);
   GuardCalls(parts_->access, builder);
-  builder.RegisterService(&parts_->catalog_service);
-  builder.RegisterService(&parts_->recognition_service);
-  builder.RegisterService(&parts_->upload_service);
-  builder.RegisterService(&parts_->cell_service);
-  builder.RegisterService(&parts_->change_service);
-  builder.RegisterService(&parts_->backup_service);
+  for (grpc::Service* service : parts_->services) builder.RegisterService(service);
   grpc_ = builder.BuildAndStart();
   if (grpc_ == nullptr || port == 0) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,

@@ -6,6 +6,7 @@
 #include "storage/change_log.h"
 #include "storage/database.h"
 #include "storage/database_directory.h"
+#include "storage/history.h"
 #include "storage/record_list.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
@@ -36,7 +37,8 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
 Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log)
     : database_(std::move(database)),
       log_(std::move(log)),
-      uploads_(std::make_unique<Uploads>(*database_, *log_)) {}
+      uploads_(std::make_unique<Uploads>(*database_, *log_)),
+      history_(std::make_unique<History>(*database_, *log_)) {}
 
 Catalogue::~Catalogue() {
   // An older floor is valid too; it only detects less.

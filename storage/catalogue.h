@@ -46,8 +46,10 @@ class Env;
 namespace graspdb::storage {
 
 class Backups;
+class ChangeBatch;
 class ChangeLog;
 class Database;
+class History;
 class Uploads;
 
 struct CatalogueOptions {
@@ -58,7 +60,7 @@ struct CatalogueOptions {
   // Number of the newest change records that are kept; at least 1. Twice as many take twice the
   // disk: 1.5 KB per view.
   std::int64_t keep_changes = 50'000;
-  // Write buffer of each of the ten families before it is flushed to a file, in bytes.
+  // Write buffer of each of the twelve families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // Environment for file access; not owned, must outlive the catalogue. Null: the default
   // one. Tests set a failing disk here.
@@ -151,7 +153,8 @@ class Catalogue {
   //   update with nothing changed. `change` must not call the catalogue. ABORTED when
   //   `etag` is given and is not the record's.
   // Delete: ABORTED as Update. FAILED_PRECONDITION when there are children, unless
-  //   `force`, which deletes them, including views and clouds, in the same change.
+  //   `force`, which deletes them, including views, in the same change. Objects and what they had
+  //   stay in the history.
 
   absl::StatusOr<v1::Object> CreateObject(v1::Object object);
   absl::StatusOr<v1::Object> GetObject(std::string_view name) const;
@@ -216,6 +219,10 @@ class Catalogue {
   // See storage/uploads.h.
   Uploads& uploads() { return *uploads_; }
 
+  // --- History ----------------------------------------------------------------------
+  // See storage/history.h.
+  History& history() const { return *history_; }
+
   // --- Following --------------------------------------------------------------------
 
   // Reads all records of one revision, parents before children and each kind by name,
@@ -243,6 +250,7 @@ class Catalogue {
   std::unique_ptr<Database> database_;
   std::unique_ptr<ChangeLog> log_;
   std::unique_ptr<Uploads> uploads_;
+  std::unique_ptr<History> history_;
 };
 
 }  // namespace graspdb::storage

@@ -14,26 +14,25 @@
 namespace graspdb::storage {
 namespace {
 
-// Removes all records of a family below `prefix` in the current change. Reads their values, so it
-// is not for clouds.
+// Removes all records of a family below `prefix` in the current change.
 absl::Status RemoveBelow(const Database& database, Family family, const std::string& prefix,
                          ChangeBatch& batch) {
   return database.Scan(family, prefix, "",
-                       [&](std::string_view key, std::string_view) -> absl::StatusOr<bool> {
-                         batch.Remove(family, key);
+                       [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+                         batch.Remove(family, key, value);
                          return true;
                        });
 }
 
-// Removes all views below `prefix` with their clouds.
+// Removes all views below `prefix`.
 absl::Status RemoveViewsBelow(const Database& database, const std::string& prefix,
                               ChangeBatch& batch) {
   return database.Scan(Family::kViews, prefix, "",
                        [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
                          const auto view = ParseRecord<ViewRecord>(key, value);
                          if (!view.ok()) return view.status();
-                         batch.Remove(Family::kViews, key);
-                         batch.Remove(Family::kClouds, CloudKeyOf(*view));
+                         batch.Remove(Family::kViews, key, value);
+                         batch.NoteRemovedCloud(CloudKeyOf(*view));
                          return true;
                        });
 }
@@ -59,9 +58,22 @@ absl::Status CheckChildless(const Database& database, Family family, const std::
                                        "; delete them first, or delete with force");
 }
 
+// Adds a deleted object to the list of those that can be undeleted.
+absl::Status PutDeleted(const Database& database, const v1::Object& object, ChangeBatch& batch) {
+  DeletedObjectRecord deleted;
+  deleted.set_name(object.name());
+  *deleted.mutable_object() = object;
+  *deleted.mutable_object()->mutable_delete_time() = batch.time();
+  deleted.set_revision(batch.meta().revision());
+  return database.Put(Family::kDeletedObjects, object.name(), deleted.SerializeAsString(),
+                      batch.rocks());
+}
+
 }  // namespace
 
 absl::StatusOr<v1::Object> Catalogue::CreateObject(v1::Object object) {
+  object.clear_delete_time();
+  object.clear_purge_time();
   return CreateRecord(*database_, *log_, std::move(object));
 }
 
@@ -83,7 +95,10 @@ absl::StatusOr<v1::Object> Catalogue::UpdateObject(
 absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::string_view etag) {
   const std::string below = std::string(name) + std::string(Kind<v1::StablePose>::kCollection);
   return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
+    const auto object = ReadRecord<v1::Object>(*database_, name);
+    if (!object.ok()) return object.status();
     auto status = RemoveRecord<v1::Object>(*database_, batch, name, etag);
+    if (status.ok()) status = PutDeleted(*database_, *object, batch);
     if (status.ok() && !force) {
       status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
     }

@@ -50,10 +50,14 @@ absl::StatusOr<PutViewOutcome> AddView(const Database& database, const NewView& 
   auto outcome = CompareWithStored(database, view.record, added);
   if (!outcome.ok() || *outcome == PutViewOutcome::kExisting) return outcome;
   ViewRecord record = view.record;
-  batch.Begin();
+  const std::int64_t revision = batch.Begin();
   *record.mutable_create_time() = batch.time();
+  // An earlier view of that name, which is in the history, has the cloud of that key.
+  const auto taken = database.Contains(Family::kClouds, name);
+  if (!taken.ok()) return taken.status();
+  if (*taken) record.set_cloud_key(name + "@" + std::to_string(revision));
   batch.Insert(Family::kViews, name, record.SerializeAsString());
-  batch.Insert(Family::kClouds, name, view.packed_cloud);
+  batch.Insert(Family::kClouds, CloudKeyOf(record), view.packed_cloud);
   added.emplace(name, record.content_digest());
   return outcome;
 }
@@ -109,8 +113,8 @@ absl::Status Catalogue::DeleteView(std::string_view name) {
     const auto record = ReadRecord<ViewRecord>(*database_, name);
     if (!record.ok()) return record.status();
     batch.Begin();
-    batch.Remove(Family::kViews, name);
-    batch.Remove(Family::kClouds, CloudKeyOf(*record));
+    batch.Remove(Family::kViews, name, record->SerializeAsString());
+    batch.NoteRemovedCloud(CloudKeyOf(*record));
     return absl::OkStatus();
   });
 }

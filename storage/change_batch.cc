@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "storage/change_key.h"
 #include "storage/schema.h"
@@ -40,6 +41,8 @@ void AddToCount(MetaRecord& meta, Family family, std::int64_t difference) {
     case Family::kGraspOutcomes:
     case Family::kUploads:
     case Family::kStagedViews:
+    case Family::kHistory:
+    case Family::kDeletedObjects:
       return;
   }
 }
@@ -64,6 +67,17 @@ void ChangeBatch::Note(Mutation::Kind kind, Family family, std::string_view key)
 void ChangeBatch::Insert(Family family, std::string_view key, std::string_view value) {
   Overwrite(family, key, value);
   AddToCount(meta_, family, 1);
+  PreviousRecord absent;
+  history_.Add(changes_.back(), family, key, std::move(absent));
+}
+
+void ChangeBatch::Replace(Family family, std::string_view key, std::string_view previous,
+                          std::string_view value, std::vector<std::string> fields) {
+  Overwrite(family, key, value);
+  PreviousRecord before;
+  before.set_value(std::string(previous));
+  before.mutable_fields()->Assign(fields.begin(), fields.end());
+  history_.Add(changes_.back(), family, key, std::move(before));
 }
 
 void ChangeBatch::Overwrite(Family family, std::string_view key, std::string_view value) {
@@ -74,10 +88,14 @@ void ChangeBatch::Overwrite(Family family, std::string_view key, std::string_vie
   change.mutable_mutations(change.mutations_size() - 1)->set_value(std::string(value));
 }
 
-void ChangeBatch::Remove(Family family, std::string_view key) {
+void ChangeBatch::Remove(Family family, std::string_view key, std::string_view previous) {
   status_.Update(database_.Delete(family, key, rocks_));
   Note(Mutation::KIND_DELETE, family, key);
   AddToCount(meta_, family, -1);
+  PreviousRecord before;
+  before.set_value(std::string(previous));
+  before.set_removed(true);
+  history_.Add(changes_.back(), family, key, std::move(before));
 }
 
 void ChangeBatch::ForgetChanges(std::int64_t keep) {
@@ -91,6 +109,7 @@ void ChangeBatch::ForgetChanges(std::int64_t keep) {
 }
 
 absl::Status ChangeBatch::Finish(std::int64_t keep) {
+  status_.Update(history_.Finish());
   for (const ChangeRecord& change : changes_) {
     status_.Update(
         database_.Put(Family::kChanges, ChangeKey(change.revision()), Stored(change), rocks_));

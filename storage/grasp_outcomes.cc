@@ -42,7 +42,7 @@ absl::Status ForgetChangedGrasps(const Database& database, ChangeBatch& batch,
   }
   if (kept.counts_size() == outcomes->counts_size()) return absl::OkStatus();
   if (kept.counts().empty()) {
-    batch.Remove(Family::kGraspOutcomes, before.name());
+    batch.Remove(Family::kGraspOutcomes, before.name(), outcomes->SerializeAsString());
   } else {
     batch.Overwrite(Family::kGraspOutcomes, before.name(), kept.SerializeAsString());
   }
@@ -51,9 +51,10 @@ absl::Status ForgetChangedGrasps(const Database& database, ChangeBatch& batch,
 
 absl::Status RemoveGraspOutcomes(const Database& database, ChangeBatch& batch,
                                  std::string_view stable_pose_name) {
-  const auto exists = database.Contains(Family::kGraspOutcomes, stable_pose_name);
-  if (!exists.ok()) return exists.status();
-  if (*exists) batch.Remove(Family::kGraspOutcomes, stable_pose_name);
+  const auto outcomes = database.Get(Family::kGraspOutcomes, stable_pose_name);
+  if (absl::IsNotFound(outcomes.status())) return absl::OkStatus();
+  if (!outcomes.ok()) return outcomes.status();
+  batch.Remove(Family::kGraspOutcomes, stable_pose_name, *outcomes);
   return absl::OkStatus();
 }
 

@@ -10,6 +10,10 @@ absl::StatusOr<Parent> Kind<v1::Object>::ParentOf(std::string_view name) {
   return Parent{};
 }
 
+absl::StatusOr<Parent> Kind<DeletedObjectRecord>::ParentOf(std::string_view name) {
+  return Kind<v1::Object>::ParentOf(name);
+}
+
 absl::StatusOr<Parent> Kind<v1::StablePose>::ParentOf(std::string_view name) {
   const auto parsed = ParseStablePoseName(name);
   if (!parsed.ok()) return parsed.status();

@@ -71,6 +71,14 @@ struct Kind<UploadRecord> {
   static absl::StatusOr<Parent> ParentOf(std::string_view name);
 };
 
+template <>
+struct Kind<DeletedObjectRecord> {
+  static constexpr Family kFamily = Family::kDeletedObjects;
+  static constexpr std::string_view kWord = "deleted object";
+  static constexpr std::string_view kCollection = "objects/";
+  static absl::StatusOr<Parent> ParentOf(std::string_view name);
+};
+
 absl::Status NotFound(std::string_view word, std::string_view name);
 absl::Status AlreadyExists(std::string_view word, std::string_view name);
 absl::Status DamagedRecord(std::string_view name);

@@ -33,7 +33,9 @@ absl::StatusOr<Record> CreateRecord(const Database& database, ChangeLog& log, Re
     *record.mutable_create_time() = batch.time();
     *record.mutable_update_time() = batch.time();
     batch.Insert(Kind<Record>::kFamily, record.name(), record.SerializeAsString());
-    return absl::OkStatus();
+    if constexpr (Kind<Record>::kFamily != Family::kObjects) return absl::OkStatus();
+    // An earlier object of that name stays in the history of this one.
+    return database.Delete(Family::kDeletedObjects, record.name(), batch.rocks());
   });
   if (!created.ok()) return created;
   return record;
@@ -60,7 +62,8 @@ absl::StatusOr<Record> UpdateRecord(const Database& database, ChangeLog& log, st
     *updated.mutable_create_time() = before->create_time();
     *updated.mutable_update_time() = batch.time();
     updated.set_etag(MakeEtag(batch.Begin()));
-    batch.Overwrite(Kind<Record>::kFamily, name, updated.SerializeAsString());
+    batch.Replace(Kind<Record>::kFamily, name, before->SerializeAsString(),
+                  updated.SerializeAsString(), ChangedFields(*before, updated));
     return also ? also(batch, *before, updated) : absl::OkStatus();
   });
   if (!status.ok()) return status;
@@ -75,7 +78,7 @@ absl::Status RemoveRecord(const Database& database, ChangeBatch& batch, std::str
   if (!record.ok()) return record.status();
   if (auto matches = CheckEtag(name, etag, record->etag()); !matches.ok()) return matches;
   batch.Begin();
-  batch.Remove(Kind<Record>::kFamily, name);
+  batch.Remove(Kind<Record>::kFamily, name, record->SerializeAsString());
   return absl::OkStatus();
 }
 

@@ -6,6 +6,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "storage/change_key.h"
+#include "storage/history_rows.h"
 #include "storage/restore_advice.h"
 
 namespace graspdb::storage {
@@ -90,11 +91,28 @@ Migration AddFamiliesAfter(int from_version, std::size_t count) {
           }};
 }
 
+// The history begins with the current revision.
+absl::Status BeginHistory(Database& database, rocksdb::WriteBatch& batch) {
+  const auto meta = ReadMeta(database);
+  if (!meta.ok()) return meta.status();
+  HistoryRecord horizon;
+  horizon.set_revision(meta->revision());
+  return database.Put(Family::kHistory, kHorizonKey, horizon.SerializeAsString(), batch);
+}
+
+Migration AddHistory() {
+  return {3, [](Database& database, rocksdb::WriteBatch& batch) {
+            absl::Status added = AddFamiliesAfter(3, 10).apply(database, batch);
+            return added.ok() ? BeginHistory(database, batch) : added;
+          }};
+}
+
 }  // namespace
 
 std::span<const Migration> Migrations() {
-  // Version 2: outcomes of grasps. Version 3: bulk uploads.
-  static const std::array<Migration, 2> steps = {AddFamiliesAfter(1, 7), AddFamiliesAfter(2, 8)};
+  // Version 2: outcomes of grasps. Version 3: bulk uploads. Version 4: deleted objects, history.
+  static const std::array<Migration, 3> steps = {AddFamiliesAfter(1, 7), AddFamiliesAfter(2, 8),
+                                                 AddHistory()};
   return steps;
 }
 

@@ -17,7 +17,7 @@
 namespace graspdb::storage {
 
 // Version that this program writes. Version 0 was never released: it is rejected.
-inline constexpr int kSchemaVersion = 3;
+inline constexpr int kSchemaVersion = 4;
 
 // Key of the MetaRecord in the family `default`.
 inline constexpr std::string_view kMetaKey = "meta";

@@ -64,8 +64,9 @@ class Commit {
     *view->mutable_create_time() = batch_.time();
     view->set_cloud_key(StagedKey(upload_, name));
     if (replaced != nullptr) {
-      batch_.Remove(Family::kClouds, CloudKeyOf(*replaced));
-      batch_.Overwrite(Family::kViews, name, view->SerializeAsString());
+      batch_.NoteRemovedCloud(CloudKeyOf(*replaced));
+      batch_.Replace(Family::kViews, name, replaced->SerializeAsString(),
+                     view->SerializeAsString());
       upload_.set_replaced_count(upload_.replaced_count() + 1);
     } else {
       batch_.Insert(Family::kViews, name, view->SerializeAsString());

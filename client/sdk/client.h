@@ -14,6 +14,7 @@
 #include "graspdb/v1/catalog_service.pb.h"
 #include "graspdb/v1/cell_service.pb.h"
 #include "graspdb/v1/change_service.pb.h"
+#include "graspdb/v1/object_history_service.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
 #include "graspdb/v1/upload_service.pb.h"
 
@@ -105,6 +106,14 @@ class Client {
   absl::StatusOr<std::vector<v1::Object>> ListObjects();
   absl::StatusOr<std::vector<v1::StablePose>> ListStablePoses(const std::string& object);
   absl::StatusOr<std::vector<v1::View>> ListViews(const std::string& stable_pose);
+
+  // Deleted objects and earlier revisions of objects, all of them.
+  absl::StatusOr<std::vector<v1::Object>> ListDeletedObjects();
+  absl::StatusOr<v1::Object> GetDeletedObject(const std::string& name);
+  absl::StatusOr<v1::Object> UndeleteObject(const std::string& name);
+  absl::Status PurgeObject(const std::string& name);
+  absl::StatusOr<std::vector<v1::ObjectRevision>> ListObjectRevisions(const std::string& object);
+  absl::StatusOr<v1::Object> RestoreObject(const v1::RestoreObjectRequest& request);
 
   // Sends views until `next` returns false (none left) or an error, which ends the upload and is
   // returned. Views that were sent before an error may have been taught.

@@ -16,6 +16,7 @@
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
 #include "graspdb/v1/change_service.grpc.pb.h"
+#include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
 #include "program/request_id.h"
@@ -28,12 +29,14 @@ struct Client::Stubs {
         catalog(v1::CatalogService::NewStub(channel)),
         cells(v1::CellService::NewStub(channel)),
         changes(v1::ChangeService::NewStub(channel)),
+        history(v1::ObjectHistoryService::NewStub(channel)),
         recognition(v1::RecognitionService::NewStub(channel)),
         uploads(v1::UploadService::NewStub(channel)) {}
   std::unique_ptr<v1::BackupService::Stub> backups;
   std::unique_ptr<v1::CatalogService::Stub> catalog;
   std::unique_ptr<v1::CellService::Stub> cells;
   std::unique_ptr<v1::ChangeService::Stub> changes;
+  std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
 };

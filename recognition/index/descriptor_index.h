@@ -2,9 +2,11 @@
 // ApproximateIndex.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -37,6 +39,16 @@ class DescriptorIndex {
 
   // This index without the views of these resource names.
   DescriptorIndex Without(const std::unordered_set<std::string>& names) const;
+
+  // Chunks, and what a filter left of them; null for nothing.
+  using FilteredChunks = std::unordered_map<std::shared_ptr<const DescriptorChunk>,
+                                            std::shared_ptr<const DescriptorChunk>>;
+  // An index of the views for which `is_visible` holds, without an approximate index. A search of
+  // it costs and finds what a search of an index of only these views does. `known` has the chunks
+  // of an earlier call with the same filter, which are not filtered again, and gets those of this
+  // one.
+  DescriptorIndex Filtered(const std::function<bool(const TaughtView&)>& is_visible,
+                           FilteredChunks* known) const;
 
   // The `count` nearest views, nearest first; equal distances by name. With an approximate index up
   // to ApproximateIndex::kMaxNeighbors are the nearest of its candidates and of the views

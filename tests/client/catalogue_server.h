@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <string>
 
 #include "client/sdk/client.h"
 #include "server/server.h"
@@ -25,6 +26,8 @@ class CatalogueServer {
   }
 
   client::Client& client() { return *client_; }
+  // HOST:PORT, for programs.
+  const std::string& address() const { return server_->address(); }
 
  private:
   client::TemporaryFolder folder_;

@@ -10,6 +10,7 @@ constexpr int kPage = 1000;  // more than a sequence makes
 using Catalog = v1::CatalogService::Stub;
 using CellStub = v1::CellService::Stub;
 using UploadStub = v1::UploadService::Stub;
+using HistoryStub = v1::ObjectHistoryService::Stub;
 
 template <typename Stub, typename Request, typename Response>
 grpc::Status Call(Stub& stub,
@@ -84,6 +85,7 @@ void Calls::Do(const Operation& o) {
   Catalog& catalog = server_.catalog();
   CellStub& cells = server_.cells();
   UploadStub& uploads = server_.uploads();
+  HistoryStub& history = server_.history();
   v1::UploadViewsResponse uploaded;
   switch (o.request_case()) {
     case Operation::kCreateObject:
@@ -152,6 +154,18 @@ void Calls::Do(const Operation& o) {
       return CallAndCheck(uploads, &UploadStub::CommitUpload, o.commit_upload());
     case Operation::kDeleteUpload:
       return CallAndCheck(uploads, &UploadStub::DeleteUpload, o.delete_upload());
+    case Operation::kListDeletedObjects:
+      return CallAndCheck(history, &HistoryStub::ListDeletedObjects, o.list_deleted_objects());
+    case Operation::kGetDeletedObject:
+      return CallAndCheck(history, &HistoryStub::GetDeletedObject, o.get_deleted_object());
+    case Operation::kUndeleteObject:
+      return CallAndCheck(history, &HistoryStub::UndeleteObject, o.undelete_object());
+    case Operation::kPurgeObject:
+      return CallAndCheck(history, &HistoryStub::PurgeObject, o.purge_object());
+    case Operation::kListObjectRevisions:
+      return CallAndCheck(history, &HistoryStub::ListObjectRevisions, o.list_object_revisions());
+    case Operation::kRestoreObject:
+      return CallAndCheck(history, &HistoryStub::RestoreObject, o.restore_object());
     case Operation::REQUEST_NOT_SET:
       return;
   }
@@ -234,6 +248,17 @@ void Calls::DeleteAll() {
     request.set_force(true);
     Require(Call(server_.catalog(), &Catalog::DeleteObject, request, &nothing).ok(),
             "an object is deleted");
+  }
+  v1::ListDeletedObjectsRequest list_deleted;
+  list_deleted.set_page_size(kPage);
+  v1::ListDeletedObjectsResponse deleted;
+  Require(Call(server_.history(), &HistoryStub::ListDeletedObjects, list_deleted, &deleted).ok(),
+          "deleted objects are listed");
+  for (const v1::Object& object : deleted.objects()) {
+    v1::PurgeObjectRequest request;
+    request.set_name(object.name());
+    Require(Call(server_.history(), &HistoryStub::PurgeObject, request, &nothing).ok(),
+            "an object is purged");
   }
   const v1::ListCellsResponse cells = Cells();
   for (const v1::Cell& cell : cells.cells()) {

@@ -32,6 +32,8 @@ const std::vector<std::string>& Words() {
                                                  "objects/b/stablePoses/flat/views/v",
                                                  "labels",
                                                  "grasps",
+                                                 "release",
+                                                 "include_drafts",
                                                  "symmetry_order",
                                                  "min_score",
                                                  "mesh_pose",

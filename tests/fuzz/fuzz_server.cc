@@ -31,6 +31,7 @@ void FuzzServer::Restart() {
   cells_ = v1::CellService::NewStub(channel);
   recognition_ = v1::RecognitionService::NewStub(channel);
   uploads_ = v1::UploadService::NewStub(channel);
+  history_ = v1::ObjectHistoryService::NewStub(channel);
 }
 
 void FuzzServer::StartAnew() {

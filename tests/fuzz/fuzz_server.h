@@ -5,6 +5,7 @@
 
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
+#include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
 #include "server/server.h"
@@ -32,6 +33,7 @@ class FuzzServer {
   v1::CellService::Stub& cells() { return *cells_; }
   v1::RecognitionService::Stub& recognition() { return *recognition_; }
   v1::UploadService::Stub& uploads() { return *uploads_; }
+  v1::ObjectHistoryService::Stub& history() { return *history_; }
 
   // Makes the object and its stable pose "flat", with two grasps.
   void Declare(const std::string& object_id);
@@ -47,6 +49,7 @@ class FuzzServer {
   std::unique_ptr<v1::CellService::Stub> cells_;
   std::unique_ptr<v1::RecognitionService::Stub> recognition_;
   std::unique_ptr<v1::UploadService::Stub> uploads_;
+  std::unique_ptr<v1::ObjectHistoryService::Stub> history_;
 };
 
 // Two distinguishable parts.

@@ -7,9 +7,10 @@
 #include <thread>
 
 #include "program/stop_flag.h"
-#include "server/upload_expiry.h"
+#include "server/expiry.h"
 #include "server/upload_rate.h"
 #include "storage/catalogue.h"
+#include "storage/history.h"
 #include "storage/uploads.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
@@ -19,7 +20,7 @@ namespace {
 
 using std::chrono::hours;
 
-class UploadExpiryTest : public ::testing::Test {
+class ExpiryTest : public ::testing::Test {
  protected:
   void SetUp() override {
     auto opened = storage::Catalogue::Open((folder_.path() / "db").string());
@@ -31,26 +32,26 @@ class UploadExpiryTest : public ::testing::Test {
   }
   // Whether the upload is left at these times after its creation.
   bool IsLeft(absl::Duration wall, hours monotonic) {
-    expiry_.Run(catalogue_->uploads(), kCreated + wall, kStart + monotonic);
+    expiry_.Run(*catalogue_, kCreated + wall, kStart + monotonic);
     return catalogue_->uploads().Get(kName).ok();
   }
 
   static constexpr char kName[] = "uploads/bulk";
   static constexpr absl::Time kCreated = absl::FromUnixSeconds(1'700'000'000);
-  static constexpr server::UploadExpiry::Clock::time_point kStart{hours(1000)};
+  static constexpr server::Expiry::Clock::time_point kStart{hours(1000)};
 
   const client::TemporaryFolder folder_;
   std::unique_ptr<storage::Catalogue> catalogue_;
-  server::UploadExpiry expiry_;
+  server::Expiry expiry_{absl::Hours(30 * 24)};
 };
 
-TEST_F(UploadExpiryTest, AnOldUploadIsDeletedAfterSevenDays) {
+TEST_F(ExpiryTest, AnOldUploadIsDeletedAfterSevenDays) {
   EXPECT_TRUE(IsLeft(absl::Hours(1), hours(1)));
   EXPECT_TRUE(IsLeft(absl::Hours(7 * 24), hours(7 * 24)));
   EXPECT_FALSE(IsLeft(absl::Hours(7 * 24 + 1), hours(7 * 24 + 1)));
 }
 
-TEST_F(UploadExpiryTest, AClockSetAheadDeletesNothing) {
+TEST_F(ExpiryTest, AClockSetAheadDeletesNothing) {
   EXPECT_TRUE(IsLeft(absl::Hours(1), hours(1)));
   EXPECT_TRUE(IsLeft(absl::Hours(365 * 24), hours(2)));
   EXPECT_TRUE(IsLeft(absl::Hours(365 * 24 + 24), hours(26)));
@@ -58,11 +59,26 @@ TEST_F(UploadExpiryTest, AClockSetAheadDeletesNothing) {
   EXPECT_FALSE(IsLeft(absl::Hours(8 * 24), hours(8 * 24)));
 }
 
-TEST_F(UploadExpiryTest, AClockSetBackDoesNotStopIt) {
+TEST_F(ExpiryTest, AClockSetBackDoesNotStopIt) {
   EXPECT_TRUE(IsLeft(absl::Hours(24), hours(24)));
   EXPECT_TRUE(IsLeft(absl::Hours(-24), hours(25)));
   EXPECT_TRUE(IsLeft(absl::Hours(6 * 24), hours(25 + 7 * 24)));
   EXPECT_FALSE(IsLeft(absl::Hours(8 * 24), hours(25 + 9 * 24)));
+}
+
+TEST_F(ExpiryTest, ADeletedObjectIsPurgedAfterItsTime) {
+  v1::Object object;
+  object.set_name("objects/mug");
+  ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
+  ASSERT_THAT(catalogue_->DeleteObject("objects/mug", false, ""), IsOk());
+  const absl::Time deleted = absl::Now();
+  const auto is_kept = [&](absl::Duration age, hours monotonic) {
+    expiry_.Run(*catalogue_, deleted + age, kStart + monotonic);
+    return catalogue_->history().GetDeleted("objects/mug").ok();
+  };
+  EXPECT_TRUE(is_kept(absl::Hours(1), hours(1)));
+  EXPECT_TRUE(is_kept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1)));
+  EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 1), hours(30 * 24 + 1)));
 }
 
 TEST(UploadRateTest, CountsTheLastHalfMinute) {

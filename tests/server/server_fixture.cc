@@ -21,6 +21,7 @@ void ServerTest::Start() {
   backups_ = v1::BackupService::NewStub(channel_);
   catalog_ = v1::CatalogService::NewStub(channel_);
   cells_ = v1::CellService::NewStub(channel_);
+  history_ = v1::ObjectHistoryService::NewStub(channel_);
   recognition_ = v1::RecognitionService::NewStub(channel_);
 }
 

@@ -11,6 +11,7 @@
 #include "graspdb/v1/backup_service.grpc.pb.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
+#include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "server/server.h"
 #include "tests/files/temporary_folder.h"
@@ -24,6 +25,7 @@ class ServerTest : public ::testing::Test {
   using BackupStub = v1::BackupService::Stub;
   using Catalog = v1::CatalogService::Stub;
   using Cells = v1::CellService::Stub;
+  using History = v1::ObjectHistoryService::Stub;
   using Recognition = v1::RecognitionService::Stub;
 
   void SetUp() override;
@@ -77,6 +79,7 @@ class ServerTest : public ::testing::Test {
   std::unique_ptr<BackupStub> backups_;
   std::unique_ptr<Catalog> catalog_;
   std::unique_ptr<Cells> cells_;
+  std::unique_ptr<History> history_;
   std::unique_ptr<Recognition> recognition_;
 };
 
@@ -91,6 +94,10 @@ inline ServerTest::Catalog& ServerTest::StubOf() {
 template <>
 inline ServerTest::Cells& ServerTest::StubOf() {
   return *cells_;
+}
+template <>
+inline ServerTest::History& ServerTest::StubOf() {
+  return *history_;
 }
 template <>
 inline ServerTest::Recognition& ServerTest::StubOf() {

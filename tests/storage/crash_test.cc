@@ -2,12 +2,14 @@
 #include <sys/wait.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
 #include "storage/catalogue.h"
+#include "storage/history.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/other_process.h"
@@ -115,6 +117,32 @@ TEST_F(CrashTest, AcknowledgedChangesSurviveKill9) {
     for (std::int64_t i = 0; i < last - 2; ++i) {
       ASSERT_EQ(picture->clouds.at(WrittenViewName(i)), WrittenCloud(i));
     }
+  }
+}
+
+TEST_F(CrashTest, KilledBetweenDeletionAndPurgeAnObjectIsThereOrCanBeBroughtBack) {
+  {
+    const auto catalogue = OpenOrDie(database_);
+    ASSERT_TRUE(catalogue->CreateObject(MakeObject("mug")).ok());
+    ASSERT_TRUE(catalogue->CreateStablePose(MakeStablePose("mug", "upright")).ok());
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_TRUE(catalogue->PutView(MakeView(WrittenViewName(i), i, 5000)).ok());
+    }
+  }
+  const std::map<std::string, std::string> clouds = TakePicture(*OpenOrDie(database_))->clouds;
+  for (int round = 0; round < 12; ++round) {
+    ChildProcess writer("undelete", database_);
+    for (int i = 0; i < 2 + 5 * round; ++i) ASSERT_TRUE(writer.NextRevision().has_value());
+    writer.Kill();
+    ASSERT_TRUE(WIFSIGNALED(writer.Wait()));
+    const auto catalogue = OpenOrDie(database_);
+    if (!catalogue->GetObject("objects/mug").ok()) {
+      const auto undeleted = catalogue->history().Undelete("objects/mug");
+      ASSERT_TRUE(undeleted.ok()) << undeleted.status();
+    }
+    const auto picture = TakePicture(*catalogue);
+    ASSERT_TRUE(picture.ok()) << picture.status();
+    ASSERT_EQ(picture->clouds, clouds);
   }
 }
 

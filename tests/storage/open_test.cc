@@ -139,7 +139,8 @@ TEST_F(OpenTest, NewerSchemaIsRejectedAndUnchanged) {
     const absl::Status opened = TryOpen();
     EXPECT_EQ(opened.code(), absl::StatusCode::kFailedPrecondition);
     EXPECT_THAT(std::string(opened.message()),
-                AllOf(HasSubstr("has schema version 4; this program supports up to 3"),
+                AllOf(HasSubstr("has schema version " + std::to_string(kSchemaVersion + 1) +
+                                "; this program supports up to " + std::to_string(kSchemaVersion)),
                       HasSubstr("start the newer program")));
   }
 }

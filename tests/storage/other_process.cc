@@ -1,6 +1,8 @@
 // The other process of the tests: opens the catalogue in argv[2] and
 //   open     keeps it open until its standard input ends,
 //   write    stores views until it is killed,
+//   undelete deletes the object with its views, brings it back and purges its history until it is
+//            killed,
 //   backup   makes backups of it in the folder argv[3] until it is killed,
 //   restore  restores backup 1 of argv[3] to argv[2].
 // Writes every acknowledged revision to its standard output, eight bytes each; the first
@@ -19,6 +21,7 @@
 
 #include "storage/backups.h"
 #include "storage/catalogue.h"
+#include "storage/history.h"
 
 namespace graspdb::storage {
 namespace {
@@ -46,6 +49,22 @@ absl::Status WriteUntilKilled(Catalogue& catalogue) {
   }
 }
 
+absl::Status UndeleteUntilKilled(Catalogue& catalogue) {
+  for (;;) {
+    const auto deleted = catalogue.history().ListDeleted(1, "");
+    if (!deleted.ok()) return deleted.status();
+    absl::Status changed = deleted->records.empty()
+                               ? catalogue.DeleteObject("objects/mug", /*force=*/true, "")
+                               : catalogue.history().Undelete("objects/mug").status();
+    if (!changed.ok()) return changed;
+    if (!Report(catalogue.revision())) return absl::CancelledError("the output is closed");
+    if (!deleted->records.empty()) {
+      changed = catalogue.history().PurgeOlderThan(absl::Now()).status();
+      if (!changed.ok()) return changed;
+    }
+  }
+}
+
 absl::Status MakeBackupsUntilKilled(Catalogue& catalogue, const std::string& folder) {
   Backups backups(folder);
   for (;;) {
@@ -69,6 +88,7 @@ absl::Status Run(const std::string& what, const std::string& database, const std
   if (!catalogue.ok()) return catalogue.status();
   if (!Report((*catalogue)->revision())) return absl::CancelledError("the output is closed");
   if (what == "write") return WriteUntilKilled(**catalogue);
+  if (what == "undelete") return UndeleteUntilKilled(**catalogue);
   if (what == "backup") return MakeBackupsUntilKilled(**catalogue, folder);
   char byte = 0;
   return read(STDIN_FILENO, &byte, 1) == 0 ? absl::OkStatus() : absl::InternalError("not ended");

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/cells/cell_saving.h"
@@ -23,6 +24,9 @@ struct SetOptions {
   std::vector<double> flange_sensor_pose;
   std::vector<double> region;
   std::vector<double> workspace;
+  std::vector<std::string> labels;
+  bool no_labels = false;
+  std::optional<bool> include_drafts;
 };
 
 constexpr char kSetFooter[] =
@@ -82,6 +86,10 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   }
   if (!options.region.empty()) SetBox(options.region, cell->mutable_region_of_interest());
   if (!options.workspace.empty()) SetBox(options.workspace, cell->mutable_workspace());
+  if (options.no_labels || !options.labels.empty()) {
+    cell->mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  }
+  if (options.include_drafts) cell->set_include_drafts(*options.include_drafts);
   cell->set_name(ResourceName("cells", options.id));
   cell->clear_etag();
   auto* mask = request.mutable_update_mask();
@@ -92,6 +100,8 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   if (cell->has_region_of_interest()) mask->add_paths("region_of_interest");
   if (cell->has_workspace()) mask->add_paths("workspace");
   if (cell->has_pipeline()) mask->add_paths("pipeline");
+  if (options.no_labels || !cell->labels().empty()) mask->add_paths("labels");
+  if (options.include_drafts || cell->include_drafts()) mask->add_paths("include_drafts");
   return request;
 }
 
@@ -149,6 +159,14 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
   set->add_option("--workspace", options->workspace, "Region that the tool may enter, as --region")
       ->delimiter(',')
       ->expected(6);
+  CLI::Option* labels =
+      set->add_option("--labels", options->labels,
+                      "Recognise only objects with one of these labels; replaces all labels")
+          ->delimiter(',')
+          ->type_name("LABEL,...");
+  set->add_flag("--no-labels", options->no_labels, "Recognise all objects")->excludes(labels);
+  set->add_option("--include-drafts", options->include_drafts,
+                  "Recognise drafts, too, as in a test cell: true or false");
   set->footer(kSetFooter);
   set->callback([=, &global] {
     *action = [=, &global]() -> absl::Status {

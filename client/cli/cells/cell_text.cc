@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "files/pose_message.h"
 
 namespace graspdb::client {
@@ -54,6 +55,10 @@ std::string CellText(const v1::Cell& cell) {
   if (cell.has_workspace()) {
     absl::StrAppend(&out, "  workspace  ", BoxText(cell.workspace()), "\n");
   }
+  if (!cell.labels().empty()) {
+    absl::StrAppend(&out, "  labels     ", absl::StrJoin(cell.labels(), ", "), "\n");
+  }
+  if (cell.include_drafts()) absl::StrAppend(&out, "  drafts     recognised\n");
   if (cell.has_pipeline()) {
     absl::StrAppend(&out, "  pipeline   ", cell.pipeline().ShortDebugString(), "\n");
   }

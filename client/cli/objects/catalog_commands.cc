@@ -12,14 +12,22 @@ namespace graspdb::client {
 namespace {
 
 void PrintObject(const v1::Object& object) {
-  std::printf("%-40s %s%s\n", object.name().c_str(), object.display_name().c_str(),
-              object.labels().empty()
-                  ? ""
-                  : absl::StrCat(" [", absl::StrJoin(object.labels(), ", "), "]").c_str());
+  std::string notes;
+  if (!object.labels().empty()) {
+    absl::StrAppend(&notes, " [", absl::StrJoin(object.labels(), ", "), "]");
+  }
+  if (object.release() == v1::RELEASE_STATE_DRAFT) absl::StrAppend(&notes, " (draft)");
+  if (object.has_purge_time()) {
+    absl::StrAppend(&notes, " deleted ", LocalTimeText(object.delete_time()),
+                    ", can be brought back until ", LocalTimeText(object.purge_time()));
+  }
+  std::printf("%-40s %s%s\n", object.name().c_str(), object.display_name().c_str(), notes.c_str());
 }
 
-absl::Status ListObjects(const GlobalOptions& global) {
-  absl::StatusOr<std::vector<v1::Object>> objects = Connect(global).ListObjects();
+absl::Status ListObjects(const GlobalOptions& global, bool deleted) {
+  Client client = Connect(global);
+  absl::StatusOr<std::vector<v1::Object>> objects =
+      deleted ? client.ListDeletedObjects() : client.ListObjects();
   if (!objects.ok()) return objects.status();
   for (const v1::Object& object : *objects) {
     if (global.json) {
@@ -28,7 +36,7 @@ absl::Status ListObjects(const GlobalOptions& global) {
       PrintObject(object);
     }
   }
-  if (objects->empty() && !global.json) {
+  if (objects->empty() && !global.json && !deleted) {
     std::printf("the catalogue is empty; teach it with: graspdb import SET\n");
   }
   return absl::OkStatus();
@@ -36,8 +44,9 @@ absl::Status ListObjects(const GlobalOptions& global) {
 
 void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
-  std::printf("  %s: %zu views, symmetry %s\n", pose.name().c_str(), views,
-              order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str());
+  std::printf("  %s: %zu views, symmetry %s%s\n", pose.name().c_str(), views,
+              order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str(),
+              pose.release() == v1::RELEASE_STATE_DRAFT ? " (draft)" : "");
   if (pose.has_min_score()) std::printf("    minimum score %.2f\n", pose.min_score());
   if (pose.has_mesh_pose()) {
     const v1::Vector3& p = pose.mesh_pose().position();
@@ -69,9 +78,15 @@ absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
 
 absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bool force) {
   const std::string name = ResourceName("objects", id);
-  absl::Status status = Connect(global).DeleteObject(name, force);
-  if (!status.ok()) return status;
-  if (!global.json) std::printf("deleted %s\n", name.c_str());
+  Client client = Connect(global);
+  absl::Status status = client.DeleteObject(name, force);
+  if (!status.ok() || global.json) return status;
+  std::printf("deleted %s\n", name.c_str());
+  // Servers of before have no deleted objects.
+  if (const auto deleted = client.GetDeletedObject(name); deleted.ok()) {
+    std::printf("until %s it can be brought back: graspdb objects undelete %s\n",
+                LocalTimeText(deleted->purge_time()).c_str(), id.c_str());
+  }
   return absl::OkStatus();
 }
 
@@ -110,7 +125,7 @@ void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* actio
   set->add_option("--display-name", change->display_name, "Name for people");
   CLI::Option* labels =
       set->add_option("--labels", change->labels,
-                      "Labels by which robot jobs request it; replaces all labels")
+                      "Labels by which robot jobs and cells select it; replaces all labels")
           ->delimiter(',')
           ->type_name("LABEL,...");
   set->add_flag("--no-labels", change->no_labels, "Remove all labels")->excludes(labels);
@@ -176,11 +191,14 @@ absl::Status ShowStatus(const GlobalOptions& global) {
 }  // namespace
 
 void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* objects = AddCommand(app, "objects", "List, show, set, check and delete objects");
+  CLI::App* objects =
+      AddCommand(app, "objects", "List, show, set, release, check, delete and restore objects");
   objects->require_subcommand(1);
-  AddCommand(*objects, "list", "List all objects")->callback([=, &global] {
-    *action = [&global] { return ListObjects(global); };
-  });
+  auto deleted = std::make_shared<bool>(false);
+  CLI::App* list = AddCommand(*objects, "list", "List all objects");
+  list->add_flag("--deleted", *deleted, "The deleted objects that can be brought back");
+  list->callback(
+      [=, &global] { *action = [=, &global] { return ListObjects(global, *deleted); }; });
   auto id = std::make_shared<std::string>();
   CLI::App* show = AddCommand(*objects, "show", "Print an object with its stable poses and grasps");
   show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
@@ -192,6 +210,7 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
   check->callback([=, &global] { *action = [=, &global] { return CheckObjects(global, *id); }; });
   AddSetCommand(*objects, global, action);
   AddThresholdsCommand(*objects, global, action);
+  AddHistoryCommands(*objects, global, action);
   auto force = std::make_shared<bool>(false);
   CLI::App* remove = AddCommand(*objects, "delete", "Delete an object");
   remove->add_option("OBJECT", *id, "Id, e.g. mug")->required();
