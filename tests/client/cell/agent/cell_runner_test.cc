@@ -10,6 +10,7 @@
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -95,6 +96,20 @@ TEST_F(CellRunnerTest, ReturnsGraspsInTheRobotsBaseFrame) {
   EXPECT_TRUE(poses->front().base_primary.isApprox(AtXZ(1.2, 0.1)));
   EXPECT_TRUE(poses->front().base_related[0].isApprox(AtXZ(1.2)));
   EXPECT_EQ(poses->front().grasp_id, "rim");
+}
+
+TEST_F(CellRunnerTest, ARobotGetsItsGraspThoughTheServerWasBusyAtFirst) {
+  int calls = 0;
+  server_.Change([&](ScriptedServer& server) {
+    server.recognize = [&](const v1::RecognizeRequest& request, v1::RecognizeResponse* out) {
+      return ++calls == 1 ? testing::BusyFor(absl::Milliseconds(1)) : MugOnTheTable(request, out);
+    };
+  });
+  const auto poses = Run(1);
+  ASSERT_THAT(poses, IsOk());
+  ASSERT_THAT(*poses, SizeIs(1));
+  EXPECT_EQ(poses->front().grasp_id, "rim");
+  EXPECT_EQ(calls, 2);
 }
 
 TEST_F(CellRunnerTest, UnknownJobsAndJobsOfOtherProtocolsAreRejected) {
