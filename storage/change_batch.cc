@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "storage/change_key.h"
+#include "storage/requests.h"
 #include "storage/schema.h"
 
 namespace graspdb::storage {
@@ -78,6 +80,10 @@ void ChangeBatch::Remove(Family family, std::string_view key) {
   status_.Update(database_.Delete(family, key, rocks_));
   Note(Mutation::KIND_DELETE, family, key);
   AddToCount(meta_, family, -1);
+}
+
+void ChangeBatch::KeepRequest(RequestRecord record) {
+  status_.Update(storage::KeepRequest(database_, std::move(record), time_, meta_, rocks_));
 }
 
 void ChangeBatch::ForgetChanges(std::int64_t keep) {

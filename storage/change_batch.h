@@ -30,6 +30,9 @@ class ChangeBatch {
   void NoteStoredCloud(std::string_view key) { Note(Mutation::KIND_PUT, Family::kClouds, key); }
   // Removes an existing key: no longer counted.
   void Remove(Family family, std::string_view key);
+  // Keeps an answered request, whose number and time are set here, and forgets old ones
+  // (storage/requests.h).
+  void KeepRequest(RequestRecord record);
   // Adds the change records, the deletion of old ones so that `keep` (at least 1) remain, and the
   // MetaRecord. After it only rocks() may be called. Returns the first error of the previous calls,
   // if any.

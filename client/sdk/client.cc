@@ -20,6 +20,7 @@ constexpr char kFrames[] =
     R"({"service": "graspdb.v1.RecognitionService", "method": "Recognize"},)";
 constexpr char kOthers[] = R"(
     {"service": "graspdb.v1.RecognitionService", "method": "FindLookAlikes"},
+    {"service": "graspdb.v1.BackupService", "method": "CreateBackup"},
     {"service": "graspdb.v1.BackupService", "method": "ListBackups"},
     {"service": "graspdb.v1.CatalogService", "method": "GetCatalogStatus"},
     {"service": "graspdb.v1.CatalogService", "method": "GetObject"},
@@ -28,6 +29,7 @@ constexpr char kOthers[] = R"(
     {"service": "graspdb.v1.CatalogService", "method": "ListStablePoses"},
     {"service": "graspdb.v1.CatalogService", "method": "GetView"},
     {"service": "graspdb.v1.CatalogService", "method": "ListViews"},
+    {"service": "graspdb.v1.CatalogService", "method": "ReportGraspOutcome"},
     {"service": "graspdb.v1.UploadService", "method": "GetUpload"},
     {"service": "graspdb.v1.UploadService", "method": "CommitUpload"},
     {"service": "graspdb.v1.UploadService", "method": "ListUploads"},

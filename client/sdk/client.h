@@ -108,7 +108,9 @@ class Client {
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);
   absl::StatusOr<v1::StablePose> UpdateStablePose(const v1::UpdateStablePoseRequest& request);
-  // Never retried after a lost connection: the outcome may have been counted all the same.
+  // Counted once, however often it is retried: the request gets a `request_id` if it has none.
+  // After an error it is not known whether it was counted; call it again with the same id of your
+  // own.
   absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
       const v1::ReportGraspOutcomeRequest& request);
   // The view with its cloud.
