@@ -9,6 +9,7 @@
 #include "server/errors.h"
 #include "server/handle.h"
 #include "server/paging.h"
+#include "server/write_id.h"
 
 namespace graspdb::server {
 namespace {
@@ -59,8 +60,10 @@ grpc::Status BackupService::CreateBackup(grpc::ServerContext* context,
                                          grpc::ServerWriter<v1::CreateBackupResponse>* stream) {
   return Handle(*context, "CreateBackup", *request, [&]() -> absl::Status {
     if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
+    const auto id = WriteIdFromProto(request->request_id());
+    if (!id.ok()) return id.status();
     return RunReported(*context, stream,
-                       [&](const auto& progress) { return backups_->Create(progress); });
+                       [&](const auto& progress) { return backups_->Create(progress, *id); });
   });
 }
 

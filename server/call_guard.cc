@@ -257,6 +257,7 @@ void CallGuard::Audit(const grpc::Status& status) const {
   record.set_catalog_revision(rules_.revision());
   record.set_code(absl::StatusCodeToString(static_cast<absl::StatusCode>(status.error_code())));
   record.set_error(status.error_message());
+  record.set_request_id(request_id_);
   rules_.audit->Write(record);
 }
 

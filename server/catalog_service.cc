@@ -262,13 +262,14 @@ grpc::Status CatalogService::ReportGraspOutcome(grpc::ServerContext* context,
       const auto cell = context_.catalogue.GetCell(request->cell());
       if (!cell.ok()) return AtField("cell", cell.status());
     }
-    absl::Status status =
-        Respond("name", server::ReportGraspOutcome(*request, context_.catalogue), response);
+    const absl::StatusOr<bool> counted =
+        server::ReportGraspOutcome(*request, context_.catalogue, response);
+    if (!counted.ok()) return counted.status();
     const CallGuard& guard = *CallGuard::Of(*context);
-    if (status.ok() && guard.metrics() != nullptr) {
+    if (*counted && guard.metrics() != nullptr) {
       guard.metrics()->CountPicks(request->has_cell() ? request->cell() : guard.cell(), *request);
     }
-    return status;
+    return absl::OkStatus();
   });
 }
 

@@ -54,9 +54,11 @@ CatalogueBackups::CatalogueBackups(const ServerOptions& options, storage::Catalo
       backups_(options.backup_dir, static_cast<std::int64_t>(options.backup_rate_mib * (1 << 20))) {
 }
 
-absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupProgress& progress) {
+absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupProgress& progress,
+                                                         std::string_view request_id) {
   const absl::Time begin = absl::Now();
-  absl::StatusOr<storage::Backup> made = backups_.Create(catalogue_, UntilStop(progress));
+  absl::StatusOr<storage::Backup> made =
+      backups_.Create(catalogue_, UntilStop(progress), request_id);
   NoteFailure(made.status(), "create");
   if (!made.ok()) return made;
   Refresh();

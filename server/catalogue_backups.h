@@ -30,7 +30,8 @@ class CatalogueBackups {
   static absl::StatusOr<std::unique_ptr<CatalogueBackups>> Open(const ServerOptions& options,
                                                                 storage::Catalogue& catalogue);
 
-  absl::StatusOr<storage::Backup> Create(const storage::BackupProgress& progress);
+  absl::StatusOr<storage::Backup> Create(const storage::BackupProgress& progress,
+                                         std::string_view request_id = "");
   absl::StatusOr<storage::Backup> Verify(storage::BackupId id,
                                          const storage::BackupProgress& progress);
   absl::Status Delete(storage::BackupId id);

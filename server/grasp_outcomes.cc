@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/digest.h"
 #include "server/errors.h"
+#include "server/write_id.h"
 
 namespace graspdb::server {
 namespace {
@@ -33,19 +35,33 @@ absl::StatusOr<v1::GraspOutcomeCounts> CountsFromProto(
   }
 }
 
+absl::StatusOr<storage::RequestKey> KeyFromProto(v1::ReportGraspOutcomeRequest request) {
+  absl::StatusOr<std::string> id = WriteIdFromProto(request.request_id());
+  if (!id.ok()) return id.status();
+  if (id->empty()) return storage::RequestKey();
+  request.clear_request_id();
+  request.DiscardUnknownFields();
+  return storage::RequestKey{*std::move(id), Sha256(request.SerializeAsString())};
+}
+
 }  // namespace
 
-absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
-    const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue) {
+absl::StatusOr<bool> ReportGraspOutcome(const v1::ReportGraspOutcomeRequest& request,
+                                        storage::Catalogue& catalogue,
+                                        v1::ReportGraspOutcomeResponse* response) {
   const absl::StatusOr<v1::GraspOutcomeCounts> added = CountsFromProto(request);
   if (!added.ok()) return added.status();
+  const absl::StatusOr<storage::RequestKey> key = KeyFromProto(request);
+  if (!key.ok()) return key.status();
   absl::StatusOr<storage::AddedOutcomes> counted =
-      catalogue.AddGraspOutcomes(request.name(), *added);
+      catalogue.AddGraspOutcomes(request.name(), *added, *key);
+  if (absl::IsAlreadyExists(counted.status())) {
+    return WithReason(counted.status(), "REQUEST_ID_REUSED");
+  }
   if (!counted.ok()) return AtField("name", counted.status());
-  v1::ReportGraspOutcomeResponse out;
-  *out.mutable_counts() = std::move(counted->counts);
-  out.set_catalog_revision(counted->revision);
-  return out;
+  *response->mutable_counts() = std::move(counted->counts);
+  response->set_catalog_revision(counted->revision);
+  return !counted->is_repeated;
 }
 
 absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose) {

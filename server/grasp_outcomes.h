@@ -8,10 +8,12 @@
 
 namespace graspdb::server {
 
-// Counts the reported outcome. INVALID_ARGUMENT with the field; NOT_FOUND without the stable pose
-// or the grasp.
-absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
-    const v1::ReportGraspOutcomeRequest& request, storage::Catalogue& catalogue);
+// Counts the reported outcome and returns true; false for a repeated request, which gets the first
+// answer. INVALID_ARGUMENT with the field; NOT_FOUND without the stable pose or the grasp;
+// ALREADY_EXISTS with REQUEST_ID_REUSED.
+absl::StatusOr<bool> ReportGraspOutcome(const v1::ReportGraspOutcomeRequest& request,
+                                        storage::Catalogue& catalogue,
+                                        v1::ReportGraspOutcomeResponse* response);
 
 // Fills in the outcomes, which are stored apart from the stable pose.
 absl::Status AddGraspOutcomes(const storage::Catalogue& catalogue, v1::StablePose* stable_pose);

@@ -93,10 +93,24 @@ absl::Status Backups::Claim() {
   return OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default()).status();
 }
 
-absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgress& progress) {
+absl::StatusOr<std::optional<Backup>> Backups::FindMade(std::string_view request_id) const {
+  if (request_id.empty()) return std::nullopt;
+  auto existing = List();
+  if (!existing.ok()) return existing.status();
+  for (Backup& backup : *existing) {
+    if (backup.state.ok() && backup.record.request_id() == request_id) return std::move(backup);
+  }
+  return std::nullopt;
+}
+
+absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgress& progress,
+                                       std::string_view request_id) {
   if (auto claimed = Claim(); !claimed.ok()) return claimed;
   const OperationMark mark(running_);
   if (auto first = mark.Check(directory_); !first.ok()) return first;
+  auto made_before = FindMade(request_id);
+  if (!made_before.ok()) return made_before.status();
+  if (made_before->has_value()) return **std::move(made_before);
   Database& database = *catalogue.database_;
   const auto engine = OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv());
   if (!engine.ok()) return engine.status();
@@ -116,6 +130,7 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
     if (progress.IsCancelled()) return cancelled;
     BackupRecord record;
     *record.mutable_meta() = meta;
+    record.set_request_id(std::string(request_id));
     *record.mutable_time() =
         google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(absl::Now()));
     CapturedDatabase captured(database.rocks(), release);

@@ -17,7 +17,9 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -96,8 +98,10 @@ class Backups {
 
   // Claims the folder and makes a backup. Changes of the catalogue wait some milliseconds; memory
   // 10 MiB. Reads and writes the files that no backup has yet. Cancelled at most one portion of
-  // copying (10 MiB) later; nothing of an unfinished backup stays.
-  absl::StatusOr<Backup> Create(Catalogue& catalogue, const BackupProgress& progress = {});
+  // copying (10 MiB) later; nothing of an unfinished backup stays. With the `request_id` of an
+  // intact backup, returns that one.
+  absl::StatusOr<Backup> Create(Catalogue& catalogue, const BackupProgress& progress = {},
+                                std::string_view request_id = "");
   // By ascending number, damaged ones included.
   absl::StatusOr<std::vector<Backup>> List() const;
   // Reads every byte of the backup and compares the checksums; then reads its revision from it.
@@ -123,6 +127,8 @@ class Backups {
  private:
   absl::StatusOr<Backup> CompareWith(const DatabaseState& there, BackupId id,
                                      const BackupProgress& progress, DifferenceVisitor visit) const;
+  // The intact backup of that request, if any.
+  absl::StatusOr<std::optional<Backup>> FindMade(std::string_view request_id) const;
   absl::StatusOr<std::vector<Backup>> ListLocked() const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(listing_mutex_);
   absl::Status DeleteLocked(const std::vector<BackupId>& ids)

@@ -92,10 +92,17 @@ enum class PutViewOutcome {
   kExisting,  // a view with that name and digest exists; nothing changed
 };
 
+// A request that its caller may send again.
+struct RequestKey {
+  std::string id = {};              // a UUID in lower case; empty: the request has none
+  std::string content_digest = {};  // SHA-256 of the request without its id
+};
+
 // The counts of a grasp after an outcome was added, and the revision of that change.
 struct AddedOutcomes {
   v1::GraspOutcomeCounts counts;
   std::int64_t revision = 0;
+  bool is_repeated = false;  // the answer to an earlier request with this id; nothing changed
 };
 
 // The new descriptors of a view.
@@ -209,9 +216,12 @@ class Catalogue {
   // pose, opening or free turn. Stable poses and their etags do not include it.
 
   // Adds `added` to the counts of a grasp of that stable pose. NOT_FOUND without the stable pose or
-  // the grasp, INVALID_ARGUMENT unless at least one count is positive and none is negative.
+  // the grasp, INVALID_ARGUMENT unless at least one count is positive and none is negative. A
+  // request with the id of an earlier one gets its answer, or ALREADY_EXISTS if the content is
+  // another; ids are known for a day, the newest 10,000 of them (storage/requests.h).
   absl::StatusOr<AddedOutcomes> AddGraspOutcomes(std::string_view stable_pose_name,
-                                                 const v1::GraspOutcomeCounts& added);
+                                                 const v1::GraspOutcomeCounts& added,
+                                                 const RequestKey& request = {});
   // NOT_FOUND without the stable pose; no counts if there were no reports.
   absl::StatusOr<GraspOutcomesRecord> GetGraspOutcomes(std::string_view stable_pose_name) const;
 

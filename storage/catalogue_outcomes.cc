@@ -1,5 +1,6 @@
 // Outcomes of grasps.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include "storage/change_log.h"
 #include "storage/database.h"
 #include "storage/record_kind.h"
+#include "storage/requests.h"
 
 namespace graspdb::storage {
 namespace {
@@ -43,13 +45,41 @@ v1::GraspOutcomeCounts& CountsOf(GraspOutcomesRecord& record, const std::string&
   return added;
 }
 
+// The answer to an earlier request with this id, if any.
+absl::StatusOr<std::optional<AddedOutcomes>> FindAdded(const Database& database,
+                                                       const RequestKey& request,
+                                                       const ChangeBatch& batch) {
+  if (request.id.empty()) return std::nullopt;
+  const auto found = FindRequest(database, request.id, request.content_digest, batch.time());
+  if (!found.ok()) return found.status();
+  if (!found->has_value()) return std::nullopt;
+  return AddedOutcomes{(*found)->grasp_outcome_counts(), (*found)->revision(), true};
+}
+
+void KeepAdded(const AddedOutcomes& added, const RequestKey& request, ChangeBatch& batch) {
+  if (request.id.empty()) return;
+  RequestRecord record;
+  record.set_id(request.id);
+  record.set_content_digest(request.content_digest);
+  record.set_revision(added.revision);
+  *record.mutable_grasp_outcome_counts() = added.counts;
+  batch.KeepRequest(std::move(record));
+}
+
 }  // namespace
 
 absl::StatusOr<AddedOutcomes> Catalogue::AddGraspOutcomes(std::string_view stable_pose_name,
-                                                          const v1::GraspOutcomeCounts& added) {
+                                                          const v1::GraspOutcomeCounts& added,
+                                                          const RequestKey& request) {
   if (absl::Status valid = CheckAdded(added); !valid.ok()) return valid;
   AddedOutcomes out;
   const absl::Status status = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
+    auto earlier = FindAdded(*database_, request, batch);
+    if (!earlier.ok()) return earlier.status();
+    if (earlier->has_value()) {
+      out = **std::move(earlier);
+      return absl::OkStatus();
+    }
     const auto pose = ReadRecord<v1::StablePose>(*database_, stable_pose_name);
     if (!pose.ok()) return pose.status();
     if (auto known = CheckGrasp(*pose, added.grasp_id()); !known.ok()) return known;
@@ -61,6 +91,7 @@ absl::StatusOr<AddedOutcomes> Catalogue::AddGraspOutcomes(std::string_view stabl
     counts.set_slipped_count(counts.slipped_count() + added.slipped_count());
     out = {counts, batch.Begin()};
     batch.Overwrite(Family::kGraspOutcomes, stable_pose_name, record->SerializeAsString());
+    KeepAdded(out, request, batch);
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "storage/change_key.h"
+#include "storage/requests.h"
 #include "storage/schema.h"
 
 namespace graspdb::storage {
@@ -96,6 +97,10 @@ void ChangeBatch::Remove(Family family, std::string_view key, std::string_view p
   before.set_value(std::string(previous));
   before.set_removed(true);
   history_.Add(changes_.back(), family, key, std::move(before));
+}
+
+void ChangeBatch::KeepRequest(RequestRecord record) {
+  status_.Update(storage::KeepRequest(database_, std::move(record), time_, meta_, rocks_));
 }
 
 void ChangeBatch::ForgetChanges(std::int64_t keep) {

@@ -41,6 +41,9 @@ class ChangeBatch {
   // the cloud of this key. The cloud stays as long as the history has the view (storage/history.h).
   void NoteStoredCloud(std::string_view key) { Note(Mutation::KIND_PUT, Family::kClouds, key); }
   void NoteRemovedCloud(std::string_view key) { Note(Mutation::KIND_DELETE, Family::kClouds, key); }
+  // Keeps an answered request, whose number and time are set here, and forgets old ones
+  // (storage/requests.h).
+  void KeepRequest(RequestRecord record);
   // Adds the change records, the deletion of old ones so that `keep` (at least 1) remain, and the
   // MetaRecord. After it only rocks() may be called. Returns the first error of the previous calls,
   // if any.

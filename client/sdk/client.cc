@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/cord.h"
+#include "absl/strings/str_cat.h"
 #include "client/sdk/client_call.h"
 #include "client/sdk/security.h"
 #include "program/request_id.h"
@@ -12,12 +13,14 @@
 namespace graspdb::client {
 namespace {
 
-// Read-only calls are retried when the connection breaks or is refused, with four attempts within
-// about a second; the others are not, as it is unknown whether they were executed.
-constexpr char kRetries[] = R"({"methodConfig": [{
-  "name": [
-    {"service": "graspdb.v1.RecognitionService", "method": "Recognize"},
+// Calls that may be repeated without further effect are retried when the connection breaks or is
+// refused, with four attempts within about a second; the others are not, as it is unknown whether
+// they were executed.
+constexpr char kFrames[] =
+    R"({"service": "graspdb.v1.RecognitionService", "method": "Recognize"},)";
+constexpr char kOthers[] = R"(
     {"service": "graspdb.v1.RecognitionService", "method": "FindLookAlikes"},
+    {"service": "graspdb.v1.BackupService", "method": "CreateBackup"},
     {"service": "graspdb.v1.BackupService", "method": "ListBackups"},
     {"service": "graspdb.v1.CatalogService", "method": "GetCatalogStatus"},
     {"service": "graspdb.v1.CatalogService", "method": "GetObject"},
@@ -26,7 +29,9 @@ constexpr char kRetries[] = R"({"methodConfig": [{
     {"service": "graspdb.v1.CatalogService", "method": "ListStablePoses"},
     {"service": "graspdb.v1.CatalogService", "method": "GetView"},
     {"service": "graspdb.v1.CatalogService", "method": "ListViews"},
+    {"service": "graspdb.v1.CatalogService", "method": "ReportGraspOutcome"},
     {"service": "graspdb.v1.UploadService", "method": "GetUpload"},
+    {"service": "graspdb.v1.UploadService", "method": "CommitUpload"},
     {"service": "graspdb.v1.UploadService", "method": "ListUploads"},
     {"service": "graspdb.v1.UploadService", "method": "ListUploadViews"},
     {"service": "graspdb.v1.ObjectHistoryService", "method": "ListDeletedObjects"},
@@ -42,7 +47,10 @@ constexpr int kRetryBuffer = 256 << 20;
 
 std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
   grpc::ChannelArguments arguments;
-  if (options.retry) arguments.SetServiceConfigJSON(kRetries);
+  if (options.retry) {
+    arguments.SetServiceConfigJSON(absl::StrCat(R"({"methodConfig": [{"name": [)",
+                                                options.retry_frames ? kFrames : "", kOthers));
+  }
   arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, options.retry ? 1 : 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, options.own_connection ? 1 : 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectMs);
@@ -61,6 +69,10 @@ Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions 
     : options_(std::move(options)), stubs_(std::make_unique<Stubs>(channel)) {}
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
+
+void Client::StopRetries() {
+  if (!stubs_->stopped.HasBeenNotified()) stubs_->stopped.Notify();
+}
 
 std::string RequestIdOf(const absl::Status& status) {
   return std::string(status.GetPayload(kRequestIdKey).value_or(absl::Cord()));
@@ -85,8 +97,8 @@ absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeReque
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request,
                                                         absl::Duration timeout,
                                                         const std::string& request_id) {
-  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request, timeout,
-              request_id);
+  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request,
+              {timeout, request_id, options_.retry_frames});
 }
 
 absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {

@@ -42,8 +42,18 @@ struct SecurityOptions {
 struct ConnectionOptions {
   std::string server = "127.0.0.1:50051";      // HOST:PORT
   absl::Duration timeout = absl::Seconds(30);  // of every call, but not of uploads
-  // Whether read-only calls are retried after the connection is lost.
+  // Whether calls are retried, within their time limit: those that may be repeated without further
+  // effect after the connection is lost (UNAVAILABLE), up to four attempts within about a second;
+  // all but streams while the server is busy (RESOURCE_EXHAUSTED with a RetryInfo: it has not begun
+  // the call).
   bool retry = true;
+  // Whether Recognize is among them; not where the caller takes a new frame for each attempt.
+  bool retry_frames = true;
+  // How often a call is sent again while the server is busy, after the delay in its error (0.1 s)
+  // and a random part of a span, which doubles from 0.1 to 1 s. Seven take about 3 s: a full queue,
+  // of one frame a worker, is empty after some 0.1 s, so that 3 s mean a lasting overload, which
+  // the caller should know. Doubled, that takes 7 s.
+  int busy_retries = 7;
   // Whether this client has its own connection; by default, clients of one server share one.
   bool own_connection = false;
   SecurityOptions security = {};
@@ -58,7 +68,7 @@ inline constexpr char kErrorDetails[] = "type.googleapis.com/google.rpc.Status";
 std::string RequestIdOf(const absl::Status& status);
 
 // A connection to a server. Connects with the first call and reconnects when the connection is
-// lost; read-only calls are then retried unless the options disable it. Thread-safe.
+// lost; calls are retried as the options say. Thread-safe.
 //
 // All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice
 // in the text, when no server can be reached.
@@ -69,6 +79,10 @@ class Client {
   Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options);
   ~Client();
   Client(Client&&) noexcept;
+
+  // From now on calls do not wait for a busy server but return its error; those that wait return it
+  // at once.
+  void StopRetries();
 
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
   // With its own time limit. `request_id`, of 1 to 64 letters, digits, '-', '_' and '.', is sent as
@@ -95,7 +109,9 @@ class Client {
   absl::StatusOr<v1::StablePose> CreateStablePose(const v1::CreateStablePoseRequest& request);
   absl::StatusOr<v1::StablePose> GetStablePose(const std::string& name);
   absl::StatusOr<v1::StablePose> UpdateStablePose(const v1::UpdateStablePoseRequest& request);
-  // Never retried: after an error, the outcome may have been counted all the same.
+  // Counted once, however often it is retried: the request gets a `request_id` if it has none.
+  // After an error it is not known whether it was counted; call it again with the same id of your
+  // own.
   absl::StatusOr<v1::ReportGraspOutcomeResponse> ReportGraspOutcome(
       const v1::ReportGraspOutcomeRequest& request);
   // The view with its cloud.
@@ -159,19 +175,28 @@ class Client {
 
  private:
   struct Stubs;
+  struct CallSettings {
+    absl::Duration timeout;
+    std::string request_id = {};  // empty: the server's
+    bool retry = true;            // unless the options disable it
+  };
   // `context` is that of the call, which has ended.
   absl::Status ToStatus(const grpc::Status& status, const grpc::ClientContext& context) const;
   template <typename Stub, typename Request, typename Response>
   using Method = grpc::Status (Stub::*)(grpc::ClientContext*, const Request&, Response*);
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
-                                const Request& request, absl::Duration timeout,
-                                const std::string& request_id = "") const;
+                                const Request& request, const CallSettings& settings) const;
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Call(Stub& stub, Method<Stub, Request, Response> method,
                                 const Request& request) const {
-    return Call(stub, method, request, options_.timeout);
+    return Call(stub, method, request, {.timeout = options_.timeout});
   }
+  // A call without retries.
+  template <typename Stub, typename Request, typename Response>
+  absl::StatusOr<Response> Attempt(Stub& stub, Method<Stub, Request, Response> method,
+                                   const Request& request, absl::Time deadline,
+                                   const std::string& request_id) const;
   // Reads a stream; `on_message` receives every message and can cancel the call by an error.
   template <typename Response, typename OnMessage>
   absl::StatusOr<Response> LastMessage(grpc::ClientContext& context,

@@ -2,15 +2,18 @@
 #include <utility>
 
 #include "client/sdk/client_call.h"
+#include "program/uuid.h"
 
 namespace graspdb::client {
 
 using BackupCalls = v1::BackupService::Stub;
 
 absl::StatusOr<v1::Backup> Client::CreateBackup(const OnBytes& on_bytes) {
+  v1::CreateBackupRequest request;
+  request.set_request_id(MakeUuid4());
   grpc::ClientContext context;
   auto last = LastMessage<v1::CreateBackupResponse>(
-      context, stubs_->backups->CreateBackup(&context, v1::CreateBackupRequest()),
+      context, stubs_->backups->CreateBackup(&context, request),
       [&](const auto& message) { return on_bytes(message.done_byte_count()); });
   if (!last.ok()) return last.status();
   return std::move(*last->mutable_backup());

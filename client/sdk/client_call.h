@@ -6,12 +6,15 @@
 #include <grpcpp/support/sync_stream.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
+#include "client/sdk/retry.h"
 #include "graspdb/v1/backup_service.grpc.pb.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
@@ -39,15 +42,30 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
+  absl::Notification stopped;  // of StopRetries()
 };
 
 template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Call(Stub& stub, Method<Stub, Request, Response> method,
-                                      const Request& request, absl::Duration timeout,
-                                      const std::string& request_id) const {
+                                      const Request& request, const CallSettings& settings) const {
+  const absl::Time deadline = absl::Now() + settings.timeout;
+  BusyRetries retries(options_.retry && settings.retry ? options_.busy_retries : 0);
+  for (;;) {
+    absl::StatusOr<Response> response =
+        Attempt(stub, method, request, deadline, settings.request_id);
+    if (response.ok()) return response;
+    const std::optional<absl::Duration> pause = retries.Next(response.status(), deadline);
+    if (!pause || stubs_->stopped.WaitForNotificationWithTimeout(*pause)) return response;
+  }
+}
+
+template <typename Stub, typename Request, typename Response>
+absl::StatusOr<Response> Client::Attempt(Stub& stub, Method<Stub, Request, Response> method,
+                                         const Request& request, absl::Time deadline,
+                                         const std::string& request_id) const {
   grpc::ClientContext context;
   if (!request_id.empty()) context.AddMetadata(kRequestIdKey, request_id);
-  context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
+  context.set_deadline(absl::ToChronoTime(deadline));
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
   if (!status.ok()) return ToStatus(status, context);

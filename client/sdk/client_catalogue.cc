@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "client/sdk/client_call.h"
+#include "program/uuid.h"
 
 namespace graspdb::client {
 namespace {
@@ -46,7 +47,12 @@ absl::StatusOr<v1::StablePose> Client::UpdateStablePose(
 
 absl::StatusOr<v1::ReportGraspOutcomeResponse> Client::ReportGraspOutcome(
     const v1::ReportGraspOutcomeRequest& request) {
-  return Call(*stubs_->catalog, &Catalog::ReportGraspOutcome, request);
+  if (!request.request_id().empty()) {
+    return Call(*stubs_->catalog, &Catalog::ReportGraspOutcome, request);
+  }
+  v1::ReportGraspOutcomeRequest once = request;
+  once.set_request_id(MakeUuid4());
+  return Call(*stubs_->catalog, &Catalog::ReportGraspOutcome, once);
 }
 
 absl::StatusOr<v1::StablePose> Client::GetStablePose(const std::string& name) {

@@ -36,7 +36,8 @@ absl::StatusOr<std::vector<v1::UploadView>> Client::ListUploadViews(const std::s
 }
 
 absl::StatusOr<v1::Upload> Client::CommitUpload(const v1::CommitUploadRequest& request) {
-  return Call(*stubs_->uploads, &Uploads::CommitUpload, request, absl::InfiniteDuration());
+  return Call(*stubs_->uploads, &Uploads::CommitUpload, request,
+              {.timeout = absl::InfiniteDuration()});
 }
 
 absl::Status Client::DeleteUpload(const std::string& name) {

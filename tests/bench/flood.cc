@@ -29,7 +29,7 @@ constexpr absl::Duration kFloodTimeout = absl::Seconds(60);
 constexpr std::chrono::milliseconds kBetweenFrames{20};
 
 client::Client Connect(const std::string& server) {
-  return client::Client({.server = server, .own_connection = true});
+  return client::Client({.server = server, .busy_retries = 0, .own_connection = true});
 }
 
 // A segmented cloud of `bytes` bytes whose points coincide.

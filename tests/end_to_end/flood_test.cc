@@ -26,7 +26,8 @@ constexpr absl::Duration kTimeout = absl::Minutes(5);
 class FloodTest : public ProgramsTest {
  protected:
   client::Client Connect() const {
-    return client::Client({.server = address_, .timeout = kTimeout, .own_connection = true});
+    return client::Client(
+        {.server = address_, .timeout = kTimeout, .busy_retries = 0, .own_connection = true});
   }
   static v1::RecognizeRequest CloudOf(std::size_t points) {
     v1::RecognizeRequest out;

@@ -115,6 +115,7 @@ Operations Changed() {
   outcome.set_name("objects/a/stablePoses/flat");
   outcome.set_grasp_id("top");
   outcome.set_outcome(v1::GRASP_OUTCOME_PICKED);
+  outcome.set_request_id("123e4567-e89b-42d3-a456-426614174000");
   out.add_operations()->mutable_list_objects()->set_page_size(1);
   out.add_operations()->mutable_list_stable_poses()->set_parent("objects/a");
   out.add_operations()->mutable_get_stable_pose()->set_name("objects/a/stablePoses/flat");

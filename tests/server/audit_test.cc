@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "absl/time/clock.h"
+#include "program/request_id.h"
 #include "server/access/audit_log.h"
 #include "tests/server/access_fixture.h"
 #include "tests/testing/status_matchers.h"
@@ -74,6 +75,20 @@ TEST_F(AuditTest, TheOutcomesOfGraspsAreRecorded) {
   EXPECT_THAT(Call(&Catalog::ReportGraspOutcome, report), IsGrpcOk());
   ASSERT_EQ(Audited().size(), before + 1);
   EXPECT_THAT(Audited().back().resources(), ElementsAre(FlatPoseOf("flange")));
+}
+
+TEST_F(AuditTest, ARecordHasTheIdOfItsCallAsTheLogHas) {
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer " + token_);
+  context.AddMetadata(kRequestIdKey, "job-17.3");
+  v1::CreateObjectRequest request;
+  request.set_object_id("mug");
+  v1::Object mug;
+  ASSERT_THAT(StubOf<Catalog>().CreateObject(&context, request, &mug), IsGrpcOk());
+  EXPECT_EQ(Audited().back().request_id(), "job-17.3");
+  ASSERT_THAT(CreateObject("box"), IsGrpcOk());
+  const std::string made = Audited().back().request_id();
+  EXPECT_TRUE(IsRequestId(made)) << made;
 }
 
 TEST_F(AuditTest, TextOfCallersIsEscapedAndBounded) {

@@ -95,6 +95,22 @@ class BackupServiceTest : public ServerTest {
   }
 };
 
+TEST_F(BackupServiceTest, ARepeatedCallGetsItsBackup) {
+  v1::CreateBackupRequest request;
+  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  v1::CreateBackupResponse first;
+  ASSERT_THAT(Stream(&BackupStub::CreateBackup, request, &first), IsGrpcOk());
+  EXPECT_NE(Create().name(), first.backup().name());
+  request.set_request_id("123E4567-E89B-42D3-A456-426614174000");
+  v1::CreateBackupResponse again;
+  ASSERT_THAT(Stream(&BackupStub::CreateBackup, request, &again), IsGrpcOk());
+  EXPECT_EQ(again.backup().name(), first.backup().name());
+  EXPECT_EQ(Status().backup().backup_count(), 2);
+  request.set_request_id("backup-7");
+  ExpectError(Stream(&BackupStub::CreateBackup, request, &again),
+              grpc::StatusCode::INVALID_ARGUMENT, "request_id: must be a UUID");
+}
+
 TEST_F(BackupServiceTest, MakesListsVerifiesAndDeletes) {
   EXPECT_THAT(Listed(), IsEmpty());
   Teach("wedge", 3);

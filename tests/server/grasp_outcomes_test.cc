@@ -104,6 +104,48 @@ TEST_F(GraspOutcomesTest, InvalidReportsAreRejected) {
               "objects/none");
 }
 
+TEST_F(GraspOutcomesTest, ARepeatedReportCountsOnceAlsoAfterARestart) {
+  Declare("wedge");
+  v1::ReportGraspOutcomeRequest request;
+  request.set_name(FlatPoseOf("wedge"));
+  request.set_grasp_id(Pose().grasps(0).grasp_id());
+  request.set_outcome(v1::GRASP_OUTCOME_MISSED);
+  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  v1::ReportGraspOutcomeResponse first;
+  ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request, &first), IsGrpcOk());
+  MustReport(request.grasp_id(), v1::GRASP_OUTCOME_PICKED, 1);
+  for (const char* id :
+       {"123e4567-e89b-42d3-a456-426614174000", "123E4567-E89B-42D3-A456-426614174000"}) {
+    request.set_request_id(id);
+    v1::ReportGraspOutcomeResponse again;
+    ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request, &again), IsGrpcOk());
+    EXPECT_EQ(again.SerializeAsString(), first.SerializeAsString());
+    EXPECT_EQ(Status().missed_count(), 1);
+    Restart();
+  }
+  request.set_request_id("00000000-e89b-42d3-a456-426614174000");
+  ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request), IsGrpcOk());
+  EXPECT_EQ(Status().missed_count(), 2);
+}
+
+TEST_F(GraspOutcomesTest, AnIdOfAnotherReportIsRejected) {
+  Declare("wedge");
+  v1::ReportGraspOutcomeRequest request;
+  request.set_name(FlatPoseOf("wedge"));
+  request.set_grasp_id(Pose().grasps(0).grasp_id());
+  request.set_outcome(v1::GRASP_OUTCOME_MISSED);
+  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request), IsGrpcOk());
+  request.set_outcome(v1::GRASP_OUTCOME_PICKED);
+  const grpc::Status status = Call(&Catalog::ReportGraspOutcome, request);
+  ExpectError(status, grpc::StatusCode::ALREADY_EXISTS, "another request");
+  EXPECT_EQ(ReasonOf(status), "REQUEST_ID_REUSED");
+  request.set_request_id("123e4567-e89b-12d3-a456-426614174000");
+  ExpectError(Call(&Catalog::ReportGraspOutcome, request), grpc::StatusCode::INVALID_ARGUMENT,
+              "request_id: must be a UUID");
+  EXPECT_EQ(Status().picked_count(), 0);
+}
+
 TEST_F(GraspOutcomesTest, FailingGraspIsProposedLaterAlsoAfterARestart) {
   TeachTwoGrasps();
   EXPECT_EQ(FirstGrasp(), "first");

@@ -100,7 +100,10 @@ TEST_F(MetricsTest, CountsPicksByCellAndObject) {
   report.set_outcome(v1::GRASP_OUTCOME_MISSED);
   report.set_count(3);
   report.set_cell("cells/press-3");
-  ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, report), IsGrpcOk());
+  report.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  for (int i = 0; i < 2; ++i) {  // a repeated report is not counted again
+    ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, report), IsGrpcOk());
+  }
   EXPECT_EQ(Value("graspdb_picks_total{cell=\"cells/press-3\",object=\"objects/wedge\",outcome="
                   "\"GRASP_OUTCOME_MISSED\"}"),
             3);

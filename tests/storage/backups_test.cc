@@ -41,6 +41,24 @@ TEST_F(BackupsTest, RestoredCatalogueIsTheOriginalAtEachRevision) {
   }
 }
 
+TEST_F(BackupsTest, ARepeatedRequestGetsTheBackupThatItMade) {
+  auto catalogue = OpenOrDie(database_);
+  MakeHistory(*catalogue, [] {});
+  const auto first = backups_.Create(*catalogue, {}, "a request");
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_TRUE(catalogue->CreateCell(MakeCell("later")).ok());
+  ASSERT_TRUE(backups_.Create(*catalogue, {}, "another").ok());
+  catalogue = nullptr;
+  catalogue = OpenOrDie(database_);
+  const auto again = backups_.Create(*catalogue, {}, "a request");
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->id, first->id);
+  EXPECT_EQ(again->record.SerializeAsString(), first->record.SerializeAsString());
+  EXPECT_THAT(Ids(), ElementsAre(1, 2));
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(backups_.Create(*catalogue).ok());
+  EXPECT_THAT(Ids(), ElementsAre(1, 2, 3, 4)) << "without an id each makes one";
+}
+
 TEST_F(BackupsTest, ARelativeFolderIsTheSame) {
   const auto catalogue = OpenOrDie(database_);
   MakeHistory(*catalogue, [] {});

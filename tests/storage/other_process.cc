@@ -3,6 +3,7 @@
 //   write    stores views until it is killed,
 //   undelete deletes the object with its views, brings it back and purges its history until it is
 //            killed,
+//   report   reports outcomes of a grasp, each with an id, until it is killed,
 //   backup   makes backups of it in the folder argv[3] until it is killed,
 //   restore  restores backup 1 of argv[3] to argv[2].
 // Writes every acknowledged revision to its standard output, eight bytes each; the first
@@ -30,15 +31,33 @@ bool Report(std::int64_t revision) {
   return write(STDOUT_FILENO, &revision, sizeof(revision)) == sizeof(revision);
 }
 
-absl::Status WriteUntilKilled(Catalogue& catalogue) {
-  if (catalogue.revision() == 0) {
-    v1::Object object;
-    object.set_name("objects/mug");
-    v1::StablePose pose;
-    pose.set_name("objects/mug/stablePoses/upright");
-    if (auto made = catalogue.CreateObject(object); !made.ok()) return made.status();
-    if (auto made = catalogue.CreateStablePose(pose); !made.ok()) return made.status();
+// In two changes, in an empty catalogue.
+absl::Status MakeStablePose(Catalogue& catalogue) {
+  if (catalogue.revision() > 0) return absl::OkStatus();
+  v1::Object object;
+  object.set_name("objects/mug");
+  v1::StablePose pose;
+  pose.set_name("objects/mug/stablePoses/upright");
+  pose.add_grasps()->set_grasp_id("top");
+  if (auto made = catalogue.CreateObject(object); !made.ok()) return made.status();
+  return catalogue.CreateStablePose(pose).status();
+}
+
+absl::Status ReportUntilKilled(Catalogue& catalogue) {
+  if (auto made = MakeStablePose(catalogue); !made.ok()) return made;
+  v1::GraspOutcomeCounts missed;
+  missed.set_grasp_id("top");
+  missed.set_missed_count(1);
+  for (std::int64_t i = catalogue.revision() - 2;; ++i) {
+    const auto added = catalogue.AddGraspOutcomes("objects/mug/stablePoses/upright", missed,
+                                                  {WrittenRequestId(i), "x"});
+    if (!added.ok()) return added.status();
+    if (!Report(added->revision)) return absl::CancelledError("the output is closed");
   }
+}
+
+absl::Status WriteUntilKilled(Catalogue& catalogue) {
+  if (auto made = MakeStablePose(catalogue); !made.ok()) return made;
   for (std::int64_t i = catalogue.counts().views;; ++i) {
     NewView view;
     view.record.set_name(WrittenViewName(i));
@@ -89,6 +108,7 @@ absl::Status Run(const std::string& what, const std::string& database, const std
   if (!Report((*catalogue)->revision())) return absl::CancelledError("the output is closed");
   if (what == "write") return WriteUntilKilled(**catalogue);
   if (what == "undelete") return UndeleteUntilKilled(**catalogue);
+  if (what == "report") return ReportUntilKilled(**catalogue);
   if (what == "backup") return MakeBackupsUntilKilled(**catalogue, folder);
   char byte = 0;
   return read(STDIN_FILENO, &byte, 1) == 0 ? absl::OkStatus() : absl::InternalError("not ended");

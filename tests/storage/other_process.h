@@ -20,4 +20,7 @@ inline std::string WrittenCloud(std::int64_t i) {
   return cloud;
 }
 
+// Id of the i-th request of `report`, from 0.
+inline std::string WrittenRequestId(std::int64_t i) { return "request-" + std::to_string(i); }
+
 }  // namespace graspdb::storage

@@ -30,7 +30,7 @@ ConnectionOptions ConnectionTo(const AgentOptions& options) {
   out.server = options.server;
   out.timeout = absl::Seconds(options.time_limit_s);
   out.security = options.security;
-  out.retry = false;  // CaptureAndRecognize retries within a job's time
+  out.retry_frames = false;  // CaptureAndRecognize takes a new frame for each attempt
   return out;
 }
 
@@ -151,7 +151,10 @@ struct Agent::Parts {
 
 Agent::Agent(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
-Agent::~Agent() { parts_->capture_and_recognize.Stop(); }
+Agent::~Agent() {
+  parts_->capture_and_recognize.Stop();
+  parts_->client.StopRetries();
+}
 
 absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {

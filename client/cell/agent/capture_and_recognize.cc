@@ -1,9 +1,9 @@
 #include "client/cell/agent/capture_and_recognize.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "client/cell/agent/refusal.h"
+#include "client/sdk/retry.h"
 #include "files/pose_message.h"
 #include "files/scan_message.h"
 #include "program/request_id.h"
@@ -11,12 +11,13 @@
 namespace graspdb::client {
 namespace {
 
+// Spans of the random pauses, added to the delay of a busy server (BusyDelay). Half of a span is
+// the mean; doubled, robots wait longer for a camera or server that is back.
 constexpr absl::Duration kFirstPause = absl::Milliseconds(20);
 constexpr absl::Duration kMaxPause = absl::Milliseconds(500);
 
 bool IsTransient(const absl::Status& status) {
-  return absl::IsAborted(status) || absl::IsUnavailable(status) ||
-         absl::IsResourceExhausted(status);
+  return absl::IsAborted(status) || absl::IsUnavailable(status) || BusyDelay(status);
 }
 
 }  // namespace
@@ -57,7 +58,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
 
 absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& base_flange,
                                       absl::Time deadline, CaptureResult* capture) {
-  absl::Duration pause = kFirstPause;
+  Backoff backoff(kFirstPause, kMaxPause);
   absl::Status no_server;
   for (;;) {
     absl::Status status = Try(base_flange, deadline, capture);
@@ -68,13 +69,13 @@ absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& ba
       return no_server.ok() ? status : no_server;
     }
     if (!IsTransient(status)) return status;
+    const absl::Duration pause = backoff.Next(BusyDelay(status).value_or(absl::ZeroDuration()));
     const bool is_late = absl::Now() + pause >= deadline;
     if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
       // The server was unavailable, and no time was left for another frame.
       if (absl::IsAborted(status) && !no_server.ok()) return no_server;
       return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
     }
-    pause = std::min(2 * pause, kMaxPause);
   }
 }
 

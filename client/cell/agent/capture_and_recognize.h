@@ -31,9 +31,10 @@ class CaptureAndRecognize {
   CaptureAndRecognize(DepthSensor& sensor, Client& client, CellCache& cell, std::string name)
       : sensor_(sensor), client_(client), cell_(cell), name_(std::move(name)) {}
 
-  // Retries with increasing pauses while camera or server are unavailable, until `deadline` or
-  // Stop; then ABORTED when the camera gives no frame, UNAVAILABLE when the server is unreachable
-  // or busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
+  // Retries with increasing, random pauses while camera or server are unavailable or the server is
+  // busy (after its BusyDelay), with a new frame each time, until `deadline` or Stop;
+  // then ABORTED when the camera gives no frame, UNAVAILABLE when the server is unreachable or
+  // busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
   // CellCache::Get; DATA_LOSS when the server rejects the request (see Refusal). `capture` is
   // filled in on errors, too, as far as possible.
   absl::Status Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,

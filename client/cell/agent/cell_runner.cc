@@ -11,6 +11,7 @@
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"
 #include "program/log_field.h"
+#include "program/uuid.h"
 
 namespace graspdb::client {
 namespace {
@@ -168,6 +169,8 @@ absl::Status CellRunner::ReportOutcome(RobotSession& session, PickOutcome outcom
   report.set_grasp_id(pose->grasp_id);
   report.set_outcome(OutcomeMessage(outcome));
   report.set_cell(parts_.name);
+  if (!pose->report || pose->report->outcome != outcome) pose->report = {outcome, MakeUuid4()};
+  report.set_request_id(pose->report->request_id);
   if (absl::Status kept = parts_.client.ReportGraspOutcome(report).status(); !kept.ok()) {
     session.RestoreGiven(*std::move(pose));  // the report may be retried
     return Refusal(kept);

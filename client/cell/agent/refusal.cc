@@ -1,12 +1,13 @@
 #include "client/cell/agent/refusal.h"
 
 #include "absl/strings/str_cat.h"
+#include "client/sdk/retry.h"
 
 namespace graspdb::client {
 
 absl::Status Refusal(const absl::Status& answered) {
   if (answered.ok() || absl::IsUnavailable(answered) || absl::IsDeadlineExceeded(answered) ||
-      absl::IsResourceExhausted(answered)) {
+      BusyDelay(answered)) {
     return answered;
   }
   return absl::DataLossError(

@@ -13,6 +13,19 @@ namespace graspdb::client {
 
 class RobotSession;
 
+// The outcome of a grasp at a pose given to a robot.
+enum class PickOutcome {
+  kPicked,   // the object was picked and stayed in the gripper
+  kMissed,   // the gripper closed on nothing
+  kSlipped,  // the object was picked and lost again
+};
+
+// A report that may be sent again: under its id it is counted once.
+struct PickReport {
+  PickOutcome outcome = PickOutcome::kPicked;
+  std::string request_id = {};  // a UUID
+};
+
 // One result for a robot: a grasp with its object as the related pose, or an object with its
 // grasps, depending on the job.
 struct JobPose {
@@ -25,7 +38,8 @@ struct JobPose {
   double gripper_opening_m = 0;
   double approach_distance_m = 0;
   double retreat_distance_m = 0;
-  double camera_s = 0;  // part of the job's time spent waiting for the frame
+  double camera_s = 0;                    // part of the job's time spent waiting for the frame
+  std::optional<PickReport> report = {};  // the last one, which failed
 };
 
 struct JobRequest {
@@ -34,13 +48,6 @@ struct JobRequest {
   // The flange pose that the robot sent, if valid; jobs that show a grasp use it as the pose of the
   // tool centre point.
   std::optional<recognition::Pose> base_flange = {};
-};
-
-// The outcome of a grasp at a pose given to a robot.
-enum class PickOutcome {
-  kPicked,   // the object was picked and stayed in the gripper
-  kMissed,   // the gripper closed on nothing
-  kSlipped,  // the object was picked and lost again
 };
 
 // Runs jobs. Implementations are thread-safe.

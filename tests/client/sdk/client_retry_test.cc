@@ -3,10 +3,15 @@
 #include <grpcpp/server_builder.h>
 
 #include <atomic>
+#include <string>
+#include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
+#include "program/uuid.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -28,11 +33,23 @@ class Shaky : public v1::CatalogService::Service {
                             v1::Object*) override {
     return Next();
   }
+  grpc::Status ReportGraspOutcome(grpc::ServerContext*,
+                                  const v1::ReportGraspOutcomeRequest* request,
+                                  v1::ReportGraspOutcomeResponse*) override {
+    const absl::MutexLock lock(&mutex_);
+    ids_.push_back(request->request_id());
+    return Next();
+  }
   grpc::Status DeleteObject(grpc::ServerContext*, const v1::DeleteObjectRequest*,
                             google::protobuf::Empty*) override {
     return {grpc::StatusCode::NOT_FOUND, "no such object", "details"};
   }
   int calls() const { return calls_; }
+  // Of the reports.
+  std::vector<std::string> ids() const {
+    const absl::MutexLock lock(&mutex_);
+    return ids_;
+  }
 
  private:
   grpc::Status Next() {
@@ -42,6 +59,8 @@ class Shaky : public v1::CatalogService::Service {
 
   const int broken_;
   std::atomic<int> calls_ = 0;
+  mutable absl::Mutex mutex_;
+  std::vector<std::string> ids_ ABSL_GUARDED_BY(mutex_);
 };
 
 class ClientRetryTest : public ::testing::Test {
@@ -77,6 +96,24 @@ TEST_F(ClientRetryTest, AMutatingCallIsNotRetried) {
   Shaky service(1);
   EXPECT_THAT(Connect(service).CreateObject({}), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_EQ(service.calls(), 1);
+}
+
+TEST_F(ClientRetryTest, AReportIsRetriedWithItsId) {
+  Shaky service(2);
+  Client client = Connect(service);
+  ASSERT_THAT(client.ReportGraspOutcome({}), IsOk());
+  ASSERT_THAT(client.ReportGraspOutcome({}), IsOk());
+  v1::ReportGraspOutcomeRequest own;
+  own.set_request_id("mine");
+  ASSERT_THAT(client.ReportGraspOutcome(own), IsOk());
+  const std::vector<std::string> ids = service.ids();
+  ASSERT_EQ(ids.size(), 5U);
+  EXPECT_TRUE(IsUuid4(ids[0])) << ids[0];
+  EXPECT_EQ(ids[1], ids[0]);
+  EXPECT_EQ(ids[2], ids[0]);
+  EXPECT_TRUE(IsUuid4(ids[3])) << ids[3];
+  EXPECT_NE(ids[3], ids[0]);
+  EXPECT_EQ(ids[4], "mine");
 }
 
 TEST_F(ClientRetryTest, NoCallIsRetriedIfRetriesAreDisabled) {

@@ -6,6 +6,7 @@
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -99,11 +100,27 @@ TEST_F(CaptureAndRecognizeTest, RetriesAServerThatIsUnavailableForAMoment) {
   EXPECT_EQ(calls_, 3);
 }
 
-TEST_F(CaptureAndRecognizeTest, RetriesABusyServer) {
-  failures_ = 1;
-  refusal_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, "queue is full"};
+TEST_F(CaptureAndRecognizeTest, RetriesABusyServerWithANewFrame) {
+  failures_ = 2;
+  refusal_ = testing::BusyFor(absl::Milliseconds(1));
   ASSERT_THAT(Run(), IsOk());
-  EXPECT_EQ(calls_, 2);
+  EXPECT_EQ(calls_, 3);
+  EXPECT_EQ(given_, 3);
+}
+
+TEST_F(CaptureAndRecognizeTest, WaitsAsLongAsABusyServerTells) {
+  failures_ = 1000000;
+  refusal_ = testing::BusyFor(absl::Seconds(20));
+  EXPECT_THAT(Run(absl::Seconds(15)),
+              StatusIs(absl::StatusCode::kUnavailable, "the queue is full"));
+  EXPECT_EQ(calls_, 1);
+}
+
+TEST_F(CaptureAndRecognizeTest, AFrameThatIsTooLargeIsNotRetried) {
+  failures_ = 1000000;
+  refusal_ = {grpc::StatusCode::RESOURCE_EXHAUSTED, "message is too large"};
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("too large")));
+  EXPECT_EQ(calls_, 1);
 }
 
 TEST_F(CaptureAndRecognizeTest, WithoutAServerTheJobEndsAtItsDeadline) {

@@ -8,8 +8,10 @@
 #include "client/cell/agent/job_bundle.h"
 #include "client/cell/robots/robot_session.h"
 #include "files/pose_message.h"
+#include "program/uuid.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -95,6 +97,20 @@ TEST_F(CellRunnerTest, ReturnsGraspsInTheRobotsBaseFrame) {
   EXPECT_TRUE(poses->front().base_primary.isApprox(AtXZ(1.2, 0.1)));
   EXPECT_TRUE(poses->front().base_related[0].isApprox(AtXZ(1.2)));
   EXPECT_EQ(poses->front().grasp_id, "rim");
+}
+
+TEST_F(CellRunnerTest, ARobotGetsItsGraspThoughTheServerWasBusyAtFirst) {
+  int calls = 0;
+  server_.Change([&](ScriptedServer& server) {
+    server.recognize = [&](const v1::RecognizeRequest& request, v1::RecognizeResponse* out) {
+      return ++calls == 1 ? testing::BusyFor(absl::Milliseconds(1)) : MugOnTheTable(request, out);
+    };
+  });
+  const auto poses = Run(1);
+  ASSERT_THAT(poses, IsOk());
+  ASSERT_THAT(*poses, SizeIs(1));
+  EXPECT_EQ(poses->front().grasp_id, "rim");
+  EXPECT_EQ(calls, 2);
 }
 
 TEST_F(CellRunnerTest, UnknownJobsAndJobsOfOtherProtocolsAreRejected) {
@@ -286,6 +302,31 @@ TEST_F(CellRunnerTest, AnOutcomeRefersToTheLastPoseOnce) {
   EXPECT_THAT(counters_.Text(), HasSubstr("picked=1"));
   EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kPicked),
               StatusIs(absl::StatusCode::kFailedPrecondition));
+}
+
+TEST_F(CellRunnerTest, ARepeatedOutcomeHasTheIdOfTheOneThatFailed) {
+  std::vector<std::string> ids;
+  server_.Change([&](ScriptedServer& server) {
+    server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {
+      ids.push_back(request.request_id());
+      return ids.size() < 4 ? grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone")
+                            : grpc::Status::OK;
+    };
+  });
+  const auto report = [&](PickOutcome outcome) { return runner_.ReportOutcome(session_, outcome); };
+  session_.SetGiven(Run(1)->front());
+  EXPECT_FALSE(report(PickOutcome::kMissed).ok());
+  EXPECT_FALSE(report(PickOutcome::kMissed).ok());
+  EXPECT_FALSE(report(PickOutcome::kPicked).ok());
+  EXPECT_THAT(report(PickOutcome::kPicked), IsOk());
+  session_.SetGiven(Run(1)->front());
+  EXPECT_THAT(report(PickOutcome::kPicked), IsOk());
+  ASSERT_THAT(ids, SizeIs(5));
+  EXPECT_TRUE(IsUuid4(ids[0])) << ids[0];
+  EXPECT_EQ(ids[1], ids[0]);
+  EXPECT_NE(ids[2], ids[0]) << "another outcome";
+  EXPECT_EQ(ids[3], ids[2]);
+  EXPECT_NE(ids[4], ids[3]) << "another pose";
 }
 
 TEST_F(CellRunnerTest, AFailedOutcomeMayBeRetried) {
