@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -25,39 +26,57 @@ absl::Status Failed(const std::filesystem::path& path, int error) {
 }
 
 // 0 or an errno.
-int WriteAll(int file, std::string_view bytes, Durability durability) {
+int WriteAll(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(file, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return errno;
     bytes.remove_prefix(static_cast<size_t>(written));
   }
-  if (durability == Durability::kProcessCrash) return 0;
-  return fsync(file) == 0 ? 0 : errno;
-}
-
-// 0 or an errno. Creates the file `path` with the content `bytes`.
-int WriteNew(const std::string& path, std::string_view bytes, Durability durability) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) return errno;
-  const int error = WriteAll(file, bytes, durability);
-  const int close_error = close(file) == 0 ? 0 : errno;
-  return error != 0 ? error : close_error;
+  return 0;
 }
 
 }  // namespace
 
-absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
-                                 Durability durability) {
+AtomicFile::AtomicFile(std::filesystem::path path, std::string temporary, int file)
+    : path_(std::move(path)), temporary_(std::move(temporary)), file_(file) {}
+
+AtomicFile::~AtomicFile() {
+  if (file_ >= 0) close(file_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesystem::path& path) {
   std::error_code made;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), made);
   if (made) return Failed(path, made.value());
   const std::string temporary = absl::StrCat(path.string(), ".", getpid(), ".tmp");
-  int error = WriteNew(temporary, bytes, durability);
-  if (error == 0 && rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error == 0) return absl::OkStatus();
-  unlink(temporary.c_str());
-  return Failed(path, error);
+  const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) return Failed(path, errno);
+  return std::unique_ptr<AtomicFile>(new AtomicFile(path, temporary, file));
+}
+
+absl::Status AtomicFile::Append(std::string_view bytes) {
+  const int error = WriteAll(file_, bytes);
+  return error == 0 ? absl::OkStatus() : Failed(path_, error);
+}
+
+absl::Status AtomicFile::Commit(Durability durability) {
+  int error = 0;
+  if (durability == Durability::kPowerFailure && fsync(file_) != 0) error = errno;
+  if (close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
+  if (error == 0 && rename(temporary_.c_str(), path_.c_str()) != 0) error = errno;
+  if (error != 0) return Failed(path_, error);
+  temporary_.clear();
+  return absl::OkStatus();
+}
+
+absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
+                                 Durability durability) {
+  const absl::StatusOr<std::unique_ptr<AtomicFile>> file = AtomicFile::Create(path);
+  if (!file.ok()) return file.status();
+  if (absl::Status written = (*file)->Append(bytes); !written.ok()) return written;
+  return (*file)->Commit(durability);
 }
 
 }  // namespace graspdb::client

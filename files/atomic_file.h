@@ -2,15 +2,41 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 
 namespace graspdb::client {
 
 // Whether a file must survive a power failure right after it was written. Waiting
 // for the disk takes milliseconds, on a busy one far longer.
 enum class Durability { kProcessCrash, kPowerFailure };
+
+// A file that is written in parts, beside its path, and appears there as a whole. Its errors are
+// those of WriteFileAtomically. Not thread-safe.
+class AtomicFile {
+ public:
+  // Missing folders are created.
+  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::filesystem::path& path);
+  // Removes what was written, unless it was committed.
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  absl::Status Append(std::string_view bytes);
+  // Once, after the last Append().
+  absl::Status Commit(Durability durability);
+
+ private:
+  AtomicFile(std::filesystem::path path, std::string temporary, int file);
+
+  std::filesystem::path path_;
+  std::string temporary_;  // empty: committed
+  int file_;               // -1: closed
+};
 
 // Writes `bytes` beside `path` and renames the result to `path`, replacing an
 // existing file; missing folders are created. A reader sees the old file or the new

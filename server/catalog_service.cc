@@ -43,6 +43,7 @@ v1::View ViewToProto(const storage::ViewRecord& record) {
   *out.mutable_object_pose() = record.object_pose();
   *out.mutable_sensor_pose() = record.sensor_pose();
   out.set_segmented(true);
+  out.set_object_pose_estimated(!record.object_pose_given());
   out.set_point_count(record.point_count());
   *out.mutable_create_time() = record.create_time();
   return out;

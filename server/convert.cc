@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kMaxPosition = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
+// Of a quaternion that was normalised in double precision. Doubled, nothing changes.
+constexpr double kNormRounding = 1e-14;
 
 Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -65,6 +67,16 @@ v1::Pose PoseToProto(const recognition::Pose& pose) {
   out.mutable_orientation()->set_y(q.y());
   out.mutable_orientation()->set_z(q.z());
   out.mutable_orientation()->set_w(q.w());
+  return out;
+}
+
+v1::Pose StoredPose(const v1::Pose& given, const recognition::Pose& parsed) {
+  const v1::Quaternion& q = given.orientation();
+  const double norm = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).norm();
+  if (q.w() < 0 || std::abs(norm - 1) > kNormRounding) return PoseToProto(parsed);
+  v1::Pose out = given;
+  out.mutable_position();  // absent is the origin
+  out.DiscardUnknownFields();
   return out;
 }
 

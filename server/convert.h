@@ -18,6 +18,11 @@ namespace graspdb::server {
 absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path);
 v1::Pose PoseToProto(const recognition::Pose& pose);
 
+// `parsed`, of PoseFromProto, as it is stored: `given` itself if it has the form of PoseToProto,
+// whose last bits another conversion would change, so that a view keeps its bits on its way through
+// servers.
+v1::Pose StoredPose(const v1::Pose& given, const recognition::Pose& parsed);
+
 // Finite, min below max in every component.
 absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box, std::string_view path);
 

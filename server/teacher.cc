@@ -156,18 +156,26 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   absl::StatusOr<std::string> packed = PackSegment(capture->scan, **segment);
   if (!packed.ok()) return packed.status();
   out.packed_cloud = *std::move(packed);
-  const Pose& sensor = segmentation->world_sensor;
+  const v1::View& view = request.view();
+  const v1::Pose stored_sensor = view.has_sensor_pose()
+                                     ? StoredPose(view.sensor_pose(), segmentation->world_sensor)
+                                     : PoseToProto(segmentation->world_sensor);
+  // As it will be read, as the points are.
+  absl::StatusOr<Pose> sensor = PoseFromProto(stored_sensor, "view.sensor_pose");
+  if (!sensor.ok()) return sensor.status();
   absl::StatusOr<recognition::OrientedCloud> cloud =
-      CloudFromPacked(out.packed_cloud, sensor, parameters.descriptor);
+      CloudFromPacked(out.packed_cloud, *sensor, parameters.descriptor);
   if (!cloud.ok()) return cloud.status();
   absl::StatusOr<storage::DescriptorRecord> descriptor =
-      MakeDescriptorRecord(*cloud, sensor, parameters.descriptor);
+      MakeDescriptorRecord(*cloud, *sensor, parameters.descriptor);
   if (!descriptor.ok()) return descriptor.status();
 
-  *out.record.mutable_sensor_pose() = PoseToProto(sensor);
-  *out.record.mutable_object_pose() = PoseToProto(capture->object_pose.value_or(
-      recognition::DefaultObjectPose(segmentation->world_frame, **segment)));
-  out.record.set_object_pose_given(capture->object_pose.has_value());
+  *out.record.mutable_sensor_pose() = stored_sensor;
+  *out.record.mutable_object_pose() =
+      capture->object_pose
+          ? StoredPose(view.object_pose(), *capture->object_pose)
+          : PoseToProto(recognition::DefaultObjectPose(segmentation->world_frame, **segment));
+  out.record.set_object_pose_given(view.has_object_pose() && !view.object_pose_estimated());
   out.record.set_point_count(static_cast<int>((*segment)->indices.size()));
   *out.record.add_descriptors() = *std::move(descriptor);
   return out;

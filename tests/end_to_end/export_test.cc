@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
+#include "client/sdk/client.h"
 #include "tests/end_to_end/outcome_matchers.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/end_to_end/view_names.h"
@@ -58,6 +60,88 @@ TEST_F(ExportTest, AnImportedExportHasTheSameViewsAndGivesTheSameAnswers) {
     differencer.ReportDifferencesToString(&difference);
     EXPECT_TRUE(differencer.Compare(before[i], after[i])) << difference;
   }
+}
+
+TEST_F(ExportTest, AnArchiveGivesAnotherServerTheSameViewsAndTheSameAnswers) {
+  const std::set<std::string> names = ViewNames(address_);
+  const std::vector<v1::RecognizeResponse> before = Answers();
+  EXPECT_THAT(Succeed({"export", Path("all.graspdb")}).out,
+              HasSubstr("wrote 18 views of 3 objects"));
+  StartServer("fresh");
+  EXPECT_THAT(Succeed({"import", Path("all.graspdb"), "--dry-run"}).out,
+              HasSubstr("views                0        18"));
+  EXPECT_EQ(Status().view_count(), 0);
+  EXPECT_THAT(Succeed({"import", Path("all.graspdb")}).out,
+              HasSubstr("created 3 objects, 3 stable poses and 18 views, replaced 0 records"));
+  EXPECT_EQ(ViewNames(address_), names);
+  const std::vector<v1::RecognizeResponse> after = Answers();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].SerializeAsString(), before[i].SerializeAsString()) << i;
+  }
+  const std::int64_t revision = Status().catalog_revision();
+  EXPECT_THAT(Succeed({"import", Path("all.graspdb"), "--json"}).out,
+              AllOf(HasSubstr("\"createdViews\":0"), HasSubstr("\"same\":18")));
+  EXPECT_EQ(Status().catalog_revision(), revision);
+}
+
+TEST_F(ExportTest, ADamagedArchiveIsRejectedBeforeAnythingIsWritten) {
+  Succeed({"export", Path("all.graspdb")});
+  std::string bytes = client::BytesOf(Path("all.graspdb"));
+  bytes[bytes.size() - 100] = static_cast<char>(bytes[bytes.size() - 100] ^ 1);
+  folder_.Write("damaged.graspdb", bytes);
+  StartServer("fresh");
+  const Finished done = Graspdb({"import", Path("damaged.graspdb")});
+  EXPECT_THAT(done, EndsWith(1));
+  EXPECT_THAT(done, SaysOnly("graspdb", "copy the file again, or export it again"));
+  EXPECT_EQ(Status().catalog_revision(), 0);
+}
+
+TEST_F(ExportTest, AConflictIsRejectedBeforeAnythingIsWritten) {
+  Succeed({"export", Path("all.graspdb")});
+  StartServer("fresh");
+  Succeed({"import", Path("all.graspdb"), "--object", "flange"});
+  client::Client client({address_, absl::Minutes(2)});
+  v1::UpdateObjectRequest renamed;
+  renamed.mutable_object()->set_name("objects/flange");
+  renamed.mutable_object()->set_display_name("Another flange");
+  ASSERT_TRUE(client.UpdateObject(renamed).ok());
+  const std::int64_t revision = Status().catalog_revision();
+  const Finished failed = Graspdb({"import", Path("all.graspdb")});
+  EXPECT_THAT(failed, EndsWith(1));
+  EXPECT_THAT(failed.err,
+              AllOf(HasSubstr("conflict keep    objects/flange, changed later on the server"),
+                    HasSubstr("choose --on-conflict keep, replace or later")));
+  EXPECT_EQ(Status().catalog_revision(), revision);
+  Succeed({"import", Path("all.graspdb"), "--on-conflict", "keep"});
+  EXPECT_EQ(Status().view_count(), 18);
+}
+
+TEST_F(ExportTest, AKilledImportIsContinued) {
+  Succeed({"export", Path("all.graspdb")});
+  StartServer("fresh");
+  const Finished early = Graspdb({"import", Path("all.graspdb"), "--resume"});
+  EXPECT_THAT(early, EndsWith(1));
+  EXPECT_THAT(early.err, HasSubstr("leave out --resume"));
+  const std::unique_ptr<Process> import = StartGraspdb({"import", Path("all.graspdb")});
+  // Killed at any moment of its work; all of them have to end with the same catalogue.
+  for (int i = 0; i < 500 && Status().stable_pose_count() == 0; ++i) {
+  }
+  import->Signal(SIGKILL);
+  import->Wait();
+  Succeed({"import", Path("all.graspdb")});
+  EXPECT_EQ(Status().view_count(), 18);
+}
+
+TEST_F(ExportTest, FlagsOfTheOtherFormatAreErrors) {
+  Succeed({"export", Path("all.graspdb")});
+  EXPECT_THAT(Graspdb({"import", Path("all.graspdb"), "--replace"}),
+              SaysOnly("graspdb", "--replace is for capture sets"));
+  EXPECT_THAT(Graspdb({"import", Path("set"), "--on-conflict", "keep"}),
+              SaysOnly("graspdb", "--on-conflict is for archives"));
+  const Finished again = Graspdb({"export", Path("all.graspdb")});
+  EXPECT_THAT(again, EndsWith(1));
+  EXPECT_THAT(again, SaysOnly("graspdb", "choose another file"));
 }
 
 TEST_F(ExportTest, PrintsAndAppliesProposedThresholds) {

@@ -88,7 +88,7 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
   std::ofstream(bad) << "no cloud";
   const Finished atomic = Graspdb({"import", Path("set"), "--atomic"});
   EXPECT_EQ(atomic.exit_status, 1);
-  EXPECT_THAT(atomic.err, HasSubstr("leave out --atomic"));
+  EXPECT_THAT(atomic.err, HasSubstr("--skip-failed"));
   EXPECT_EQ(Status().view_count(), 0);
 
   const Finished dry = Graspdb({"import", Path("set"), "--dry-run"});

@@ -1,11 +1,15 @@
 #include <fstream>
 #include <iterator>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "files/archive_format.h"
+#include "files/archive_writer.h"
 #include "files/capture_set.h"
 #include "files/depth_png.h"
 #include "files/point_file.h"
 #include "rendering/mesh_file.h"
+#include "storage/little_endian.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 #include "tests/fuzz/scratch_folder.h"
@@ -113,6 +117,48 @@ void WriteCaptureSets(const SeedWriter& out, const ScratchFolder& folder) {
   out.Write("capture_set", "two.json", BytesOf(folder.path() / client::kCaptureSetFile));
 }
 
+// One object with a stable pose and two views.
+std::vector<v1::ArchiveRecord> ArchiveRecords() {
+  const client::Workpiece& part = testing::Part(kPart);
+  std::vector<v1::ArchiveRecord> out(6);
+  out[0].mutable_header()->set_catalog_revision(5);
+  const std::string name = "objects/" + part.object_id;
+  out[1].mutable_object()->set_name(name);
+  out[1].mutable_object()->add_labels("bin-7");
+  v1::StablePose& pose = *out[2].mutable_stable_pose();
+  pose.set_name(name + "/stablePoses/flat");
+  for (const v1::Grasp& grasp : part.grasps) *pose.add_grasps() = grasp;
+  pose.add_grasp_outcomes()->set_picked_count(3);
+  for (const std::size_t i : {3U, 4U}) {
+    v1::View& view = *out[i].mutable_view();
+    view.set_name(absl::StrCat(pose.name(), "/views/", i));
+    *view.mutable_object_pose() = testing::PoseMessage(recognition::Pose::Identity());
+    *view.mutable_sensor_pose() = view.object_pose();
+    *view.mutable_cloud() = testing::PackedCloud({{0.1F, 0.2F, 0.5F}, {0.1F, 0.3F, 0.5F}});
+  }
+  out[5].mutable_end()->set_object_count(1);
+  out[5].mutable_end()->set_stable_pose_count(1);
+  out[5].mutable_end()->set_view_count(2);
+  return out;
+}
+
+// As written, and with records that the fuzzer packs.
+void WriteArchives(const SeedWriter& out, const ScratchFolder& folder) {
+  const std::filesystem::path path = folder.path() / "seed.graspdb";
+  auto writer = client::ArchiveWriter::Create(path);
+  Require(writer.ok(), "an archive can be begun");
+  std::string plain(client::kArchiveMagic);
+  for (const v1::ArchiveRecord& record : ArchiveRecords()) {
+    Require(writer->Add(record).ok(), "a record can be written");
+    const std::string bytes = record.SerializeAsString();
+    plain += storage::ToLittleEndian(static_cast<std::uint32_t>(bytes.size()));
+    plain += std::string(4, '\0') + bytes;
+  }
+  Require(writer->Finish().ok(), "an archive can be written");
+  out.Write("archive", "packed.graspdb", BytesOf(path));
+  out.Write("archive", "plain.graspdb", plain);
+}
+
 }  // namespace
 
 void WriteFileSeeds(const SeedWriter& out) {
@@ -121,6 +167,7 @@ void WriteFileSeeds(const SeedWriter& out) {
   WriteDepthImages(out, folder);
   WriteMeshes(out, folder);
   WriteCaptureSets(out, folder);
+  WriteArchives(out, folder);
 }
 
 }  // namespace graspdb::fuzz

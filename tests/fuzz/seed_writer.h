@@ -17,7 +17,7 @@ class SeedWriter {
   std::filesystem::path directory_;
 };
 
-// Point files, depth images, meshes, capture sets.
+// Point files, depth images, meshes, capture sets, archives.
 void WriteFileSeeds(const SeedWriter& out);
 // Messages of robots, and arguments of programs.
 void WriteTextSeeds(const SeedWriter& out);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/records.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 
@@ -58,6 +59,30 @@ TEST_F(EqualViewsTest, AlsoOfTheObjectAlone) {
     *request->mutable_region_of_interest() = BoxMessage({-0.1, -0.1, 0.01}, {0.1, 0.1, 0.2});
   }
   ExpectEqualViews();
+}
+
+// What a server stored is what another one stores: packed points and poses, to the last bit.
+TEST_F(EqualViewsTest, AStoredViewIsStoredAsItIs) {
+  for (const bool estimated : {false, true}) {
+    if (estimated) cloud_.mutable_view()->clear_object_pose();
+    auto stored = Made(cloud_);
+    ASSERT_THAT(stored, IsOk());
+    EXPECT_EQ(stored->record.object_pose_given(), !estimated);
+    v1::UploadViewsRequest again;
+    const auto points = server::PointsFromPacked(stored->packed_cloud);
+    ASSERT_THAT(points, IsOk());
+    *again.mutable_view()->mutable_cloud() = PackedCloud(*points);
+    *again.mutable_view()->mutable_sensor_pose() = stored->record.sensor_pose();
+    *again.mutable_view()->mutable_object_pose() = stored->record.object_pose();
+    again.mutable_view()->set_object_pose_estimated(estimated);
+    again.mutable_view()->set_segmented(true);
+    auto copy = Made(again);
+    ASSERT_THAT(copy, IsOk());
+    EXPECT_EQ(copy->packed_cloud, stored->packed_cloud);
+    stored->record.clear_content_digest();
+    copy->record.clear_content_digest();
+    EXPECT_EQ(copy->record.SerializeAsString(), stored->record.SerializeAsString());
+  }
 }
 
 TEST_F(EqualViewsTest, TheTableIsNotPartOfAnObject) {

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
+#include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
 #include "files/capture_set.h"
 #include "files/cloud_message.h"
@@ -120,15 +121,33 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
 }  // namespace
 
 void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "export", "Write the catalogue's views as a capture set");
+  CLI::App* command = AddCommand(
+      app, "export", "Write the catalogue, or some objects, as an archive or capture set");
   auto options = std::make_shared<ExportOptions>();
-  command->add_option("SET", options->folder, "Folder to create")->required();
+  command
+      ->add_option("SET", options->folder,
+                   "File to create, FILE.graspdb, or folder to create, of a capture set")
+      ->required();
   command->add_option("--object", options->objects, "Only these objects");
   command->footer(
-      "`graspdb import` reads the set, also into another catalogue.\n\n"
-      "Example: graspdb export backup/monday --object mug");
-  command->callback(
-      [=, &global] { *action = [=, &global] { return RunExport(global, *options); }; });
+      "An archive (FILE.graspdb) is one file for another server, of any version and descriptor:\n"
+      "objects with labels, stable poses with grasps, symmetry and counts of picks, views with\n"
+      "poses and clouds. `graspdb import` compares and merges it. Its bytes are the same as long "
+      "as\n"
+      "the catalogue is.\n"
+      "A capture set is a folder of point clouds for experiments and other programs, which "
+      "`graspdb\n"
+      "import` teaches. For a whole server, cells included, see `graspdb backup`.\n\n"
+      "Examples: graspdb export plant-a.graspdb\n"
+      "          graspdb export mug.graspdb --object mug\n"
+      "          graspdb export captures/monday --object mug");
+  command->callback([=, &global] {
+    *action = [=, &global] {
+      return IsArchivePath(options->folder)
+                 ? RunArchiveExport(global, options->folder, options->objects)
+                 : RunExport(global, *options);
+    };
+  });
 }
 
 }  // namespace graspdb::client

@@ -10,6 +10,7 @@
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/base/taught_report.h"
+#include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
 #include "client/cli/objects/look_alike_notes.h"
 #include "client/teaching/upload/bulk_upload.h"
@@ -156,12 +157,73 @@ absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options
   return NoteLookAlikes(client, "", *status);
 }
 
+constexpr char kImportFooter[] =
+    R"(A capture set: objects and stable poses are created as needed; existing ones keep their grasps.
+All views become part of the catalogue together, at the end, in one revision; recognition goes on
+meanwhile. Captures that cannot be taught are listed, and the others taught.
+
+An archive: the whole file is checked first. Each object, stable pose and view is then the same as
+the server's, new, or different. Same ones are left alone, new ones created; views become part of
+the catalogue together, in one revision, or none does. A difference is a conflict, since the
+server's own may be the newer one: nothing is imported before you choose --on-conflict. With --base,
+the archive from which both began, only what both sides changed is a conflict: what only the file
+changed is replaced (newer), what only the server changed stays (older). Nothing is ever deleted.
+Importing a file twice changes nothing the second time.
+
+Run an interrupted import again to continue it: what was sent is not sent again. `graspdb uploads`
+lists and drops interrupted imports.
+
+Examples: graspdb import captures/monday
+          graspdb import plant-a.graspdb --dry-run
+          graspdb import plant-a.graspdb --object mug --on-conflict replace
+          graspdb import june.graspdb --base may.graspdb)";
+
+void AddArchiveFlags(CLI::App& command, ArchiveImportFlags* archive) {
+  command
+      .add_option("--on-conflict", archive->on_conflict,
+                  "Of an archive, what to do with records that differ from the server's: fail "
+                  "before anything is written, keep the server's, replace them, or take the one "
+                  "that was changed later, by the clocks of both servers")
+      ->check(CLI::IsMember(OnConflictNames()))
+      ->capture_default_str();
+  command.add_option("--base", archive->base,
+                     "Of an archive, an earlier one from which both it and the server's catalogue "
+                     "began");
+  command.add_option("--object", archive->objects, "Of an archive, only these objects");
+  command.add_flag("--no-outcomes", archive->no_outcomes,
+                   "Of an archive, without raising the counts of reported picks to the file's "
+                   "(which takes the role recognise)");
+}
+
+absl::Status RunAnyImport(const GlobalOptions& global, const CLI::App& command,
+                          const ImportOptions& options, ArchiveImportFlags archive) {
+  const bool is_archive = IsArchivePath(options.folder);
+  const std::vector<std::string> others =
+      is_archive ? std::vector<std::string>{"--split", "--replace", "--atomic"}
+                 : std::vector<std::string>{"--on-conflict", "--base", "--object", "--no-outcomes"};
+  for (const std::string& flag : others) {
+    if (command.count(flag) == 0) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        flag, " is for ", is_archive ? "capture sets" : "archives", ", and ", options.folder,
+        is_archive ? " is an archive" : " is a folder", "; leave it out"));
+  }
+  if (!is_archive) return RunImport(global, options);
+  archive.path = options.folder;
+  archive.resume = options.resume;
+  archive.dry_run = options.dry_run;
+  return RunArchiveImport(global, archive);
+}
+
 }  // namespace
 
 void AddImportCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "import", "Teach the captures of a capture set");
+  CLI::App* command = AddCommand(app, "import", "Teach a capture set, or merge an archive");
   auto options = std::make_shared<ImportOptions>();
-  command->add_option("SET", options->folder, "Folder with captures.json")->required();
+  auto archive = std::make_shared<ArchiveImportFlags>();
+  command
+      ->add_option("SET", options->folder,
+                   "Folder with captures.json, or an archive of `export`, FILE.graspdb")
+      ->required();
   AddSplitFlag(*command, &options->split);
   command->add_flag(
       "--replace", options->replace,
@@ -171,16 +233,12 @@ void AddImportCommand(CLI::App& app, const GlobalOptions& global, Action* action
   command->add_flag("--resume", options->resume,
                     "Only continue an interrupted import of this set; an error without one");
   command->add_flag("--dry-run", options->dry_run,
-                    "Read all captures and print what would be sent; change nothing");
-  command->footer(
-      "Objects and stable poses are created as needed; existing ones keep their grasps.\n"
-      "All views become part of the catalogue together, at the end, in one revision; recognition\n"
-      "goes on meanwhile. Captures that cannot be taught are listed, and the others taught.\n"
-      "Run an interrupted import again to continue it: what was sent is not sent again.\n"
-      "`graspdb uploads` lists and drops interrupted imports.\n\n"
-      "Example: graspdb import captures/monday");
-  command->callback(
-      [=, &global] { *action = [=, &global] { return RunImport(global, *options); }; });
+                    "Read and compare all, and print what would be done; change nothing");
+  AddArchiveFlags(*command, archive.get());
+  command->footer(kImportFooter);
+  command->callback([=, &global] {
+    *action = [=, &global] { return RunAnyImport(global, *command, *options, *archive); };
+  });
 }
 
 }  // namespace graspdb::client

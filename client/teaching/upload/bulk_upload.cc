@@ -180,10 +180,14 @@ class BulkUpload {
   }
 
   absl::Status NotAll() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    const FailedView& first = result_.failed.front();
     return absl::FailedPreconditionError(absl::StrCat(
-        result_.failed.size(), " of ", views_.count, " views cannot be taught, so none is (view ",
-        result_.failed.front().index + 1, ": ", result_.failed.front().error.message(),
-        "); fix them and run the same command again, or leave out --atomic"));
+        result_.failed.size(), " of ", views_.count, " views cannot be taught, so none is (",
+        views_.name_of ? views_.name_of(first.index) : absl::StrCat("view ", first.index + 1), ": ",
+        first.error.message(),
+        "); fix them and run the same command again, or publish the others by `graspdb uploads "
+        "commit ",
+        options_.upload_id, " --skip-failed`"));
   }
 
   Client& client_;

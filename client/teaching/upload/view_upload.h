@@ -29,6 +29,8 @@ struct ViewsToTeach {
   std::function<absl::Status(std::size_t, v1::UploadViewsRequest*)> make;
   // Delete existing views and teach them again.
   bool replace = false;
+  // How errors name a view; null: by its number.
+  std::function<std::string(std::size_t)> name_of = nullptr;
 };
 
 // Fills the request for view `i`, its id included. Errors of `views.make`.

@@ -1,0 +1,97 @@
+// Compares an archive with a server's catalogue, and decides what an import does.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/sdk/client.h"
+#include "files/archive_index.h"
+
+namespace graspdb::client {
+
+// A record of the file, compared with that of the same name on the server.
+enum class ArchiveState : std::uint8_t {
+  kSame,
+  kNew,       // the server has none
+  kNewer,     // differs, and the server has what the base has: only the file was changed
+  kOlder,     // differs, and the file has what the base has: only the server was changed
+  kConflict,  // differs, and both may have been changed
+};
+inline constexpr std::size_t kArchiveStates = 5;
+// "same", "new", …
+std::string_view NameOf(ArchiveState state);
+
+enum class ArchiveAction : std::uint8_t {
+  kSkip,     // of an object that is not imported
+  kNothing,  // the same
+  kCreate,
+  kReplace,
+  kKeep,      // the server's record stays
+  kLeaveOut,  // not on the server, and stays out: a view of a conflicting stable pose that is kept
+};
+std::string_view NameOf(ArchiveAction action);
+
+// What to do with kConflict.
+enum class OnConflict : std::uint8_t {
+  kFail,
+  kKeep,
+  kReplace,
+  kLater,  // the one whose content was changed later, by the two servers' clocks
+};
+
+enum class LaterChange : std::uint8_t { kUnknown, kFile, kServer };
+
+// A record that the server has with other content.
+struct ArchiveDifference {
+  std::size_t entry = 0;  // of ArchiveIndex::entries
+  ArchiveState state = ArchiveState::kConflict;
+  ArchiveAction action = ArchiveAction::kKeep;
+  LaterChange later = LaterChange::kUnknown;
+  std::string etag = {};  // of the server's object or stable pose
+};
+
+struct ArchiveComparison {
+  std::vector<ArchiveAction> actions;  // one for each of ArchiveIndex::entries
+  // By ArchiveKind and ArchiveState.
+  std::array<std::array<std::int64_t, kArchiveStates>, 3> counts{};
+  std::vector<ArchiveDifference> differences;  // kNewer, kOlder and kConflict, in the file's order
+  std::int64_t left_out_count = 0;
+  // Stable poses that get views beside some of the server's own, which the file does not have:
+  // right only if all were taught in one frame of the object.
+  std::vector<std::string> joined_stable_poses;
+
+  std::int64_t CountOf(ArchiveState state) const;
+};
+
+// An archive with its index; both outlive their users.
+struct OpenArchive {
+  const ArchiveFile& file;
+  const ArchiveIndex& index;
+};
+
+struct ComparisonOptions {
+  OnConflict on_conflict = OnConflict::kFail;
+  std::vector<std::string> objects = {};  // resource names; empty: all of the file
+  // A file of the state from which both sides began; may be null.
+  const OpenArchive* base = nullptr;
+};
+
+// Both callbacks are optional.
+struct ComparisonWatch {
+  std::function<void(std::size_t done)> report = nullptr;  // records of the file
+  std::function<bool()> cancelled = nullptr;
+};
+
+// Only reads. Clouds are compared where the other fields agree. NOT_FOUND for an object that the
+// file does not have; CANCELLED; DATA_LOSS of the file; errors of the server.
+absl::StatusOr<ArchiveComparison> CompareArchive(Client& client, const OpenArchive& archive,
+                                                 const ComparisonOptions& options,
+                                                 const ComparisonWatch& watch);
+
+}  // namespace graspdb::client

@@ -1,0 +1,284 @@
+#include "client/archive/archive_import.h"
+
+#include <openssl/sha.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "client/archive/archive_content.h"
+
+namespace graspdb::client {
+namespace {
+
+// The contract's limit for an upload.
+constexpr std::size_t kViewsPerUpload = 100'000;
+constexpr std::size_t kUploadIdBytes = 8;
+// The contract's limit for a report.
+constexpr std::int64_t kOutcomesPerReport = 10'000;
+// Counts above are treated as this one: 100 reports. Grasps are ranked by shares, which hardly
+// differ from there on; doubled, a hostile file causes twice as many calls.
+constexpr std::int64_t kMaxRaisedCount = 1'000'000;
+
+std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+std::string StablePoseOf(const std::string& view) { return view.substr(0, view.find("/views/")); }
+std::string ObjectOf(const std::string& pose) { return pose.substr(0, pose.find("/stablePoses/")); }
+
+bool IsSent(ArchiveAction action) {
+  return action == ArchiveAction::kCreate || action == ArchiveAction::kReplace;
+}
+
+// The entries of the views to send.
+std::vector<std::size_t> ViewsOf(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < index.entries.size(); ++i) {
+    if (index.entries[i].kind == ArchiveKind::kView && IsSent(comparison.actions[i])) {
+      out.push_back(i);
+    }
+  }
+  return out;
+}
+
+bool ReplacesAny(const std::vector<std::size_t>& views, const ArchiveComparison& comparison) {
+  return std::ranges::any_of(
+      views, [&](std::size_t i) { return comparison.actions[i] == ArchiveAction::kReplace; });
+}
+
+absl::Status ChangedMeanwhile(const absl::Status& status) {
+  if (!absl::IsAlreadyExists(status) && !absl::IsAborted(status) && !absl::IsNotFound(status)) {
+    return status;
+  }
+  return absl::AbortedError(
+      absl::StrCat("the server's catalogue changed since it was compared; run the command again (",
+                   std::string(status.message()), ")"));
+}
+
+class ArchiveImport {
+ public:
+  ArchiveImport(Client& client, const OpenArchive& archive, const ArchiveComparison& comparison,
+                const ArchiveImportOptions& options, const UploadWatch& watch)
+      : client_(client),
+        file_(archive.file),
+        entries_(archive.index.entries),
+        comparison_(comparison),
+        options_(options),
+        watch_(watch),
+        upload_ids_(UploadIdsOf(archive.index, comparison)),
+        views_(ViewsOf(archive.index, comparison)) {}
+
+  absl::StatusOr<ArchiveImportCounts> Run() {
+    if (absl::Status done = CreateParents(); !done.ok()) return ChangedMeanwhile(done);
+    for (std::size_t i = 0; i < upload_ids_.size(); ++i) {
+      if (absl::Status done = SendViews(i); !done.ok()) return done;
+    }
+    if (absl::Status done = ReplaceParents(); !done.ok()) return ChangedMeanwhile(done);
+    if (!options_.outcomes) return counts_;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (absl::Status done = RaiseOutcomes(i); !done.ok()) return ChangedMeanwhile(done);
+    }
+    return counts_;
+  }
+
+ private:
+  absl::Status CreateParents() {
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const ArchiveEntry& entry = entries_[i];
+      if (entry.kind == ArchiveKind::kView) continue;
+      if (comparison_.actions[i] != ArchiveAction::kCreate) continue;
+      const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+      if (!item.ok()) return item.status();
+      absl::Status created = entry.kind == ArchiveKind::kObject
+                                 ? CreateObject(entry.name, item->record.object())
+                                 : CreateStablePose(entry.name, item->record.stable_pose());
+      if (!created.ok()) return created;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status CreateObject(const std::string& name, const v1::Object& object) {
+    v1::CreateObjectRequest request;
+    request.set_object_id(IdOf(name));
+    *request.mutable_object() = ContentOf(object);
+    ++counts_.created_objects;
+    return client_.CreateObject(request).status();
+  }
+
+  absl::Status CreateStablePose(const std::string& name, const v1::StablePose& pose) {
+    v1::CreateStablePoseRequest request;
+    request.set_parent(ObjectOf(name));
+    request.set_stable_pose_id(IdOf(name));
+    *request.mutable_stable_pose() = ContentOf(pose);
+    ++counts_.created_stable_poses;
+    return client_.CreateStablePose(request).status();
+  }
+
+  // The views of one upload.
+  absl::Status SendViews(std::size_t upload) {
+    const std::size_t first = upload * kViewsPerUpload;
+    const ViewsToTeach views = {
+        .count = std::min(kViewsPerUpload, views_.size() - first),
+        .make = [&](std::size_t i,
+                    v1::UploadViewsRequest* request) { return MakeView(first + i, request); },
+        .replace = ReplacesAny(views_, comparison_),
+        .name_of = [&](std::size_t i) { return entries_[views_[first + i]].name; }};
+    const UploadWatch watch = {.report =
+                                   [&](std::size_t done) {
+                                     if (watch_.report) watch_.report(first + done);
+                                   },
+                               .cancelled = watch_.cancelled};
+    const absl::StatusOr<BulkUploadResult> result =
+        TeachInBulk(client_, views, {.upload_id = upload_ids_[upload], .atomic = true}, watch);
+    if (!result.ok()) return result.status();
+    for (std::size_t i = first; i < first + views.count; ++i) {
+      const bool replaced = comparison_.actions[views_[i]] == ArchiveAction::kReplace;
+      ++(replaced ? counts_.replaced : counts_.created_views);
+    }
+    return absl::OkStatus();
+  }
+
+  // From several threads.
+  absl::Status MakeView(std::size_t i, v1::UploadViewsRequest* request) const {
+    const ArchiveEntry& entry = entries_[views_[i]];
+    absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+    if (!item.ok()) return item.status();
+    request->set_parent(StablePoseOf(entry.name));
+    request->set_view_id(IdOf(entry.name));
+    v1::View* view = request->mutable_view();
+    *view = std::move(*item->record.mutable_view());
+    view->clear_name();
+    view->clear_point_count();
+    view->clear_create_time();
+    view->set_segmented(true);
+    return absl::OkStatus();
+  }
+
+  absl::Status ReplaceParents() {
+    for (const ArchiveDifference& difference : comparison_.differences) {
+      const ArchiveEntry& entry = entries_[difference.entry];
+      if (difference.action != ArchiveAction::kReplace || entry.kind == ArchiveKind::kView)
+        continue;
+      const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+      if (!item.ok()) return item.status();
+      absl::Status replaced = entry.kind == ArchiveKind::kObject
+                                  ? Replace(item->record.object(), difference.etag)
+                                  : Replace(item->record.stable_pose(), difference.etag);
+      if (!replaced.ok()) return replaced;
+      ++counts_.replaced;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Replace(const v1::Object& object, const std::string& etag) {
+    v1::UpdateObjectRequest request;
+    *request.mutable_object() = ContentOf(object);
+    request.mutable_object()->set_name(object.name());
+    request.mutable_object()->set_etag(etag);
+    return client_.UpdateObject(request).status();
+  }
+
+  absl::Status Replace(const v1::StablePose& pose, const std::string& etag) {
+    v1::UpdateStablePoseRequest request;
+    *request.mutable_stable_pose() = ContentOf(pose);
+    request.mutable_stable_pose()->set_name(pose.name());
+    request.mutable_stable_pose()->set_etag(etag);
+    return client_.UpdateStablePose(request).status();
+  }
+
+  // Of a stable pose whose grasps are those of the file.
+  absl::Status RaiseOutcomes(std::size_t i) {
+    const ArchiveEntry& entry = entries_[i];
+    const ArchiveAction action = comparison_.actions[i];
+    if (entry.kind != ArchiveKind::kStablePose || action == ArchiveAction::kSkip ||
+        action == ArchiveAction::kKeep) {
+      return absl::OkStatus();
+    }
+    const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+    if (!item.ok()) return item.status();
+    const v1::StablePose& pose = item->record.stable_pose();
+    if (pose.grasp_outcomes().empty()) return absl::OkStatus();
+    const absl::StatusOr<v1::StablePose> server = client_.GetStablePose(entry.name);
+    if (!server.ok()) return server.status();
+    std::map<std::string, v1::GraspOutcomeCounts> counted;
+    for (const v1::GraspOutcomeCounts& counts : server->grasp_outcomes()) {
+      counted[counts.grasp_id()] = counts;
+    }
+    bool raised = false;
+    for (const v1::GraspOutcomeCounts& file : pose.grasp_outcomes()) {
+      absl::StatusOr<bool> done = RaiseTo(file, counted[file.grasp_id()], entry.name);
+      if (!done.ok()) return done.status();
+      raised |= *done;
+    }
+    counts_.raised_outcomes += raised ? 1 : 0;
+    return absl::OkStatus();
+  }
+
+  // Whether anything was reported.
+  absl::StatusOr<bool> RaiseTo(const v1::GraspOutcomeCounts& file,
+                               const v1::GraspOutcomeCounts& server, const std::string& pose) {
+    v1::ReportGraspOutcomeRequest request;
+    request.set_name(pose);
+    request.set_grasp_id(file.grasp_id());
+    bool raised = false;
+    const std::array<std::pair<v1::GraspOutcome, std::int64_t>, 3> missing = {{
+        {v1::GRASP_OUTCOME_PICKED, Missing(file.picked_count(), server.picked_count())},
+        {v1::GRASP_OUTCOME_MISSED, Missing(file.missed_count(), server.missed_count())},
+        {v1::GRASP_OUTCOME_SLIPPED, Missing(file.slipped_count(), server.slipped_count())},
+    }};
+    for (auto [outcome, count] : missing) {
+      request.set_outcome(outcome);
+      for (; count > 0; count -= kOutcomesPerReport) {
+        request.set_count(static_cast<int>(std::min(count, kOutcomesPerReport)));
+        const auto reported = client_.ReportGraspOutcome(request);
+        if (!reported.ok()) return reported.status();
+        raised = true;
+      }
+    }
+    return raised;
+  }
+
+  static std::int64_t Missing(std::int64_t file, std::int64_t server) {
+    return std::min(file, kMaxRaisedCount) - std::clamp<std::int64_t>(server, 0, kMaxRaisedCount);
+  }
+
+  Client& client_;
+  const ArchiveFile& file_;
+  const std::vector<ArchiveEntry>& entries_;
+  const ArchiveComparison& comparison_;
+  const ArchiveImportOptions& options_;
+  const UploadWatch& watch_;
+  const std::vector<std::string> upload_ids_;
+  const std::vector<std::size_t> views_;
+  ArchiveImportCounts counts_;
+};
+
+}  // namespace
+
+std::vector<std::string> UploadIdsOf(const ArchiveIndex& index,
+                                     const ArchiveComparison& comparison) {
+  const std::vector<std::size_t> views = ViewsOf(index, comparison);
+  const bool replaces = ReplacesAny(views, comparison);
+  std::vector<std::string> out;
+  for (std::size_t first = 0; first < views.size(); first += kViewsPerUpload) {
+    std::string content = absl::StrCat(index.digest, replaces);
+    const std::size_t last = std::min(first + kViewsPerUpload, views.size());
+    for (std::size_t i = first; i < last; ++i) absl::StrAppend(&content, " ", views[i]);
+    std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+    SHA256(reinterpret_cast<const unsigned char*>(content.data()), content.size(), digest.data());
+    out.push_back(absl::StrCat("archive-",
+                               absl::BytesToHexString(absl::string_view(
+                                   reinterpret_cast<const char*>(digest.data()), kUploadIdBytes))));
+  }
+  return out;
+}
+
+absl::StatusOr<ArchiveImportCounts> ImportArchive(Client& client, const OpenArchive& archive,
+                                                  const ArchiveComparison& comparison,
+                                                  const ArchiveImportOptions& options,
+                                                  const UploadWatch& watch) {
+  return ArchiveImport(client, archive, comparison, options, watch).Run();
+}
+
+}  // namespace graspdb::client

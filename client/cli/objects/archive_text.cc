@@ -1,0 +1,152 @@
+#include "client/cli/objects/archive_text.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "files/json_object.h"
+
+namespace graspdb::client {
+namespace {
+
+// Lines that are printed; the number of the others follows.
+constexpr std::size_t kMaxPrintedDifferences = 20;
+
+constexpr std::array<std::string_view, 3> kKinds = {"objects", "stable poses", "views"};
+constexpr std::array<std::string_view, 3> kJsonKinds = {"objects", "stablePoses", "views"};
+
+std::string_view LaterText(LaterChange later) {
+  switch (later) {
+    case LaterChange::kFile:
+      return "changed later in the file";
+    case LaterChange::kServer:
+      return "changed later on the server";
+    default:
+      return "changed at the same time";
+  }
+}
+
+void SetComparison(const ArchiveIndex& index, const ArchiveComparison& comparison, JsonObject out) {
+  for (std::size_t kind = 0; kind < kJsonKinds.size(); ++kind) {
+    JsonObject counts = out.Object(std::string(kJsonKinds[kind]));
+    for (std::size_t state = 0; state < kArchiveStates; ++state) {
+      counts.Set(Json(std::string(NameOf(static_cast<ArchiveState>(state))),
+                      comparison.counts[kind][state]));
+    }
+  }
+  out.Set(Json("leftOut", comparison.left_out_count),
+          Json("joinedStablePoses", comparison.joined_stable_poses));
+  out.List("differences", comparison.differences,
+           [&](const ArchiveDifference& difference, JsonObject one) {
+             one.Set(Json("name", index.entries[difference.entry].name),
+                     Json("state", NameOf(difference.state)),
+                     Json("action", NameOf(difference.action)),
+                     Json("changedLater", difference.later == LaterChange::kFile     ? "file"
+                                          : difference.later == LaterChange::kServer ? "server"
+                                                                                     : ""));
+           });
+}
+
+std::string NotesText(const ArchiveComparison& comparison) {
+  std::string out;
+  if (comparison.left_out_count > 0) {
+    absl::StrAppend(&out, comparison.left_out_count,
+                    " new views of stable poses in conflict, which stay as they are on the server, "
+                    "are left out\n");
+  }
+  const std::size_t joined = comparison.joined_stable_poses.size();
+  if (joined > 0) {
+    absl::StrAppend(&out, joined, " stable poses get views beside others of the server, as ",
+                    comparison.joined_stable_poses.front(),
+                    ": right if both were taught in the same frame of the object\n");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::int64_t CountOf(const ArchiveIndex& index, const ArchiveComparison& comparison,
+                     ArchiveKind kind) {
+  std::int64_t out = 0;
+  for (std::size_t i = 0; i < index.entries.size(); ++i) {
+    const ArchiveAction action = comparison.actions[i];
+    const bool counts = action == ArchiveAction::kCreate || action == ArchiveAction::kReplace;
+    out += index.entries[i].kind == kind && counts ? 1 : 0;
+  }
+  return out;
+}
+
+std::string DifferencesText(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+  std::string out;
+  const std::size_t count = comparison.differences.size();
+  for (std::size_t i = 0; i < std::min(count, kMaxPrintedDifferences); ++i) {
+    const ArchiveDifference& difference = comparison.differences[i];
+    absl::StrAppendFormat(&out, "%-8s %-7s %s, %s\n", std::string(NameOf(difference.state)),
+                          std::string(NameOf(difference.action)),
+                          index.entries[difference.entry].name,
+                          std::string(LaterText(difference.later)));
+  }
+  if (count > kMaxPrintedDifferences) {
+    absl::StrAppend(&out, "and ", count - kMaxPrintedDifferences, " others\n");
+  }
+  return out;
+}
+
+std::string ComparisonText(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+  std::string out = absl::StrFormat("%-12s", "in the file");
+  for (std::size_t state = 0; state < kArchiveStates; ++state) {
+    absl::StrAppendFormat(&out, " %9s", std::string(NameOf(static_cast<ArchiveState>(state))));
+  }
+  out += '\n';
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
+    absl::StrAppendFormat(&out, "%-12s", std::string(kKinds[kind]));
+    for (const std::int64_t count : comparison.counts[kind]) {
+      absl::StrAppendFormat(&out, " %9d", count);
+    }
+    out += '\n';
+  }
+  return out + DifferencesText(index, comparison) + NotesText(comparison);
+}
+
+google::protobuf::Struct ComparisonDocument(const ArchiveIndex& index,
+                                            const ArchiveComparison& comparison) {
+  google::protobuf::Struct out;
+  SetComparison(index, comparison, JsonObject(&out));
+  return out;
+}
+
+std::string ResultText(const ArchiveComparison& comparison, const ArchiveImportCounts& counts,
+                       const v1::CatalogStatus& status) {
+  std::string out = absl::StrFormat(
+      "created %d objects, %d stable poses and %d views, replaced %d records; %d were the same, %d "
+      "stay as they are on the server\n",
+      counts.created_objects, counts.created_stable_poses, counts.created_views, counts.replaced,
+      comparison.CountOf(ArchiveState::kSame),
+      std::ranges::count(comparison.actions, ArchiveAction::kKeep));
+  out += NotesText(comparison);
+  if (counts.raised_outcomes > 0) {
+    absl::StrAppend(&out, "raised the counts of picks of ", counts.raised_outcomes,
+                    " stable poses\n");
+  }
+  return out + absl::StrFormat("the catalogue has %d views of %d objects\n", status.view_count(),
+                               status.object_count());
+}
+
+google::protobuf::Struct ResultDocument(const ArchiveIndex& index,
+                                        const ArchiveComparison& comparison,
+                                        const ArchiveImportCounts& counts,
+                                        const v1::CatalogStatus& status) {
+  google::protobuf::Struct out;
+  JsonObject object(&out);
+  SetComparison(index, comparison, object);
+  object.Set(Json("createdObjects", counts.created_objects),
+             Json("createdStablePoses", counts.created_stable_poses),
+             Json("createdViews", counts.created_views), Json("replaced", counts.replaced),
+             Json("raisedOutcomes", counts.raised_outcomes),
+             Json("catalogRevision", status.catalog_revision()));
+  return out;
+}
+
+}  // namespace graspdb::client
