@@ -1,6 +1,7 @@
 #include "client/archive/archive_content.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -17,11 +18,11 @@ bool IsNear(const v1::Pose& a, const v1::Pose& b) {
   const v1::Quaternion& s = b.orientation();
   const double cosine = r.x() * s.x() + r.y() * s.y() + r.z() * s.z() + r.w() * s.w();
   const double sign = cosine < 0 ? -1 : 1;  // both are the same rotation
-  const double apart =
-      std::max({std::abs(p.x() - q.x()), std::abs(p.y() - q.y()), std::abs(p.z() - q.z()),
-                std::abs(r.x() - sign * s.x()), std::abs(r.y() - sign * s.y()),
-                std::abs(r.z() - sign * s.z()), std::abs(r.w() - sign * s.w())});
-  return apart <= kPoseTolerance;  // false for NaN
+  const std::array<double, 7> apart = {
+      p.x() - q.x(),        p.y() - q.y(),        p.z() - q.z(),       r.x() - sign * s.x(),
+      r.y() - sign * s.y(), r.z() - sign * s.z(), r.w() - sign * s.w()};
+  // False for NaN.
+  return std::ranges::all_of(apart, [](double d) { return std::abs(d) <= kPoseTolerance; });
 }
 
 absl::Time ToTime(const google::protobuf::Timestamp& time) {

@@ -137,8 +137,10 @@ class ArchiveTest : public ::testing::Test {
   const TemporaryFolder folder_;
   const std::unique_ptr<server::Server> from_server_ = Start("from");
   const std::unique_ptr<server::Server> to_server_ = Start("to");
-  Client from_{from_server_->InProcessChannel(), ConnectionOptions()};
-  Client to_{to_server_->InProcessChannel(), ConnectionOptions()};
+  // Over TCP: gRPC's in-process channel has no buffer, so that a stream whose two sides write at
+  // the same time never ends.
+  Client from_{{.server = from_server_->address(), .timeout = absl::Minutes(1)}};
+  Client to_{{.server = to_server_->address(), .timeout = absl::Minutes(1)}};
 };
 
 }  // namespace graspdb::client
