@@ -29,13 +29,24 @@ absl::Time ToTime(const google::protobuf::Timestamp& time) {
   return absl::FromUnixSeconds(time.seconds()) + absl::Nanoseconds(time.nanos());
 }
 
+// Records without a release state are released.
+template <typename Record>
+void SetReleased(Record& record) {
+  if (record.release() == v1::RELEASE_STATE_UNSPECIFIED) {
+    record.set_release(v1::RELEASE_STATE_RELEASED);
+  }
+}
+
 }  // namespace
 
 v1::Object ContentOf(v1::Object object) {
   object.clear_name();
   object.clear_create_time();
   object.clear_update_time();
+  object.clear_delete_time();
+  object.clear_purge_time();
   object.clear_etag();
+  SetReleased(object);
   return object;
 }
 
@@ -45,6 +56,7 @@ v1::StablePose ContentOf(v1::StablePose pose) {
   pose.clear_update_time();
   pose.clear_etag();
   pose.clear_grasp_outcomes();
+  SetReleased(pose);
   return pose;
 }
 

@@ -32,8 +32,7 @@ class BackupServiceTest : public ServerTest {
                       const Request& request, Response* last) {
     grpc::ClientContext context;
     const auto reader = (StubOf<BackupStub>().*method)(&context, request);
-    while (reader->Read(last)) {
-    }
+    while (reader->Read(last)) continue;
     return reader->Finish();
   }
 

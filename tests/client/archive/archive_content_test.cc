@@ -27,7 +27,12 @@ TEST(ArchiveContent, FieldsThatAServerSetsAreNoDifference) {
   other.set_name("objects/mug");
   other.set_etag("r5");
   other.mutable_update_time()->set_seconds(9);
+  other.mutable_delete_time()->set_seconds(8);
+  other.set_release(v1::RELEASE_STATE_RELEASED);
   EXPECT_TRUE(IsSame(object, other));
+  other.set_release(v1::RELEASE_STATE_DRAFT);
+  EXPECT_FALSE(IsSame(object, other));
+  other.clear_release();
   other.add_labels("bin-7");
   EXPECT_FALSE(IsSame(object, other));
 

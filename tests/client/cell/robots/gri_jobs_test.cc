@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "absl/synchronization/notification.h"
+#include "tests/client/cell/robots/fake_job_runner.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -15,46 +15,13 @@ using ::testing::ElementsAre;
 using ::testing::Pair;
 using ::testing::Test;
 
-constexpr int kJob = 7;
+constexpr int kJob = kFakeJob;
 
 Pose At(double x_m) {
   Pose out = Pose::Identity();
   out.translation().x() = x_m;
   return out;
 }
-
-// Returns scripted poses; records which pose the robot was given before a run.
-class FakeRunner : public JobRunner {
- public:
-  bool IsReady() override { return ready; }
-  absl::Status Check(int job) override {
-    return job == kJob ? absl::OkStatus() : absl::NotFoundError("no such job");
-  }
-  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
-    if (go_on != nullptr) go_on->WaitForNotification();
-    const absl::MutexLock lock(&mutex_);
-    base_flange = request.base_flange;
-    if (const std::optional<JobPose> last = request.session.TakeGiven()) {
-      given.emplace_back(request.session.robot(), last->base_primary.translation().x());
-    }
-    return found;
-  }
-  absl::Status ReportOutcome(RobotSession& /*session*/, PickOutcome /*outcome*/) override {
-    return absl::OkStatus();
-  }
-
-  bool ReturnsPoses(int /*job*/) override { return returns_poses; }
-
-  bool ready = true;
-  bool returns_poses = true;
-  absl::Notification* go_on = nullptr;
-  std::optional<Pose> base_flange;
-  std::vector<std::pair<std::string, double>> given;
-  absl::StatusOr<std::vector<JobPose>> found = std::vector<JobPose>();
-
- private:
-  absl::Mutex mutex_;  // of concurrent runs
-};
 
 class GriJobsTest : public Test {
  protected:
@@ -82,7 +49,7 @@ class GriJobsTest : public Test {
     return response.pose.position[0] / 1e6;
   }
 
-  FakeRunner runner_;
+  FakeJobRunner runner_;
   GriJobs jobs_{runner_};
 };
 
