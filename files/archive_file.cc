@@ -38,7 +38,7 @@ std::string Unpack(std::string_view frame) {
 
 }  // namespace
 
-const std::int64_t ArchiveFile::kFirstRecord = kArchiveMagic.size();
+static_assert(ArchiveFile::kFirstRecord == kArchiveMagic.size());
 
 ArchiveFile::~ArchiveFile() { close(file_); }
 

@@ -49,7 +49,7 @@ class ArchiveFile {
   std::int64_t size() const { return size_; }
   const std::filesystem::path& path() const { return path_; }
 
-  static const std::int64_t kFirstRecord;
+  static constexpr std::int64_t kFirstRecord = 4;  // after the magic number
 
  private:
   ArchiveFile(std::filesystem::path path, int file) : path_(std::move(path)), file_(file) {}

@@ -1,6 +1,7 @@
 // What a server has acknowledged.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -73,7 +74,7 @@ class Ledger {
   std::set<std::string> touched_;
   std::map<std::string, KnownUpload> uploads_;
   std::vector<std::string> backups_;
-  std::int64_t acknowledged_ = 0;
+  std::atomic<std::int64_t> acknowledged_ = 0;
 };
 
 }  // namespace graspdb::faults

@@ -68,6 +68,7 @@ class ArchiveFileTest : public ::testing::Test {
  protected:
   std::filesystem::path Write(const std::vector<v1::ArchiveRecord>& records) {
     std::filesystem::path path = folder_.path() / "file.graspdb";
+    std::filesystem::remove(path);
     auto writer = ArchiveWriter::Create(path);
     EXPECT_THAT(writer, IsOk());
     for (const v1::ArchiveRecord& record : records) EXPECT_THAT(writer->Add(record), IsOk());
