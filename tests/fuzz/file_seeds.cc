@@ -1,4 +1,3 @@
-#include <fstream>
 #include <iterator>
 #include <vector>
 
@@ -20,11 +19,6 @@ namespace graspdb::fuzz {
 namespace {
 
 constexpr char kPart[] = "l-bracket";
-
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::string PcdHeader(const std::string& data) {
   return absl::StrCat(

@@ -2,6 +2,7 @@
 // records.
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include "tests/fuzz/requirement.h"
@@ -17,6 +18,11 @@ void SeedWriter::Write(const std::string& target, const std::string& name,
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   Require(file.good(), "a seed can be written");
+}
+
+std::string BytesOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace graspdb::fuzz

@@ -17,6 +17,9 @@ class SeedWriter {
   std::filesystem::path directory_;
 };
 
+// The bytes of a file; none if it cannot be read.
+std::string BytesOf(const std::filesystem::path& path);
+
 // Point files, depth images, meshes, capture sets, archives.
 void WriteFileSeeds(const SeedWriter& out);
 // Messages of robots, and arguments of programs.

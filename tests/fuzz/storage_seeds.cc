@@ -1,4 +1,3 @@
-#include <fstream>
 #include <iterator>
 
 #include "storage/approximate_file.h"
@@ -12,11 +11,6 @@
 
 namespace graspdb::fuzz {
 namespace {
-
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 storage::ViewRecord FirstView(const storage::Catalogue& catalogue) {
   storage::ViewRecord out;
