@@ -156,4 +156,9 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
   return out;
 }
 
+void LeaveOutTimings(v1::RecognizeResponse* response) {
+  response->clear_timings();
+  for (v1::StageReport& stage : *response->mutable_stages()) stage.clear_duration_ms();
+}
+
 }  // namespace graspdb::server

@@ -18,4 +18,7 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
                                  const recognition::CatalogueSnapshot& snapshot,
                                  const AnswerContext& context);
 
+// For RecognizeRequest.omit_timings.
+void LeaveOutTimings(v1::RecognizeResponse* response);
+
 }  // namespace graspdb::server

@@ -6,6 +6,7 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "server/answer.h"
 #include "server/bounded_text.h"
 #include "server/call_guard.h"
 #include "server/errors.h"
@@ -54,11 +55,6 @@ void Note(const std::string& cell, const v1::RecognizeResponse& response, absl::
   if (!cell.empty()) guard.NoteForLog("cell", cell);
   guard.NoteForLog("status", v1::RecognitionStatus_Name(response.status()));
   if (guard.metrics() != nullptr) guard.metrics()->CountFrame(cell, response, waited);
-}
-
-void LeaveOutTimings(v1::RecognizeResponse* response) {
-  response->clear_timings();
-  for (v1::StageReport& stage : *response->mutable_stages()) stage.clear_duration_ms();
 }
 
 }  // namespace
