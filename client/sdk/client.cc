@@ -71,7 +71,7 @@ Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 
 void Client::StopRetries() {
-  if (!stubs_->stopped.HasBeenNotified()) stubs_->stopped.Notify();
+  std::call_once(stubs_->stopping, [this] { stubs_->stopped.Notify(); });
 }
 
 std::string RequestIdOf(const absl::Status& status) {

@@ -6,6 +6,7 @@
 #include <grpcpp/support/sync_stream.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -42,6 +43,7 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
+  std::once_flag stopping;     // a second notification would end the process
   absl::Notification stopped;  // of StopRetries()
 };
 
