@@ -23,6 +23,15 @@ class GraspOutcomesTest : public ServerTest {
     ASSERT_THAT(Report(grasp, outcome, count, &response), IsGrpcOk());
   }
 
+  v1::ReportGraspOutcomeRequest MissedWithRequestId() {
+    v1::ReportGraspOutcomeRequest request;
+    request.set_name(FlatPoseOf("wedge"));
+    request.set_grasp_id(Pose().grasps(0).grasp_id());
+    request.set_outcome(v1::GRASP_OUTCOME_MISSED);
+    request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+    return request;
+  }
+
   v1::StablePose Pose() {
     v1::GetStablePoseRequest request;
     request.set_name(FlatPoseOf("wedge"));
@@ -106,11 +115,7 @@ TEST_F(GraspOutcomesTest, InvalidReportsAreRejected) {
 
 TEST_F(GraspOutcomesTest, ARepeatedReportCountsOnceAlsoAfterARestart) {
   Declare("wedge");
-  v1::ReportGraspOutcomeRequest request;
-  request.set_name(FlatPoseOf("wedge"));
-  request.set_grasp_id(Pose().grasps(0).grasp_id());
-  request.set_outcome(v1::GRASP_OUTCOME_MISSED);
-  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  v1::ReportGraspOutcomeRequest request = MissedWithRequestId();
   v1::ReportGraspOutcomeResponse first;
   ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request, &first), IsGrpcOk());
   MustReport(request.grasp_id(), v1::GRASP_OUTCOME_PICKED, 1);
@@ -130,11 +135,7 @@ TEST_F(GraspOutcomesTest, ARepeatedReportCountsOnceAlsoAfterARestart) {
 
 TEST_F(GraspOutcomesTest, AnIdOfAnotherReportIsRejected) {
   Declare("wedge");
-  v1::ReportGraspOutcomeRequest request;
-  request.set_name(FlatPoseOf("wedge"));
-  request.set_grasp_id(Pose().grasps(0).grasp_id());
-  request.set_outcome(v1::GRASP_OUTCOME_MISSED);
-  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  v1::ReportGraspOutcomeRequest request = MissedWithRequestId();
   ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, request), IsGrpcOk());
   request.set_outcome(v1::GRASP_OUTCOME_PICKED);
   const grpc::Status status = Call(&Catalog::ReportGraspOutcome, request);
