@@ -1,25 +1,20 @@
 #include "server/idle_task.h"
 
-#include <chrono>
 #include <cstdint>
 #include <utility>
 
 #include "server/background.h"
 
 namespace graspdb::server {
-namespace {
 
-constexpr std::chrono::seconds kPollInterval{10};
-
-}  // namespace
-
-IdleTask::IdleTask(LiveCatalogue& live, std::function<void()> task)
-    : thread_([this, &live, task = std::move(task)] {
+IdleTask::IdleTask(LiveCatalogue& live, Tasks tasks, std::chrono::nanoseconds interval)
+    : thread_([this, &live, tasks = std::move(tasks), interval] {
         LowerPriority();
-        for (std::int64_t seen = -1; !stop_.Wait(kPollInterval);) {
+        for (std::int64_t seen = -1; !stop_.Wait(interval);) {
           live.CatchUp();
+          tasks.always();
           const std::int64_t now = live.snapshot()->revision;
-          if (now == seen) task();
+          if (now == seen) tasks.when_idle();
           seen = now;
         }
       }) {}

@@ -1,6 +1,7 @@
-// Work beside the requests: catching up, and a task while the catalogue is idle.
+// Work beside the requests: catching up, and tasks, of which one waits until the catalogue is idle.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <thread>
 
@@ -10,12 +11,21 @@
 namespace graspdb::server {
 
 // A thread of low priority (LowerPriority) that calls CatchUp() on the live catalogue every 10 s,
-// and then `task` if the catalogue has not changed meanwhile.
+// and then the tasks.
 class IdleTask {
  public:
-  // `live` must outlive this, and `task` must not throw.
-  IdleTask(LiveCatalogue& live, std::function<void()> task);
-  // Waits for `task` if it is running.
+  // They must not throw.
+  struct Tasks {
+    // Each time: robots that report their picks change the catalogue every few seconds, day and
+    // night.
+    std::function<void()> always = {};
+    std::function<void()> when_idle = {};  // if the catalogue has not changed since the last time
+  };
+
+  // `live` must outlive this. With a shorter interval a catalogue counts as idle earlier.
+  IdleTask(LiveCatalogue& live, Tasks tasks,
+           std::chrono::nanoseconds interval = std::chrono::seconds(10));
+  // Waits for a task that is running.
   ~IdleTask();
   IdleTask(const IdleTask&) = delete;
   IdleTask& operator=(const IdleTask&) = delete;

@@ -98,10 +98,12 @@ struct Server::Parts {
                                                     : nullptr),
         expiry(absl::Seconds(options.deleted_objects_kept_s)),
         idle_task(*live,
-                  [this] {
-                    if (approximate_keeper != nullptr) approximate_keeper->RebuildIfOutdated();
-                    expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now());
-                  }),
+                  {.always = [this] { expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now()); },
+                   .when_idle =
+                       [this] {
+                         if (approximate_keeper == nullptr) return;
+                         approximate_keeper->RebuildIfOutdated();
+                       }}),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
         recognizing(WorkersOf(options), QueueOf(options)),
