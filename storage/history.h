@@ -54,8 +54,9 @@ class History {
   // Deletes a deleted object and its history for good. NOT_FOUND without one.
   absl::Status Purge(std::string_view name);
   // Deletes the values before changes that were made before `limit`, with the clouds that nothing
-  // else uses, in one write for each object. Returns the names of the deleted objects among them,
-  // which cannot be undeleted any more.
+  // else uses, in one write for each object. A change that is older by its time than one before it,
+  // since the clock was wrong, is kept as long as that one. Returns the names of the deleted
+  // objects among them, which cannot be undeleted any more.
   absl::StatusOr<std::vector<std::string>> PurgeOlderThan(absl::Time limit);
 
  private:

@@ -76,9 +76,14 @@ absl::Status AddPurge(const Database& database, std::string_view object, std::in
 absl::StatusOr<bool> AddPurgeOlderThan(const Database& database, std::string_view object,
                                        absl::Time limit, rocksdb::WriteBatch& batch) {
   std::int64_t last = 0;
+  // The newest first. A change of a time when the clock was wrong goes with those before it.
   const auto find = [&](std::string_view, const HistoryRecord& row) -> absl::StatusOr<bool> {
-    if (TimeOf(row) < limit) last = row.revision();
-    return last == 0;
+    if (TimeOf(row) >= limit) {
+      last = 0;
+    } else if (last == 0) {
+      last = row.revision();
+    }
+    return true;
   };
   absl::Status status = VisitRows(database, object, find);
   if (status.ok()) status = AddPurge(database, object, last, batch);

@@ -23,8 +23,8 @@ absl::StatusOr<std::int64_t> ReadHorizon(const Database& database);
 absl::Status AddPurge(const Database& database, std::string_view object, std::int64_t last_revision,
                       rocksdb::WriteBatch& batch);
 
-// The same for changes that were made before `limit`, with the new horizon. Returns whether the
-// object was a deleted one that cannot be undeleted any more.
+// The same for changes that were made before `limit`, as were all before them, with the new
+// horizon. Returns whether the object was a deleted one that cannot be undeleted any more.
 absl::StatusOr<bool> AddPurgeOlderThan(const Database& database, std::string_view object,
                                        absl::Time limit, rocksdb::WriteBatch& batch);
 

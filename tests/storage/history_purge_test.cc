@@ -59,5 +59,19 @@ TEST_F(HistoryPurgeTest, ADeletedObjectIsPurgedByTheTimeOfItsDeletion) {
   EXPECT_TRUE(absl::IsNotFound(history().Undelete(kMug).status()));
 }
 
+TEST_F(HistoryPurgeTest, AChangeWhileTheClockWasBehindIsKeptAsLongAsThoseBeforeIt) {
+  now_ += absl::Hours(24);
+  Rename("Cup");
+  const std::int64_t renamed = catalogue_->revision();
+  now_ -= absl::Hours(48);
+  DeleteMug();
+  EXPECT_THAT(*history().PurgeOlderThan(kStart + absl::Hours(1)), ::testing::IsEmpty());
+  EXPECT_EQ(RevisionsOf(kMug).back(), renamed) << "only what is older is purged";
+  ASSERT_TRUE(history().Undelete(kMug).ok());
+  Take();
+  EXPECT_THAT(*history().PurgeOlderThan(kStart + absl::Hours(25)), ::testing::IsEmpty());
+  EXPECT_THAT(RevisionsOf(kMug), ::testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace graspdb::storage
