@@ -14,12 +14,21 @@ namespace {
 // Filters whose results are kept; a cell with another one waits while its chunks are copied: 1 s
 // for 100,000 views. Doubled, more memory: see below.
 constexpr std::size_t kMaxFilters = 16;
-// Views in all filtered indexes together, for each view of the catalogue. They are copied where
+// Copied views of all filters together, for each view of the catalogue. They are copied where
 // hidden views are near them, 1.5 KB each. Doubled, twice as much memory.
 constexpr std::size_t kMaxCopies = 2;
 // A filter that is not used keeps the chunks of its last revision. Doubled, memory for cells that
 // stopped is kept longer.
 constexpr std::chrono::minutes kMaxIdle{10};
+
+// Views that a filter does not share with the whole index.
+std::size_t CopiesIn(const recognition::DescriptorIndex::FilteredChunks& chunks) {
+  std::size_t out = 0;
+  for (const auto& [whole, visible] : chunks) {
+    if (visible != nullptr && visible != whole) out += visible->size();
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -32,7 +41,7 @@ struct FilteredSnapshots::Filter {
   std::shared_ptr<const ReleaseGates> gates ABSL_GUARDED_BY(mutex);
   std::shared_ptr<const recognition::CatalogueSnapshot> result ABSL_GUARDED_BY(mutex);
   recognition::DescriptorIndex::FilteredChunks chunks ABSL_GUARDED_BY(mutex);
-  std::atomic<std::size_t> view_count = 0;
+  std::atomic<std::size_t> copy_count = 0;     // views
   std::chrono::steady_clock::time_point used;  // guarded by the mutex of the list
 
   std::shared_ptr<const recognition::CatalogueSnapshot> Apply(
@@ -57,7 +66,7 @@ std::shared_ptr<const recognition::CatalogueSnapshot> FilteredSnapshots::Filter:
           [&](const recognition::TaughtView& view) { return shows(view.object, view.stable_pose); },
           &chunks),
       std::move(poses)});
-  view_count = filtered->index.view_count();
+  copy_count = CopiesIn(chunks);
   base = next;
   gates = next->gates;
   result = std::move(filtered);
@@ -66,8 +75,8 @@ std::shared_ptr<const recognition::CatalogueSnapshot> FilteredSnapshots::Filter:
 
 std::shared_ptr<const recognition::CatalogueSnapshot> FilteredSnapshots::Get(
     const std::shared_ptr<const LiveSnapshot>& base, const Visibility& visibility) {
-  if (base->gates->ShowsAll(visibility)) return base;
-  auto result = FilterOf(visibility)->Apply(base);
+  std::shared_ptr<const recognition::CatalogueSnapshot> result = base;
+  if (!base->gates->ShowsAll(visibility)) result = FilterOf(visibility)->Apply(base);
   Bound(base->index.view_count());
   return result;
 }
@@ -91,11 +100,11 @@ void FilteredSnapshots::Bound(std::size_t base_view_count) {
   absl::MutexLock lock(&mutex_);
   const auto idle_before = std::chrono::steady_clock::now() - kMaxIdle;
   std::size_t count = 0;
-  std::size_t views = 0;
+  std::size_t copies = 0;
   for (auto filter = filters_.begin(); filter != filters_.end(); ++filter) {
-    views += (*filter)->view_count;
-    const bool fits = ++count <= kMaxFilters && views <= kMaxCopies * base_view_count;
-    if (count == 1 || (fits && (*filter)->used >= idle_before)) continue;
+    copies += (*filter)->copy_count;
+    const bool fits = ++count <= kMaxFilters && copies <= kMaxCopies * base_view_count;
+    if ((count == 1 || fits) && (*filter)->used >= idle_before) continue;
     dropped.splice(dropped.begin(), filters_, filter, filters_.end());
     break;
   }

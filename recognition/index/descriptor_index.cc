@@ -151,20 +151,6 @@ std::vector<IndexedView> ViewsOf(const DescriptorChunk& chunk) {
   return out;
 }
 
-// The chunk itself if all of its views are visible, null if none is.
-std::shared_ptr<const DescriptorChunk> VisibleOf(
-    const std::shared_ptr<const DescriptorChunk>& chunk,
-    const std::function<bool(const TaughtView&)>& is_visible) {
-  std::vector<IndexedView> visible;
-  for (std::size_t i = 0; i < chunk->size(); ++i) {
-    const auto& view = chunk->views()[i];
-    if (is_visible(*view)) visible.push_back({view, chunk->DescriptorOf(i)});
-  }
-  if (visible.empty()) return nullptr;
-  if (visible.size() == chunk->size()) return chunk;
-  return std::make_shared<const DescriptorChunk>(visible, chunk->projection());
-}
-
 }  // namespace
 
 DescriptorIndex::DescriptorIndex(int size)
@@ -254,24 +240,6 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
   }
   if (covered_ == chunks_.size()) out.covered_ = out.chunks_.size();
   out.MarkDeleted(removed);
-  return out;
-}
-
-DescriptorIndex DescriptorIndex::Filtered(const std::function<bool(const TaughtView&)>& is_visible,
-                                          FilteredChunks* known) const {
-  DescriptorIndex out = Empty();
-  FilteredChunks filtered;
-  for (const Chunk& chunk : chunks_) {
-    const auto found = known->find(chunk);
-    const Chunk& kept =
-        filtered
-            .emplace(chunk, found != known->end() ? found->second : VisibleOf(chunk, is_visible))
-            .first->second;
-    if (kept == nullptr) continue;
-    out.view_count_ += kept->size();
-    out.chunks_.push_back(kept);
-  }
-  *known = std::move(filtered);
   return out;
 }
 
