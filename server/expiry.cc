@@ -1,8 +1,10 @@
 #include "server/expiry.h"
 
+#include <google/protobuf/util/time_util.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "program/log_field.h"
@@ -16,12 +18,33 @@ namespace {
 constexpr absl::Duration kOpenUploadAge = absl::Hours(7 * 24);
 constexpr absl::Duration kCommittedUploadAge = absl::Hours(30 * 24);
 constexpr std::chrono::hours kExpiryInterval{1};
+// The clock is believed up to this time after all of the history became old: a server that was off
+// for longer keeps it until it has run for as long. Doubled, a clock that is further ahead than
+// that by up to two weeks purges all of it.
+constexpr absl::Duration kLongestOff = absl::Hours(7 * 24);
+
+// The time of the last change; nullopt without one.
+std::optional<absl::Time> LastChangeTime(const storage::Catalogue& catalogue) {
+  const std::int64_t before = std::max<std::int64_t>(0, catalogue.revision() - 1);
+  const auto changes = catalogue.ReadChanges(before, 1);
+  if (!changes.ok() || changes->empty()) return std::nullopt;
+  using google::protobuf::util::TimeUtil;
+  return absl::FromUnixNanos(TimeUtil::TimestampToNanoseconds(changes->front().time()));
+}
 
 }  // namespace
 
+absl::Time Expiry::TimeAtStart(const storage::Catalogue& catalogue, absl::Time wall) const {
+  const auto last_change = LastChangeTime(catalogue);
+  if (!last_change || wall - *last_change <= history_kept_ + kLongestOff) return wall;
+  spdlog::info("event=expiry_from_last_change time={}", absl::FormatTime(*last_change));
+  return *last_change;
+}
+
 void Expiry::Run(storage::Catalogue& catalogue, absl::Time wall, Clock::time_point monotonic) {
   if (last_ && monotonic - *last_ < kExpiryInterval) return;
-  now_ = last_ ? std::min(wall, now_ + absl::FromChrono(monotonic - *last_)) : wall;
+  now_ = last_ ? std::min(wall, now_ + absl::FromChrono(monotonic - *last_))
+               : TimeAtStart(catalogue, wall);
   last_ = monotonic;
   DeleteUploads(catalogue);
   PurgeHistory(catalogue);

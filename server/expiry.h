@@ -23,10 +23,13 @@ class Expiry {
   // Deletes the uploads that are older than the contract keeps them, and history that is older than
   // it is kept; logs uploads that were not committed, and objects. Does nothing for an hour after
   // the last time. `wall` and `monotonic` are the times of now. Where the wall clock was set ahead
-  // after the first call, only the time that really passed makes them older.
+  // after the first call, only the time that really passed makes them older. A clock that is ahead
+  // at the first call must not purge all of the history either: where it makes the last change
+  // older than history is kept, by more than a week, time begins at that change.
   void Run(storage::Catalogue& catalogue, absl::Time wall, Clock::time_point monotonic);
 
  private:
+  absl::Time TimeAtStart(const storage::Catalogue& catalogue, absl::Time wall) const;
   void DeleteUploads(storage::Catalogue& catalogue) const;
   void PurgeHistory(storage::Catalogue& catalogue) const;
 

@@ -81,6 +81,22 @@ TEST_F(ExpiryTest, ADeletedObjectIsPurgedAfterItsTime) {
   EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 1), hours(30 * 24 + 1)));
 }
 
+TEST_F(ExpiryTest, AClockThatIsAYearAheadAtTheStartPurgesNothing) {
+  v1::Object object;
+  object.set_name("objects/mug");
+  ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
+  ASSERT_THAT(catalogue_->DeleteObject("objects/mug", false, ""), IsOk());
+  const absl::Time deleted = absl::Now();
+  const auto is_kept = [&](absl::Duration age, hours monotonic) {
+    expiry_.Run(*catalogue_, deleted + age, kStart + monotonic);
+    return catalogue_->history().GetDeleted("objects/mug").ok();
+  };
+  EXPECT_TRUE(is_kept(absl::Hours(365 * 24), hours(0)));
+  EXPECT_TRUE(is_kept(absl::Hours(365 * 24 + 1), hours(1)));
+  EXPECT_TRUE(is_kept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1))) << "set right";
+  EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 2), hours(30 * 24 + 2)));
+}
+
 TEST(UploadRateTest, CountsTheLastHalfMinute) {
   server::UploadRate rate;
   const server::UploadRate::Clock::time_point start{hours(1)};
