@@ -37,10 +37,12 @@ absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
   return MakeDescriptorRecord(*cloud, sensor, parameters);
 }
 
-}  // namespace
+// What becomes of a view that cannot be described.
+enum class Undescribable { kIsAnError, kIsLeftOut };
 
-absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
-                        const recognition::DescriptorParameters& parameters) {
+absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+                           const recognition::DescriptorParameters& parameters,
+                           Undescribable undescribable) {
   spdlog::info("event=redescribe views={} parameters={}", names.size(),
                LogField(parameters.Fingerprint()));
   std::vector<storage::DescriptorUpdate> updates;
@@ -60,12 +62,24 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
       LogLeftOut(name, descriptor.status());
       continue;
     }
-    if (!descriptor.ok()) return CannotDescribe(name, descriptor.status());
+    if (!descriptor.ok()) {
+      absl::Status why = CannotDescribe(name, descriptor.status());
+      if (undescribable == Undescribable::kIsAnError) return why;
+      LogLeftOut(name, why);
+      descriptor = NoDescriptor(parameters);
+    }
     updates.push_back({name, {*std::move(descriptor)}});
     if (updates.size() < kRedescribeBatch) continue;
     if (absl::Status status = store(); !status.ok()) return status;
   }
   return store();
+}
+
+}  // namespace
+
+absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+                        const recognition::DescriptorParameters& parameters) {
+  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsAnError);
 }
 
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
@@ -94,7 +108,8 @@ absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& ob
     }
     more = poses->more;
   }
-  return undescribed.empty() ? absl::OkStatus() : Redescribe(catalogue, undescribed, parameters);
+  if (undescribed.empty()) return absl::OkStatus();
+  return RedescribeAll(catalogue, undescribed, parameters, Undescribable::kIsLeftOut);
 }
 
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
@@ -104,7 +119,7 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
   ViewCollector collector(recognition::DescriptorSize(parameters.kind));
   std::vector<std::string> left_out;
   others.view = [&](const storage::ViewRecord& record) {
-    if (FindDescriptor(record, parameters) == nullptr) {
+    if (FindDescriptor(record, parameters) == nullptr && !IsUndescribable(record, parameters)) {
       undescribed->push_back(record.name());
       return absl::OkStatus();
     }

@@ -26,7 +26,9 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters);
 
-// Redescribe() for the views of one object that have no descriptor of these parameters.
+// Redescribe() for the views of one object that have no descriptor of these parameters. A view that
+// cannot be described gets one without bins and is left out, also at the next starts: no view that
+// a call brought back prevents them.
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
                             const recognition::DescriptorParameters& parameters);
 

@@ -1,5 +1,7 @@
 #include "server/records.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
 #include "server/convert.h"
@@ -43,6 +45,21 @@ const storage::DescriptorRecord* FindDescriptor(
   return nullptr;
 }
 
+storage::DescriptorRecord NoDescriptor(const recognition::DescriptorParameters& parameters) {
+  storage::DescriptorRecord record;
+  record.set_kind(std::string(recognition::DescriptorName(parameters.kind)));
+  record.set_parameters(parameters.Fingerprint());
+  return record;
+}
+
+bool IsUndescribable(const storage::ViewRecord& record,
+                     const recognition::DescriptorParameters& parameters) {
+  const std::string fingerprint = parameters.Fingerprint();
+  return std::ranges::any_of(record.descriptors(), [&](const storage::DescriptorRecord& d) {
+    return d.parameters() == fingerprint && d.bins().empty();
+  });
+}
+
 absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters) {
   absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> view = ViewFromRecord(record);
@@ -79,9 +96,7 @@ absl::StatusOr<storage::DescriptorRecord> MakeDescriptorRecord(
   absl::StatusOr<recognition::Descriptor> bins =
       recognition::Describe(cloud, world_sensor, parameters.kind);
   if (!bins.ok()) return bins.status();
-  storage::DescriptorRecord record;
-  record.set_kind(std::string(recognition::DescriptorName(parameters.kind)));
-  record.set_parameters(parameters.Fingerprint());
+  storage::DescriptorRecord record = NoDescriptor(parameters);
   record.mutable_bins()->Assign(bins->begin(), bins->end());
   return record;
 }

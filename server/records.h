@@ -20,6 +20,12 @@ absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
 const storage::DescriptorRecord* FindDescriptor(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
 
+// The descriptor of a view that cannot be described with `parameters`: it has no bins. And whether
+// a view has it.
+storage::DescriptorRecord NoDescriptor(const recognition::DescriptorParameters& parameters);
+bool IsUndescribable(const storage::ViewRecord& record,
+                     const recognition::DescriptorParameters& parameters);
+
 // A view with its descriptor of `parameters`. DATA_LOSS as ViewFromRecord, INTERNAL if it has none.
 absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);

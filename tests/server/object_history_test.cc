@@ -135,6 +135,22 @@ TEST_F(ObjectHistoryTest, ViewsOfEarlierParametersAreDescribedAgain) {
   EXPECT_EQ(Status().left_out_record_count(), 0);
 }
 
+TEST_F(ObjectHistoryTest, ViewsThatCannotBeDescribedAreLeftOutAndDoNotPreventTheNextStart) {
+  DeleteWedge();
+  options_.voxel_size_m = 0.1;
+  Restart();
+  ASSERT_THAT(Call(&History::UndeleteObject, WedgeRequest<v1::UndeleteObjectRequest>()),
+              IsGrpcOk());
+  const std::int64_t left_out = Status().left_out_record_count();
+  EXPECT_GT(left_out, 0);
+  Restart();
+  EXPECT_EQ(Status().left_out_record_count(), left_out);
+  options_.voxel_size_m = 0.003;
+  Restart();
+  EXPECT_EQ(Status().left_out_record_count(), 0);
+  EXPECT_EQ(See().status(), v1::OK);
+}
+
 TEST_F(ObjectHistoryTest, HistoryIsPagedWithTheNewestFirst) {
   DeleteWedge();
   for (const int page_size : {1, 2, 100}) {
