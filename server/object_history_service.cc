@@ -10,6 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "program/log_field.h"
+#include "server/background.h"
 #include "server/errors.h"
 #include "server/handle.h"
 #include "server/load_views.h"
@@ -93,7 +94,9 @@ grpc::Status ObjectHistoryService::GetDeletedObject(grpc::ServerContext* context
 }
 
 void ObjectHistoryService::Describe(const std::string& object) const {
-  const absl::Status described = DescribeObject(catalogue_, object, parameters_);
+  // Milliseconds for each view, where the parameters changed since.
+  const absl::Status described =
+      InBackground([&] { return DescribeObject(catalogue_, object, parameters_); });
   if (described.ok()) return;
   spdlog::error("event=restored_views_not_described object={} error={}", LogField(object),
                 LogField(std::string(described.message())));
