@@ -1,7 +1,8 @@
-// Flags of the programs that are clients of a server: encryption and identity.
+// Flags of the programs that are clients of a server: encryption, identity and retries.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "absl/status/status.h"
 #include "program/pem_files.h"
@@ -20,6 +21,15 @@ void AddSecurityFlags(CLI::App& app, SecurityOptions* options) {
   app.add_option("--key", options->key, "File with the private key of --cert (PEM)");
   app.add_option("--token-file", options->token_file,
                  "File with a token that identifies this client to the server");
+}
+
+// Adds the flag for client::ConnectionOptions::busy_retries; `help` names the calls. A thousand
+// take ten minutes on average; a limit doubled, twice as long.
+inline void AddBusyRetriesFlag(CLI::App& app, int* retries, const std::string& help) {
+  constexpr int kMaxBusyRetries = 1000;
+  app.add_option("--busy-retries", *retries, help)
+      ->check(CLI::Range(0, kMaxBusyRetries))
+      ->capture_default_str();
 }
 
 // Why the files cannot be used for TLS, if so: FAILED_PRECONDITION.

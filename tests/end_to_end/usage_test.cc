@@ -30,6 +30,8 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"describe", cloud, "--viewpoint", "1,2"}, "--viewpoint"},
       {{"import", ".", "--split", "HALF"}, "HALF"},
       {{"--timeout", "0", "status"}, "--timeout"},
+      {{"--busy-retries", "-1", "status"}, "--busy-retries"},
+      {{"--busy-retries", "1001", "status"}, "--busy-retries"},
       {{"cells", "set", "c", "--sensor-pose", "1,2,3"}, "--sensor-pose"},
       {{"objects", "show"}, "OBJECT"},
       {{"objects"}, "subcommand"},
@@ -118,6 +120,8 @@ TEST_F(UsageTest, ReadsSettingsFromFlagsThenVariablesThenTheFile) {
   EXPECT_THAT(run({bad_variable}, {"--config", file, "status"}), EndsWith(3));
   EXPECT_THAT(run({bad_variable}, {"--config", bad, "--server", address_, "status"}), EndsWith(0));
   EXPECT_THAT(run({"GRASPDB_CONFIG=/nonexistent/file"}, {"status"}), EndsWith(2));
+  EXPECT_THAT(run({good_variable, "GRASPDB_BUSY_RETRIES=0"}, {"status"}), EndsWith(0));
+  EXPECT_THAT(run({good_variable, "GRASPDB_BUSY_RETRIES=often"}, {"status"}), EndsWith(2));
   EXPECT_THAT(run({good_variable, "GRASPDB_JSON=1"}, {"status"}).out,
               ::testing::StartsWith("{\"serverVersion\""));
 }

@@ -83,6 +83,7 @@ void StartAgent(std::vector<char*>& arguments) {
   const client::AgentOptions& options = parsed.options;
   Require(options.time_limit_s >= 0.01 && options.time_limit_s <= 600,
           "a time limit within limits");
+  Require(options.busy_retries >= 0 && options.busy_retries <= 1000, "retries within limits");
   Require(options.min_reach_m >= 0 && options.max_reach_m <= 1000, "a reach within limits");
   client::CheckAddresses(options).IgnoreError();
   client::LineOptions(options).IgnoreError();

@@ -30,6 +30,7 @@ ConnectionOptions ConnectionTo(const AgentOptions& options) {
   out.server = options.server;
   out.timeout = absl::Seconds(options.time_limit_s);
   out.security = options.security;
+  out.busy_retries = options.busy_retries;
   out.retry_frames = false;  // CaptureAndRecognize takes a new frame for each attempt
   return out;
 }

@@ -32,6 +32,9 @@ Exit status: 0 stopped by a signal, 1 could not start, 2 wrong usage.)";
 void AddAddresses(CLI::App& app, AgentOptions* o) {
   app.add_option("--server", o->server, "HOST:PORT of graspdb-server")->capture_default_str();
   AddSecurityFlags(app, &o->security);
+  AddBusyRetriesFlag(app, &o->busy_retries,
+                     "How often a call is sent again while the server is busy; frames are taken "
+                     "anew until --time-limit instead");
   app.add_option("--gri", o->gri,
                  "HOST:PORT for robots with the Generic Robot Interface; \"\" for none")
       ->capture_default_str();

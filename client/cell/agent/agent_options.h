@@ -15,7 +15,8 @@ namespace graspdb::client {
 
 struct AgentOptions {
   std::string server = "127.0.0.1:50051";
-  SecurityOptions security = {};  // of the connection to the server
+  SecurityOptions security = {};                        // of the connection to the server
+  int busy_retries = ConnectionOptions().busy_retries;  // of calls other than Recognize
   std::string cell;
   std::string sensor;
   std::vector<std::string> jobs = {"1 any"};

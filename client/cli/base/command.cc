@@ -21,6 +21,7 @@ extern "C" void OnInterrupt(int /*signal*/) { interrupted.store(true); }
 Client Connect(const GlobalOptions& options) {
   return Client({.server = options.server,
                  .timeout = absl::Seconds(options.timeout_s),
+                 .busy_retries = options.busy_retries,
                  .security = options.security});
 }
 

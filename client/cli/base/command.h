@@ -17,6 +17,7 @@ namespace graspdb::client {
 struct GlobalOptions {
   std::string server = "127.0.0.1:50051";
   double timeout_s = 30;
+  int busy_retries = ConnectionOptions().busy_retries;
   bool json = false;
   bool verbose = false;
   SecurityOptions security = {};

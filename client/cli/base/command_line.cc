@@ -45,6 +45,8 @@ void AddGlobalFlags(CLI::App& app, GlobalOptions* global) {
   app.add_option("--timeout", global->timeout_s, "Time limit of a call, seconds")
       ->check(CLI::Range(0.001, 86400.0))
       ->capture_default_str();
+  AddBusyRetriesFlag(app, &global->busy_retries,
+                     "How often a call is sent again while the server is busy, within --timeout");
   app.add_flag("--json", global->json, "Print results as JSON, one document per line");
   app.add_flag("--verbose", global->verbose,
                "Print the request id of a call that fails, which is in the server's log");

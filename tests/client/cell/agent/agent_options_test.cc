@@ -73,6 +73,20 @@ TEST(AgentOptions, SecurityFlagsAreRead) {
   EXPECT_THAT(options.robots_allow, ElementsAre("10.3.0.0/24", "10.4.0.7"));
 }
 
+TEST(AgentOptions, BusyRetriesAreThoseOfTheClientLibraryUnlessGiven) {
+  const auto parse = [](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"--cell", "c", "--sensor", "s"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Parse(arguments);
+  };
+  EXPECT_EQ(parse({}).options.busy_retries, ConnectionOptions().busy_retries);
+  EXPECT_EQ(parse({"--busy-retries", "0"}).options.busy_retries, 0);
+  EXPECT_EQ(parse({"--busy-retries", "1000"}).options.busy_retries, 1000);
+  for (const char* wrong : {"-1", "1001", "0.5", "often"}) {
+    EXPECT_EQ(parse({"--busy-retries", wrong}).exit_status, 2) << wrong;
+  }
+}
+
 TEST(AgentOptions, LineFormatSetsTheDefaultPoseFormat) {
   AgentOptions options;
   EXPECT_FALSE(LineOptions(options)->pose_format);
