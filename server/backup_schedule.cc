@@ -16,9 +16,30 @@ constexpr absl::Duration kLongestWait = absl::Minutes(1);
 
 }  // namespace
 
+absl::Duration BackupRounds::Run(absl::Time wall, Clock::time_point monotonic) {
+  const absl::Duration wait = UntilNext(wall);
+  if (wait > absl::ZeroDuration()) return std::min(wait, kLongestWait);
+  absl::Status done = backups_.Create({}).status();
+  const absl::Time now = std::min(wall, start_wall_ + absl::FromChrono(monotonic - start_));
+  if (done.ok()) done = backups_.DeleteOld(retention_, now);
+  // The new one is listed as good, unless its disk is at fault: not made again and again.
+  const std::optional<absl::Time> last = backups_.LastGoodTime();
+  if (!done.ok() || !last || *last < wall) return std::min(interval_, kRetryAfterFailure);
+  return absl::ZeroDuration();  // the times are those of before the backup
+}
+
+absl::Duration BackupRounds::UntilNext(absl::Time wall) const {
+  const std::optional<absl::Time> last = backups_.LastGoodTime();
+  // A backup of the future was made before the clock was set back.
+  if (!last || *last > wall) return absl::ZeroDuration();
+  return std::max(absl::ZeroDuration(), *last + interval_ - wall);
+}
+
 BackupSchedule::BackupSchedule(CatalogueBackups& backups, absl::Duration interval,
                                storage::BackupRetention retention)
-    : backups_(backups), interval_(interval), retention_(retention), thread_([this] {
+    : backups_(backups),
+      rounds_(backups, interval, retention, absl::Now(), BackupRounds::Clock::now()),
+      thread_([this] {
         LowerPriority();
         Run();
       }) {}
@@ -30,20 +51,10 @@ BackupSchedule::~BackupSchedule() {
 }
 
 void BackupSchedule::Run() {
-  while (!Stopped(std::min(UntilNext(), kLongestWait))) {
-    if (UntilNext() > absl::ZeroDuration()) continue;
-    absl::Status done = backups_.Create({}).status();
-    if (done.ok()) done = backups_.DeleteOld(retention_);
-    if (!done.ok() && Stopped(std::min(interval_, kRetryAfterFailure))) return;
+  absl::Duration wait;
+  while (!stop_.Wait(absl::ToChronoNanoseconds(wait))) {
+    wait = rounds_.Run(absl::Now(), BackupRounds::Clock::now());
   }
-}
-
-absl::Duration BackupSchedule::UntilNext() const {
-  const std::optional<absl::Time> last = backups_.LastGoodTime();
-  const absl::Time now = absl::Now();
-  // A backup of the future was made before the clock was set back.
-  if (!last || *last > now) return absl::ZeroDuration();
-  return std::max(absl::ZeroDuration(), *last + interval_ - now);
 }
 
 }  // namespace graspdb::server

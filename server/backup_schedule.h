@@ -1,6 +1,7 @@
 // Scheduled backups.
 #pragma once
 
+#include <chrono>
 #include <thread>
 
 #include "absl/time/time.h"
@@ -9,6 +10,37 @@
 #include "storage/backups.h"
 
 namespace graspdb::server {
+
+// The schedule without its thread. Not thread-safe.
+class BackupRounds {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // `backups` must outlive this. `wall` and `monotonic` are the times of now.
+  BackupRounds(CatalogueBackups& backups, absl::Duration interval,
+               storage::BackupRetention retention, absl::Time wall, Clock::time_point monotonic)
+      : backups_(backups),
+        interval_(interval),
+        retention_(retention),
+        start_wall_(wall),
+        start_(monotonic) {}
+
+  // If the newest good backup is older than the interval, or of the future, or there is none, makes
+  // one and deletes old ones. Returns the time until the next call: at most a minute, or ten after
+  // a failure. `wall` and `monotonic` are the times of now. Where the wall clock was set ahead
+  // after the start, it makes a backup due, but only the time that really passed makes others so
+  // old that they are deleted.
+  absl::Duration Run(absl::Time wall, Clock::time_point monotonic);
+
+ private:
+  absl::Duration UntilNext(absl::Time wall) const;
+
+  CatalogueBackups& backups_;
+  const absl::Duration interval_;
+  const storage::BackupRetention retention_;
+  const absl::Time start_wall_;
+  const Clock::time_point start_;
+};
 
 // Makes a backup whenever the newest good one is older than the interval, at once if there is none,
 // and then deletes old ones. Runs on a thread of low priority (LowerPriority). After a failure,
@@ -25,12 +57,9 @@ class BackupSchedule {
 
  private:
   void Run();
-  absl::Duration UntilNext() const;
-  bool Stopped(absl::Duration wait) { return stop_.Wait(absl::ToChronoNanoseconds(wait)); }
 
   CatalogueBackups& backups_;
-  const absl::Duration interval_;
-  const storage::BackupRetention retention_;
+  BackupRounds rounds_;  // for the thread
   StopFlag stop_;
   std::thread thread_;  // the last member: it uses the others
 };

@@ -100,8 +100,9 @@ absl::Status CatalogueBackups::Delete(storage::BackupId id) {
   return deleted;
 }
 
-absl::Status CatalogueBackups::DeleteOld(const storage::BackupRetention& retention) {
-  const auto deleted = backups_.DeleteOld(retention, absl::Now());
+absl::Status CatalogueBackups::DeleteOld(const storage::BackupRetention& retention,
+                                         absl::Time now) {
+  const auto deleted = backups_.DeleteOld(retention, now);
   NoteFailure(deleted.status(), "delete");
   Refresh();
   if (!deleted.ok()) return deleted.status();

@@ -35,7 +35,7 @@ class CatalogueBackups {
   absl::StatusOr<storage::Backup> Verify(storage::BackupId id,
                                          const storage::BackupProgress& progress);
   absl::Status Delete(storage::BackupId id);
-  absl::Status DeleteOld(const storage::BackupRetention& retention);
+  absl::Status DeleteOld(const storage::BackupRetention& retention, absl::Time now);
   absl::StatusOr<std::vector<storage::Backup>> List();
   // What a restore would change in the catalogue.
   absl::StatusOr<storage::Backup> Compare(storage::BackupId id,

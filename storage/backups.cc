@@ -131,8 +131,8 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
     BackupRecord record;
     *record.mutable_meta() = meta;
     record.set_request_id(std::string(request_id));
-    *record.mutable_time() =
-        google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(absl::Now()));
+    *record.mutable_time() = google::protobuf::util::TimeUtil::NanosecondsToTimestamp(
+        absl::ToUnixNanos(catalogue.log_->Now()));
     CapturedDatabase captured(database.rocks(), release);
     const rocksdb::Status made =
         (*engine)->CreateNewBackupWithMetadata(options, &captured, EncodeBackupRecord(record), &id);

@@ -55,7 +55,8 @@ class Uploads;
 struct CatalogueOptions {
   // Whether to create a missing database; otherwise it is NOT_FOUND.
   bool create_if_missing = true;
-  // Source of create and update times. Called by one writer at a time; must not throw.
+  // Source of create and update times, and of backups' times. Called by one writer at a time; must
+  // not throw.
   std::function<absl::Time()> clock = absl::Now;
   // Number of the newest change records that are kept; at least 1. Twice as many take twice the
   // disk: 1.5 KB per view.

@@ -47,6 +47,9 @@ class ChangeLog {
       absl::FunctionRef<absl::Status(const MetaRecord& meta, absl::FunctionRef<void()> release)>
           work) ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
+  // The time of the clock. For the work of HoldChanges() before it releases, as for a writer.
+  absl::Time Now() const { return clock_(); }
+
   // Sets the listener (empty: none) and returns the last revision before its first change.
   absl::StatusOr<std::int64_t> Subscribe(Listener listener)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);

@@ -1,12 +1,18 @@
 // A wall clock that is set while the server runs.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "absl/time/time.h"
 #include "program/stop_flag.h"
+#include "server/backup_schedule.h"
+#include "server/catalogue_backups.h"
 #include "server/expiry.h"
 #include "server/upload_rate.h"
 #include "storage/catalogue.h"
@@ -19,6 +25,7 @@ namespace graspdb::testing {
 namespace {
 
 using std::chrono::hours;
+using ::testing::ElementsAre;
 
 class ExpiryTest : public ::testing::Test {
  protected:
@@ -95,6 +102,87 @@ TEST_F(ExpiryTest, AClockThatIsAYearAheadAtTheStartPurgesNothing) {
   EXPECT_TRUE(is_kept(absl::Hours(365 * 24 + 1), hours(1)));
   EXPECT_TRUE(is_kept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1))) << "set right";
   EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 2), hours(30 * 24 + 2)));
+}
+
+class BackupRoundsTest : public ::testing::Test {
+ protected:
+  static constexpr absl::Duration kDay = absl::Hours(24);
+
+  void SetUp() override {
+    storage::CatalogueOptions catalogue_options;
+    catalogue_options.clock = [this] { return wall_; };
+    auto opened = storage::Catalogue::Open((folder_.path() / "db").string(), catalogue_options);
+    ASSERT_THAT(opened, IsOk());
+    catalogue_ = *std::move(opened);
+    server::ServerOptions options;
+    options.backup_dir = (folder_.path() / "backups").string();
+    std::filesystem::create_directory(options.backup_dir);
+    auto backups = server::CatalogueBackups::Open(options, *catalogue_);
+    ASSERT_THAT(backups, IsOk());
+    backups_ = *std::move(backups);
+    rounds_.emplace(*backups_, kDay, storage::BackupRetention{.max_age = 20 * kDay}, wall_,
+                    monotonic_);
+  }
+  std::vector<storage::BackupId> Ids() {
+    std::vector<storage::BackupId> out;
+    const auto listed = backups_->List();
+    EXPECT_THAT(listed, IsOk());
+    if (!listed.ok()) return out;
+    out.reserve(listed->size());
+    for (const storage::Backup& backup : *listed) out.push_back(backup.id);
+    return out;
+  }
+  // Number of backups that are made in a time.
+  int MadeIn(absl::Duration time) {
+    const std::vector<storage::BackupId> before = Ids();
+    int without_wait = 0;
+    absl::Duration passed;
+    while (passed < time) {
+      const absl::Duration wait = rounds_->Run(wall_, monotonic_);
+      if (wait <= absl::ZeroDuration() && ++without_wait > 100) {
+        ADD_FAILURE() << "a loop without a wait";
+        break;
+      }
+      passed += wait;
+      wall_ += wait;
+      monotonic_ += absl::ToChronoNanoseconds(wait);
+    }
+    const std::vector<storage::BackupId> after = Ids();
+    if (after.empty()) return 0;
+    return static_cast<int>(after.back() - (before.empty() ? 0 : before.back()));
+  }
+
+  const client::TemporaryFolder folder_;
+  absl::Time wall_ = absl::FromUnixSeconds(1'700'000'000);
+  server::BackupRounds::Clock::time_point monotonic_{hours(1000)};
+  std::unique_ptr<storage::Catalogue> catalogue_;
+  std::unique_ptr<server::CatalogueBackups> backups_;
+  std::optional<server::BackupRounds> rounds_;
+};
+
+TEST_F(BackupRoundsTest, AClockSetAheadByAYearMakesOneBackupDueAndNoneOld) {
+  EXPECT_EQ(MadeIn(5 * kDay + absl::Hours(1)), 6);
+  wall_ += 365 * kDay;
+  EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
+  EXPECT_EQ(MadeIn(3 * kDay), 3);
+  wall_ -= 365 * kDay;  // set right again: the newest one is of the future
+  EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
+  EXPECT_EQ(MadeIn(2 * kDay), 2);
+  EXPECT_EQ(Ids().size(), 13U) << "none was deleted";
+  EXPECT_EQ(MadeIn(20 * kDay), 20);
+  EXPECT_EQ(Ids().front(), 7U) << "those of before are old now";
+}
+
+TEST_F(BackupRoundsTest, AClockSetBackByAYearDoesNotStopThem) {
+  EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
+  wall_ -= 365 * kDay;
+  EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
+  EXPECT_EQ(MadeIn(3 * kDay), 3);
+  EXPECT_THAT(Ids(), ElementsAre(1, 2, 3, 4, 5));
+  wall_ += 365 * kDay;
+  EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
+  EXPECT_THAT(Ids(), ElementsAre(1, 6)) << "by their time the others are a year old";
+  EXPECT_EQ(MadeIn(3 * kDay), 3);
 }
 
 TEST(UploadRateTest, CountsTheLastHalfMinute) {
