@@ -1,10 +1,11 @@
-// A server whose disk is full or read-only.
+// A server whose disk is full, or read-only, at the start or while it runs.
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <csignal>
 #include <thread>
 
+#include "tests/faults/ext4_disk.h"
 #include "tests/faults/fault_fixture.h"
 #include "tests/faults/small_disk.h"
 
@@ -85,6 +86,57 @@ TEST_F(DiskTest, AFullOrReadOnlyDiskEndsTheStartWithASentence) {
   ASSERT_TRUE(disk_.SetReadOnly(false));
   StartServer("disk/db");
   EXPECT_EQ(Status().object_count(), samples_.count());
+}
+
+class ReadOnlyDiskTest : public FaultTest {
+ protected:
+  Ext4Disk disk_{folder_.path(), "disk"};
+};
+
+TEST_F(ReadOnlyDiskTest, AFileSystemThatTurnsReadOnlyRejectsWritesAndReadsGoOn) {
+  if (!disk_.usable()) {
+    GTEST_SKIP() << "an ext4 that can turn read-only needs root, mkfs.ext4, a free loop device and "
+                    "a writable /sys";
+  }
+  constexpr int kTaught = 10;
+  Prepare();
+  StartServer("disk/db");
+  {
+    client::Client client = Connect();
+    ASSERT_TRUE(samples_.Prepare(client).ok());
+    for (int i = 0; i < kTaught / 2; ++i) ASSERT_TRUE(Teach(client, i).ok());
+  }
+  server_->Signal(SIGTERM);
+  server_->Wait();
+  StartServer("disk/db");  // these views are in files now, and the following ones in the log
+  client::Client client = Connect();
+  for (int i = kTaught / 2; i < kTaught; ++i) ASSERT_TRUE(Teach(client, i).ok());
+
+  ASSERT_TRUE(disk_.Fail());
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const absl::Status refused = Teach(client, kTaught);
+    EXPECT_TRUE(absl::IsUnavailable(refused)) << refused;
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("Read-only file system"));
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("check the disk and restart the server"));
+  }
+  EXPECT_TRUE(absl::IsUnavailable(client.DeleteView(NameOf(0))));
+  for (int i = 0; i < kTaught; ++i) {
+    ExpectView(client, i);
+    const auto answer = client.Recognize(samples_.Scan(i));
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    EXPECT_EQ(answer->detections(0).candidates(0).view(), NameOf(i));
+  }
+  EXPECT_TRUE(absl::IsNotFound(client.GetView(NameOf(kTaught)).status()));
+  server_->Signal(SIGTERM);
+  EXPECT_EQ(server_->Wait().exit_status, 0);
+
+  ASSERT_TRUE(disk_.MountAgain());
+  StartServer("disk/db");
+  client::Client restarted = Connect();
+  for (int i = 0; i < kTaught; ++i) ExpectView(restarted, i);
+  EXPECT_EQ(restarted.GetCatalogStatus()->view_count(), kTaught);
+  EXPECT_TRUE(Teach(restarted, kTaught).ok());
+  ExpectView(restarted, kTaught);
 }
 
 }  // namespace

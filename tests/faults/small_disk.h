@@ -1,12 +1,13 @@
 // A small file system in memory, which only this process and its children see.
 #pragma once
 
-#include <sched.h>
 #include <sys/mount.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+#include "tests/faults/own_mounts.h"
 
 namespace graspdb::faults {
 
@@ -16,9 +17,7 @@ class SmallDisk {
   SmallDisk(const std::string& path, int megabytes) : path_(path) {
     std::filesystem::create_directory(path);
     const std::string size = "size=" + std::to_string(megabytes) + "m";
-    usable_ = unshare(CLONE_NEWNS) == 0 &&
-              mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-              mount("tmpfs", path.c_str(), "tmpfs", 0, size.c_str()) == 0;
+    usable_ = EnterOwnMounts() && mount("tmpfs", path.c_str(), "tmpfs", 0, size.c_str()) == 0;
   }
   ~SmallDisk() {
     if (usable_) umount2(path_.c_str(), MNT_DETACH);
