@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <utility>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "client/archive/archive_content.h"
+#include "client/archive/archive_outcomes.h"
 
 namespace graspdb::client {
 namespace {
@@ -17,11 +17,6 @@ namespace {
 // The contract's limit for an upload.
 constexpr std::size_t kViewsPerUpload = 100'000;
 constexpr std::size_t kUploadIdBytes = 8;
-// The contract's limit for a report.
-constexpr std::int64_t kOutcomesPerReport = 10'000;
-// Counts above are treated as this one: 100 reports. Grasps are ranked by shares, which hardly
-// differ from there on; doubled, a hostile file causes twice as many calls.
-constexpr std::int64_t kMaxRaisedCount = 1'000'000;
 
 std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 std::string StablePoseOf(const std::string& view) { return view.substr(0, view.find("/views/")); }
@@ -83,11 +78,17 @@ class ArchiveImport {
   }
 
  private:
+  absl::Status GoOn() const {
+    if (!watch_.cancelled || !watch_.cancelled()) return absl::OkStatus();
+    return absl::CancelledError("interrupted; run the same command again to go on");
+  }
+
   absl::Status CreateParents() {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
       const ArchiveEntry& entry = entries_[i];
       if (entry.kind == ArchiveKind::kView) continue;
       if (comparison_.actions[i] != ArchiveAction::kCreate) continue;
+      if (absl::Status go = GoOn(); !go.ok()) return go;
       const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
       if (!item.ok()) return item.status();
       absl::Status created = entry.kind == ArchiveKind::kObject
@@ -158,8 +159,10 @@ class ArchiveImport {
   absl::Status ReplaceParents() {
     for (const ArchiveDifference& difference : comparison_.differences) {
       const ArchiveEntry& entry = entries_[difference.entry];
-      if (difference.action != ArchiveAction::kReplace || entry.kind == ArchiveKind::kView)
+      if (difference.action != ArchiveAction::kReplace || entry.kind == ArchiveKind::kView) {
         continue;
+      }
+      if (absl::Status go = GoOn(); !go.ok()) return go;
       const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
       if (!item.ok()) return item.status();
       absl::Status replaced = entry.kind == ArchiveKind::kObject
@@ -195,52 +198,14 @@ class ArchiveImport {
         action == ArchiveAction::kKeep) {
       return absl::OkStatus();
     }
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
     if (!item.ok()) return item.status();
-    const v1::StablePose& pose = item->record.stable_pose();
-    if (pose.grasp_outcomes().empty()) return absl::OkStatus();
-    const absl::StatusOr<v1::StablePose> server = client_.GetStablePose(entry.name);
-    if (!server.ok()) return server.status();
-    std::map<std::string, v1::GraspOutcomeCounts> counted;
-    for (const v1::GraspOutcomeCounts& counts : server->grasp_outcomes()) {
-      counted[counts.grasp_id()] = counts;
-    }
-    bool raised = false;
-    for (const v1::GraspOutcomeCounts& file : pose.grasp_outcomes()) {
-      absl::StatusOr<bool> done = RaiseTo(file, counted[file.grasp_id()], entry.name);
-      if (!done.ok()) return done.status();
-      raised |= *done;
-    }
-    counts_.raised_outcomes += raised ? 1 : 0;
+    const absl::StatusOr<bool> raised =
+        RaiseOutcomesTo(item->record.stable_pose(), client_, [this] { return GoOn(); });
+    if (!raised.ok()) return raised.status();
+    counts_.raised_outcomes += *raised ? 1 : 0;
     return absl::OkStatus();
-  }
-
-  // Whether anything was reported.
-  absl::StatusOr<bool> RaiseTo(const v1::GraspOutcomeCounts& file,
-                               const v1::GraspOutcomeCounts& server, const std::string& pose) {
-    v1::ReportGraspOutcomeRequest request;
-    request.set_name(pose);
-    request.set_grasp_id(file.grasp_id());
-    bool raised = false;
-    const std::array<std::pair<v1::GraspOutcome, std::int64_t>, 3> missing = {{
-        {v1::GRASP_OUTCOME_PICKED, Missing(file.picked_count(), server.picked_count())},
-        {v1::GRASP_OUTCOME_MISSED, Missing(file.missed_count(), server.missed_count())},
-        {v1::GRASP_OUTCOME_SLIPPED, Missing(file.slipped_count(), server.slipped_count())},
-    }};
-    for (auto [outcome, count] : missing) {
-      request.set_outcome(outcome);
-      for (; count > 0; count -= kOutcomesPerReport) {
-        request.set_count(static_cast<int>(std::min(count, kOutcomesPerReport)));
-        const auto reported = client_.ReportGraspOutcome(request);
-        if (!reported.ok()) return reported.status();
-        raised = true;
-      }
-    }
-    return raised;
-  }
-
-  static std::int64_t Missing(std::int64_t file, std::int64_t server) {
-    return std::min(file, kMaxRaisedCount) - std::clamp<std::int64_t>(server, 0, kMaxRaisedCount);
   }
 
   Client& client_;

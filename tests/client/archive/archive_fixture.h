@@ -94,6 +94,10 @@ class ArchiveTest : public ::testing::Test {
   Opened Export(Client& client, const std::string& name, const std::vector<std::string>& ids = {}) {
     const auto written = ExportArchive(client, ids, Path(name), {});
     EXPECT_THAT(written, IsOk());
+    return Open(name);
+  }
+
+  Opened Open(const std::string& name) const {
     auto file = ArchiveFile::Open(Path(name));
     EXPECT_THAT(file, IsOk());
     auto index = IndexArchive(**file, nullptr);

@@ -1,5 +1,9 @@
 // Archives between two servers.
+#include <functional>
+#include <limits>
+
 #include "client/archive/archive_content.h"
+#include "files/archive_writer.h"
 #include "tests/client/archive/archive_fixture.h"
 
 namespace graspdb::client {
@@ -38,6 +42,21 @@ class ArchiveImportTest : public ArchiveTest {
     const auto status = client.GetCatalogStatus();
     EXPECT_THAT(status, IsOk());
     return status->picked_count();
+  }
+
+  // The archive with changed stable poses.
+  Opened Changed(const Opened& archive, const std::function<void(v1::StablePose&)>& change) const {
+    auto writer = ArchiveWriter::Create(Path("changed.graspdb"));
+    EXPECT_THAT(writer, IsOk());
+    for (std::int64_t at = ArchiveFile::kFirstRecord; at < archive.file->size();) {
+      auto item = archive.file->ReadAt(at);
+      EXPECT_THAT(item, IsOk());
+      if (item->record.has_stable_pose()) change(*item->record.mutable_stable_pose());
+      EXPECT_THAT(writer->Add(item->record), IsOk());
+      at = item->next;
+    }
+    EXPECT_THAT(writer->Finish(), IsOk());
+    return Open("changed.graspdb");
   }
 };
 
@@ -116,6 +135,32 @@ TEST_F(ArchiveImportTest, CountsOfPicksAreRaisedAndNotAdded) {
   EXPECT_EQ(PicksOf(to_), 15'001);
 }
 
+TEST_F(ArchiveImportTest, CountsOfAGraspAreRaisedOnceHoweverOftenTheFileHasThem) {
+  DeclareAndTeach(from_, "wedge");
+  ASSERT_THAT(from_.ReportGraspOutcome(Picks("wedge", 12)), IsOk());
+  const Opened twice = Changed(Export(from_, "a.graspdb"), [](v1::StablePose& pose) {
+    const v1::GraspOutcomeCounts counts = pose.grasp_outcomes(0);
+    *pose.add_grasp_outcomes() = counts;
+  });
+  ASSERT_THAT(Import(to_, twice), IsOk());
+  EXPECT_EQ(PicksOf(to_), 12);
+}
+
+TEST_F(ArchiveImportTest, CountsBelowZeroAndOfUnknownGraspsAreLeftOut) {
+  DeclareAndTeach(from_, "wedge");
+  ASSERT_THAT(from_.ReportGraspOutcome(Picks("wedge", 12)), IsOk());
+  const Opened exported = Export(from_, "a.graspdb");
+  ASSERT_THAT(Import(to_, exported), IsOk());
+  const Opened wrong = Changed(exported, [](v1::StablePose& pose) {
+    pose.mutable_grasp_outcomes(0)->set_picked_count(std::numeric_limits<std::int64_t>::min());
+    v1::GraspOutcomeCounts* unknown = pose.add_grasp_outcomes();
+    unknown->set_grasp_id("unknown");
+    unknown->set_picked_count(5);
+  });
+  ASSERT_THAT(Import(to_, wrong), IsOk());
+  EXPECT_EQ(PicksOf(to_), 12);
+}
+
 TEST_F(ArchiveImportTest, WithoutOutcomesTheCountsStay) {
   DeclareAndTeach(from_, "wedge");
   ASSERT_THAT(from_.ReportGraspOutcome(Picks("wedge", 7)), IsOk());
@@ -129,19 +174,37 @@ TEST_F(ArchiveImportTest, WithoutOutcomesTheCountsStay) {
 TEST_F(ArchiveImportTest, AnInterruptedImportHasNoViewsAndIsContinued) {
   DeclareAndTeach(from_, "wedge");
   const Opened exported = Export(from_, "a.graspdb");
-  int calls = 0;
-  const UploadWatch watch = {.report = {}, .cancelled = [&] { return ++calls > 1; }};
-  EXPECT_THAT(Import(to_, exported, {}, watch), StatusIs(absl::StatusCode::kCancelled));
-  EXPECT_EQ(to_.GetCatalogStatus()->view_count(), 0);
   const std::vector<std::string> ids = UploadIdsOf(exported.index, Compare(to_, exported));
   ASSERT_EQ(ids.size(), 1U);
+  const UploadWatch watch = {.report = {},
+                             .cancelled = [&] { return to_.GetUpload("uploads/" + ids[0]).ok(); }};
+  EXPECT_THAT(Import(to_, exported, {}, watch), StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_EQ(to_.GetCatalogStatus()->view_count(), 0);
   EXPECT_THAT(to_.GetUpload("uploads/" + ids[0]), IsOk());
+  EXPECT_EQ(UploadIdsOf(exported.index, Compare(to_, exported)), ids);
   const auto counts = Import(to_, exported);
   ASSERT_THAT(counts, IsOk());
   EXPECT_EQ(counts->created_objects, 0);
   EXPECT_EQ(counts->created_views, 3);
   EXPECT_EQ(to_.GetCatalogStatus()->view_count(), 3);
   EXPECT_EQ(Answer(to_, "wedge"), Answer(from_, "wedge"));
+}
+
+TEST_F(ArchiveImportTest, EveryStepCanBeInterrupted) {
+  DeclareAndTeach(from_, "wedge");
+  const UploadWatch watch = {.report = {}, .cancelled = [] { return true; }};
+  EXPECT_THAT(Import(to_, Export(from_, "a.graspdb"), {}, watch),
+              StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_EQ(RevisionOf(to_), 0);
+  ASSERT_THAT(Import(to_, Export(from_, "b.graspdb")), IsOk());
+  ASSERT_THAT(from_.ReportGraspOutcome(Picks("wedge", 12)), IsOk());
+  EXPECT_THAT(Import(to_, Export(from_, "c.graspdb"), {}, watch),
+              StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_EQ(PicksOf(to_), 0);
+  SetMinScore(from_, "wedge", 0.25);
+  EXPECT_THAT(Import(to_, Export(from_, "d.graspdb"), {.on_conflict = OnConflict::kReplace}, watch),
+              StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_EQ(MinScore(to_, "wedge"), 0);
 }
 
 TEST_F(ArchiveImportTest, SomeObjectsOnly) {
