@@ -138,10 +138,10 @@ class Comparer {
   }
 
   void EndStablePose() {
-    if (new_view_count_ > 0 && matched_view_count_ < views_.size()) {
-      out_.joined_stable_poses.push_back(stable_pose_);
-    }
-    new_view_count_ = 0;
+    const bool stays = stays_ || matched_view_count_ < views_.size();
+    if (takes_ && stays) out_.joined_stable_poses.push_back(stable_pose_);
+    takes_ = false;
+    stays_ = false;
     matched_view_count_ = 0;
     conflict_.reset();
     views_.clear();
@@ -192,7 +192,10 @@ class Comparer {
     if (entry.kind == ArchiveKind::kStablePose && state == ArchiveState::kConflict) {
       conflict_ = action;
     }
-    new_view_count_ += is_view && action == ArchiveAction::kCreate ? 1 : 0;
+    if (entry.kind != ArchiveKind::kObject) {
+      takes_ |= action == ArchiveAction::kCreate || action == ArchiveAction::kReplace;
+      stays_ |= action == ArchiveAction::kKeep;
+    }
     out_.left_out_count += action == ArchiveAction::kLeaveOut ? 1 : 0;
     out_.actions[entry_] = action;
     ++out_.counts[static_cast<std::size_t>(entry.kind)][static_cast<std::size_t>(state)];
@@ -228,8 +231,9 @@ class Comparer {
   std::string stable_pose_;                // if the server has it
   std::map<std::string, v1::View> views_;  // of the server
   std::optional<ArchiveAction> conflict_;  // of the stable pose itself, if it is one
-  std::size_t new_view_count_ = 0;
-  std::size_t matched_view_count_ = 0;
+  bool takes_ = false;                     // it, or a view, from the file
+  bool stays_ = false;  // it, or a view, as on the server, which the file has otherwise
+  std::size_t matched_view_count_ = 0;  // views that both have, the same or not
   ArchiveComparison out_;
 };
 

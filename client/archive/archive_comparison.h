@@ -62,8 +62,8 @@ struct ArchiveComparison {
   std::array<std::array<std::int64_t, kArchiveStates>, 3> counts{};
   std::vector<ArchiveDifference> differences;  // kNewer, kOlder and kConflict, in the file's order
   std::int64_t left_out_count = 0;
-  // Stable poses that get views beside some of the server's own, which the file does not have:
-  // right only if all were taught in one frame of the object.
+  // Stable poses that get grasps or views of the file beside some of the server's own, which the
+  // file does not have or has otherwise: right only if all were taught in one frame of the object.
   std::vector<std::string> joined_stable_poses;
 
   std::int64_t CountOf(ArchiveState state) const;

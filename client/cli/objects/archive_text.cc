@@ -58,9 +58,11 @@ std::string NotesText(const ArchiveComparison& comparison) {
   }
   const std::size_t joined = comparison.joined_stable_poses.size();
   if (joined > 0) {
-    absl::StrAppend(&out, joined, " stable poses get views beside others of the server, as ",
-                    comparison.joined_stable_poses.front(),
-                    ": right if both were taught in the same frame of the object\n");
+    absl::StrAppend(
+        &out, joined,
+        " stable poses get grasps or views of the file beside others of the server, as ",
+        comparison.joined_stable_poses.front(),
+        ": right if both were taught in the same frame of the object\n");
   }
   return out;
 }

@@ -104,6 +104,27 @@ TEST_F(ArchiveMergeTest, ViewsBesideThoseOfTheServerAreReported) {
               ElementsAre(PoseOf("wedge")));
 }
 
+TEST_F(ArchiveMergeTest, ViewsBesideConflictingOnesThatStayAreReported) {
+  ASSERT_THAT(from_.DeleteView(PoseOf("wedge") + "/views/turn-1"), IsOk());
+  Teach(from_, "wedge", "turn-1", 120);
+  Teach(from_, "wedge", "turn-9", 100);
+  const Opened changed = Export(from_, "a.graspdb");
+  EXPECT_THAT(Compare(to_, changed, {.on_conflict = OnConflict::kKeep}).joined_stable_poses,
+              ElementsAre(PoseOf("wedge")));
+  EXPECT_TRUE(
+      Compare(to_, changed, {.on_conflict = OnConflict::kReplace}).joined_stable_poses.empty());
+}
+
+TEST_F(ArchiveMergeTest, AReplacedStablePoseWithViewsOfTheServerIsReported) {
+  SetMinScore(from_, "wedge", 0.25);
+  Teach(to_, "wedge", "turn-9", 100);
+  const Opened changed = Export(from_, "a.graspdb");
+  EXPECT_THAT(Compare(to_, changed, {.on_conflict = OnConflict::kReplace}).joined_stable_poses,
+              ElementsAre(PoseOf("wedge")));
+  EXPECT_TRUE(
+      Compare(to_, changed, {.on_conflict = OnConflict::kKeep}).joined_stable_poses.empty());
+}
+
 TEST_F(ArchiveMergeTest, AViewWithOtherPointsIsAConflict) {
   ASSERT_THAT(from_.DeleteView(PoseOf("wedge") + "/views/turn-1"), IsOk());
   Teach(from_, "wedge", "turn-1", 120);
