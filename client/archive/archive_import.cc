@@ -133,6 +133,12 @@ class ArchiveImport {
     const absl::StatusOr<BulkUploadResult> result =
         TeachInBulk(client_, views, {.upload_id = upload_ids_[upload], .atomic = true}, watch);
     if (!result.ok()) return result.status();
+    if (result->counts.existing > 0) {
+      return absl::AbortedError(absl::StrCat(
+          "the server got views of ", result->counts.existing,
+          " of the file's names since it was compared, which stay, and the others are published; "
+          "run the command again to compare them"));
+    }
     for (std::size_t i = first; i < first + views.count; ++i) {
       const bool replaced = comparison_.actions[views_[i]] == ArchiveAction::kReplace;
       ++(replaced ? counts_.replaced : counts_.created_views);

@@ -36,8 +36,10 @@ std::vector<std::string> UploadIdsOf(const ArchiveIndex& index,
 // and stable poses; raises the counts of picks. Deletes nothing. The watch counts views.
 //
 // Whether conflicts are an error is for the caller to decide, before this: conflicts that are not
-// replaced are kept. ABORTED when a record was changed since the comparison; errors of TeachInBulk
-// and of the server. After an error, comparing and importing again goes on where it stood.
+// replaced are kept. ABORTED when an object or a stable pose was changed since the comparison, or
+// a view taught under the name of a new one; not so where any view is replaced: then all views of
+// these names are, whatever they are by then. CANCELLED; errors of TeachInBulk and of the server.
+// After an error, comparing and importing again goes on where it stood.
 absl::StatusOr<ArchiveImportCounts> ImportArchive(Client& client, const OpenArchive& archive,
                                                   const ArchiveComparison& comparison,
                                                   const ArchiveImportOptions& options,

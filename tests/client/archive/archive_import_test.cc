@@ -222,6 +222,20 @@ TEST_F(ArchiveImportTest, SomeObjectsOnly) {
   EXPECT_FALSE(std::filesystem::exists(Path("none.graspdb")));
 }
 
+TEST_F(ArchiveImportTest, AViewThatWasTaughtSinceTheComparisonIsAnErrorAndStays) {
+  DeclareAndTeach(from_, "wedge");
+  ASSERT_THAT(Import(to_, Export(from_, "common.graspdb")), IsOk());
+  Teach(from_, "wedge", "turn-8", 90);
+  Teach(from_, "wedge", "turn-9", 100);
+  const Opened exported = Export(from_, "a.graspdb");
+  const ArchiveComparison comparison = Compare(to_, exported);
+  Teach(to_, "wedge", "turn-9", 120);
+  EXPECT_THAT(ImportArchive(to_, exported.archive(), comparison, {}, {}),
+              StatusIs(absl::StatusCode::kAborted, HasSubstr("run the command again")));
+  EXPECT_THAT(to_.GetView(PoseOf("wedge") + "/views/turn-8"), IsOk());
+  EXPECT_EQ(Count(Compare(to_, exported), ArchiveKind::kView, ArchiveState::kConflict), 1);
+}
+
 TEST_F(ArchiveImportTest, AChangeSinceTheComparisonIsAnError) {
   DeclareAndTeach(from_, "wedge");
   const Opened exported = Export(from_, "a.graspdb");
