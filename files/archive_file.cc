@@ -1,6 +1,8 @@
 #include "files/archive_file.h"
 
 #include <fcntl.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zstd.h>
@@ -16,6 +18,11 @@
 
 namespace graspdb::client {
 namespace {
+
+// Maximum bytes of a record beside the points of a view: a stable pose with all of its grasps has
+// some 20 kB. Two bytes may become a message of 110 in memory, so that a hostile record takes some
+// 60 MB; doubled, twice as much.
+constexpr std::size_t kMaxBytesBesidePoints = 1U << 20;
 
 absl::Status NoArchive(const std::filesystem::path& path) {
   return absl::InvalidArgumentError(
@@ -34,6 +41,27 @@ std::string Unpack(std::string_view frame) {
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), frame.data(), frame.size());
   if (ZSTD_isError(size) != 0 || size != raw.size()) return {};
   return raw;
+}
+
+// The content of a message's first field of that number, a message or bytes; empty without one.
+std::string_view FirstField(std::string_view message, int number) {
+  using Wire = google::protobuf::internal::WireFormatLite;
+  google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(message.data()),
+                                            static_cast<int>(message.size()));
+  const std::uint32_t wanted = Wire::MakeTag(number, Wire::WIRETYPE_LENGTH_DELIMITED);
+  for (std::uint32_t tag = in.ReadTag(); tag != wanted; tag = in.ReadTag()) {
+    if (tag == 0 || !Wire::SkipField(&in, tag)) return {};
+  }
+  std::uint32_t size = 0;
+  if (!in.ReadVarint32(&size)) return {};
+  const auto at = static_cast<std::size_t>(in.CurrentPosition());
+  return size <= message.size() - at ? message.substr(at, size) : std::string_view();
+}
+
+std::size_t BytesBesidePoints(std::string_view record) {
+  const std::string_view view = FirstField(record, v1::ArchiveRecord::kViewFieldNumber);
+  const std::string_view cloud = FirstField(view, v1::View::kCloudFieldNumber);
+  return record.size() - FirstField(cloud, v1::PointCloud::kDataFieldNumber).size();
 }
 
 }  // namespace
@@ -111,6 +139,9 @@ absl::StatusOr<ArchiveItem> ArchiveFile::ReadAt(std::int64_t offset) const {
   }
   // The checksum detects accidents; the checks below also detect malice.
   const std::string raw = Unpack(*frame);
+  if (BytesBesidePoints(raw) > kMaxBytesBesidePoints) {
+    return Damaged(offset, "a record is too large");
+  }
   ArchiveItem out;
   if (raw.empty() || !out.record.ParseFromString(raw)) {
     return Damaged(offset, "a record cannot be unpacked");

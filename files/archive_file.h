@@ -40,7 +40,7 @@ class ArchiveFile {
 
   // The record at `offset`: kFirstRecord, or the `next` of another record. DATA_LOSS, with the path
   // and the offset, when the file is truncated or damaged there. Safe on any bytes; takes memory of
-  // kMaxArchiveRecordBytes and the record's message at most.
+  // three times kMaxArchiveRecordBytes at most.
   absl::StatusOr<ArchiveItem> ReadAt(std::int64_t offset) const;
 
   // DATA_LOSS with the path, the offset, and what to do.

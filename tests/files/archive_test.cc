@@ -192,6 +192,17 @@ TEST_F(ArchiveFileTest, HostileSizesAreErrors) {
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("cannot be unpacked")));
 }
 
+// Small fields take many times their bytes in memory.
+TEST_F(ArchiveFileTest, OnlyPointsMayBeLarge) {
+  v1::ArchiveRecord pose = PoseRecord("a");
+  for (int i = 0; i < 600'000; ++i) pose.mutable_stable_pose()->add_grasps();
+  EXPECT_THAT(Index(Write({HeaderRecord(), ObjectRecord("a"), pose, EndRecord(1, 1, 0)})),
+              StatusIs(absl::StatusCode::kDataLoss, HasSubstr("a record is too large")));
+  EXPECT_THAT(Index(Write({HeaderRecord(), ObjectRecord("a"), PoseRecord("a"),
+                           ViewRecord("a", "1", 100'000), EndRecord(1, 1, 1)})),
+              IsOk());
+}
+
 struct WrongOrder {
   std::string name;
   std::vector<v1::ArchiveRecord> records;
