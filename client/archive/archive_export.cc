@@ -21,6 +21,7 @@ class ArchiveExport {
       : client_(client), writer_(std::move(writer)), watch_(watch) {}
 
   absl::StatusOr<ExportResult> Run(const std::vector<std::string>& names) {
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     const auto before = client_.GetCatalogStatus();
     if (!before.ok()) return before.status();
     const auto objects = ObjectsOf(names);
@@ -45,6 +46,11 @@ class ArchiveExport {
   }
 
  private:
+  absl::Status GoOn() const {
+    if (!watch_.cancelled || !watch_.cancelled()) return absl::OkStatus();
+    return absl::CancelledError("interrupted; no file was written");
+  }
+
   absl::StatusOr<std::vector<v1::Object>> ObjectsOf(const std::vector<std::string>& names) {
     if (names.empty()) return client_.ListObjects();
     std::vector<v1::Object> out;
@@ -63,6 +69,7 @@ class ArchiveExport {
       const auto poses = client_.ListStablePoses(object.name());
       if (!poses.ok()) return poses.status();
       for (const v1::StablePose& pose : *poses) {
+        if (absl::Status go = GoOn(); !go.ok()) return go;
         const auto views = client_.ListViews(pose.name());
         if (!views.ok()) return views.status();
         out += static_cast<std::int64_t>(views->size());
@@ -72,6 +79,7 @@ class ArchiveExport {
   }
 
   absl::Status AddObject(const v1::Object& object) {
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     v1::ArchiveRecord record;
     *record.mutable_object() = object;
     record.mutable_object()->clear_etag();
@@ -86,6 +94,7 @@ class ArchiveExport {
   }
 
   absl::Status AddStablePose(const v1::StablePose& pose) {
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     v1::ArchiveRecord record;
     *record.mutable_stable_pose() = pose;
     record.mutable_stable_pose()->clear_etag();
@@ -109,9 +118,7 @@ class ArchiveExport {
   }
 
   absl::Status AddView(absl::StatusOr<v1::View> view) {
-    if (watch_.cancelled && watch_.cancelled()) {
-      return absl::CancelledError("interrupted; no file was written");
-    }
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     if (!view.ok()) return view.status();
     v1::ArchiveRecord record;
     *record.mutable_view() = *std::move(view);

@@ -25,8 +25,8 @@ struct ExportResult {
 };
 
 // Writes the objects of these resource names (all without names) with their stable poses, views and
-// clouds. The memory is that of the names of one object's views, and of four views. The same
-// catalogue gives the same bytes, as long as its revision is the same.
+// clouds. The memory is that of the objects, of the list of one stable pose's views, and of four
+// views with clouds. The same catalogue gives the same bytes, as long as its revision is the same.
 //
 // NOT_FOUND for an object that does not exist; ABORTED when the catalogue changed so that the file
 // would be incomplete; CANCELLED when the watch requests it; errors of the server and of

@@ -101,6 +101,14 @@ TEST_F(ArchiveImportTest, TheSameCatalogueGivesTheSameBytes) {
   EXPECT_EQ(BytesOf(Path("a.graspdb")), BytesOf(Path("b.graspdb")));
 }
 
+TEST_F(ArchiveImportTest, AnExportWithoutViewsCanBeInterrupted) {
+  Declare(from_, "wedge");
+  const ExportWatch watch = {.report = {}, .cancelled = [] { return true; }};
+  EXPECT_THAT(ExportArchive(from_, {}, Path("a.graspdb"), watch),
+              StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_FALSE(std::filesystem::exists(Path("a.graspdb")));
+}
+
 TEST_F(ArchiveImportTest, AllViewsAppearInOneRevision) {
   DeclareAndTeach(from_, "wedge");
   const Opened exported = Export(from_, "a.graspdb");
