@@ -36,6 +36,16 @@ int WriteAll(int file, std::string_view bytes) {
   return 0;
 }
 
+// The name of a new file is durable once its folder is flushed. Some file systems cannot flush
+// folders, and the file is there already, so that this is no error.
+void FlushNames(const std::filesystem::path& folder) {
+  const char* path = folder.empty() ? "." : folder.c_str();
+  const int names = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (names < 0) return;
+  fsync(names);
+  close(names);
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path, std::string temporary, int file)
@@ -51,7 +61,8 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesy
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), made);
   if (made) return Failed(path, made.value());
   const std::string temporary = absl::StrCat(path.string(), ".", getpid(), ".tmp");
-  const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int file =
+      open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file < 0) return Failed(path, errno);
   return std::unique_ptr<AtomicFile>(new AtomicFile(path, temporary, file));
 }
@@ -68,6 +79,7 @@ absl::Status AtomicFile::Commit(Durability durability) {
   if (error == 0 && rename(temporary_.c_str(), path_.c_str()) != 0) error = errno;
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
+  if (durability == Durability::kPowerFailure) FlushNames(path_.parent_path());
   return absl::OkStatus();
 }
 

@@ -41,7 +41,8 @@ class AtomicFile {
 // Writes `bytes` beside `path` and renames the result to `path`, replacing an
 // existing file; missing folders are created. A reader sees the old file or the new
 // one, never a part; with kPowerFailure also after the machine stopped. Two
-// writers of one path must not run at the same time.
+// writers of one path must not run at the same time. A link in place of what is
+// written beside `path` is not followed.
 //
 // PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or FAILED_PRECONDITION (any
 // other failure), with the path; a file at `path` is then unchanged.

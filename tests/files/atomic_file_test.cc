@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <string>
 
 #include "tests/files/temporary_folder.h"
 
@@ -16,6 +19,16 @@ TEST(AtomicFile, MakesFoldersAndReplacesWithoutLeavingAnythingBehind) {
   EXPECT_EQ(BytesOf(path), "new");
   const std::filesystem::directory_iterator files(path.parent_path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+TEST(AtomicFile, DoesNotFollowALinkOfItsTemporaryName) {
+  const TemporaryFolder folder;
+  const auto other = folder.Write("other", "kept");
+  const auto path = folder.path() / "file";
+  const std::string temporary = path.string() + "." + std::to_string(getpid()) + ".tmp";
+  std::filesystem::create_symlink(other, temporary);
+  EXPECT_FALSE(WriteFileAtomically(path, "new", Durability::kProcessCrash).ok());
+  EXPECT_EQ(BytesOf(other), "kept");
 }
 
 TEST(AtomicFile, FailureNamesThePathAndLeavesTheOldFile) {
