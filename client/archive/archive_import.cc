@@ -70,11 +70,14 @@ class ArchiveImport {
       if (absl::Status done = SendViews(i); !done.ok()) return done;
     }
     if (absl::Status done = ReplaceParents(); !done.ok()) return ChangedMeanwhile(done);
-    if (!options_.outcomes) return counts_;
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
+    for (std::size_t i = 0; options_.outcomes && i < entries_.size(); ++i) {
       if (absl::Status done = RaiseOutcomes(i); !done.ok()) return ChangedMeanwhile(done);
     }
-    return counts_;
+    if (existing_ == 0) return counts_;
+    return absl::AbortedError(absl::StrCat(
+        "the server got ", existing_,
+        " views under names of the file since it was compared, which stay, and all else was "
+        "imported; run the command again to compare them"));
   }
 
  private:
@@ -133,12 +136,7 @@ class ArchiveImport {
     const absl::StatusOr<BulkUploadResult> result =
         TeachInBulk(client_, views, {.upload_id = upload_ids_[upload], .atomic = true}, watch);
     if (!result.ok()) return result.status();
-    if (result->counts.existing > 0) {
-      return absl::AbortedError(absl::StrCat(
-          "the server got views of ", result->counts.existing,
-          " of the file's names since it was compared, which stay, and the others are published; "
-          "run the command again to compare them"));
-    }
+    existing_ += result->counts.existing;
     for (std::size_t i = first; i < first + views.count; ++i) {
       const bool replaced = comparison_.actions[views_[i]] == ArchiveAction::kReplace;
       ++(replaced ? counts_.replaced : counts_.created_views);
@@ -162,22 +160,27 @@ class ArchiveImport {
     return absl::OkStatus();
   }
 
+  // All that the server has not changed meanwhile, and without interruption: before, their views
+  // may be those of the file already, and their grasps those of the server.
   absl::Status ReplaceParents() {
+    absl::Status changed;
     for (const ArchiveDifference& difference : comparison_.differences) {
       const ArchiveEntry& entry = entries_[difference.entry];
       if (difference.action != ArchiveAction::kReplace || entry.kind == ArchiveKind::kView) {
         continue;
       }
-      if (absl::Status go = GoOn(); !go.ok()) return go;
       const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
       if (!item.ok()) return item.status();
       absl::Status replaced = entry.kind == ArchiveKind::kObject
                                   ? Replace(item->record.object(), difference.etag)
                                   : Replace(item->record.stable_pose(), difference.etag);
-      if (!replaced.ok()) return replaced;
-      ++counts_.replaced;
+      changed.Update(replaced);
+      if (!replaced.ok() && !absl::IsAborted(replaced) && !absl::IsNotFound(replaced)) {
+        return replaced;
+      }
+      counts_.replaced += replaced.ok() ? 1 : 0;
     }
-    return absl::OkStatus();
+    return changed;
   }
 
   absl::Status Replace(const v1::Object& object, const std::string& etag) {
@@ -223,6 +226,7 @@ class ArchiveImport {
   const std::vector<std::string> upload_ids_;
   const std::vector<std::size_t> views_;
   ArchiveImportCounts counts_;
+  int existing_ = 0;  // views that the server got since the comparison
 };
 
 }  // namespace

@@ -171,5 +171,20 @@ TEST_F(ArchiveMergeTest, AReplacementOfARecordThatChangedMeanwhileIsAnError) {
   EXPECT_EQ(MinScore(to_, "wedge"), 0.5);
 }
 
+// Their views may be those of the file already.
+TEST_F(ArchiveMergeTest, OneThatChangedMeanwhileKeepsNoOtherFromItsReplacement) {
+  DeclareAndTeach(from_, "flange");
+  ASSERT_THAT(Import(to_, Export(from_, "both.graspdb")), IsOk());
+  SetMinScore(from_, "flange", 0.25);  // the first in the file
+  SetMinScore(from_, "wedge", 0.25);
+  const Opened changed = Export(from_, "a.graspdb");
+  const ArchiveComparison comparison = Compare(to_, changed, {.on_conflict = OnConflict::kReplace});
+  SetMinScore(to_, "flange", 0.5);
+  EXPECT_THAT(ImportArchive(to_, changed.archive(), comparison, {}, {}),
+              StatusIs(absl::StatusCode::kAborted));
+  EXPECT_EQ(MinScore(to_, "flange"), 0.5);
+  EXPECT_EQ(MinScore(to_, "wedge"), 0.25);
+}
+
 }  // namespace
 }  // namespace graspdb::client
