@@ -51,6 +51,13 @@ absl::Status ChangedMeanwhile(const absl::Status& status) {
                    std::string(status.message()), ")"));
 }
 
+// The server's error names a field of the request, not the record.
+absl::Status AtRecord(const std::string& name, const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  return absl::InvalidArgumentError(
+      absl::StrCat("the server rejects ", name, " of the file: ", status.message()));
+}
+
 class ArchiveImport {
  public:
   ArchiveImport(Client& client, const OpenArchive& archive, const ArchiveComparison& comparison,
@@ -97,7 +104,7 @@ class ArchiveImport {
       absl::Status created = entry.kind == ArchiveKind::kObject
                                  ? CreateObject(entry.name, item->record.object())
                                  : CreateStablePose(entry.name, item->record.stable_pose());
-      if (!created.ok()) return created;
+      if (!created.ok()) return AtRecord(entry.name, created);
     }
     return absl::OkStatus();
   }
@@ -176,7 +183,7 @@ class ArchiveImport {
                                   : Replace(item->record.stable_pose(), difference.etag);
       changed.Update(replaced);
       if (!replaced.ok() && !absl::IsAborted(replaced) && !absl::IsNotFound(replaced)) {
-        return replaced;
+        return AtRecord(entry.name, replaced);
       }
       counts_.replaced += replaced.ok() ? 1 : 0;
     }

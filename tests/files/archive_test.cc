@@ -194,9 +194,9 @@ TEST_F(ArchiveFileTest, HostileSizesAreErrors) {
 
 // Small fields take many times their bytes in memory.
 TEST_F(ArchiveFileTest, OnlyPointsMayBeLarge) {
-  v1::ArchiveRecord pose = PoseRecord("a");
-  for (int i = 0; i < 600'000; ++i) pose.mutable_stable_pose()->add_grasps();
-  EXPECT_THAT(Index(Write({HeaderRecord(), ObjectRecord("a"), pose, EndRecord(1, 1, 0)})),
+  v1::ArchiveRecord object = ObjectRecord("a");
+  object.mutable_object()->set_display_name(std::string(2U << 20, 'x'));
+  EXPECT_THAT(Index(Write({HeaderRecord(), object, EndRecord(1, 0, 0)})),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("a record is too large")));
   EXPECT_THAT(Index(Write({HeaderRecord(), ObjectRecord("a"), PoseRecord("a"),
                            ViewRecord("a", "1", 100'000), EndRecord(1, 1, 1)})),

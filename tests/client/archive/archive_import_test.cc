@@ -169,6 +169,14 @@ TEST_F(ArchiveImportTest, CountsBelowZeroAndOfUnknownGraspsAreLeftOut) {
   EXPECT_EQ(PicksOf(to_), 12);
 }
 
+TEST_F(ArchiveImportTest, ARecordThatTheServerRejectsIsNamed) {
+  Declare(from_, "wedge");
+  const Opened wrong = Changed(Export(from_, "a.graspdb"),
+                               [](v1::StablePose& pose) { pose.set_symmetry_order(-1); });
+  EXPECT_THAT(Import(to_, wrong), StatusIs(absl::StatusCode::kInvalidArgument,
+                                           HasSubstr("rejects " + PoseOf("wedge"))));
+}
+
 TEST_F(ArchiveImportTest, WithoutOutcomesTheCountsStay) {
   DeclareAndTeach(from_, "wedge");
   ASSERT_THAT(from_.ReportGraspOutcome(Picks("wedge", 7)), IsOk());
