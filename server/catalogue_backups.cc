@@ -2,7 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <set>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -102,7 +104,12 @@ absl::Status CatalogueBackups::Delete(storage::BackupId id) {
 
 absl::Status CatalogueBackups::DeleteOld(const storage::BackupRetention& retention,
                                          absl::Time now) {
-  const auto deleted = backups_.DeleteOld(retention, now);
+  storage::BackupRetention of_intact = retention;
+  {
+    absl::MutexLock lock(&mutex_);
+    of_intact.damaged = damaged_;
+  }
+  const auto deleted = backups_.DeleteOld(of_intact, now);
   NoteFailure(deleted.status(), "delete");
   Refresh();
   if (!deleted.ok()) return deleted.status();
@@ -128,6 +135,10 @@ void CatalogueBackups::Refresh() {
   const auto listed = backups_.List();
   if (!listed.ok()) return;  // the operation before has reported it
   absl::MutexLock lock(&mutex_);
+  // The next backup may get the number of a deleted one.
+  std::erase_if(damaged_, [&](storage::BackupId id) {
+    return !std::ranges::binary_search(*listed, id, {}, &storage::Backup::id);
+  });
   count_ = 0;
   last_good_.reset();
   for (const storage::Backup& backup : *listed) {

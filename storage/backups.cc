@@ -197,7 +197,7 @@ absl::StatusOr<std::vector<BackupId>> Backups::DeleteOld(const BackupRetention& 
   std::vector<BackupId> old;
   std::int64_t newer = 0;  // intact ones
   for (auto backup = existing->rbegin(); backup != existing->rend(); ++backup) {
-    if (!backup->state.ok()) continue;
+    if (!backup->state.ok() || retention.damaged.contains(backup->id)) continue;
     const absl::Duration age =
         now - absl::FromUnixNanos(
                   google::protobuf::util::TimeUtil::TimestampToNanoseconds(backup->record.time()));

@@ -18,6 +18,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,7 +40,8 @@ namespace graspdb::storage {
 
 struct DatabaseState;
 
-// Number of a backup in its folder: 1, 2, 3, ...
+// Number of a backup in its folder: 1, 2, 3, ... When the newest one is deleted, the next one gets
+// its number.
 using BackupId = std::uint32_t;
 
 struct Backup {
@@ -69,6 +71,7 @@ struct BackupProgress {
 struct BackupRetention {
   std::int64_t count = std::numeric_limits<std::int64_t>::max();
   absl::Duration max_age = absl::InfiniteDuration();
+  std::set<BackupId> damaged = {};  // known to be, though no file is missing
 };
 
 // A record that a restore would change.

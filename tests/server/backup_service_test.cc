@@ -210,6 +210,17 @@ TEST_F(BackupServiceTest, StatusHasTheLastGoodBackupAndTheLastError) {
   EXPECT_EQ(state.last_error(), "");
 }
 
+TEST_F(BackupServiceTest, ABackupWithTheNumberOfADeletedDamagedOneIsGood) {
+  Create();
+  Create();
+  Damage(2);
+  ASSERT_EQ(Verify("backups/2").error_code(), grpc::StatusCode::DATA_LOSS);
+  ASSERT_THAT(Delete("backups/2"), IsGrpcOk());
+  ASSERT_EQ(Create().name(), "backups/2");
+  EXPECT_EQ(Status().backup().last_good_backup().name(), "backups/2");
+  EXPECT_EQ(Status().backup().backup_count(), 2);
+}
+
 TEST_F(BackupServiceTest, CancelledAndExpiredCallsEndTheBackup) {
   options_.backup_rate_mib = 0.05;  // many seconds for these views
   Restart();

@@ -3,12 +3,14 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "program/stop_flag.h"
 #include "server/backup_schedule.h"
@@ -183,6 +185,22 @@ TEST_F(BackupRoundsTest, AClockSetBackByAYearDoesNotStopThem) {
   EXPECT_EQ(MadeIn(absl::Hours(1)), 1);
   EXPECT_THAT(Ids(), ElementsAre(1, 6)) << "by their time the others are a year old";
   EXPECT_EQ(MadeIn(3 * kDay), 3);
+}
+
+TEST_F(BackupRoundsTest, OnesThatVerifyFoundDamagedStayAndDoNotCount) {
+  rounds_.emplace(*backups_, kDay, storage::BackupRetention{.count = 2}, wall_, monotonic_);
+  EXPECT_EQ(MadeIn(kDay + absl::Hours(1)), 2);
+  const std::filesystem::path manifests = folder_.path() / "backups/private/2";
+  for (const auto& entry : std::filesystem::directory_iterator(manifests)) {
+    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(entry.file_size() / 2));
+    file.put('\0');
+  }
+  EXPECT_TRUE(absl::IsDataLoss(backups_->Verify(2, {}).status()));
+  MadeIn(2 * kDay);
+  const std::vector<storage::BackupId> left = Ids();
+  ASSERT_EQ(left.size(), 3U) << "two intact ones and the damaged one";
+  EXPECT_EQ(left.front(), 2U);
 }
 
 TEST(UploadRateTest, CountsTheLastHalfMinute) {

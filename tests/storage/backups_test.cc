@@ -214,6 +214,14 @@ TEST_F(BackupsTest, DamagedOnesDoNotReplaceIntactOnes) {
   EXPECT_THAT(Ids(), ElementsAre(2));
 }
 
+TEST_F(BackupsTest, OnesWithKnownDamageDoNotReplaceIntactOnes) {
+  const auto catalogue = OpenOrDie(database_);
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(backups_.Create(*catalogue).ok());
+  const BackupRetention one = {.count = 1, .damaged = {2, 4}};
+  EXPECT_THAT(*backups_.DeleteOld(one, absl::Now()), ElementsAre(1));
+  EXPECT_THAT(Ids(), ElementsAre(2, 3, 4));
+}
+
 TEST_F(BackupsTest, FolderHasOneOwner) {
   ASSERT_TRUE(backups_.Claim().ok());
   Backups second(directory_ / "backups");
