@@ -68,13 +68,14 @@ absl::Status RestoreFolder::Lock() {
   std::error_code error;
   std::filesystem::create_directory(path_, error);
   if (error) return CannotRestore(database_, error.message());
-  const int folder = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // Through a link the files of another folder would be deleted.
+  const int folder = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (folder < 0) return CannotRestore(database_, std::strerror(errno));
   // Another restore may have published this folder since it was opened: then it is its database.
   struct stat opened {};
   struct stat named {};
   const bool is_locked = flock(folder, LOCK_EX | LOCK_NB) == 0 && fstat(folder, &opened) == 0 &&
-                         stat(path_.c_str(), &named) == 0 && opened.st_ino == named.st_ino;
+                         lstat(path_.c_str(), &named) == 0 && opened.st_ino == named.st_ino;
   if (is_locked) {
     folder_ = folder;
     return absl::OkStatus();

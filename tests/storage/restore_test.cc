@@ -138,6 +138,16 @@ TEST_F(RestoreTest, RestoresToMissingAndEmptyFoldersOnly) {
   EXPECT_EQ(backups_.Restore(1, restored_).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
+TEST_F(RestoreTest, ALinkOfTheTemporaryNameIsNotFollowed) {
+  const std::filesystem::path other = directory_ / "other";
+  std::filesystem::create_directory(other);
+  WriteBytes(other / "precious", "kept");
+  std::filesystem::create_directory_symlink(other, directory_ / ".graspdb-restoring-restored");
+  EXPECT_EQ(backups_.Restore(1, restored_).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ReadBytes(other / "precious"), "kept");
+  EXPECT_FALSE(std::filesystem::exists(restored_));
+}
+
 TEST_F(RestoreTest, ABackupOfANewerProgramIsRefused) {
   { const auto closed = OpenOrDie(database_); }
   BackupRecord record;
