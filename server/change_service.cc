@@ -15,7 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;  // cannot be set
 
-// Changes that are read at once, and resources in one response: with the longest names 110 KB.
+// Changes that are read at once, if they are small, and resources in one response: with the longest
+// names 110 KB.
 constexpr std::size_t kChangesAtOnce = 64;
 constexpr int kResourcesAtOnce = 500;
 constexpr double kHeartbeatS = 30;

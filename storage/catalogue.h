@@ -248,8 +248,9 @@ class Catalogue {
   // listener blocks all writers. It may call reading methods; changes and Subscribe
   // from within it are rejected with FAILED_PRECONDITION.
   absl::StatusOr<std::int64_t> Subscribe(ChangeListener listener);
-  // At most `limit` (at least 1) change records after `after_revision`, oldest first. OUT_OF_RANGE
-  // if some of them are no longer kept.
+  // At most `limit` (at least 1) change records after `after_revision`, oldest first; fewer where
+  // they have a MiB or more. Empty after the last one. OUT_OF_RANGE if some of them are no longer
+  // kept.
   absl::StatusOr<std::vector<ChangeRecord>> ReadChanges(std::int64_t after_revision,
                                                         std::size_t limit) const;
 

@@ -5,6 +5,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "storage/change_key.h"
+#include "storage/record_list.h"
 #include "storage/restore_advice.h"
 #include "storage/revision_floor.h"
 #include "storage/schema.h"
@@ -121,6 +122,7 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
                                  "revision, or keep more changes");
   }
   std::int64_t expected = after_revision;
+  std::size_t bytes = 0;
   const absl::Status scanned = database_.Scan(
       Family::kChanges, "", ChangeKey(after_revision),
       [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
@@ -133,7 +135,8 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
                                      " is missing or damaged; " + std::string(kRestoreAdvice));
         }
         changes.push_back(std::move(change));
-        return changes.size() < limit;
+        bytes += value.size();
+        return changes.size() < limit && bytes < kMaxPageBytes;
       },
       snapshot.get());
   if (!scanned.ok()) return scanned;

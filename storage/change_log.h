@@ -57,8 +57,8 @@ class ChangeLog {
   // The current MetaRecord; never waits for a disk.
   MetaRecord meta() const ABSL_LOCKS_EXCLUDED(meta_mutex_);
 
-  // Change records after a revision, oldest first, at most `limit`; OUT_OF_RANGE if some are no
-  // longer kept.
+  // Change records after a revision, oldest first, at most `limit`, and none after kMaxPageBytes;
+  // OUT_OF_RANGE if some are no longer kept.
   absl::StatusOr<std::vector<ChangeRecord>> Read(std::int64_t after_revision,
                                                  std::size_t limit) const;
 

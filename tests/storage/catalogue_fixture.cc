@@ -1,5 +1,6 @@
 #include "tests/storage/catalogue_fixture.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -145,12 +146,17 @@ absl::StatusOr<Picture> TakePicture(const Catalogue& catalogue) {
   const auto revision = catalogue.ForEach(visitor);
   if (!revision.ok()) return revision.status();
   picture.revision = *revision;
-  const auto changes = catalogue.ReadChanges(0, 1'000'000);
-  if (!changes.ok()) return changes.status();
-  for (const ChangeRecord& change : *changes) {
+  std::vector<ChangeRecord> changes;
+  for (bool more = true; more;) {
+    auto some = catalogue.ReadChanges(changes.empty() ? 0 : changes.back().revision(), 1000);
+    if (!some.ok()) return some.status();
+    more = !some->empty();
+    std::move(some->begin(), some->end(), std::back_inserter(changes));
+  }
+  for (const ChangeRecord& change : changes) {
     picture.changes[change.revision()] = change.SerializeAsString();
   }
-  auto consistent = CheckConsistent(catalogue, picture, *changes, seen);
+  auto consistent = CheckConsistent(catalogue, picture, changes, seen);
   EXPECT_TRUE(consistent.ok()) << consistent;
   if (!consistent.ok()) return consistent;
   return picture;

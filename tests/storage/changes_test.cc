@@ -84,6 +84,20 @@ TEST_F(ChangesTest, ChangesAreReadInPieces) {
   EXPECT_TRUE(absl::IsInvalidArgument(catalogue_->ReadChanges(0, 0).status()));
 }
 
+TEST_F(ChangesTest, FewLargeChangesAreReadAtOnce) {
+  const std::string long_name(600'000, 'x');
+  for (const char* id : {"a", "b", "c", "d"}) {
+    ASSERT_TRUE(catalogue_->CreateObject(MakeObject(id, long_name)).ok());
+  }
+  const auto first = catalogue_->ReadChanges(0, 100);
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_EQ(first->size(), 2U);
+  const auto second = catalogue_->ReadChanges(2, 100);
+  ASSERT_TRUE(second.ok()) << second.status();
+  ASSERT_EQ(second->size(), 2U);
+  EXPECT_EQ(second->back().revision(), 4);
+}
+
 TEST_F(ChangesTest, ListenerIsNotifiedBeforeTheCallReturns) {
   ASSERT_TRUE(catalogue_->CreateObject(MakeObject("before")).ok());
   std::vector<std::int64_t> notified;
