@@ -69,6 +69,21 @@ std::vector<v1::WatchCatalogResponse> ResponsesTo(const storage::ChangeRecord& c
   return out;
 }
 
+// Counts a watcher, also if its call ends by an exception.
+class CountedWatcher {
+ public:
+  explicit CountedWatcher(std::atomic<int>& count) : count_(count), others_(count.fetch_add(1)) {}
+  ~CountedWatcher() { count_.fetch_sub(1); }
+  CountedWatcher(const CountedWatcher&) = delete;
+  CountedWatcher& operator=(const CountedWatcher&) = delete;
+
+  int others() const { return others_; }
+
+ private:
+  std::atomic<int>& count_;
+  const int others_;
+};
+
 absl::StatusOr<Clock::duration> HeartbeatOf(const v1::WatchCatalogRequest& request) {
   const double seconds = request.has_heartbeat_s() ? request.heartbeat_s() : kHeartbeatS;
   // Not a number fails, too.
@@ -132,14 +147,10 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
 grpc::Status ChangeService::WatchCatalog(grpc::ServerContext* context,
                                          const v1::WatchCatalogRequest* request, Writer* writer) {
   return Handle(*context, "WatchCatalog", *request, [&] {
-    const int others = watchers_.fetch_add(1);
-    absl::Status status =
-        others < max_watchers_
-            ? Watch(*context, *request, *writer)
-            : TryAgainLater(absl::ResourceExhaustedError(
-                  absl::StrCat(max_watchers_, " watchers are connected already; end one first")));
-    watchers_.fetch_sub(1);
-    return status;
+    const CountedWatcher watcher(watchers_);
+    if (watcher.others() < max_watchers_) return Watch(*context, *request, *writer);
+    return TryAgainLater(absl::ResourceExhaustedError(
+        absl::StrCat(max_watchers_, " watchers are connected already; end one first")));
   });
 }
 
