@@ -55,8 +55,11 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
   const std::string digest = UploadDigest(request.view());
   const auto staged = uploads().DigestOf(request.upload(), name);
   const auto stored = context_.catalogue.GetView(name);
-  if ((staged.ok() && *staged == digest) ||
-      (!upload->replace() && stored.ok() && stored->content_digest() == digest)) {
+  // An error or other content that is staged counts at the commit, whatever the catalogue has.
+  const bool is_existing =
+      staged.ok() ? *staged == digest
+                  : !upload->replace() && stored.ok() && stored->content_digest() == digest;
+  if (is_existing) {
     response->set_existing(true);
     return absl::OkStatus();
   }

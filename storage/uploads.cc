@@ -142,7 +142,7 @@ absl::StatusOr<std::string> Uploads::DigestOf(std::string_view upload, std::stri
   if (!open.ok()) return open.status();
   absl::MutexLock lock(&(*open)->names);
   const Open::View* view = (*open)->Find(view_name);
-  if (view != nullptr && view->is_stored && !view->digest.empty()) return view->digest;
+  if (view != nullptr && view->is_stored) return view->digest;
   return absl::NotFoundError(absl::StrCat(std::string(view_name), " is not staged"));
 }
 

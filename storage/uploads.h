@@ -72,7 +72,7 @@ class Uploads {
   // the reason.
   absl::Status StageError(std::string_view upload, std::string_view view_name,
                           const absl::Status& error);
-  // The digest of a staged view; NOT_FOUND without one.
+  // The digest of a staged view, empty for one that cannot be taught; NOT_FOUND without either.
   absl::StatusOr<std::string> DigestOf(std::string_view upload, std::string_view view_name);
 
   // Publishes all views in one change with one revision, and returns the record with its counts.

@@ -153,6 +153,24 @@ TEST_F(UploadsTest, AViewThatCannotBeTaughtIsReportedAndTheStreamGoesOn) {
   EXPECT_EQ(upload.failed_view_count(), 2);
 }
 
+TEST_F(UploadsTest, AViewThatTheCatalogueHasReplacesItsError) {
+  const v1::UploadViewsRequest good = ViewOf("wedge", 0, "a");
+  v1::UploadViewsRequest bad = good;
+  bad.mutable_view()->mutable_cloud()->set_point_stride(7);
+  ASSERT_THAT(Create(), IsGrpcOk());
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({bad}, &responses), IsGrpcOk());
+  EXPECT_EQ(Get().failed_view_count(), 1);
+  ASSERT_THAT(Upload(good), IsGrpcOk());
+  ASSERT_THAT(Write({good}, &responses), IsGrpcOk());
+  ASSERT_EQ(responses.size(), 2U);
+  EXPECT_FALSE(responses[1].has_error());
+  EXPECT_EQ(Get().failed_view_count(), 0);
+  v1::Upload upload;
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  EXPECT_EQ(upload.existing_count(), 1);
+}
+
 TEST_F(UploadsTest, AStreamToNoOpenUploadEnds) {
   std::vector<v1::WriteUploadViewsResponse> responses;
   ExpectError(Write({ViewOf("wedge", 0, "a")}, &responses), grpc::StatusCode::NOT_FOUND, kUpload);
