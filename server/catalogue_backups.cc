@@ -59,8 +59,11 @@ CatalogueBackups::CatalogueBackups(const ServerOptions& options, storage::Catalo
 absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupProgress& progress,
                                                          std::string_view request_id) {
   const absl::Time begin = absl::Now();
-  absl::StatusOr<storage::Backup> made =
-      backups_.Create(catalogue_, UntilStop(progress), request_id);
+  const storage::BackupProgress until_stop = UntilStop(progress);
+  absl::StatusOr<storage::Backup> made = backups_.Create(catalogue_, until_stop, request_id);
+  if (made.ok()) {
+    if (auto intact = CheckSharedFiles(made->id, until_stop); !intact.ok()) made = intact;
+  }
   NoteFailure(made.status(), "create");
   if (!made.ok()) return made;
   Refresh();
@@ -72,6 +75,26 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupPr
                made->record.meta().revision(), made->byte_count,
                absl::ToInt64Milliseconds(absl::Now() - begin));
   return made;
+}
+
+absl::Status CatalogueBackups::CheckSharedFiles(storage::BackupId id,
+                                                const storage::BackupProgress& progress) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (damaged_.empty()) return absl::OkStatus();
+  }
+  absl::Status verified = backups_.Verify(id, progress).status();
+  if (verified.ok()) return verified;
+  if (absl::IsDataLoss(verified)) {
+    absl::MutexLock lock(&mutex_);
+    damaged_.insert(id);  // in case that it cannot be deleted
+  }
+  backups_.Delete(id).IgnoreError();
+  Refresh();
+  if (!absl::IsDataLoss(verified)) return verified;
+  return absl::DataLossError(
+      absl::StrCat("no backup was made, since it would share a damaged file (", verified.message(),
+                   "); stop the server, move the folder of its backups away, and start it again"));
 }
 
 absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,

@@ -52,6 +52,10 @@ class CatalogueBackups {
 
  private:
   CatalogueBackups(const ServerOptions& options, storage::Catalogue& catalogue);
+  // While a backup is known to be damaged: reads a new one, which may share its files, and deletes
+  // it unless it is intact.
+  absl::Status CheckSharedFiles(storage::BackupId id, const storage::BackupProgress& progress)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   storage::BackupProgress UntilStop(const storage::BackupProgress& progress) const;
   void Refresh() ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteFailure(const absl::Status& status, std::string_view action) ABSL_LOCKS_EXCLUDED(mutex_);

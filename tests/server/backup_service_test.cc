@@ -83,15 +83,21 @@ class BackupServiceTest : public ServerTest {
     return names;
   }
 
-  // Changes a byte in the middle of each file that only this backup has.
-  void Damage(int id) const {
-    const auto folder = std::filesystem::path(options_.backup_dir) / "private" / std::to_string(id);
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  // Changes a byte in the middle of each file of a folder of the backups.
+  void DamageFilesOf(const std::string& folder) const {
+    const auto path = std::filesystem::path(options_.backup_dir) / folder;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
       std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
-      file.seekp(static_cast<std::streamoff>(entry.file_size() / 2));
-      file.put('\0');
+      const auto middle = static_cast<std::streamoff>(entry.file_size() / 2);
+      file.seekg(middle);
+      const int before = file.get();
+      file.seekp(middle);
+      file.put(static_cast<char>(~before));
     }
   }
+
+  // Changes the files that only this backup has.
+  void Damage(int id) const { DamageFilesOf("private/" + std::to_string(id)); }
 };
 
 TEST_F(BackupServiceTest, ARepeatedCallGetsItsBackup) {
@@ -219,6 +225,20 @@ TEST_F(BackupServiceTest, ABackupWithTheNumberOfADeletedDamagedOneIsGood) {
   ASSERT_EQ(Create().name(), "backups/2");
   EXPECT_EQ(Status().backup().last_good_backup().name(), "backups/2");
   EXPECT_EQ(Status().backup().backup_count(), 2);
+}
+
+TEST_F(BackupServiceTest, ANewBackupWithADamagedFileOfAnEarlierOneDoesNotCount) {
+  Teach("wedge", 2);
+  Create();
+  DamageFilesOf("shared_checksum");
+  ASSERT_EQ(Verify("backups/1").error_code(), grpc::StatusCode::DATA_LOSS);
+  v1::CreateBackupResponse response;
+  ExpectError(Stream(&BackupStub::CreateBackup, v1::CreateBackupRequest(), &response),
+              grpc::StatusCode::DATA_LOSS, "no backup was made");
+  EXPECT_THAT(Listed(), ElementsAre("backups/1"));
+  const v1::BackupStatus state = Status().backup();
+  EXPECT_FALSE(state.has_last_good_backup());
+  EXPECT_THAT(state.last_error(), HasSubstr("shared_checksum"));
 }
 
 TEST_F(BackupServiceTest, CancelledAndExpiredCallsEndTheBackup) {
