@@ -1,9 +1,13 @@
 #include "server/backup_schedule.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <optional>
+#include <string>
 
 #include "absl/time/clock.h"
+#include "program/log_field.h"
 #include "server/background.h"
 
 namespace graspdb::server {
@@ -53,7 +57,14 @@ BackupSchedule::~BackupSchedule() {
 void BackupSchedule::Run() {
   absl::Duration wait;
   while (!stop_.Wait(absl::ToChronoNanoseconds(wait))) {
-    wait = rounds_.Run(absl::Now(), BackupRounds::Clock::now());
+    const absl::Status ran = Guarded([&] {
+      wait = rounds_.Run(absl::Now(), BackupRounds::Clock::now());
+      return absl::OkStatus();
+    });
+    if (ran.ok()) continue;
+    wait = kRetryAfterFailure;
+    spdlog::error("event=backup_failed action=schedule error={}",
+                  LogField(std::string(ran.message())));
   }
 }
 

@@ -14,7 +14,7 @@ namespace graspdb::server {
 // and then the tasks.
 class IdleTask {
  public:
-  // They must not throw.
+  // An exception, such as std::bad_alloc, is logged and ends that run only.
   struct Tasks {
     // Each time: robots that report their picks change the catalogue every few seconds, day and
     // night.

@@ -2,28 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
-#include <exception>
 #include <utility>
 
-#include "absl/functional/function_ref.h"
 #include "program/log_field.h"
+#include "server/background.h"
 #include "server/change_effects.h"
 #include "server/load_views.h"
 
 namespace graspdb::server {
-namespace {
-
-// Converts exceptions of `work`, mostly std::bad_alloc, to a status: the catalogue's listener must
-// not throw.
-absl::Status Guarded(absl::FunctionRef<absl::Status()> work) {
-  try {
-    return work();
-  } catch (const std::exception& e) {
-    return absl::InternalError(e.what());
-  }
-}
-
-}  // namespace
 
 LiveCatalogue::LiveCatalogue(storage::Catalogue& catalogue,
                              const recognition::DescriptorParameters& parameters)

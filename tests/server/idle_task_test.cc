@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "program/stop_flag.h"
@@ -44,8 +45,8 @@ TEST_F(IdleTaskTest, ACatalogueThatNeverRestsKeepsOnlyTheIdleTaskWaiting) {
     if (rounds == 5) ran_often.Raise();
   };
   {
-    const server::IdleTask task(
-        *live_, {.always = change, .when_idle = [&] { was_idle = true; }}, kShort);
+    const server::IdleTask task(*live_, {.always = change, .when_idle = [&] { was_idle = true; }},
+                                kShort);
     EXPECT_TRUE(ran_often.Wait(kLong));
   }
   EXPECT_FALSE(was_idle);
@@ -60,6 +61,25 @@ TEST_F(IdleTaskTest, BothRunWhileTheCatalogueIsIdle) {
     EXPECT_TRUE(ran.Wait(kLong));
   }
   EXPECT_TRUE(always);
+}
+
+TEST_F(IdleTaskTest, ATaskThatThrowsRunsAgainAndEndsNoOther) {
+  StopFlag ran_often;
+  int rounds = 0;
+  int idle_rounds = 0;
+  const auto fail = [&] {
+    ++rounds;
+    throw std::bad_alloc();
+  };
+  const auto fail_often = [&] {
+    if (++idle_rounds == 3) ran_often.Raise();
+    throw std::bad_alloc();
+  };
+  {
+    const server::IdleTask task(*live_, {.always = fail, .when_idle = fail_often}, kShort);
+    EXPECT_TRUE(ran_often.Wait(kLong));
+  }
+  EXPECT_GE(rounds, 3);
 }
 
 }  // namespace
