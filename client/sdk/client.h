@@ -84,6 +84,10 @@ class Client {
   // at once.
   void StopRetries();
 
+  // How often a call is sent again while the server is busy, by the options; for callers that
+  // repeat their streams.
+  int busy_retries() const { return options_.retry ? options_.busy_retries : 0; }
+
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
   // With its own time limit. `request_id`, of 1 to 64 letters, digits, '-', '_' and '.', is sent as
   // the call's id (metadata x-request-id); if empty, the server chooses one.
@@ -146,7 +150,8 @@ class Client {
   absl::Status DeleteUpload(const std::string& name);
   // Sends views over one stream until `next` returns false or an error, which is then returned.
   // `done` gets the response to each, in order; it is called between the calls of `next`. Views
-  // without a response when the stream fails must be sent again.
+  // without a response when the stream fails must be sent again, which repeats no work: those that
+  // are staged already are not computed again. Not repeated itself while the server is busy.
   using NextUploadView = std::function<absl::StatusOr<bool>(v1::WriteUploadViewsRequest*)>;
   using UploadViewDone = std::function<void(const v1::WriteUploadViewsResponse&)>;
   absl::Status WriteUploadViews(const NextUploadView& next, const UploadViewDone& done);

@@ -51,7 +51,7 @@ template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Call(Stub& stub, Method<Stub, Request, Response> method,
                                       const Request& request, const CallSettings& settings) const {
   const absl::Time deadline = absl::Now() + settings.timeout;
-  BusyRetries retries(options_.retry && settings.retry ? options_.busy_retries : 0);
+  BusyRetries retries(settings.retry ? busy_retries() : 0);
   for (;;) {
     absl::StatusOr<Response> response =
         Attempt(stub, method, request, deadline, settings.request_id);

@@ -53,7 +53,7 @@ absl::Status Client::WriteUploadViews(const NextUploadView& next, const UploadVi
   int pending = 0;
   bool more = true;
   bool broken = false;
-  while (!broken && (more || pending > 0)) {
+  while (more || pending > 0) {
     if (more && pending < kMaxPending) {
       const absl::StatusOr<bool> filled = next(&request);
       if (!filled.ok()) {
@@ -61,13 +61,15 @@ absl::Status Client::WriteUploadViews(const NextUploadView& next, const UploadVi
         (void)stream->Finish();  // cancelled here; the caller's error has the reason
         return filled.status();
       }
-      more = *filled;
-      broken = more && !stream->Write(request);
-      if (!more) stream->WritesDone();
-      pending += more && !broken ? 1 : 0;
+      if (!*filled) stream->WritesDone();
+      broken = *filled && !stream->Write(request);
+      more = *filled && !broken;  // responses to earlier views are still read
+      pending += *filled ? 1 : 0;
     } else {
-      broken = !stream->Read(&response);
-      if (broken) break;
+      if (!stream->Read(&response)) {
+        broken = true;
+        break;
+      }
       --pending;
       done(response);
     }

@@ -1,7 +1,9 @@
 #include "client/teaching/upload/bulk_upload.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <deque>
+#include <optional>
 #include <set>
 #include <thread>
 #include <utility>
@@ -9,10 +11,16 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
+#include "client/sdk/retry.h"
 #include "client/teaching/upload/known_views.h"
 
 namespace graspdb::client {
 namespace {
+
+// Between checks for an interrupt while it waits for a busy server. Doubled, an interrupt takes up
+// to 0.1 s.
+constexpr absl::Duration kWatchPeriod = absl::Milliseconds(50);
 
 class BulkUpload {
  public:
@@ -102,32 +110,54 @@ class BulkUpload {
     return Place::kUnknown;
   }
 
+  // Sends views until none are left. Those that a busy server has not answered are sent again,
+  // until it has answered none of all streams for BusyRetries.
   absl::Status Stream() {
-    std::deque<std::size_t> pending;
+    std::deque<std::size_t> unanswered;
+    std::optional<BusyRetries> retries;
+    std::size_t done = 0;
+    for (;;) {
+      absl::Status status = SendOnce(&unanswered);
+      if (const std::size_t now = DoneCount(); !retries || now > done) {
+        retries.emplace(client_.busy_retries());
+        done = now;
+      }
+      const std::optional<absl::Duration> pause = retries->Next(status, absl::InfiniteFuture());
+      if (!pause) return status;
+      if (absl::Status waited = Wait(*pause); !waited.ok()) return waited;
+    }
+  }
+
+  // Sends the unanswered views and then others over one stream; those without a response are
+  // unanswered afterwards.
+  absl::Status SendOnce(std::deque<std::size_t>* unanswered) {
+    std::size_t sent = 0;  // the first of `unanswered`
     return client_.WriteUploadViews(
         [&](v1::WriteUploadViewsRequest* request) -> absl::StatusOr<bool> {
           for (;;) {
-            const absl::StatusOr<std::size_t> i = Next();
-            if (!i.ok()) return i.status();
-            if (*i == views_.count) return false;
-            const absl::StatusOr<Place> place = Prepare(*i, request->mutable_view());
-            if (!place.ok()) {
-              Done(*i, place.status(), false);
-            } else if (*place == Place::kUnknown) {
-              return Stopped();
-            } else if (*place == Place::kNowhere) {
+            if (sent == unanswered->size()) {
+              const absl::StatusOr<std::size_t> next = Next();
+              if (!next.ok()) return next.status();
+              if (*next == views_.count) return false;
+              unanswered->push_back(*next);
+            }
+            const std::size_t i = (*unanswered)[sent];
+            const absl::StatusOr<Place> place = Prepare(i, request->mutable_view());
+            if (place.ok() && *place == Place::kUnknown) return Stopped();
+            if (place.ok() && *place == Place::kNowhere) {
               if (absl::Status created = CreateOnce(); !created.ok()) return created;
               request->set_upload(name_);
-              pending.push_back(*i);
+              ++sent;
               return true;
-            } else {
-              Done(*i, absl::OkStatus(), *place == Place::kCatalogue);
             }
+            unanswered->erase(unanswered->begin() + static_cast<std::ptrdiff_t>(sent));
+            Done(i, place.status(), place.ok() && *place == Place::kCatalogue);
           }
         },
         [&](const v1::WriteUploadViewsResponse& response) {
-          const std::size_t i = pending.front();
-          pending.pop_front();
+          const std::size_t i = unanswered->front();
+          unanswered->pop_front();
+          --sent;
           Done(i,
                absl::Status(static_cast<absl::StatusCode>(response.error().code()),
                             response.error().message()),
@@ -138,15 +168,37 @@ class BulkUpload {
   // The next view, or views_.count without one.
   absl::StatusOr<std::size_t> Next() {
     absl::MutexLock lock(&mutex_);
-    if (!stopped_.ok()) return stopped_;
-    if (watch_.cancelled && watch_.cancelled()) {
-      return absl::CancelledError(
-          absl::StrCat("interrupted after ", done_, " of ", views_.count,
-                       " views, which are safe; run the same command again to go on, or `graspdb "
-                       "uploads delete ",
-                       options_.upload_id, "` to drop them"));
-    }
+    if (absl::Status go = GoOn(); !go.ok()) return go;
     return next_ == views_.count ? next_ : next_++;
+  }
+
+  // The error of another stream, or CANCELLED.
+  absl::Status GoOn() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (!stopped_.ok() || !watch_.cancelled || !watch_.cancelled()) return stopped_;
+    return absl::CancelledError(
+        absl::StrCat("interrupted after ", done_, " of ", views_.count,
+                     " views, which are safe; run the same command again to go on, or `graspdb "
+                     "uploads delete ",
+                     options_.upload_id, "` to drop them"));
+  }
+
+  // Errors of GoOn, also while it waits.
+  absl::Status Wait(absl::Duration pause) {
+    const absl::Time end = absl::Now() + pause;
+    const auto is_stopped = [this]()
+                                ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !stopped_.ok(); };
+    absl::MutexLock lock(&mutex_);
+    for (;;) {
+      if (absl::Status go = GoOn(); !go.ok()) return go;
+      const absl::Duration left = end - absl::Now();
+      if (left <= absl::ZeroDuration()) return absl::OkStatus();
+      mutex_.AwaitWithTimeout(absl::Condition(&is_stopped), std::min(left, kWatchPeriod));
+    }
+  }
+
+  std::size_t DoneCount() {
+    absl::MutexLock lock(&mutex_);
+    return done_;
   }
 
   absl::Status CreateOnce() {

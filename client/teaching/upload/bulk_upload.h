@@ -45,8 +45,9 @@ struct UploadPlan {
 
 // Teaches the views. `views.make` is called from several threads. Views that cannot be read or
 // taught are in the result; with `atomic` they are FAILED_PRECONDITION, and nothing is committed.
-// CANCELLED when the watch requests it; errors of the server. After an error, the same call
-// continues.
+// Views that a busy server refuses are sent again, until it takes none for Client::busy_retries()
+// attempts. CANCELLED when the watch requests it, also meanwhile; errors of the server. After an
+// error, the same call continues.
 absl::StatusOr<BulkUploadResult> TeachInBulk(Client& client, const ViewsToTeach& views,
                                              const BulkUploadOptions& options,
                                              const UploadWatch& watch);
