@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -162,7 +163,9 @@ class Client {
   absl::Status WatchCatalog(const v1::WatchCatalogRequest& request, const OnChange& on_change);
 
   absl::StatusOr<v1::Cell> CreateCell(const v1::CreateCellRequest& request);
-  absl::StatusOr<v1::Cell> GetCell(const std::string& name);
+  // Within `timeout`, by default that of the options.
+  absl::StatusOr<v1::Cell> GetCell(const std::string& name,
+                                   std::optional<absl::Duration> timeout = std::nullopt);
   absl::StatusOr<v1::Cell> UpdateCell(const v1::UpdateCellRequest& request);
   absl::Status DeleteCell(const std::string& name);
   absl::StatusOr<std::vector<v1::Cell>> ListCells();

@@ -114,8 +114,10 @@ absl::StatusOr<v1::Cell> Client::CreateCell(const v1::CreateCellRequest& request
   return Call(*stubs_->cells, &Cells::CreateCell, request);
 }
 
-absl::StatusOr<v1::Cell> Client::GetCell(const std::string& name) {
-  return Call(*stubs_->cells, &Cells::GetCell, Named<v1::GetCellRequest>(name));
+absl::StatusOr<v1::Cell> Client::GetCell(const std::string& name,
+                                         std::optional<absl::Duration> timeout) {
+  return Call(*stubs_->cells, &Cells::GetCell, Named<v1::GetCellRequest>(name),
+              {.timeout = timeout.value_or(options_.timeout)});
 }
 
 absl::StatusOr<v1::Cell> Client::UpdateCell(const v1::UpdateCellRequest& request) {

@@ -34,7 +34,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
                                       absl::Time deadline, CaptureResult* capture) {
   capture->request.Clear();
   capture->request_id.clear();
-  const absl::StatusOr<KeptCell> cell = cell_.Get();
+  const absl::StatusOr<KeptCell> cell = cell_.Get(deadline);
   if (!cell.ok()) return cell.status();
   capture->cell = *cell;
   const absl::Time start = absl::Now();

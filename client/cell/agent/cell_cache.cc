@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
 namespace {
 
-absl::StatusOr<KeptCell> Read(Client& client, const std::string& name) {
-  absl::StatusOr<v1::Cell> cell = client.GetCell(name);
+absl::StatusOr<KeptCell> Read(Client& client, const std::string& name,
+                              std::optional<absl::Duration> timeout) {
+  absl::StatusOr<v1::Cell> cell = client.GetCell(name, timeout);
   if (absl::IsNotFound(cell.status())) {
     return absl::FailedPreconditionError(absl::StrCat(
         "the server has no ", name, "; create it with: graspdb cells set ", name.substr(6)));
@@ -46,18 +48,18 @@ CellCache::~CellCache() {
   thread_.join();
 }
 
-absl::StatusOr<KeptCell> CellCache::Get() {
+absl::StatusOr<KeptCell> CellCache::Get(absl::Time deadline) {
   {
     absl::MutexLock lock(&mutex_);
     if (cell_.ok()) return cell_;
   }
-  if (absl::Status status = Refresh(); !status.ok()) return status;
+  if (absl::Status status = Refresh(deadline - absl::Now()); !status.ok()) return status;
   absl::MutexLock lock(&mutex_);
   return cell_;
 }
 
-absl::Status CellCache::Refresh() {
-  absl::StatusOr<KeptCell> cell = Read(client_, name_);
+absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
+  absl::StatusOr<KeptCell> cell = Read(client_, name_, timeout);
   absl::MutexLock lock(&mutex_);
   if (state_.code() != cell.status().code()) {
     if (cell.ok()) {

@@ -1,6 +1,7 @@
 // The cell's record on the server, kept up to date.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -8,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/sdk/client.h"
 
@@ -29,12 +31,12 @@ class CellCache {
   CellCache(const CellCache&) = delete;
   CellCache& operator=(const CellCache&) = delete;
 
-  // The cached cell; read now if there is none yet. Errors of the server; NOT_FOUND becomes
-  // FAILED_PRECONDITION, with the command to run.
-  absl::StatusOr<KeptCell> Get();
+  // The cached cell; read until `deadline` if there is none yet. Errors of the server; NOT_FOUND
+  // becomes FAILED_PRECONDITION, with the command to run.
+  absl::StatusOr<KeptCell> Get(absl::Time deadline);
 
-  // Reads the cell now, e.g. after a calibration.
-  absl::Status Refresh();
+  // Reads the cell now, e.g. after a calibration, within `timeout`, by default that of the client.
+  absl::Status Refresh(std::optional<absl::Duration> timeout = std::nullopt);
 
   // Status of the last read.
   absl::Status state() const;

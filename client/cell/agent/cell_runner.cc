@@ -138,7 +138,8 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   }
   std::shared_ptr<const SeenScene> scene = RecallScene(request.session);
   if (scene == nullptr) {
-    const absl::StatusOr<KeptCell> cell = parts_.cell.Get();
+    const absl::Time deadline = DeadlineOf(job);
+    const absl::StatusOr<KeptCell> cell = parts_.cell.Get(deadline);
     if (cell.ok() && cell->frames.flange_sensor) {
       return absl::InvalidArgumentError(
           "the camera is on the robot, and this request has the pose of the tool, not the flange; "
@@ -146,7 +147,7 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
     }
     CaptureResult capture;
     absl::Status recognized =
-        parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &capture);
+        parts_.capture_and_recognize.Run(request.base_flange, deadline, &capture);
     if (!recognized.ok()) return recognized;
     scene = SceneOf(capture, absl::Now());
   }

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
+
+#include "absl/synchronization/notification.h"
 #include "client/cell/sensors/fresh_sensor.h"
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
@@ -137,6 +140,21 @@ TEST_F(CaptureAndRecognizeTest, ALastCallWithoutTimeKeepsTheUnavailableError) {
   };
   EXPECT_THAT(Run(deadline - absl::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
+}
+
+TEST_F(CaptureAndRecognizeTest, TheCellIsReadWithinTheJobsOwnTime) {
+  const auto ended = std::make_shared<absl::Notification>();  // calls may outlive this test
+  server_.get_cell = [ended](v1::Cell*) {
+    ended->WaitForNotification();
+    return grpc::Status::OK;
+  };
+  Client client = server_.Connect({.timeout = absl::Hours(1), .retry = false});
+  CellCache cache(client, "cells/press-3", absl::Hours(1));
+  CaptureAndRecognize capture_and_recognize(sensor_, client, cache, "cells/press-3");
+  CaptureResult capture;
+  EXPECT_THAT(capture_and_recognize.Run({}, absl::Now() + absl::Milliseconds(100), &capture),
+              StatusIs(absl::StatusCode::kDeadlineExceeded));
+  ended->Notify();
 }
 
 TEST_F(CaptureAndRecognizeTest, RejectedRequestsAreNotRetried) {
