@@ -49,6 +49,8 @@ absl::Status ArchiveWriter::Add(const v1::ArchiveRecord& record) {
   return file_->Append(frame);
 }
 
-absl::Status ArchiveWriter::Finish() { return file_->Commit(Durability::kPowerFailure); }
+absl::Status ArchiveWriter::Finish() {
+  return file_->Commit(Durability::kPowerFailure, Existing::kKeep);
+}
 
 }  // namespace graspdb::client

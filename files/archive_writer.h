@@ -22,7 +22,7 @@ class ArchiveWriter {
   // The order of the records is that of graspdb/v1/archive.proto; it is not checked here.
   // INVALID_ARGUMENT for a record of more than kMaxArchiveRecordBytes.
   absl::Status Add(const v1::ArchiveRecord& record);
-  // After the record `end`.
+  // After the record `end`. ALREADY_EXISTS where there is a file at the path by now, which stays.
   absl::Status Finish();
 
  private:

@@ -1,9 +1,11 @@
 #include "files/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -34,6 +36,20 @@ int WriteAll(int file, std::string_view bytes) {
     bytes.remove_prefix(static_cast<size_t>(written));
   }
   return 0;
+}
+
+// As rename(2), but EEXIST where there is a file at `to`. 0 or an errno.
+int RenameNew(const char* from, const char* to) {
+  if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+  // Network file systems do not know the flag; most have links.
+  if (link(from, to) == 0) {
+    unlink(from);
+    return 0;
+  }
+  struct stat found {};
+  if (errno == EEXIST || lstat(to, &found) == 0) return EEXIST;
+  return rename(from, to) == 0 ? 0 : errno;
 }
 
 // The name of a new file is durable once its folder is flushed. Some file systems cannot flush
@@ -72,11 +88,18 @@ absl::Status AtomicFile::Append(std::string_view bytes) {
   return error == 0 ? absl::OkStatus() : Failed(path_, error);
 }
 
-absl::Status AtomicFile::Commit(Durability durability) {
+absl::Status AtomicFile::Commit(Durability durability, Existing existing) {
   int error = 0;
   if (durability == Durability::kPowerFailure && fsync(file_) != 0) error = errno;
   if (close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
-  if (error == 0 && rename(temporary_.c_str(), path_.c_str()) != 0) error = errno;
+  if (error == 0 && existing == Existing::kKeep) {
+    error = RenameNew(temporary_.c_str(), path_.c_str());
+    if (error == EEXIST) {
+      return absl::AlreadyExistsError(absl::StrCat(path_.string(), " exists; choose another file"));
+    }
+  } else if (error == 0 && rename(temporary_.c_str(), path_.c_str()) != 0) {
+    error = errno;
+  }
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
   if (durability == Durability::kPowerFailure) FlushNames(path_.parent_path());

@@ -15,6 +15,9 @@ namespace graspdb::client {
 // for the disk takes milliseconds, on a busy one far longer.
 enum class Durability { kProcessCrash, kPowerFailure };
 
+// What is done with a file that is at the path already.
+enum class Existing { kReplace, kKeep };
+
 // A file that is written in parts, beside its path, and appears there as a whole. Its errors are
 // those of WriteFileAtomically. Not thread-safe.
 class AtomicFile {
@@ -27,8 +30,10 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   absl::Status Append(std::string_view bytes);
-  // Once, after the last Append().
-  absl::Status Commit(Durability durability);
+  // Once, after the last Append(). With kKeep, ALREADY_EXISTS where there is a file at the path,
+  // also if it appeared just now; only on file systems without hard links and renameat2(2), a file
+  // that appears within this call is replaced.
+  absl::Status Commit(Durability durability, Existing existing = Existing::kReplace);
 
  private:
   AtomicFile(std::filesystem::path path, std::string temporary, int file);

@@ -29,8 +29,9 @@ struct ExportResult {
 // views with clouds. The same catalogue gives the same bytes, as long as its revision is the same.
 //
 // NOT_FOUND for an object that does not exist; ABORTED when the catalogue changed so that the file
-// would be incomplete; CANCELLED when the watch requests it; errors of the server and of
-// WriteFileAtomically. After an error there is no file.
+// would be incomplete; CANCELLED when the watch requests it; ALREADY_EXISTS where there is a file
+// at the path, also if it was made meanwhile; errors of the server and of WriteFileAtomically. An
+// error leaves the path as it was.
 absl::StatusOr<ExportResult> ExportArchive(Client& client, std::vector<std::string> objects,
                                            const std::filesystem::path& path,
                                            const ExportWatch& watch);

@@ -21,6 +21,27 @@ TEST(AtomicFile, MakesFoldersAndReplacesWithoutLeavingAnythingBehind) {
   EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
 
+TEST(AtomicFile, AFileThatAppearsMeanwhileCanBeKept) {
+  const TemporaryFolder folder;
+  {
+    const auto file = AtomicFile::Create(folder.path() / "file");
+    ASSERT_TRUE(file.ok());
+    ASSERT_TRUE((*file)->Append("new").ok());
+    const auto path = folder.Write("file", "of another program");
+    const absl::Status kept = (*file)->Commit(Durability::kProcessCrash, Existing::kKeep);
+    EXPECT_EQ(kept.code(), absl::StatusCode::kAlreadyExists);
+    EXPECT_THAT(std::string(kept.message()), testing::HasSubstr(path.string()));
+    EXPECT_EQ(BytesOf(path), "of another program");
+  }
+  const auto other = AtomicFile::Create(folder.path() / "other");
+  ASSERT_TRUE(other.ok());
+  ASSERT_TRUE((*other)->Append("new").ok());
+  EXPECT_TRUE((*other)->Commit(Durability::kProcessCrash, Existing::kKeep).ok());
+  EXPECT_EQ(BytesOf(folder.path() / "other"), "new");
+  const std::filesystem::directory_iterator files(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "a temporary file was left";
+}
+
 TEST(AtomicFile, DoesNotFollowALinkOfItsTemporaryName) {
   const TemporaryFolder folder;
   const auto other = folder.Write("other", "kept");

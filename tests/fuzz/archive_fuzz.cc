@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -52,6 +53,7 @@ void Read(std::string_view bytes) {
   const auto index = client::IndexArchive(**file, nullptr);
   if (!index.ok()) return;
   const std::filesystem::path copy = folder.path() / "out.graspdb";
+  std::filesystem::remove(copy);
   auto writer = client::ArchiveWriter::Create(copy);
   Require(writer.ok(), "a copy can be begun");
   for (std::int64_t at = client::ArchiveFile::kFirstRecord; at < (*file)->size();) {

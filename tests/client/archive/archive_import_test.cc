@@ -109,6 +109,17 @@ TEST_F(ArchiveImportTest, AnExportWithoutViewsCanBeInterrupted) {
   EXPECT_FALSE(std::filesystem::exists(Path("a.graspdb")));
 }
 
+TEST_F(ArchiveImportTest, AnExportKeepsAFileThatAppearsMeanwhile) {
+  DeclareAndTeach(from_, "wedge");
+  const auto make_file = [&](std::int64_t /*done*/, std::int64_t /*total*/) {
+    folder_.Write("a.graspdb", "of another program");
+  };
+  EXPECT_THAT(
+      ExportArchive(from_, {}, Path("a.graspdb"), {.report = make_file, .cancelled = nullptr}),
+      StatusIs(absl::StatusCode::kAlreadyExists, HasSubstr("choose another file")));
+  EXPECT_EQ(BytesOf(Path("a.graspdb")), "of another program");
+}
+
 TEST_F(ArchiveImportTest, AllViewsAppearInOneRevision) {
   DeclareAndTeach(from_, "wedge");
   const Opened exported = Export(from_, "a.graspdb");
