@@ -46,6 +46,7 @@ ArchiveAction ActionOf(ArchiveState state, LaterChange later, OnConflict on_conf
     case ArchiveState::kConflict:
       break;
   }
+  if (on_conflict == OnConflict::kFail) return ArchiveAction::kUndecided;
   const bool replaces = on_conflict == OnConflict::kReplace ||
                         (on_conflict == OnConflict::kLater && later == LaterChange::kFile);
   return replaces ? ArchiveAction::kReplace : ArchiveAction::kKeep;
@@ -209,9 +210,10 @@ class Comparer {
   // another one in the file than on the server, so that the views come from where the stable pose
   // does.
   ArchiveAction BesideConflict(ArchiveState state, ArchiveAction action) const {
-    if (*conflict_ == ArchiveAction::kKeep) {
-      if (action == ArchiveAction::kCreate) return ArchiveAction::kLeaveOut;
-      return action == ArchiveAction::kReplace ? ArchiveAction::kKeep : action;
+    const bool takes = action == ArchiveAction::kCreate || action == ArchiveAction::kReplace;
+    if (*conflict_ == ArchiveAction::kUndecided && takes) return ArchiveAction::kUndecided;
+    if (*conflict_ == ArchiveAction::kKeep && takes) {
+      return action == ArchiveAction::kCreate ? ArchiveAction::kLeaveOut : ArchiveAction::kKeep;
     }
     return state == ArchiveState::kConflict ? *conflict_ : action;
   }
@@ -246,8 +248,8 @@ std::string_view NameOf(ArchiveState state) {
 }
 
 std::string_view NameOf(ArchiveAction action) {
-  constexpr std::array<std::string_view, 6> kNames = {"skip",    "nothing", "create",
-                                                      "replace", "keep",    "leave out"};
+  constexpr std::array<std::string_view, 7> kNames = {"skip", "nothing",   "create",   "replace",
+                                                      "keep", "leave out", "undecided"};
   return kNames[static_cast<std::size_t>(action)];
 }
 

@@ -34,6 +34,9 @@ enum class ArchiveAction : std::uint8_t {
   kReplace,
   kKeep,      // the server's record stays
   kLeaveOut,  // not on the server, and stays out: a view of a conflicting stable pose that is kept
+  // With OnConflict::kFail: a conflict, or a view of a stable pose in conflict that differs or is
+  // new. An import should write nothing.
+  kUndecided,
 };
 std::string_view NameOf(ArchiveAction action);
 

@@ -210,10 +210,8 @@ class ArchiveImport {
   absl::Status RaiseOutcomes(std::size_t i) {
     const ArchiveEntry& entry = entries_[i];
     const ArchiveAction action = comparison_.actions[i];
-    if (entry.kind != ArchiveKind::kStablePose || action == ArchiveAction::kSkip ||
-        action == ArchiveAction::kKeep) {
-      return absl::OkStatus();
-    }
+    const bool is_of_file = action == ArchiveAction::kNothing || IsSent(action);
+    if (entry.kind != ArchiveKind::kStablePose || !is_of_file) return absl::OkStatus();
     if (absl::Status go = GoOn(); !go.ok()) return go;
     const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
     if (!item.ok()) return item.status();

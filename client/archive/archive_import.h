@@ -35,11 +35,12 @@ std::vector<std::string> UploadIdsOf(const ArchiveIndex& index,
 // use without views; publishes all views in one revision (each 100,000), or none; replaces objects
 // and stable poses; raises the counts of picks. Deletes nothing. The watch counts views.
 //
-// Whether conflicts are an error is for the caller to decide, before this: conflicts that are not
-// replaced are kept. ABORTED when an object or a stable pose was changed since the comparison, or
-// a view taught under the name of a new one; not so where any view is replaced: then all views of
-// these names are, whatever they are by then. CANCELLED; errors of TeachInBulk and of the server.
-// After an error, comparing and importing again goes on where it stood.
+// Whether undecided conflicts are an error is for the caller to decide, before this: conflicts that
+// are not replaced stay as they are on the server. ABORTED when an object or a stable pose was
+// changed since the comparison, or a view taught under the name of a new one; not so where any view
+// is replaced: then all views of these names are, whatever they are by then. CANCELLED; errors of
+// TeachInBulk and of the server. After an error, comparing and importing again goes on where it
+// stood.
 absl::StatusOr<ArchiveImportCounts> ImportArchive(Client& client, const OpenArchive& archive,
                                                   const ArchiveComparison& comparison,
                                                   const ArchiveImportOptions& options,

@@ -110,7 +110,7 @@ TEST_F(ExportTest, AConflictIsRejectedBeforeAnythingIsWritten) {
   const Finished failed = Graspdb({"import", Path("all.graspdb")});
   EXPECT_THAT(failed, EndsWith(1));
   EXPECT_THAT(failed.err,
-              AllOf(HasSubstr("conflict keep    objects/flange, changed later on the server"),
+              AllOf(HasSubstr("conflict undecided objects/flange, changed later on the server"),
                     HasSubstr("choose --on-conflict keep, replace or later")));
   EXPECT_EQ(Status().catalog_revision(), revision);
   Succeed({"import", Path("all.graspdb"), "--on-conflict", "keep"});

@@ -51,6 +51,13 @@ void SetComparison(const ArchiveIndex& index, const ArchiveComparison& compariso
 
 std::string NotesText(const ArchiveComparison& comparison) {
   std::string out;
+  const auto undecided = std::ranges::count(comparison.actions, ArchiveAction::kUndecided);
+  if (undecided > 0) {
+    absl::StrAppend(
+        &out, undecided,
+        " records are undecided, so that an import writes nothing; choose --on-conflict "
+        "keep, replace or later, or give the archive from which both began as --base\n");
+  }
   if (comparison.left_out_count > 0) {
     absl::StrAppend(&out, comparison.left_out_count,
                     " new views of stable poses in conflict, which stay as they are on the server, "
@@ -85,7 +92,7 @@ std::string DifferencesText(const ArchiveIndex& index, const ArchiveComparison& 
   const std::size_t count = comparison.differences.size();
   for (std::size_t i = 0; i < std::min(count, kMaxPrintedDifferences); ++i) {
     const ArchiveDifference& difference = comparison.differences[i];
-    absl::StrAppendFormat(&out, "%-8s %-7s %s, %s\n", std::string(NameOf(difference.state)),
+    absl::StrAppendFormat(&out, "%-8s %-9s %s, %s\n", std::string(NameOf(difference.state)),
                           std::string(NameOf(difference.action)),
                           index.entries[difference.entry].name,
                           std::string(LaterText(difference.later)));

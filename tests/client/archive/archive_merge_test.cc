@@ -1,4 +1,5 @@
 // Records that differ between an archive and a server.
+#include <algorithm>
 #include <optional>
 
 #include "tests/client/archive/archive_fixture.h"
@@ -39,6 +40,7 @@ TEST_F(ArchiveMergeTest, ADifferenceIsAConflictAndStaysUnlessReplaced) {
   EXPECT_EQ(comparison.CountOf(ArchiveState::kConflict), 1);
   EXPECT_EQ(comparison.CountOf(ArchiveState::kSame), 4);
   ASSERT_EQ(comparison.differences.size(), 1U);
+  EXPECT_EQ(comparison.differences.front().action, ArchiveAction::kUndecided);
   ASSERT_THAT(Import(to_, changed, {.on_conflict = OnConflict::kKeep}), IsOk());
   EXPECT_EQ(MinScore(to_, "wedge"), 0);
   const auto counts = Import(to_, changed, {.on_conflict = OnConflict::kReplace});
@@ -147,6 +149,9 @@ TEST_F(ArchiveMergeTest, AKeptStablePoseInConflictGetsNoViews) {
   const Opened changed = Export(from_, "a.graspdb");
   const ComparisonOptions keep = {.on_conflict = OnConflict::kKeep};
   EXPECT_EQ(Compare(to_, changed, keep).left_out_count, 1);
+  const ArchiveComparison undecided = Compare(to_, changed);
+  EXPECT_EQ(undecided.left_out_count, 0);
+  EXPECT_EQ(std::ranges::count(undecided.actions, ArchiveAction::kUndecided), 2);
   const std::int64_t revision = RevisionOf(to_);
   ASSERT_THAT(Import(to_, changed, keep), IsOk());
   EXPECT_EQ(RevisionOf(to_), revision);

@@ -7,6 +7,7 @@
 namespace graspdb::client {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -38,9 +39,20 @@ TEST(ArchiveText, HasATableAndTheDifferences) {
             "objects              1         0         0         0         0\n"
             "stable poses         0         0         0         0         1\n"
             "views                0         0         0         0         0\n"
-            "conflict replace objects/mug/stablePoses/0, changed later in the file\n");
+            "conflict replace   objects/mug/stablePoses/0, changed later in the file\n");
   EXPECT_EQ(CountOf(index, comparison, ArchiveKind::kStablePose), 1);
   EXPECT_EQ(CountOf(index, comparison, ArchiveKind::kObject), 0);
+}
+
+TEST(ArchiveText, ConflictsWithoutADecisionAreNeitherKeptNorReplaced) {
+  ArchiveIndex index;
+  ArchiveComparison comparison = Conflicts(1, &index);
+  EXPECT_THAT(ComparisonText(index, comparison), Not(HasSubstr("undecided")));
+  comparison.actions.back() = ArchiveAction::kUndecided;
+  comparison.differences.back().action = ArchiveAction::kUndecided;
+  EXPECT_THAT(ComparisonText(index, comparison),
+              AllOf(HasSubstr("conflict undecided objects/mug/stablePoses/0, "),
+                    HasSubstr("1 records are undecided, so that an import writes nothing")));
 }
 
 TEST(ArchiveText, ListsTheFirstDifferencesAndJsonAllOfThem) {
