@@ -63,8 +63,7 @@ class Indexer {
     }
     switch (record.record_case()) {
       case v1::ArchiveRecord::kHeader:
-        out_.header = record.header();
-        return absl::OkStatus();
+        return absl::OkStatus();  // its place is checked above
       case v1::ArchiveRecord::kObject:
         return TakeObject(record);
       case v1::ArchiveRecord::kStablePose:
@@ -119,7 +118,6 @@ class Indexer {
         end.view_count() != found_.view_count()) {
       return file_.Damaged(offset_, "records are missing");
     }
-    out_.end = end;
     ended_ = true;
     return absl::OkStatus();
   }

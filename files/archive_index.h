@@ -25,8 +25,6 @@ struct ArchiveEntry {
 struct ArchiveIndex {
   // Each object, then its stable poses, each with its views after it.
   std::vector<ArchiveEntry> entries;
-  v1::ArchiveHeader header;
-  v1::ArchiveEnd end;
   // The same for files of the same content: 16 hexadecimal digits.
   std::string digest;
   // Whether a newer program wrote fields that this one does not know.

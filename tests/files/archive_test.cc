@@ -113,8 +113,6 @@ TEST_F(ArchiveFileTest, HasWhatWasWritten) {
   ASSERT_THAT(file, IsOk());
   const auto index = IndexArchive(**file, nullptr);
   ASSERT_THAT(index, IsOk());
-  EXPECT_EQ(index->header.catalog_revision(), 7);
-  EXPECT_EQ(index->end.view_count(), 2);
   EXPECT_FALSE(index->has_unknown_fields);
   ASSERT_EQ(index->entries.size(), 5U);
   for (std::size_t i = 0; i < index->entries.size(); ++i) {
