@@ -42,9 +42,9 @@ absl::Time Expiry::TimeAtStart(const storage::Catalogue& catalogue, absl::Time w
 }
 
 void Expiry::Run(storage::Catalogue& catalogue, absl::Time wall, Clock::time_point monotonic) {
-  if (last_ && monotonic - *last_ < kExpiryInterval) return;
-  now_ = last_ ? std::min(wall, now_ + absl::FromChrono(monotonic - *last_))
-               : TimeAtStart(catalogue, wall);
+  if (start_ && monotonic - last_ < kExpiryInterval) return;
+  if (!start_) start_ = Start{TimeAtStart(catalogue, wall), monotonic};
+  now_ = std::min(wall, start_->wall + absl::FromChrono(monotonic - start_->monotonic));
   last_ = monotonic;
   DeleteUploads(catalogue);
   PurgeHistory(catalogue);

@@ -75,6 +75,13 @@ TEST_F(ExpiryTest, AClockSetBackDoesNotStopIt) {
   EXPECT_FALSE(IsLeft(absl::Hours(8 * 24), hours(25 + 9 * 24)));
 }
 
+TEST_F(ExpiryTest, AClockThatWasSetBackForSomeDaysMakesNothingLate) {
+  EXPECT_TRUE(IsLeft(absl::Hours(1), hours(1)));
+  EXPECT_TRUE(IsLeft(absl::Hours(-5 * 24), hours(2)));
+  EXPECT_TRUE(IsLeft(absl::Hours(7 * 24), hours(7 * 24))) << "set right again";
+  EXPECT_FALSE(IsLeft(absl::Hours(7 * 24 + 2), hours(7 * 24 + 2)));
+}
+
 TEST_F(ExpiryTest, ADeletedObjectIsPurgedAfterItsTime) {
   v1::Object object;
   object.set_name("objects/mug");
