@@ -53,6 +53,7 @@ absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std:
   };
   for (const std::string& name : names) {
     const absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
+    if (absl::IsNotFound(record.status())) continue;  // deleted meanwhile
     if (!record.ok()) return record.status();
     const absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(name);
     if (!packed.ok()) return packed.status();
@@ -82,6 +83,11 @@ absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::st
   return RedescribeAll(catalogue, names, parameters, Undescribable::kIsAnError);
 }
 
+absl::Status DescribeViews(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+                           const recognition::DescriptorParameters& parameters) {
+  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsLeftOut);
+}
+
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
                             const recognition::DescriptorParameters& parameters) {
   std::vector<std::string> undescribed;
@@ -109,7 +115,7 @@ absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& ob
     more = poses->more;
   }
   if (undescribed.empty()) return absl::OkStatus();
-  return RedescribeAll(catalogue, undescribed, parameters, Undescribable::kIsLeftOut);
+  return DescribeViews(catalogue, undescribed, parameters);
 }
 
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,

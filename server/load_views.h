@@ -26,9 +26,13 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters);
 
-// Redescribe() for the views of one object that have no descriptor of these parameters. A view that
-// cannot be described gets one without bins and is left out, also at the next starts: no view that
-// a call brought back prevents them.
+// Redescribe() for views that a call brought into the catalogue. A view that cannot be described
+// gets a descriptor without bins and is left out, also at the next starts: it does not prevent
+// them. Some milliseconds for each view.
+absl::Status DescribeViews(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+                           const recognition::DescriptorParameters& parameters);
+
+// DescribeViews() for those of one object that have no descriptor of these parameters.
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
                             const recognition::DescriptorParameters& parameters);
 

@@ -1,11 +1,19 @@
 #include "server/upload_service.h"
 
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "program/log_field.h"
+#include "server/background.h"
 #include "server/errors.h"
 #include "server/handle.h"
+#include "server/load_views.h"
 #include "server/respond.h"
 #include "storage/resource_name.h"
 
@@ -106,11 +114,34 @@ grpc::Status UploadService::ListUploadViews(grpc::ServerContext* context,
   });
 }
 
+absl::StatusOr<storage::UploadRecord> UploadService::Commit(
+    const v1::CommitUploadRequest& request) {
+  const recognition::DescriptorParameters& parameters = context_.parameters.descriptor;
+  const std::string current = parameters.Fingerprint();
+  std::vector<std::string> undescribed;
+  auto record =
+      uploads().Commit(request.name(), request.skip_failed(), [&](const storage::ViewRecord& view) {
+        const bool is_described = std::ranges::any_of(
+            view.descriptors(),
+            [&](const storage::DescriptorRecord& d) { return d.parameters() == current; });
+        if (!is_described) undescribed.push_back(view.name());
+      });
+  if (!record.ok() || undescribed.empty()) return record;
+  // Not cancelled with the call: the views are in the catalogue.
+  const absl::Status described =
+      InBackground([&] { return DescribeViews(context_.catalogue, undescribed, parameters); });
+  if (!described.ok()) {
+    spdlog::error("event=uploaded_views_not_described upload={} error={}", LogField(request.name()),
+                  LogField(std::string(described.message())));
+  }
+  return record;
+}
+
 grpc::Status UploadService::CommitUpload(grpc::ServerContext* context,
                                          const v1::CommitUploadRequest* request,
                                          v1::Upload* response) {
   return Handle(*context, "CommitUpload", *request, [&]() -> absl::Status {
-    const auto record = uploads().Commit(request->name(), request->skip_failed());
+    const auto record = Commit(*request);
     if (!record.ok()) return AtField("name", record.status());
     {
       absl::MutexLock lock(&mutex_);

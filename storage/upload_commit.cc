@@ -12,8 +12,13 @@ namespace {
 
 class Commit {
  public:
-  Commit(const Database& database, bool skip_failed, UploadRecord* upload, ChangeBatch& batch)
-      : database_(database), skip_failed_(skip_failed), upload_(*upload), batch_(batch) {}
+  Commit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
+         UploadRecord* upload, ChangeBatch& batch)
+      : database_(database),
+        skip_failed_(skip_failed),
+        on_view_(on_view),
+        upload_(*upload),
+        batch_(batch) {}
 
   absl::Status Run() {
     const std::string prefix = StagedKey(upload_, "");
@@ -73,6 +78,7 @@ class Commit {
       upload_.set_created_count(upload_.created_count() + 1);
     }
     batch_.NoteStoredCloud(view->cloud_key());
+    if (on_view_) on_view_(*view);
   }
 
   absl::StatusOr<bool> HasParent(const std::string& name) {
@@ -108,6 +114,7 @@ class Commit {
 
   const Database& database_;
   const bool skip_failed_;
+  const OnPublishedView& on_view_;
   UploadRecord& upload_;
   ChangeBatch& batch_;
   std::map<std::string, bool> parents_;  // whether a stable pose exists
@@ -119,9 +126,9 @@ std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
   return upload.staging_prefix() + "/" + std::string(view_name);
 }
 
-absl::Status AddCommit(const Database& database, bool skip_failed, UploadRecord* upload,
-                       ChangeBatch& batch) {
-  return Commit(database, skip_failed, upload, batch).Run();
+absl::Status AddCommit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
+                       UploadRecord* upload, ChangeBatch& batch) {
+  return Commit(database, skip_failed, on_view, upload, batch).Run();
 }
 
 }  // namespace graspdb::storage

@@ -5,6 +5,7 @@
 #include "storage/change_batch.h"
 #include "storage/database.h"
 #include "storage/records.pb.h"
+#include "storage/uploads.h"
 
 namespace graspdb::storage {
 
@@ -13,7 +14,7 @@ std::string StagedKey(const UploadRecord& upload, std::string_view view_name);
 
 // Adds the change to `batch`, as documented at Uploads::Commit(), and fills in the counts and the
 // revision of `upload`.
-absl::Status AddCommit(const Database& database, bool skip_failed, UploadRecord* upload,
-                       ChangeBatch& batch);
+absl::Status AddCommit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
+                       UploadRecord* upload, ChangeBatch& batch);
 
 }  // namespace graspdb::storage

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -40,6 +41,9 @@ struct StagedItem {
 
   const std::string& name() const { return view_name; }
 };
+
+// Gets a view that a commit publishes.
+using OnPublishedView = std::function<void(const ViewRecord&)>;
 
 // Thread-safe. Errors of the disk as in Catalogue.
 class Uploads {
@@ -76,11 +80,13 @@ class Uploads {
   absl::StatusOr<std::string> DigestOf(std::string_view upload, std::string_view view_name);
 
   // Publishes all views in one change with one revision, and returns the record with its counts.
+  // `on_view` (may be null) gets each of them before the change is written; it must be quick.
   // A committed upload is returned as it is. FAILED_PRECONDITION, with nothing changed, when a view
   // cannot be taught, its stable pose is gone, or its name is taken by other content and the upload
   // does not replace; with `skip_failed` these views are left out. Other writers wait meanwhile: in
   // the order of 10 us for each view.
-  absl::StatusOr<UploadRecord> Commit(std::string_view name, bool skip_failed);
+  absl::StatusOr<UploadRecord> Commit(std::string_view name, bool skip_failed,
+                                      const OnPublishedView& on_view = nullptr);
   // Deletes an upload with its views unless it is committed, then only its record.
   absl::Status Delete(std::string_view name);
   // Deletes the uploads that were created before `open_limit` if they are not committed, and before

@@ -11,7 +11,8 @@
 
 namespace graspdb::storage {
 
-absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_failed) {
+absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_failed,
+                                             const OnPublishedView& on_view) {
   auto record = Get(name);
   if (!record.ok() || record->has_commit_time()) return record;
   const auto open = OpenOf(name);
@@ -21,7 +22,7 @@ absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_fa
   record = Get(name);
   if (!record.ok() || record->has_commit_time()) return record;
   const absl::Status committed = log_.Mutate([&](ChangeBatch& batch) {
-    absl::Status added = AddCommit(database_, skip_failed, &*record, batch);
+    absl::Status added = AddCommit(database_, skip_failed, on_view, &*record, batch);
     // Without a change of the catalogue the batch is not written by the log.
     return added.ok() && batch.changes().empty() ? database_.Write(batch.rocks()) : added;
   });

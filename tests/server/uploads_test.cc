@@ -95,6 +95,7 @@ TEST_F(UploadsTest, ViewsAreRecognizedAfterTheCommitAndNotBefore) {
   EXPECT_EQ(upload.state(), v1::UPLOAD_STATE_COMMITTED);
   EXPECT_EQ(upload.created_count(), 12);
   EXPECT_EQ(upload.commit_revision(), revision + 1);
+  EXPECT_EQ(Status().catalog_revision(), revision + 1);
   EXPECT_EQ(Status().view_count(), 12);
   const std::string answer = Answer(frame).SerializeAsString();
   EXPECT_EQ(Answer(frame).status(), v1::OK);
@@ -116,6 +117,42 @@ TEST_F(UploadsTest, AnUploadGoesOnAfterARestart) {
   v1::Upload upload;
   ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
   EXPECT_EQ(upload.created_count(), 3);
+}
+
+TEST_F(UploadsTest, ViewsThatWereStagedWithOtherParametersAreDescribedAgain) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  std::vector<v1::UploadViewsRequest> views;
+  views.reserve(12);
+  for (int i = 0; i < 12; ++i) views.push_back(ViewOf("wedge", 30 * i, std::to_string(i)));
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({views.begin(), views.begin() + 6}, &responses), IsGrpcOk());
+  options_.normal_radius_m = 0.012;
+  Restart();
+  Connect();
+  ASSERT_THAT(Write(views, &responses), IsGrpcOk());  // six of them are staged already
+  v1::Upload upload;
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  EXPECT_EQ(upload.created_count(), 12);
+  EXPECT_EQ(Status().left_out_record_count(), 0);
+  EXPECT_EQ(Answer(RequestOf(Photograph("wedge", {.turn_deg = 10}, 7))).status(), v1::OK);
+  EXPECT_EQ(Status().catalog_revision(), upload.commit_revision() + 1);
+}
+
+TEST_F(UploadsTest, StagedViewsThatCannotBeDescribedAgainDoNotPreventTheNextStart) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({ViewOf("wedge", 0, "a"), ViewOf("wedge", 30, "b")}, &responses), IsGrpcOk());
+  options_.voxel_size_m = 0.1;
+  Restart();
+  Connect();
+  v1::Upload upload;
+  ASSERT_THAT(Commit(false, &upload), IsGrpcOk());
+  EXPECT_EQ(Status().left_out_record_count(), 2);
+  Restart();
+  EXPECT_EQ(Status().left_out_record_count(), 2);
+  options_.voxel_size_m = 0.003;
+  Restart();
+  EXPECT_EQ(Status().left_out_record_count(), 0);
 }
 
 TEST_F(UploadsTest, AViewThatCannotBeTaughtIsReportedAndTheStreamGoesOn) {

@@ -70,8 +70,11 @@ TEST_F(UploadsTest, ACommitPublishesAllViewsInOneRevision) {
   std::vector<ChangeRecord> notified;
   ASSERT_TRUE(
       catalogue_->Subscribe([&](const ChangeRecord& change) { notified.push_back(change); }).ok());
-  const auto committed = uploads().Commit(kUpload, false);
+  std::vector<std::string> published;
+  const auto committed = uploads().Commit(
+      kUpload, false, [&](const ViewRecord& view) { published.push_back(view.name()); });
   ASSERT_TRUE(committed.ok()) << committed.status();
+  EXPECT_EQ(published.size(), 5U);
   EXPECT_EQ(committed->commit_revision(), before + 1);
   EXPECT_EQ(committed->created_count(), 5);
   EXPECT_EQ(catalogue_->revision(), before + 1);
