@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "files/json_object.h"
 
@@ -50,6 +51,14 @@ absl::Status PrintJson(const google::protobuf::Struct& document) {
   if (!text.ok()) return text.status();
   std::printf("%s\n", text->c_str());
   return absl::OkStatus();
+}
+
+absl::Status WithMessage(const absl::Status& status, const std::string& message) {
+  absl::Status out(status.code(), message);
+  status.ForEachPayload([&](absl::string_view type_url, const absl::Cord& payload) {
+    out.SetPayload(type_url, payload);
+  });
+  return out;
 }
 
 bool Interrupted() {

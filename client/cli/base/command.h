@@ -41,6 +41,9 @@ absl::Status PrintJson(const google::protobuf::Struct& document);
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
+// The same error with another text; its details stay.
+absl::Status WithMessage(const absl::Status& status, const std::string& message);
+
 // True after Ctrl-C was pressed; the first call installs the signal handler.
 bool Interrupted();
 

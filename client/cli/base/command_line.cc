@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "program/client_flags.h"
 #include "program/log.h"
@@ -17,6 +18,11 @@ namespace {
 
 enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoServer = 3 };
 
+// A server's own UNAVAILABLE, as of one whose disk failed, has details.
+bool HasNoServer(const absl::Status& status) {
+  return absl::IsUnavailable(status) && !status.GetPayload(kErrorDetails);
+}
+
 int Execute(const GlobalOptions& global, const Action& action) {
   absl::Status status;
   try {
@@ -27,14 +33,14 @@ int Execute(const GlobalOptions& global, const Action& action) {
   if (status.ok()) return kDone;
   // The handshake's error does not name the file.
   if (absl::Status files = CheckSecurityFiles(global.security);
-      absl::IsUnavailable(status) && !files.ok()) {
+      HasNoServer(status) && !files.ok()) {
     status = files;
   }
   std::fprintf(stderr, "graspdb: %s\n", std::string(status.message()).c_str());
   if (const std::string id = RequestIdOf(status); global.verbose && !id.empty()) {
     std::fprintf(stderr, "graspdb: request id %s\n", id.c_str());
   }
-  return absl::IsUnavailable(status) ? kNoServer : kFailed;
+  return HasNoServer(status) ? kNoServer : kFailed;
 }
 
 }  // namespace

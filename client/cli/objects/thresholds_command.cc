@@ -43,9 +43,9 @@ absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOpti
     if (!options.apply) continue;
     absl::Status applied = Apply(client, proposal);
     if (!applied.ok()) {
-      return {applied.code(),
-              absl::StrCat(proposal.stable_pose(), " and those after it keep their ",
-                           "thresholds: ", applied.message())};
+      return WithMessage(applied,
+                         absl::StrCat(proposal.stable_pose(), " and those after it keep their ",
+                                      "thresholds: ", applied.message()));
     }
   }
   if (global.json) return PrintJson(*found);

@@ -117,7 +117,9 @@ absl::Status Import(const GlobalOptions& global, const Options& options) {
     }
     ++updated;
     absl::Status given = Give(client, global, options, *grasps, pose);
-    if (!given.ok()) return {given.code(), absl::StrCat(pose.name(), ": ", given.message())};
+    if (!given.ok()) {
+      return WithMessage(given, absl::StrCat(pose.name(), ": ", given.message()));
+    }
   }
   if (updated > 0) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(
