@@ -1,9 +1,11 @@
 // The audit log of a server.
 #include <gmock/gmock.h>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "program/request_id.h"
 #include "server/access/audit_log.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/server/access_fixture.h"
 #include "tests/testing/status_matchers.h"
 
@@ -138,6 +140,25 @@ TEST(AuditLogTest, FullFilesAreRenamed) {
   }
   EXPECT_THAT(files, SizeIs(11));
   EXPECT_THAT(files, ::testing::IsSupersetOf({"audit.jsonl", "audit.1.jsonl", "audit.10.jsonl"}));
+}
+
+TEST(AuditLogTest, AFullFileThatCannotBeRenamedLosesNoLine) {
+  const client::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "audit.jsonl";
+  for (int i = 1; i < 10; ++i) folder.Write(absl::StrCat("audit.", i, ".jsonl"), "old\n");
+  const std::filesystem::path obstacle = folder.path() / "audit.10.jsonl";
+  std::filesystem::create_directories(obstacle / "not empty");
+  auto log = server::AuditLog::Open(path.string(), 1000);
+  ASSERT_THAT(log, IsOk());
+  v1::AuditRecord record;
+  record.set_error(std::string(300, 'x'));
+  for (int i = 0; i < 10; ++i) (*log)->Write(record);
+  const std::string text = client::BytesOf(path);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
+  EXPECT_EQ(client::BytesOf(folder.path() / "audit.1.jsonl"), "old\n");
+  std::filesystem::remove_all(obstacle);
+  for (int i = 0; i < 10; ++i) (*log)->Write(record);
+  EXPECT_THAT(client::BytesOf(folder.path() / "audit.1.jsonl"), StartsWith(text));
 }
 
 TEST(AuditLogTest, AFileThatCannotBeOpenedIsAnError) {
