@@ -48,16 +48,19 @@ std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse
   return out;
 }
 
-JobPose PoseOf(const v1::Detection& detection, const v1::GraspProposal* grasp) {
+JobGrasp JobGraspOf(const v1::GraspProposal& grasp) {
+  return {.id = grasp.grasp_id(),
+          .gripper_opening_m = grasp.gripper_opening_m(),
+          .approach_distance_m = grasp.approach_distance_m(),
+          .retreat_distance_m = grasp.retreat_distance_m()};
+}
+
+JobPose PoseOf(const v1::Detection& detection, JobGrasp grasp) {
   JobPose out;
   out.object = detection.object();
   out.stable_pose = detection.stable_pose();
   out.score = detection.score();
-  if (grasp == nullptr) return out;
-  out.grasp_id = grasp->grasp_id();
-  out.gripper_opening_m = grasp->gripper_opening_m();
-  out.approach_distance_m = grasp->approach_distance_m();
-  out.retreat_distance_m = grasp->retreat_distance_m();
+  out.grasp = std::move(grasp);
   return out;
 }
 
@@ -71,20 +74,23 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
   for (const Object& object : ObjectsFor(job, answer, frames, reach, has_label)) {
     const Pose base_object = base_world * FromMessage(object.detection->refined_pose());
     std::vector<Pose> base_tcps;
+    std::vector<JobGrasp> grasps;
     base_tcps.reserve(object.grasps.size());
+    grasps.reserve(object.grasps.size());
     for (const v1::GraspProposal* grasp : object.grasps) {
       base_tcps.push_back(base_world * FromMessage(grasp->tcp_pose()));
+      grasps.push_back(JobGraspOf(*grasp));
     }
     if (job.primary == JobPrimary::kObject) {
-      JobPose pose =
-          PoseOf(*object.detection, object.grasps.empty() ? nullptr : object.grasps.front());
+      JobPose pose = PoseOf(*object.detection, grasps.empty() ? JobGrasp() : grasps.front());
       pose.base_primary = base_object;
       pose.base_related = std::move(base_tcps);
+      pose.related_grasps = std::move(grasps);
       out.push_back(std::move(pose));
       continue;
     }
     for (std::size_t i = 0; i < object.grasps.size(); ++i) {
-      JobPose pose = PoseOf(*object.detection, object.grasps[i]);
+      JobPose pose = PoseOf(*object.detection, grasps[i]);
       pose.base_primary = base_tcps[i];
       pose.base_related = {base_object};
       out.push_back(std::move(pose));

@@ -14,9 +14,9 @@ std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count
 std::int32_t Millionths(double value) { return Saturated(1e6 * value); }
 
 void DescribeGrasp(const JobPose& primary, GriResponse* response) {
-  response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.gripper_opening_m);
-  response->data[gri_data::kApproachDistance] = Millionths(1e3 * primary.approach_distance_m);
-  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * primary.retreat_distance_m);
+  response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.grasp.gripper_opening_m);
+  response->data[gri_data::kApproachDistance] = Millionths(1e3 * primary.grasp.approach_distance_m);
+  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * primary.grasp.retreat_distance_m);
   response->data[gri_data::kScore] = Millionths(primary.score);
   response->data[gri_data::kCameraTime] = Millionths(primary.camera_s);
 }
@@ -50,6 +50,13 @@ void GivePrimary(RobotSession& session, const JobAnswer& answer, GriResponse* re
   }
 }
 
+// An object's grasp is the pose that the next outcome refers to.
+void GiveRelated(RobotSession& session, const JobAnswer& answer, GriResponse* response) {
+  Give(answer, response);
+  const bool is_given = response->code == GriCode::kNoError;
+  if (is_given && !answer.primary.related_grasps.empty()) session.SetGiven(answer.primary);
+}
+
 }  // namespace
 
 void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
@@ -76,7 +83,7 @@ void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
     case GriAction::kGetNextPose:
       return GivePrimary(session, jobs_.Next(session, job), response);
     case GriAction::kGetRelatedPose:
-      return Give(session.NextRelated(job), response);
+      return GiveRelated(session, session.NextRelated(job), response);
     default:
       response->code = GriCode::kInvalidAction;
   }

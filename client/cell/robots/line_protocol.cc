@@ -58,6 +58,14 @@ std::string GivePrimary(RobotSession& session, int job, const JobAnswer& answer,
   return line;
 }
 
+// An object's grasp is the pose that the next outcome refers to.
+std::string GiveRelated(RobotSession& session, const JobAnswer& answer, int format) {
+  std::string line = PoseLineOf(answer, format);
+  const bool is_given = line.starts_with("OK");
+  if (is_given && !answer.primary.related_grasps.empty()) session.SetGiven(answer.primary);
+  return line;
+}
+
 std::string LastGrasp(RobotSession& session, int job) {
   const std::optional<JobPose> primary = session.LastPrimary(job);
   if (primary) return LineOf(GraspLine(*primary));
@@ -128,7 +136,7 @@ std::string LineProtocol::AnswerJob(RobotSession& session, const LineRequest& re
   // All others return a pose; without a format none is taken from the job.
   if (!request.format) return client::ErrorLine(GriCode::kInvalidRequest, kNoFormat);
   if (request.command == LineCommand::kRelated) {
-    return PoseLineOf(session.NextRelated(job), *request.format);
+    return GiveRelated(session, session.NextRelated(job), *request.format);
   }
   const bool runs = request.command == LineCommand::kRun;
   return GivePrimary(session, job, runs ? jobs_.Run(job_request) : jobs_.Next(session, job),

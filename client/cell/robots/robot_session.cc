@@ -94,6 +94,11 @@ JobAnswer RobotSession::NextRelated(int job) {
     return {.code = GriCode::kNoRelatedPoses,
             .why = "nothing more is related to the pose given last"};
   }
+  if (results.primary) {
+    JobPose& primary = *results.primary;
+    const std::size_t taken = primary.base_related.size() - results.related.size();
+    if (taken < primary.related_grasps.size()) primary.grasp = primary.related_grasps[taken];
+  }
   const recognition::Pose next = results.related.front();
   results.related.pop_front();
   return results.Give(next);

@@ -67,8 +67,8 @@ class RobotSession {
   // job's error.
   JobAnswer Next(int job, bool returns_poses);
 
-  // Takes the next pose that is related to the primary taken last. NO_RELATED_POSES when none is
-  // left; JOB_STILL_RUNNING; or the job's error.
+  // Takes the next pose that is related to the primary taken last, which gets its grasp.
+  // NO_RELATED_POSES when none is left; JOB_STILL_RUNNING; or the job's error.
   JobAnswer NextRelated(int job);
 
   // The last primary taken; none before the first and after a new run.

@@ -53,7 +53,7 @@ class SeeingRunner : public ScriptedRunner {
     const Placement& placement = scene->placements.front();
     const v1::Grasp& grasp = parts_[placement.part].grasps.front();
     JobPose out;
-    out.grasp_id = "a";
+    out.grasp.id = "a";
     out.base_primary =
         placement.world_object * FromMessage(grasp.tcp_pose()) * Eigen::Translation3d(off_m, 0, 0);
     return std::vector<JobPose>{out};

@@ -79,7 +79,7 @@ TEST_F(CellRunnerTest, RejectionsByTheServerAreDataLoss) {
 TEST_F(CellRunnerTest, APoseGivenWhileReportingFailsIsReportedNext) {
   const auto given = *Run(1);
   JobPose newer = given.front();
-  newer.grasp_id = "handle";
+  newer.grasp.id = "handle";
   std::string reported;
   server_.Change([&](ScriptedServer& server) {
     server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {

@@ -63,7 +63,7 @@ class PosesForTest : public ::testing::Test {
 
   std::vector<std::string> Ids() const {
     std::vector<std::string> out;
-    for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp_id);
+    for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp.id);
     return out;
   }
 
@@ -79,19 +79,25 @@ TEST_F(PosesForTest, GraspsAreInResponseOrderWithTheirObjectRelated) {
   EXPECT_TRUE(first.base_primary.isApprox(AtXYZ(1, 0, 0) * ToolAt(0.1, 0, 0.1)));
   ASSERT_THAT(first.base_related, SizeIs(1));
   EXPECT_TRUE(first.base_related[0].isApprox(AtXYZ(1.1, 0, 0)));
-  EXPECT_EQ(first.gripper_opening_m, 0.05);
-  EXPECT_EQ(first.approach_distance_m, 0.1);
-  EXPECT_EQ(first.retreat_distance_m, 0.2);
+  EXPECT_THAT(first.related_grasps, IsEmpty());
+  EXPECT_EQ(first.grasp.gripper_opening_m, 0.05);
+  EXPECT_EQ(first.grasp.approach_distance_m, 0.1);
+  EXPECT_EQ(first.grasp.retreat_distance_m, 0.2);
   EXPECT_EQ(first.stable_pose, "objects/mug/stablePoses/flat");
 }
 
 TEST_F(PosesForTest, APrimaryObjectHasItsGraspsRelated) {
   job_.primary = JobPrimary::kObject;
+  answer_.mutable_detections(0)->mutable_grasps(1)->set_gripper_opening_m(0.07);
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut top"));
   const JobPose mug = Poses()[0];
   EXPECT_TRUE(mug.base_primary.isApprox(AtXYZ(1.1, 0, 0)));
   ASSERT_THAT(mug.base_related, SizeIs(2));
   EXPECT_TRUE(mug.base_related[1].isApprox(AtXYZ(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
+  ASSERT_THAT(mug.related_grasps, SizeIs(2));
+  EXPECT_EQ(mug.grasp.gripper_opening_m, 0.05);
+  EXPECT_EQ(mug.related_grasps[1].id, "side");
+  EXPECT_EQ(mug.related_grasps[1].gripper_opening_m, 0.07);
 }
 
 TEST_F(PosesForTest, FiltersByObjectAndLabel) {

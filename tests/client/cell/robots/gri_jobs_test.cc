@@ -77,9 +77,9 @@ TEST_F(GriJobsTest, ATriggerReturnsTheFirstPoseAndTheNumberLeft) {
 
 TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
   JobPose grasp = {At(0.1), {At(0.11)}};
-  grasp.gripper_opening_m = 0.0625;
-  grasp.approach_distance_m = 0.05;
-  grasp.retreat_distance_m = 0.1;
+  grasp.grasp.gripper_opening_m = 0.0625;
+  grasp.grasp.approach_distance_m = 0.05;
+  grasp.grasp.retreat_distance_m = 0.1;
   grasp.score = 0.75;
   grasp.camera_s = 0.033;
   runner_.found = std::vector<JobPose>{grasp};
@@ -93,9 +93,24 @@ TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
   }
 }
 
+TEST_F(GriJobsTest, ARelatedGraspHasItsOwnData) {
+  JobPose object = {At(0.1), {At(0.11), At(0.12)}};
+  object.related_grasps = {
+      {.gripper_opening_m = 0.04},
+      {.gripper_opening_m = 0.08, .approach_distance_m = 0.06, .retreat_distance_m = 0.2}};
+  object.grasp = object.related_grasps.front();
+  runner_.found = std::vector<JobPose>{object};
+  EXPECT_EQ(Call(GriAction::kTriggerJobSync).data[3], 40'000'000);
+  EXPECT_EQ(Call(GriAction::kGetRelatedPose).data[3], 40'000'000);
+  const GriResponse second = Call(GriAction::kGetRelatedPose);
+  EXPECT_EQ(second.data[3], 80'000'000);
+  EXPECT_EQ(second.data[4], 60'000'000);
+  EXPECT_EQ(second.data[5], 200'000'000);
+}
+
 TEST_F(GriJobsTest, LargeNumbersSaturate) {
   JobPose grasp = {At(0.1), {}};
-  grasp.approach_distance_m = 5;
+  grasp.grasp.approach_distance_m = 5;
   runner_.found = std::vector<JobPose>{grasp};
   EXPECT_EQ(Call(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
 }

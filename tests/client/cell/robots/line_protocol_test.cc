@@ -42,11 +42,9 @@ JobPose Grasp(double x_m, const std::string& id) {
   out.base_primary = Down(x_m);
   out.object = "objects/bracket";
   out.stable_pose = "objects/bracket/stablePoses/flat";
-  out.grasp_id = id;
+  out.grasp = {
+      .id = id, .gripper_opening_m = 0.04, .approach_distance_m = 0.1, .retreat_distance_m = 0.05};
   out.score = 0.93;
-  out.gripper_opening_m = 0.04;
-  out.approach_distance_m = 0.1;
-  out.retreat_distance_m = 0.05;
   return out;
 }
 
@@ -85,6 +83,33 @@ TEST_F(LineProtocolTest, ACompletePickFromFormatToOutcome) {
   EXPECT_EQ(Call("STATE 7"), "OK 1 INACTIVE\n");
   EXPECT_THAT(runner_.outcomes(), ElementsAre(Pair("r/side", PickOutcome::kMissed),
                                               Pair("r/top", PickOutcome::kPicked)));
+}
+
+TEST_F(LineProtocolTest, ARelatedGraspHasItsOwnDetailsAndOutcome) {
+  JobPose object = Grasp(0.5, "side");  // an object, which is given with its first grasp
+  object.base_related = {Down(0.6), Down(0.7)};
+  object.related_grasps = {object.grasp,
+                           {.id = "top",
+                            .gripper_opening_m = 0.08,
+                            .approach_distance_m = 0.2,
+                            .retreat_distance_m = 0.15}};
+  runner_.Set(7, std::vector<JobPose>{object});
+  Call("FORMAT 4");
+  ASSERT_THAT(Call("RUN 7"), StartsWith("OK 0 2 500.000 "));
+  ASSERT_THAT(Call("RELATED 7"), StartsWith("OK 0 1 600.000 "));
+  EXPECT_THAT(Call("GRASP 7"), AllOf(StartsWith("OK 100.000 50.000 40.000 "), EndsWith(" side\n")));
+  ASSERT_THAT(Call("RELATED 7"), StartsWith("OK 0 0 700.000 "));
+  EXPECT_THAT(Call("GRASP 7"), AllOf(StartsWith("OK 200.000 150.000 80.000 "), EndsWith(" top\n")));
+  EXPECT_EQ(Call("MISSED"), "OK\n");
+  EXPECT_THAT(runner_.outcomes(), ElementsAre(Pair("r/top", PickOutcome::kMissed)));
+}
+
+TEST_F(LineProtocolTest, TheRelatedObjectOfAGraspNeedsNoOutcome) {
+  Call("FORMAT 4");
+  ASSERT_THAT(Call("RUN 7"), StartsWith("OK 1 1 "));
+  EXPECT_EQ(Call("PICKED"), "OK\n");
+  ASSERT_THAT(Call("RELATED 7"), StartsWith("OK 1 0 "));
+  EXPECT_THAT(Call("PICKED"), StartsWith("ERR -6 "));
 }
 
 TEST_F(LineProtocolTest, EveryVendorGetsItsOwnConvention) {
