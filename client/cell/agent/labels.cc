@@ -7,7 +7,7 @@ namespace graspdb::client {
 absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(std::int64_t revision) {
   {
     absl::MutexLock lock(&mutex_);
-    if (revision_ >= revision) return objects_;
+    if (revision_ == revision) return objects_;
   }
   const absl::StatusOr<std::vector<v1::Object>> listed = client_.ListObjects();
   if (!listed.ok()) return listed.status();
@@ -16,10 +16,8 @@ absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(std::int64_t r
     for (const std::string& label : object.labels()) objects->emplace(object.name(), label);
   }
   absl::MutexLock lock(&mutex_);
-  if (revision_ < revision) {
-    revision_ = revision;
-    objects_ = std::move(objects);
-  }
+  revision_ = revision;
+  objects_ = std::move(objects);
   return objects_;
 }
 

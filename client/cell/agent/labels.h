@@ -17,13 +17,14 @@ namespace graspdb::client {
 // Pairs of object (resource name) and label.
 using LabelledObjects = std::set<std::pair<std::string, std::string>>;
 
-// Lists the objects once for every revision of the catalogue. Thread-safe.
+// Lists the objects again whenever the revision of the catalogue differs: a restored backup has an
+// older one. Thread-safe.
 class Labels {
  public:
   // `client` must outlive this.
   explicit Labels(Client& client) : client_(client) {}
 
-  // As of this revision or a later one. Errors of the server.
+  // As of this revision, or of a later one if there is one already. Errors of the server.
   absl::StatusOr<std::shared_ptr<const LabelledObjects>> At(std::int64_t revision);
 
  private:

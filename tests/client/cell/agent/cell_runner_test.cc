@@ -52,6 +52,25 @@ TEST_F(CellRunnerTest, LabelsAreReadOncePerRevision) {
   EXPECT_EQ(listed_, 1);
 }
 
+TEST_F(CellRunnerTest, LabelsAreReadAgainAfterAnOlderCatalogueWasRestored) {
+  EXPECT_THAT(*Run(2), SizeIs(1));
+  server_.Change([](ScriptedServer& server) {
+    server.recognize = [](const v1::RecognizeRequest& request, v1::RecognizeResponse* out) {
+      grpc::Status status = MugOnTheTable(request, out);
+      out->set_catalog_revision(3);
+      return status;
+    };
+    server.list_objects = [](v1::ListObjectsResponse* response) {
+      v1::Object* mug = response->add_objects();
+      mug->set_name("objects/mug");
+      mug->add_labels("plates");
+      return grpc::Status::OK;
+    };
+  });
+  EXPECT_THAT(*Run(2), IsEmpty());
+  EXPECT_THAT(*Run(3), SizeIs(1));
+}
+
 TEST_F(CellRunnerTest, RespectsTheWorkspaceOfTheCell) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
