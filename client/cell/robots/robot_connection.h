@@ -21,6 +21,9 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
                   std::chrono::milliseconds message_time);
   ~RobotConnection();
 
+  // Its address.
+  const std::string& robot() const { return robot_; }
+
   void Begin() { Continue(); }
   // Cancels pending operations; answers still being computed are not sent.
   void HangUp();

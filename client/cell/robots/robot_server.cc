@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -117,14 +118,24 @@ class RobotServer::Listener {
       return;
     }
     std::erase_if(connections_, [](const auto& other) { return other.expired(); });
-    if (connections_.size() >= options_.max_connections) {
-      spdlog::warn("event=robot_turned_away connections={}", connections_.size());
+    if (connections_.size() >= options_.max_connections ||
+        ConnectionsOf(robot.to_string()) >= options_.max_connections_per_robot) {
+      spdlog::warn("event=robot_turned_away robot={} connections={}", robot.to_string(),
+                   connections_.size());
       return;
     }
     const auto connection = std::make_shared<RobotConnection>(std::move(socket), workers_,
                                                               protocol_, options_.message_time);
     connections_.push_back(connection);
     connection->Begin();
+  }
+
+  std::size_t ConnectionsOf(const std::string& robot) const {
+    const auto is_of_robot = [&](const std::weak_ptr<RobotConnection>& other) {
+      const auto open = other.lock();
+      return open != nullptr && open->robot() == robot;
+    };
+    return static_cast<std::size_t>(std::ranges::count_if(connections_, is_of_robot));
   }
 
   RobotProtocol& protocol_;

@@ -41,6 +41,8 @@ struct RobotServerOptions {
   std::chrono::milliseconds message_time{5000};
   // Further connections are rejected.
   std::size_t max_connections = 256;
+  // Of these from one address, so that a robot that closes none leaves some for the others.
+  std::size_t max_connections_per_robot = 128;
   // Number of messages answered in parallel; others wait.
   std::size_t workers = 16;
 };

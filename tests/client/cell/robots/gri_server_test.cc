@@ -213,6 +213,18 @@ TEST_F(GriServerTest, TooManyConnectionsAreRejected) {
   EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
 }
 
+TEST_F(GriServerTest, ARobotThatClosesNoConnectionLeavesSomeForOthers) {
+  Start({.max_connections_per_robot = 2});
+  SocketRobot first(server_->port());
+  SocketRobot second(server_->port());
+  EXPECT_EQ(Call(second, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  SocketRobot third(server_->port());
+  EXPECT_TRUE(third.IsHungUpOn());
+  SocketRobot other(server_->port(), "127.0.0.2");
+  EXPECT_EQ(Call(other, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+  EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+}
+
 TEST_F(GriServerTest, OnlyRobotsOfTheAllowListAreServed) {
   Start({.allow = {"10.3.0.0/24"}});
   EXPECT_TRUE(SocketRobot(server_->port()).IsHungUpOn());

@@ -12,14 +12,19 @@
 
 namespace graspdb::client {
 
-SocketRobot::SocketRobot(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+SocketRobot::SocketRobot(std::uint16_t port, const char* from)
+    : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+  sockaddr_in own = {};
+  own.sin_family = AF_INET;
+  inet_pton(AF_INET, from, &own.sin_addr);
   sockaddr_in address = {};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const timeval patience = {.tv_sec = 10, .tv_usec = 0};
   setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-  if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+  if (bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof(own)) != 0 ||
+      connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     ADD_FAILURE() << "cannot connect to port " << port;
     close(std::exchange(socket_, -1));
   }

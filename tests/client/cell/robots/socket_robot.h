@@ -9,8 +9,9 @@ namespace graspdb::client {
 
 class SocketRobot {
  public:
-  // Connects to 127.0.0.1; the test fails if nothing listens there.
-  explicit SocketRobot(std::uint16_t port);
+  // Connects to 127.0.0.1 from an address of this machine, such as 127.0.0.2; the test fails if
+  // nothing listens there.
+  explicit SocketRobot(std::uint16_t port, const char* from = "127.0.0.1");
   ~SocketRobot();
   SocketRobot(const SocketRobot&) = delete;
   SocketRobot& operator=(const SocketRobot&) = delete;
