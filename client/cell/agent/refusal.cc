@@ -6,10 +6,10 @@
 namespace graspdb::client {
 
 absl::Status Refusal(const absl::Status& answered) {
-  if (answered.ok() || absl::IsUnavailable(answered) || absl::IsDeadlineExceeded(answered) ||
-      BusyDelay(answered)) {
+  if (answered.ok() || absl::IsUnavailable(answered) || absl::IsDeadlineExceeded(answered)) {
     return answered;
   }
+  if (BusyDelay(answered)) return absl::UnavailableError(answered.message());
   return absl::DataLossError(
       absl::StrCat(absl::StatusCodeToString(answered.code()), ": ", answered.message()));
 }

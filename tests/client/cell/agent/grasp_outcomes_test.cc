@@ -1,6 +1,7 @@
 #include "client/cell/agent/cell_runner.h"
 #include "program/uuid.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
+#include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -74,6 +75,22 @@ TEST_F(CellRunnerTest, RejectionsByTheServerAreDataLoss) {
   session_.SetGiven(Run(1)->front());
   EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed),
               StatusIs(absl::StatusCode::kDataLoss, HasSubstr("no such grasp")));
+}
+
+TEST_F(CellRunnerTest, ABusyServerIsUnavailableForOutcomesAndLabels) {
+  const auto given = *Run(1);
+  server_.Change([](ScriptedServer& server) {
+    server.report_outcome = [](const v1::ReportGraspOutcomeRequest& /*request*/) {
+      return testing::BusyFor(absl::Milliseconds(1));
+    };
+    server.list_objects = [](v1::ListObjectsResponse* /*response*/) {
+      return testing::BusyFor(absl::Milliseconds(1));
+    };
+  });
+  EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kUnavailable, HasSubstr("the queue is full")));
+  session_.SetGiven(given.front());
+  EXPECT_THAT(runner_.ReportOutcome(session_, PickOutcome::kMissed),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("the queue is full")));
 }
 
 TEST_F(CellRunnerTest, APoseGivenWhileReportingFailsIsReportedNext) {
