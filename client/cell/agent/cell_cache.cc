@@ -41,10 +41,7 @@ CellCache::CellCache(Client& client, std::string cell, absl::Duration period)
       thread_([this] { Watch(); }) {}
 
 CellCache::~CellCache() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stopping_ = true;
-  }
+  stop_.Raise();
   thread_.join();
 }
 
@@ -80,11 +77,9 @@ absl::Status CellCache::state() const {
 }
 
 void CellCache::Watch() {
-  for (;;) {
+  do {
     (void)Refresh();  // stored in state_ and logged
-    absl::MutexLock lock(&mutex_);
-    if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_)) return;
-  }
+  } while (!stop_.Wait(absl::ToChronoNanoseconds(period_)));
 }
 
 }  // namespace graspdb::client

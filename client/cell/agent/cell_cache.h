@@ -12,6 +12,7 @@
 #include "absl/time/time.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/sdk/client.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::client {
 
@@ -50,7 +51,7 @@ class CellCache {
   mutable absl::Mutex mutex_;
   absl::StatusOr<KeptCell> cell_ ABSL_GUARDED_BY(mutex_);
   absl::Status state_ ABSL_GUARDED_BY(mutex_);
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;
 };
 

@@ -10,19 +10,13 @@ CountersLog::CountersLog(std::function<std::string()> text, absl::Duration perio
     : text_(std::move(text)), period_(period), thread_([this] { Run(); }) {}
 
 CountersLog::~CountersLog() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stopping_ = true;
-  }
+  stop_.Raise();
   thread_.join();
 }
 
 void CountersLog::Run() {
   for (bool last = false; !last;) {
-    {
-      absl::MutexLock lock(&mutex_);
-      last = mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_);
-    }
+    last = stop_.Wait(absl::ToChronoNanoseconds(period_));
     spdlog::info("event=counters {}", text_());
   }
 }

@@ -5,9 +5,8 @@
 #include <string>
 #include <thread>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::client {
 
@@ -24,8 +23,7 @@ class CountersLog {
 
   const std::function<std::string()> text_;
   const absl::Duration period_;
-  absl::Mutex mutex_;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;
 };
 

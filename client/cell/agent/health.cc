@@ -7,9 +7,8 @@
 #include <thread>
 #include <utility>
 
-#include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
-#include "absl/synchronization/mutex.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::client {
 namespace {
@@ -29,10 +28,7 @@ class Health::Watch {
         thread_([this] { Run(); }) {}
 
   ~Watch() {
-    {
-      absl::MutexLock lock(&mutex_);
-      stopping_ = true;
-    }
+    stop_.Raise();
     thread_.join();
     server_->Shutdown(std::chrono::system_clock::now());
   }
@@ -41,21 +37,18 @@ class Health::Watch {
 
  private:
   void Run() {
-    for (;;) {
+    do {
       const bool ready = is_ready_();
       server_->GetHealthCheckService()->SetServingStatus(ready);
       server_->GetHealthCheckService()->SetServingStatus(kService, ready);
-      absl::MutexLock lock(&mutex_);
-      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), period_)) return;
-    }
+    } while (!stop_.Wait(absl::ToChronoNanoseconds(period_)));
   }
 
   const std::unique_ptr<grpc::Server> server_;
   const std::string address_;
   const std::function<bool()> is_ready_;
   const absl::Duration period_;
-  absl::Mutex mutex_;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  StopFlag stop_;
   std::thread thread_;
 };
 
