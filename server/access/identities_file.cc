@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -33,14 +34,18 @@ IdentitiesFile::IdentitiesFile(const std::string& path) : path_(path), file_({pa
 absl::StatusOr<std::unique_ptr<IdentitiesFile>> IdentitiesFile::Open(const std::string& path) {
   std::unique_ptr<IdentitiesFile> out(new IdentitiesFile(path));
   if (absl::Status status = out->Load(); !status.ok()) return status;
-  out->file_.Start([file = out.get()] {
+  out->file_.Start([file = out.get(), last_error = std::string()]() mutable {
     const absl::Status status = file->Load();
+    const std::string error(status.message());
     if (status.ok()) {
       spdlog::info("event=identities_read file={} count={}", LogField(file->path_),
                    file->Get()->size());
-    } else {
-      spdlog::error("event=identities_invalid error={}", LogField(std::string(status.message())));
+    } else if (error != last_error) {
+      spdlog::error("event=identities_invalid error={}", LogField(error));
     }
+    last_error = error;
+    // A revocation must not be missed because no file could be opened at that moment.
+    return status.ok();
   });
   return out;
 }

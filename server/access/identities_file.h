@@ -13,7 +13,7 @@
 namespace graspdb::server {
 
 // Reads the file again within two seconds after it changes. A file that cannot be read or has an
-// error is logged, and the identities before it stay. Thread-safe.
+// error is logged and read each second, and the identities before it stay. Thread-safe.
 class IdentitiesFile {
  public:
   // FAILED_PRECONDITION for a file that cannot be read or has an error, with the line.

@@ -67,6 +67,7 @@ std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files) {
     } else {
       spdlog::error("event=tls_files_invalid error={}", LogField(std::string(status.message())));
     }
+    return true;
   });
   return out;
 }

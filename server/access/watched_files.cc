@@ -26,13 +26,14 @@ WatchedFiles::~WatchedFiles() {
   if (thread_.joinable()) thread_.join();
 }
 
-void WatchedFiles::Start(std::function<void()> on_change) {
+void WatchedFiles::Start(std::function<bool()> on_change) {
   thread_ = std::thread([this, on_change = std::move(on_change)] {
+    bool is_done = true;
     while (!stop_.Wait(kPollInterval)) {
       std::vector<Stamp> now = Stamps();
-      if (now == stamps_) continue;
+      if (is_done && now == stamps_) continue;
       stamps_ = std::move(now);
-      on_change();
+      is_done = on_change();
     }
   });
 }

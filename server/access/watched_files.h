@@ -22,9 +22,9 @@ class WatchedFiles {
   WatchedFiles(const WatchedFiles&) = delete;
   WatchedFiles& operator=(const WatchedFiles&) = delete;
 
-  // Calls `on_change`, which must not throw, on a thread of this after each change. To be called
-  // once.
-  void Start(std::function<void()> on_change);
+  // Calls `on_change`, which must not throw, on a thread of this after each change, and each second
+  // while it returns false. To be called once.
+  void Start(std::function<bool()> on_change);
 
  private:
   struct Stamp {

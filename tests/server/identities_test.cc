@@ -2,10 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "program/stop_flag.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
+#include "server/access/watched_files.h"
+#include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::server {
@@ -84,6 +89,19 @@ TEST(Identities, ATokenInThePlaceOfItsHashIsNotRepeatedInTheError) {
   const auto parsed = Identities::Parse(Line("a", R"(,"tokenSha256":[")" + token + "!\"]"));
   EXPECT_THAT(parsed,
               StatusIs(absl::StatusCode::kInvalidArgument, ::testing::Not(HasSubstr(token))));
+}
+
+TEST(WatchedFiles, AFileThatCouldNotBeUsedIsTriedAgain) {
+  const client::TemporaryFolder folder;
+  StopFlag tried_again;
+  int tries = 0;
+  WatchedFiles files({folder.Write("identities.jsonl", "").string()});
+  files.Start([&] {
+    if (++tries == 2) tried_again.Raise();
+    return tries >= 2;
+  });
+  folder.Write("identities.jsonl", "# changed once\n");
+  EXPECT_TRUE(tried_again.Wait(std::chrono::minutes(1)));
 }
 
 TEST(Tokens, AreLongAndDifferent) {
