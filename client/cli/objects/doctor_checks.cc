@@ -22,6 +22,14 @@ void Add(Severity severity, std::string_view subject, std::string text, Findings
   out->push_back({severity, std::string(subject), std::move(text)});
 }
 
+// Those of an n-fold symmetric pose repeat n times around it; of any turn one shows all.
+std::size_t EnoughViewsOf(const v1::StablePose& pose) {
+  const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+  if (order <= 0) return 1;
+  const auto fold = static_cast<std::size_t>(order);
+  return (kEnoughViews + fold - 1) / fold;
+}
+
 double LongestSide(const v1::AxisAlignedBox& box) {
   return std::max({box.max().x() - box.min().x(), box.max().y() - box.min().y(),
                    box.max().z() - box.min().z()});
@@ -75,14 +83,14 @@ void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& st
 }
 
 void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views, Findings* out) {
-  // One view shows all of it.
-  const bool any_turn = stable_pose.has_symmetry_order() && stable_pose.symmetry_order() == 0;
   if (views == 0) {
     Add(Severity::kWarning, stable_pose.name(),
         "has no views, so it is never recognized; teach it or delete it", out);
-  } else if (views < kEnoughViews && !any_turn) {
+  } else if (views < EnoughViewsOf(stable_pose)) {
     Add(Severity::kAdvice, stable_pose.name(),
-        absl::StrCat("has only ", views, " views; teach it every 30 degrees, or from CAD"), out);
+        absl::StrCat("has only ", views, views == 1 ? " view" : " views",
+                     "; teach it every 30 degrees, or from CAD"),
+        out);
   }
   if (stable_pose.grasps().empty()) {
     Add(Severity::kAdvice, stable_pose.name(),

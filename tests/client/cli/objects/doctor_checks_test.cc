@@ -79,10 +79,14 @@ TEST(DoctorChecks, StablePosesThatAreNeverRecognized) {
   pose = GoodPose();
   pose.set_symmetry_order(0);
   CheckStablePose(pose, 1, &out);
+  pose.set_symmetry_order(4);
+  CheckStablePose(pose, 2, &out);
+  CheckStablePose(pose, 1, &out);
   EXPECT_THAT(
       out, ElementsAre(Finds(Severity::kWarning, "no stable pose"),
                        Finds(Severity::kWarning, "no views"), Finds(Severity::kAdvice, "no grasps"),
-                       Finds(Severity::kAdvice, "only 3 views")));
+                       Finds(Severity::kAdvice, "only 3 views"),
+                       Finds(Severity::kAdvice, "only 1 view;")));
 }
 
 TEST(DoctorChecks, CellsWithoutCalibrationOrInMillimetres) {
