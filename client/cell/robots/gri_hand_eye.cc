@@ -57,7 +57,7 @@ absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
       return absl::InvalidArgumentError(
           absl::StrCat("there is no slot ", slot, "; slots are 0 to ", kLastHecSlot));
     }
-    const auto base_flange = FromGriPose(request.pose, request.pose_format);
+    const auto base_flange = RobotPoseOf(request);
     return base_flange.ok() ? calibrator_->SetPose(pipeline, slot, *base_flange)
                             : base_flange.status();
   }

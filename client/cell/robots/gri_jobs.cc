@@ -22,7 +22,7 @@ void DescribeGrasp(const JobPose& primary, GriResponse* response) {
 }
 
 std::optional<Pose> FlangeOf(const GriRequest& request) {
-  absl::StatusOr<Pose> pose = FromGriPose(request.pose, request.pose_format);
+  absl::StatusOr<Pose> pose = RobotPoseOf(request);
   return pose.ok() ? std::optional(*pose) : std::nullopt;
 }
 

@@ -188,4 +188,13 @@ absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format) {
   return FromRobotPose(numbers, format);
 }
 
+absl::StatusOr<recognition::Pose> RobotPoseOf(const GriRequest& request) {
+  const auto is_zero = [](std::int32_t number) { return number == 0; };
+  if (std::ranges::all_of(request.pose.position, is_zero) &&
+      std::ranges::all_of(request.pose.rotation, is_zero)) {
+    return absl::InvalidArgumentError("the request has no pose of the robot; send it");
+  }
+  return FromGriPose(request.pose, request.pose_format);
+}
+
 }  // namespace graspdb::client

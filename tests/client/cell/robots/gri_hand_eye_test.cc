@@ -76,8 +76,11 @@ TEST_F(GriHandEyeTest, InvalidSlotsAndPosesAreInvalidRequests) {
     EXPECT_EQ(Call(GriAction::kHecSetPose, kPipeline, slot), GriCode::kInvalidRequest) << slot;
   }
   GriRequest request = RequestOf(GriAction::kHecSetPose);
-  request.pose = {};  // a quaternion of zeros
-  EXPECT_EQ(hand_eye_.Answer(request).code, GriCode::kInvalidRequest);
+  request.pose = {};
+  for (int format = kQuaternionWxyz; format <= kLastPoseFormat; ++format) {
+    request.pose_format = static_cast<std::uint8_t>(format);
+    EXPECT_EQ(hand_eye_.Answer(request).code, GriCode::kInvalidRequest) << format;
+  }
   EXPECT_TRUE(calibrator_.poses.empty());
 }
 

@@ -259,6 +259,17 @@ TEST_F(GriJobsTest, AnInvalidRobotPoseIsIgnored) {
   EXPECT_FALSE(runner_.base_flange);
 }
 
+TEST_F(GriJobsTest, APoseOfZerosIsMissingInEveryFormat) {
+  GriRequest request;
+  request.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
+  request.job_id = kJob;
+  for (int format = kQuaternionWxyz; format <= kLastPoseFormat; ++format) {
+    request.pose_format = static_cast<std::uint8_t>(format);
+    jobs_.Answer("r", request);
+    EXPECT_FALSE(runner_.base_flange) << format;
+  }
+}
+
 TEST(GriCodeTest, HasTheDocumentedName) {
   EXPECT_EQ(GriCodeName(GriCode::kNoError), "NO_ERROR");
   EXPECT_EQ(GriCodeName(GriCode::kHecInsufficientDetection), "HEC_INSUFFICIENT_DETECTION");
