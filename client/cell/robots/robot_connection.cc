@@ -5,7 +5,10 @@
 #include <asio/buffer.hpp>
 #include <asio/post.hpp>
 #include <asio/write.hpp>
+#include <exception>
 #include <utility>
+
+#include "program/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -14,6 +17,17 @@ std::string AddressOf(const asio::ip::tcp::socket& socket) {
   asio::error_code gone;
   const auto endpoint = socket.remote_endpoint(gone);
   return gone ? "unknown" : endpoint.address().to_string();
+}
+
+// An exception of a library must not end the agent, and with it the jobs of all robots.
+RobotReply AnswerGuarded(RobotProtocol& protocol, const std::string& robot,
+                         const std::string& message) {
+  try {
+    return protocol.Answer(robot, message);
+  } catch (const std::exception& e) {
+    spdlog::error("event=robot_not_answered robot={} error={}", robot, LogField(e.what()));
+    return {.bytes = {}, .hang_up = true};
+  }
 }
 
 }  // namespace
@@ -78,7 +92,7 @@ void RobotConnection::Answer(std::size_t bytes) {
   std::string message = received_.substr(0, bytes);
   received_.erase(0, bytes);
   asio::post(workers_, [self = shared_from_this(), message = std::move(message)]() mutable {
-    RobotReply reply = self->protocol_.Answer(self->robot_, message);
+    RobotReply reply = AnswerGuarded(self->protocol_, self->robot_, message);
     const auto executor = self->socket_.get_executor();
     // The worker releases its reference; otherwise the connection could end on its thread.
     asio::post(executor, [self = std::move(self), reply = std::move(reply)]() mutable {

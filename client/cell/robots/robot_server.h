@@ -28,7 +28,8 @@ class RobotProtocol {
   // Answer reports the error.
   virtual std::size_t MessageBytes(std::string_view received) const = 0;
 
-  // The answer to one message; may take as long as a job. `robot` is its address.
+  // The answer to one message; may take as long as a job. `robot` is its address. After an
+  // exception the connection is closed.
   virtual RobotReply Answer(const std::string& robot, std::string_view message) = 0;
 };
 

@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <random>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -223,6 +225,28 @@ TEST_F(GriServerTest, ARobotThatClosesNoConnectionLeavesSomeForOthers) {
   SocketRobot other(server_->port(), "127.0.0.2");
   EXPECT_EQ(Call(other, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
   EXPECT_EQ(Call(first, RequestBytes(GriAction::kStatus)).code, GriCode::kNoError);
+}
+
+// Throws for "throw", and returns all else.
+class ThrowingProtocol : public RobotProtocol {
+ public:
+  std::size_t MessageBytes(std::string_view received) const override { return received.size(); }
+  RobotReply Answer(const std::string& /*robot*/, std::string_view message) override {
+    if (message == "throw") throw std::runtime_error("no such lens");
+    return {.bytes = std::string(message)};
+  }
+};
+
+TEST(RobotServerTest, AnExceptionClosesItsConnectionOnly) {
+  ThrowingProtocol protocol;
+  const auto server = RobotServer::Start(protocol, {});
+  ASSERT_THAT(server, IsOk());
+  SocketRobot other((*server)->port());
+  SocketRobot robot((*server)->port());
+  robot.Send("throw");
+  EXPECT_TRUE(robot.IsHungUpOn());
+  other.Send("echo");
+  EXPECT_EQ(other.Receive(4), "echo");
 }
 
 TEST_F(GriServerTest, OnlyRobotsOfTheAllowListAreServed) {
