@@ -69,6 +69,17 @@ absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
   return absl::OkStatus();
 }
 
+absl::Status GriHandEye::DoAlone(const GriRequest& request, GriResponse* out) {
+  std::mutex* turn = nullptr;
+  {
+    const absl::MutexLock lock(&mutex_);
+    turn = &turns_[request.data[0]];  // stays where it is
+  }
+  const std::unique_lock alone(*turn, std::try_to_lock);
+  if (alone) return Do(request, out);
+  return absl::AbortedError("the pipeline's last request is still being answered; wait for it");
+}
+
 GriResponse GriHandEye::Answer(const GriRequest& request) {
   GriResponse out = ResponseTo(request);
   const int pipeline = request.data[0];
@@ -77,7 +88,7 @@ GriResponse GriHandEye::Answer(const GriRequest& request) {
     out.code = GriCode::kPipelineNotAvailable;
     return out;
   }
-  const absl::Status status = Do(request, &out);
+  const absl::Status status = DoAlone(request, &out);
   out.code = HecCodeOf(status, static_cast<GriAction>(request.action));
   if (!status.ok()) {
     spdlog::warn("event=calibration_failed pipeline={} code={} error={}", pipeline,

@@ -5,9 +5,11 @@
 #include <array>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "absl/synchronization/notification.h"
 #include "client/cell/robots/gri_protocol.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 
@@ -105,6 +107,33 @@ TEST_F(GriHandEyeTest, AMissingPipelineIsAnErrorForEveryAction) {
     EXPECT_EQ(Call(action, kPipeline + 1), GriCode::kPipelineNotAvailable);
     EXPECT_EQ(without.Answer(RequestOf(action)).code, GriCode::kPipelineNotAvailable);
   }
+}
+
+// Waits in SetPose until `go_on`.
+class WaitingCalibrator : public FakeCalibrator {
+ public:
+  absl::Status SetPose(int /*pipeline*/, int /*slot*/, const Pose& /*base_flange*/) override {
+    begun.Notify();
+    go_on.WaitForNotification();
+    return absl::OkStatus();
+  }
+  absl::Notification begun;
+  absl::Notification go_on;
+};
+
+TEST(GriHandEyeTurnsTest, ARequestDoesNotWaitForTheLastOneOfItsPipeline) {
+  WaitingCalibrator calibrator;
+  GriHandEye hand_eye(&calibrator);
+  std::thread slow([&] {
+    EXPECT_EQ(hand_eye.Answer(RequestOf(GriAction::kHecSetPose)).code, GriCode::kNoError);
+  });
+  calibrator.begun.WaitForNotification();
+  for (const GriAction action : kActions) {
+    EXPECT_NE(hand_eye.Answer(RequestOf(action)).code, GriCode::kNoError);
+  }
+  calibrator.go_on.Notify();
+  slow.join();
+  EXPECT_EQ(hand_eye.Answer(RequestOf(GriAction::kHecInit)).code, GriCode::kNoError);
 }
 
 TEST_F(GriHandEyeTest, EveryErrorHasItsCode) {
