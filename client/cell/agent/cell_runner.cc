@@ -162,6 +162,7 @@ absl::Status CellRunner::ReportOutcome(RobotSession& session, PickOutcome outcom
   if (!pose) {
     return absl::FailedPreconditionError("no pose was given to this robot since its last outcome");
   }
+  session.SetScene(nullptr);  // the object lies elsewhere: no grasp may be shown relative to it
   if (pose->grasp.id.empty()) {
     return absl::FailedPreconditionError("the pose that was given has no grasp");
   }

@@ -14,14 +14,16 @@
 namespace graspdb::client {
 
 // The last recognition result of a robot. A gripper at its grasp hides the object, so the result of
-// the robot's previous job is kept; it is valid until the object moves.
+// the robot's previous job is kept until the robot reports an outcome, after which objects lie
+// elsewhere.
 struct SeenScene : RunnerScene {
   v1::RecognizeResponse answer;
   CellFrames frames;
   absl::Time time;
 };
 
-// The session's scene; null if there is none, or if it is older than ten minutes.
+// The session's scene; null if there is none since the last outcome, or if it is older than ten
+// minutes.
 std::shared_ptr<const SeenScene> RecallScene(const RobotSession& session);
 
 // Creates or replaces the grasp of `job` (kShowGrasp) on the object in `scene` nearest to the

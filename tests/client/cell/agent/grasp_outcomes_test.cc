@@ -32,6 +32,19 @@ TEST_F(CellRunnerTest, AShownGraspUsesThePreviousDetection) {
   EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(AtXZ(0.05, 0.05) * down, 1e-9));
 }
 
+TEST_F(CellRunnerTest, AfterAnOutcomeAShownGraspNeedsANewDetection) {
+  session_.SetGiven(Run(1)->front());
+  ASSERT_THAT(runner_.ReportOutcome(session_, PickOutcome::kPicked), IsOk());
+  server_.Change([](ScriptedServer& server) {
+    server.recognize = [](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+      return grpc::Status::OK;
+    };
+  });
+  const Pose down(Eigen::AngleAxisd(3.141592653589793, Eigen::Vector3d::UnitX()));
+  EXPECT_THAT(Run(80, AtXZ(1.25, 0.05) * down),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("nothing")));
+}
+
 TEST_F(CellRunnerTest, WithAFlangeCameraAGraspIsShownAfterARecognisingJob) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
