@@ -1,8 +1,10 @@
 #include "client/cell/blackbox/bundle_file.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <string_view>
 #include <system_error>
 
@@ -12,6 +14,7 @@ namespace {
 constexpr std::string_view kMagic = "GBB";
 constexpr char kVersion = 1;
 constexpr std::size_t kHeaderBytes = 4;
+constexpr std::uintmax_t kMaxBytes = std::numeric_limits<int>::max();  // of a message
 
 absl::Status NoBundle(const std::filesystem::path& path) {
   return absl::DataLossError(path.string() + " is not a bundle, or truncated; leave it out");
@@ -27,8 +30,13 @@ absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
 }
 
 absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t length = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
+  if (error || !file) {
+    return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
+  }
+  if (length > kMaxBytes) return NoBundle(path);
   const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return NoBundle(path);
   if (bytes[kMagic.size()] != kVersion) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 
 #include "tests/files/temporary_folder.h"
@@ -50,6 +52,12 @@ TEST_F(BundleFileTest, InvalidFilesAreReported) {
   EXPECT_THAT(ReadBundle(folder_.Write("newer.bundle", newer)),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("newer")));
   EXPECT_THAT(ReadBundle(folder_.path() / "none"), StatusIs(absl::StatusCode::kNotFound));
+}
+
+TEST_F(BundleFileTest, AFileThatIsLargerThanAnyBundleIsNotRead) {
+  const std::filesystem::path path = folder_.Write("large.bundle", *BundleBytes(Sample()));
+  std::filesystem::resize_file(path, std::uintmax_t{3} << 30U);  // a hole: takes no space
+  EXPECT_THAT(ReadBundle(path), StatusIs(absl::StatusCode::kDataLoss, HasSubstr("large.bundle")));
 }
 
 TEST_F(BundleFileTest, ListsTheBundlesOfFoldersTheOldestFirst) {
