@@ -51,6 +51,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   capture->request_id = MakeRequestId();
   absl::StatusOr<v1::RecognizeResponse> response =
       client_.Recognize(capture->request, deadline - absl::Now(), capture->request_id);
+  capture->answered = response.status();
   if (BusyDelay(response.status())) return response.status();  // Run waits for so long
   if (!response.ok()) return Refusal(response.status());
   capture->response = *std::move(response);

@@ -18,6 +18,7 @@ namespace graspdb::client {
 struct CaptureResult {
   v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame
   v1::RecognizeResponse response;
+  absl::Status answered;                              // the server's status for the request
   std::string request_id;                             // of the last call; empty without one
   absl::Time frame_time = absl::InfinitePast();       // of the last frame
   KeptCell cell;                                      // used for the request

@@ -19,12 +19,13 @@ std::optional<v1::Bundle> BundleOf(const JobReport& report) {
   out.set_agent_version(kVersion);
   out.set_request_id(report.capture.request_id);
   *out.mutable_request() = request;
-  if (report.status.ok()) {
+  const absl::Status& answered = report.capture.answered;
+  if (answered.ok()) {
     *out.mutable_response() = report.capture.response;
     out.set_catalog_revision(report.capture.response.catalog_revision());
   } else {
-    out.mutable_error()->set_code(static_cast<int>(report.status.code()));
-    out.mutable_error()->set_message(std::string(report.status.message()));
+    out.mutable_error()->set_code(static_cast<int>(answered.code()));
+    out.mutable_error()->set_message(std::string(answered.message()));
   }
   return out;
 }

@@ -8,8 +8,8 @@
 
 namespace graspdb::client {
 
-// The bundle of a job, ready for replay; nullopt if no request was made, e.g. without a camera
-// frame.
+// The bundle of a job, ready for replay: with what the server answered, not what the robot got.
+// nullopt if no request was made, e.g. without a camera frame.
 std::optional<v1::Bundle> BundleOf(const JobReport& report);
 
 }  // namespace graspdb::client

@@ -1,6 +1,7 @@
 #include "client/cell/agent/cell_runner.h"
 
 #include "client/cell/agent/job_bundle.h"
+#include "client/cell/blackbox/replay.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
 #include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
@@ -119,6 +120,27 @@ TEST_F(CellRunnerTest, SendsTheRequestIdThatItReports) {
   const std::optional<v1::Bundle> bundle = BundleOf(reports_[0]);
   ASSERT_TRUE(bundle);
   EXPECT_EQ(bundle->request_id(), received[0]);
+}
+
+TEST_F(CellRunnerTest, ABundleHasTheAnswerOfTheServer) {
+  server_.Change([](ScriptedServer& server) {
+    server.list_objects = [](v1::ListObjectsResponse* /*response*/) {
+      return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not you");
+    };
+  });
+  EXPECT_THAT(Run(2), StatusIs(absl::StatusCode::kDataLoss));
+  server_.Change([](ScriptedServer& server) {
+    server.recognize = [](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "the scan is empty");
+    };
+  });
+  EXPECT_THAT(Run(1), StatusIs(absl::StatusCode::kDataLoss));
+  ASSERT_THAT(reports_, SizeIs(2));
+  v1::RecognizeResponse mug;
+  ASSERT_TRUE(MugOnTheTable({}, &mug).ok());
+  EXPECT_TRUE(CompareReplay(*BundleOf(reports_[0]), mug).is_same);
+  EXPECT_TRUE(CompareReplay(*BundleOf(reports_[1]), absl::InvalidArgumentError("the scan is empty"))
+                  .is_same);
 }
 
 TEST_F(CellRunnerTest, CountsJobsAndPicksForMetrics) {
