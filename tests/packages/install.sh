@@ -20,8 +20,10 @@ command_of() { sed -n 's/^ExecStart=//p' "$root/lib/systemd/system/graspdb-serve
 server=
 start() {
   install -d -o "$(here id -u graspdb)" -g "$(here id -g graspdb)" -m 700 "$root/var/lib/graspdb"  # StateDirectory
+  : >"$root/server.out"
+  # Not by here(): $! would be a shell that waits for the server.
   # shellcheck disable=SC2046  # words of a command
-  here setpriv --reuid graspdb --regid graspdb --clear-groups $(command_of) >"$root/server.out" 2>"$root/server.log" &
+  chroot "$root" setpriv --reuid graspdb --regid graspdb --clear-groups $(command_of) >"$root/server.out" 2>"$root/server.log" &
   server=$!
   for _ in $(seq 300); do
     grep -q "listening on" "$root/server.out" && return
@@ -33,7 +35,7 @@ start() {
 }
 stop() {
   kill "$server"
-  wait "$server" || true
+  wait "$server"
   server=
 }
 trap '[ -z "$server" ] || stop' EXIT
