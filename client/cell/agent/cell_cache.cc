@@ -57,6 +57,8 @@ absl::StatusOr<KeptCell> CellCache::Get(absl::Time deadline) {
 
 absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
   absl::StatusOr<KeptCell> cell = Read(client_, name_, timeout);
+  // The server may be slower than its caller, or gone: state_ stays.
+  if (timeout && absl::IsDeadlineExceeded(cell.status())) return cell.status();
   absl::MutexLock lock(&mutex_);
   if (state_.code() != cell.status().code()) {
     if (cell.ok()) {

@@ -39,7 +39,7 @@ class CellCache {
   // Reads the cell now, e.g. after a calibration, within `timeout`, by default that of the client.
   absl::Status Refresh(std::optional<absl::Duration> timeout = std::nullopt);
 
-  // Status of the last read.
+  // Status of the last read that had all of the client's time.
   absl::Status state() const;
 
  private:
