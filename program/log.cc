@@ -4,6 +4,8 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <memory>
+
 #include "absl/synchronization/mutex.h"
 #include "program/log_field.h"
 
@@ -13,7 +15,9 @@ void StartLog(const std::string& program, const std::string& level) {
   // Debian's Abseil aborts on a lock-order inversion even when nothing deadlocks. Tests keep that;
   // programs report it and continue.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kReport);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt(program));
+  // stderr_logger_mt() would throw at a second call.
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>(program, std::make_shared<spdlog::sinks::stderr_sink_mt>()));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
   spdlog::set_level(spdlog::level::from_str(level));
   gpr_set_log_function([](gpr_log_func_args* args) {
