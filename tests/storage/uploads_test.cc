@@ -244,13 +244,12 @@ TEST_F(UploadsTest, ALargeCommitKeepsNoValuesInItsChangeRecord) {
   const int count = 3000;
   StageAll(count);
   std::size_t notified = 0;
-  ASSERT_TRUE(catalogue_
-                  ->Subscribe([&](const ChangeRecord& change) {
-                    for (const Mutation& mutation : change.mutations()) {
-                      notified += mutation.value().empty() ? 0 : 1;
-                    }
-                  })
-                  .ok());
+  const auto count_values = [&](const ChangeRecord& change) {
+    for (const Mutation& mutation : change.mutations()) {
+      notified += mutation.value().empty() ? 0 : 1;
+    }
+  };
+  ASSERT_TRUE(catalogue_->Subscribe(count_values).ok());
   ASSERT_TRUE(uploads().Commit(kUpload, false).ok());
   EXPECT_EQ(notified, static_cast<std::size_t>(count));  // but in memory
   const auto changes = catalogue_->ReadChanges(catalogue_->revision() - 1, 1);

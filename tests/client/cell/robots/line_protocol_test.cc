@@ -1,6 +1,4 @@
-// The line protocol, by itself and over TCP.
-#include "client/cell/robots/line_protocol.h"
-
+// The line protocol.
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -11,14 +9,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/robots/line_reply.h"
-#include "tests/client/cell/robots/scripted_runner.h"
-#include "tests/client/cell/robots/socket_robot.h"
-#include "tests/testing/status_matchers.h"
+#include "tests/client/cell/robots/line_protocol_fixture.h"
 
 namespace graspdb::client {
 namespace {
 
-using graspdb::testing::IsOk;
 using recognition::Pose;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -26,45 +21,6 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::StartsWith;
-
-// A tool that points down, turned by 30 degrees about the vertical.
-Pose Down(double x_m) {
-  Pose out = Pose::Identity();
-  out.linear() = (Eigen::AngleAxisd(std::numbers::pi / 6, Eigen::Vector3d::UnitZ()) *
-                  Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
-                     .toRotationMatrix();
-  out.translation() << x_m, -0.2, 0.0125;
-  return out;
-}
-
-JobPose Grasp(double x_m, const std::string& id) {
-  JobPose out;
-  out.base_primary = Down(x_m);
-  out.object = "objects/bracket";
-  out.stable_pose = "objects/bracket/stablePoses/flat";
-  out.grasp = {
-      .id = id, .gripper_opening_m = 0.04, .approach_distance_m = 0.1, .retreat_distance_m = 0.05};
-  out.score = 0.93;
-  return out;
-}
-
-class LineProtocolTest : public ::testing::Test {
- protected:
-  LineProtocolTest() {
-    JobPose first = Grasp(0.5, "side");
-    first.base_related = {Down(0.6)};
-    runner_.Set(7, std::vector<JobPose>{first, Grasp(0.55, "top")});
-    runner_.Set(8, std::vector<JobPose>());
-    runner_.Set(9, absl::UnavailableError("the server is gone"));
-  }
-
-  std::string Call(const std::string& line, const std::string& robot = "r") {
-    return protocol_.Answer(robot, line + "\n").bytes;
-  }
-
-  ScriptedRunner runner_;
-  LineProtocol protocol_{runner_};
-};
 
 TEST_F(LineProtocolTest, ACompletePickFromFormatToOutcome) {
   EXPECT_EQ(Call("STATUS"), "OK 1\n");
@@ -244,75 +200,6 @@ TEST_F(LineProtocolTest, PosesSurviveARoundTrip) {
     EXPECT_LT((back.translation() - found.base_primary.translation()).norm(), 1e-6);
     EXPECT_LT((back.linear() - found.base_primary.linear()).norm(), 5e-6) << format;
   }
-}
-
-class LineServerTest : public LineProtocolTest {
- protected:
-  void SetUp() override {
-    auto started = RobotServer::Start(protocol_, {});
-    ASSERT_THAT(started, IsOk());
-    server_ = *std::move(started);
-  }
-
-  static std::string Line(SocketRobot& robot) {
-    std::string out;
-    while (!out.ends_with('\n')) {
-      const std::string next = robot.Receive(1);
-      if (next.empty()) break;
-      out += next;
-    }
-    return out;
-  }
-
-  std::unique_ptr<RobotServer> server_;
-};
-
-TEST_F(LineServerTest, AnswersLinesInOrderHoweverTheyAreSplit) {
-  SocketRobot robot(server_->port());
-  for (const char byte : std::string("STA")) robot.Send({byte});
-  robot.Send("TUS\r\nFORMAT UR\nNEXT 8\n\nQUIT\n");
-  EXPECT_EQ(Line(robot), "OK 1\n");
-  EXPECT_EQ(Line(robot), "OK 3\n");
-  EXPECT_THAT(Line(robot), StartsWith("ERR 1 "));
-  EXPECT_THAT(Line(robot), StartsWith("ERR -6 "));
-  EXPECT_EQ(Line(robot), "OK\n");
-  EXPECT_TRUE(robot.IsHungUpOn());
-}
-
-TEST_F(LineServerTest, ARobotMayReconnectForEveryLine) {
-  const auto call = [this](const std::string& line) {
-    SocketRobot robot(server_->port());
-    robot.Send(line + "\n");
-    return Line(robot);
-  };
-  EXPECT_EQ(call("FORMAT STAUBLI"), "OK 4\n");
-  EXPECT_THAT(call("RUN 7"), StartsWith("OK 1 1 500.000 "));
-  EXPECT_THAT(call("RELATED 7"), StartsWith("OK 1 0 600.000 "));
-  EXPECT_EQ(call("MISSED"), "OK\n");
-  EXPECT_THAT(call("NEXT 7"), StartsWith("OK 0 0 550.000 "));
-}
-
-TEST_F(LineServerTest, ALineThatIsTooLongClosesTheConnection) {
-  SocketRobot robot(server_->port());
-  robot.Send(std::string(kMaxRequestBytes - 1, 'x') + "\n");
-  EXPECT_THAT(Line(robot), StartsWith("ERR -8 "));
-  robot.Send(std::string(kMaxRequestBytes, 'x') + "\n");
-  EXPECT_THAT(Line(robot), StartsWith("ERR -7 INVALID_REQUEST_LENGTH: "));
-  EXPECT_TRUE(robot.IsHungUpOn());
-}
-
-TEST_F(LineServerTest, ToleratesGarbage) {
-  std::mt19937_64 random(2);
-  for (int i = 0; i < 50; ++i) {
-    SocketRobot robot(server_->port());
-    std::string garbage(1 + random() % 5'000, '\0');
-    for (char& byte : garbage) byte = static_cast<char>(random());
-    robot.Send(garbage + "\n");
-    EXPECT_THAT(Line(robot), AllOf(StartsWith("ERR -"), EndsWith("\n")));
-  }
-  SocketRobot robot(server_->port());
-  robot.Send("STATUS\n");
-  EXPECT_EQ(Line(robot), "OK 1\n");
 }
 
 }  // namespace
