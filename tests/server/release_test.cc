@@ -9,7 +9,7 @@
 namespace graspdb::testing {
 namespace {
 
-constexpr char kWedge[] = "objects/wedge";
+constexpr char kWedgeName[] = "objects/wedge";
 
 class ReleaseTest : public ServerTest {
  protected:
@@ -63,34 +63,34 @@ class ReleaseTest : public ServerTest {
 };
 
 TEST_F(ReleaseTest, WhatDoesNotSayIsReleased) {
-  EXPECT_EQ(ObjectIn(See("wedge")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge")), kWedgeName);
   MakeCell("press", {}, false);
-  EXPECT_EQ(ObjectIn(See("wedge", "press")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge", "press")), kWedgeName);
 }
 
 TEST_F(ReleaseTest, ADraftIsRecognisedInATestCellOnly) {
   MakeCell("press", {}, false);
   MakeCell("test", {}, true);
   const std::string before = See("wedge").SerializeAsString();
-  SetObject(kWedge, v1::RELEASE_STATE_DRAFT);
+  SetObject(kWedgeName, v1::RELEASE_STATE_DRAFT);
   for (const char* cell : {"", "press"}) {
     const v1::RecognizeResponse response = See("wedge", cell);
     EXPECT_EQ(ObjectIn(response), "") << cell;
     EXPECT_THAT(CandidatesIn(response), ::testing::Each("objects/flange")) << cell;
   }
-  EXPECT_EQ(ObjectIn(See("wedge", "test")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge", "test")), kWedgeName);
   Restart();
   EXPECT_EQ(ObjectIn(See("wedge")), "");
-  SetObject(kWedge, v1::RELEASE_STATE_RELEASED);
+  SetObject(kWedgeName, v1::RELEASE_STATE_RELEASED);
   EXPECT_EQ(See("wedge").SerializeAsString(), before);
 }
 
 TEST_F(ReleaseTest, ADraftHasNoInfluenceOnOtherObjects) {
   const std::string with_both = See("flange").SerializeAsString();
-  SetObject(kWedge, v1::RELEASE_STATE_DRAFT);
+  SetObject(kWedgeName, v1::RELEASE_STATE_DRAFT);
   const std::string draft = See("flange").SerializeAsString();
   v1::DeleteObjectRequest remove;
-  remove.set_name(kWedge);
+  remove.set_name(kWedgeName);
   remove.set_force(true);
   ASSERT_THAT(Call(&Catalog::DeleteObject, remove), IsGrpcOk());
   EXPECT_EQ(See("flange").SerializeAsString(), draft) << "the same bytes as without it";
@@ -105,31 +105,31 @@ TEST_F(ReleaseTest, ADraftOfAStablePoseIsHiddenAlone) {
   ASSERT_THAT(Call(&Catalog::UpdateStablePose, request), IsGrpcOk());
   EXPECT_EQ(ObjectIn(See("wedge")), "");
   MakeCell("test", {}, true);
-  EXPECT_EQ(ObjectIn(See("wedge", "test")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge", "test")), kWedgeName);
   request.mutable_stable_pose()->set_release(v1::RELEASE_STATE_RELEASED);
   ASSERT_THAT(Call(&Catalog::UpdateStablePose, request), IsGrpcOk());
-  EXPECT_EQ(ObjectIn(See("wedge")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge")), kWedgeName);
 }
 
 TEST_F(ReleaseTest, ACellMeetsObjectsWithItsLabels) {
-  SetObject(kWedge, v1::RELEASE_STATE_RELEASED, {"line-1", "small"});
+  SetObject(kWedgeName, v1::RELEASE_STATE_RELEASED, {"line-1", "small"});
   MakeCell("one", {"line-1"}, false);
   MakeCell("two", {"line-2", "line-3"}, false);
   MakeCell("all", {}, false);
-  EXPECT_EQ(ObjectIn(See("wedge", "one")), kWedge);
+  EXPECT_EQ(ObjectIn(See("wedge", "one")), kWedgeName);
   EXPECT_EQ(ObjectIn(See("flange", "one")), "");
   EXPECT_EQ(See("wedge", "two").status(), v1::UNKNOWN_OBJECT) << "as with an empty catalogue";
   EXPECT_EQ(ObjectIn(See("flange", "all")), "objects/flange");
   SetObject("objects/flange", v1::RELEASE_STATE_RELEASED, {"line-3"});
   EXPECT_EQ(ObjectIn(See("flange", "two")), "objects/flange");
-  SetObject(kWedge, v1::RELEASE_STATE_DRAFT, {"line-1"});
+  SetObject(kWedgeName, v1::RELEASE_STATE_DRAFT, {"line-1"});
   EXPECT_EQ(ObjectIn(See("wedge", "one")), "");
 }
 
 TEST_F(ReleaseTest, AnUpdateThatDoesNotSayKeepsTheState) {
-  SetObject(kWedge, v1::RELEASE_STATE_DRAFT);
+  SetObject(kWedgeName, v1::RELEASE_STATE_DRAFT);
   v1::UpdateObjectRequest request;
-  request.mutable_object()->set_name(kWedge);
+  request.mutable_object()->set_name(kWedgeName);
   request.mutable_object()->set_display_name("A client of before");
   v1::Object updated;
   ASSERT_THAT(Call(&Catalog::UpdateObject, request, &updated), IsGrpcOk());
@@ -138,7 +138,7 @@ TEST_F(ReleaseTest, AnUpdateThatDoesNotSayKeepsTheState) {
 
 TEST_F(ReleaseTest, WrongStatesAndLabelsAreRejected) {
   v1::UpdateObjectRequest object;
-  object.mutable_object()->set_name(kWedge);
+  object.mutable_object()->set_name(kWedgeName);
   object.mutable_object()->set_release(static_cast<v1::ReleaseState>(7));
   EXPECT_THAT(Call(&Catalog::UpdateObject, object).error_message(),
               ::testing::HasSubstr("object.release"));
