@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/time/clock.h"
 #include "program/log_field.h"
@@ -42,7 +43,7 @@ absl::Duration BackupRounds::UntilNext(absl::Time wall) const {
 BackupSchedule::BackupSchedule(CatalogueBackups& backups, absl::Duration interval,
                                storage::BackupRetention retention)
     : backups_(backups),
-      rounds_(backups, interval, retention, absl::Now(), BackupRounds::Clock::now()),
+      rounds_(backups, interval, std::move(retention), absl::Now(), BackupRounds::Clock::now()),
       thread_([this] {
         LowerPriority();
         Run();

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "absl/time/time.h"
 #include "program/stop_flag.h"
@@ -21,7 +22,7 @@ class BackupRounds {
                storage::BackupRetention retention, absl::Time wall, Clock::time_point monotonic)
       : backups_(backups),
         interval_(interval),
-        retention_(retention),
+        retention_(std::move(retention)),
         start_wall_(wall),
         start_(monotonic) {}
 

@@ -39,6 +39,7 @@ extern "C" const char* __tsan_default_suppressions() {
          // One thread appends the batches of all that write at the same time; its frames are not
          // recorded, only ours below them.
          "race:graspdb::storage::Database::Write(rocksdb::WriteBatch&)\n"
+         "race:libspdlog\n"  // makes its registry at the first use, in any thread
          "race:libtbb\n"
          "race:libembree3\n";
 }
