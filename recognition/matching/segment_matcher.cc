@@ -12,7 +12,8 @@
 namespace graspdb::recognition {
 namespace {
 
-// Points of the segment for first looks.
+// Points of the segment for first looks. Doubled, one more answer on the real frames is wrong and
+// as many are right (docs/experiment.md).
 constexpr std::size_t kRoughPoints = 200;
 // Points for refinements in full; larger segments, of parts of half a metre and more, are
 // subsampled. Doubled, a finalist of such a part takes twice as long; the 40,000 points below which
