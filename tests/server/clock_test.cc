@@ -82,35 +82,37 @@ TEST_F(ExpiryTest, AClockThatWasSetBackForSomeDaysMakesNothingLate) {
   EXPECT_FALSE(IsLeft(absl::Hours(7 * 24 + 2), hours(7 * 24 + 2)));
 }
 
-TEST_F(ExpiryTest, ADeletedObjectIsPurgedAfterItsTime) {
-  v1::Object object;
-  object.set_name("objects/mug");
-  ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
-  ASSERT_THAT(catalogue_->DeleteObject("objects/mug", false, ""), IsOk());
-  const absl::Time deleted = absl::Now();
-  const auto is_kept = [&](absl::Duration age, hours monotonic) {
-    expiry_.Run(*catalogue_, deleted + age, kStart + monotonic);
+// A deleted object, which is kept for 30 days.
+class DeletedObjectExpiryTest : public ExpiryTest {
+ protected:
+  void SetUp() override {
+    ExpiryTest::SetUp();
+    v1::Object object;
+    object.set_name("objects/mug");
+    ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
+    ASSERT_THAT(catalogue_->DeleteObject("objects/mug", false, ""), IsOk());
+    deleted_ = absl::Now();
+  }
+
+  bool IsKept(absl::Duration age, hours monotonic) {
+    expiry_.Run(*catalogue_, deleted_ + age, kStart + monotonic);
     return catalogue_->history().GetDeleted("objects/mug").ok();
-  };
-  EXPECT_TRUE(is_kept(absl::Hours(1), hours(1)));
-  EXPECT_TRUE(is_kept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1)));
-  EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 1), hours(30 * 24 + 1)));
+  }
+
+  absl::Time deleted_;
+};
+
+TEST_F(DeletedObjectExpiryTest, IsPurgedAfterItsTime) {
+  EXPECT_TRUE(IsKept(absl::Hours(1), hours(1)));
+  EXPECT_TRUE(IsKept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1)));
+  EXPECT_FALSE(IsKept(absl::Hours(30 * 24 + 1), hours(30 * 24 + 1)));
 }
 
-TEST_F(ExpiryTest, AClockThatIsAYearAheadAtTheStartPurgesNothing) {
-  v1::Object object;
-  object.set_name("objects/mug");
-  ASSERT_THAT(catalogue_->CreateObject(object), IsOk());
-  ASSERT_THAT(catalogue_->DeleteObject("objects/mug", false, ""), IsOk());
-  const absl::Time deleted = absl::Now();
-  const auto is_kept = [&](absl::Duration age, hours monotonic) {
-    expiry_.Run(*catalogue_, deleted + age, kStart + monotonic);
-    return catalogue_->history().GetDeleted("objects/mug").ok();
-  };
-  EXPECT_TRUE(is_kept(absl::Hours(365 * 24), hours(0)));
-  EXPECT_TRUE(is_kept(absl::Hours(365 * 24 + 1), hours(1)));
-  EXPECT_TRUE(is_kept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1))) << "set right";
-  EXPECT_FALSE(is_kept(absl::Hours(30 * 24 + 2), hours(30 * 24 + 2)));
+TEST_F(DeletedObjectExpiryTest, AClockThatIsAYearAheadAtTheStartPurgesNothing) {
+  EXPECT_TRUE(IsKept(absl::Hours(365 * 24), hours(0)));
+  EXPECT_TRUE(IsKept(absl::Hours(365 * 24 + 1), hours(1)));
+  EXPECT_TRUE(IsKept(absl::Hours(30 * 24 - 1), hours(30 * 24 - 1))) << "set right";
+  EXPECT_FALSE(IsKept(absl::Hours(30 * 24 + 2), hours(30 * 24 + 2)));
 }
 
 class BackupRoundsTest : public ::testing::Test {
