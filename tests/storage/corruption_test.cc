@@ -1,5 +1,4 @@
 // Flipped bytes: reported, never misread.
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -117,8 +116,7 @@ TEST_F(CorruptionTest, AFlippedByteInATableOrBlobFileIsReported) {
   for (const char* kind : {".sst", ".blob"}) {
     for (const std::filesystem::path& file : Files(kind)) {
       const std::size_t size = ReadBytes(file).size();
-      const std::size_t step = std::max<std::size_t>(31, size / 20);
-      for (std::size_t offset = 0; offset < size; offset += step) {
+      for (std::size_t offset = 0; offset<size; offset += size> 8000 ? 997 : 31) {
         const auto picture = ReadFlipped(file, offset);
         // Some bytes (properties, padding) are not read; then all records must be the same.
         ExpectWholeOrDataLoss(picture, offset);
@@ -137,7 +135,7 @@ TEST_P(ManifestCorruptionTest, AFlippedByteInTheManifestIsReportedOrHarmless) {
   const std::vector<std::filesystem::path> manifests = Files("MANIFEST-");
   ASSERT_EQ(manifests.size(), 1U);
   const std::size_t size = ReadBytes(manifests[0]).size();
-  for (std::size_t offset = 0; offset < size; offset += std::max<std::size_t>(5, size / 60)) {
+  for (std::size_t offset = 0; offset < size; offset += 5) {
     ExpectWholeOrDataLoss(ReadFlipped(manifests[0], offset), offset);
   }
 }
@@ -146,7 +144,7 @@ TEST_P(ManifestCorruptionTest, TruncatedManifestIsReportedOrHarmless) {
   if (GetParam()) OpenOrDie(database_);
   const std::filesystem::path manifest = Files("MANIFEST-").at(0);
   const std::size_t size = ReadBytes(manifest).size();
-  for (std::size_t offset = 0; offset < size; offset += std::max<std::size_t>(11, size / 40)) {
+  for (std::size_t offset = 0; offset < size; offset += 11) {
     CopyDatabase(database_, copy_);
     std::filesystem::resize_file(copy_ / manifest.filename(), offset);
     ExpectWholeOrDataLoss(ReadCopy(), offset);
