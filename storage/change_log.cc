@@ -42,9 +42,8 @@ absl::Status ChangeLog::Commit(ChangeBatch& batch) {
   if (auto written = database_.Write(batch.rocks()); !written.ok()) {
     if (absl::IsResourceExhausted(written)) return written;  // not written
     // The batch may be on the disk or not. A further change could reuse its revision.
-    failure_ = absl::UnavailableError("the catalogue rejects changes since a write failed (" +
-                                      std::string(written.message()) +
-                                      "); check the disk and restart the server");
+    failure_ = absl::UnavailableError("the catalogue rejects changes since a write failed: " +
+                                      std::string(written.message()));
     return written;
   }
   {

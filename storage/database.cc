@@ -5,6 +5,7 @@
 
 #include "absl/strings/escaping.h"
 #include "rocksdb/cache.h"
+#include "rocksdb/file_system.h"
 #include "storage/rocksdb_options.h"
 #include "storage/rocksdb_status.h"
 
@@ -19,6 +20,9 @@ constexpr std::uint64_t kLargeLogBytes = 1U << 20;
 // Between two attempts to write to a disk that was full, each of which may write the memtables.
 // Doubled, writes fail for up to a second longer after there is room.
 constexpr std::chrono::seconds kRecoveryInterval{1};
+// For what a flush writes besides the memtables' entries: tables' indexes, manifest, log. Doubled,
+// a disk that was full needs a MiB more before writes succeed.
+constexpr std::uint64_t kRecoverySpareBytes = 1U << 20;
 
 rocksdb::Slice ToSlice(std::string_view text) { return {text.data(), text.size()}; }
 std::string_view ToView(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
@@ -68,6 +72,8 @@ void Database::FlushLargeLogs() {
 }
 
 absl::Status Database::Flush() {
+  // RocksDB ends all writing when it flushes with a torn log and does not recover.
+  if (auto recovered = RecoverFromFullDisk(); !recovered.ok()) return recovered;
   return FromRocksDb(db_->Flush(rocksdb::FlushOptions(), handles_), "flush the changes");
 }
 
@@ -189,16 +195,12 @@ absl::Status Database::Write(rocksdb::WriteBatch& batch) {
 
 rocksdb::Status Database::WriteToLog(rocksdb::WriteBatch& batch) {
   // A new log begins when memtables with entries are flushed. Without an entry, a log that found
-  // the disk full could not be replaced: see RecoverFromFullDisk().
-  std::uint64_t entries = 0;
-  db_->GetIntProperty(Handle(Family::kMeta), rocksdb::DB::Properties::kNumEntriesActiveMemTable,
-                      &entries);
-  if (entries == 0) {
-    rocksdb::WriteOptions unlogged;
-    unlogged.disableWAL = true;
-    rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
-    if (!marked.ok()) return marked;
-  }
+  // the disk full could not be replaced, and RocksDB 7.8 ends the process at the next write. Every
+  // time, since RocksDB replaces full memtables at the beginning of a write.
+  rocksdb::WriteOptions unlogged;
+  unlogged.disableWAL = true;
+  rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
+  if (!marked.ok()) return marked;
   rocksdb::WriteOptions options;
   options.sync = true;
   return db_->Write(options, &batch);
@@ -214,13 +216,40 @@ absl::Status Database::RecoverFromFullDisk() {
   next_recovery_ = now + kRecoveryInterval;
   // The log may end in a part of a write, and RocksDB does not write behind that any more.
   // Everything in the memtables goes to sorted files, and a new log begins.
-  rocksdb::Status recovered = db_->Resume();
+  rocksdb::Status recovered = Resume();
   // CheckLogs() takes a torn log beside a newer one for damage; a backup keeps what it copies.
   rocksdb::VectorLogPtr logs;
   if (recovered.ok()) recovered = db_->GetSortedWalFiles(logs);
   is_full_ = !recovered.ok() || logs.size() > 1;
   const bool waits = recovered.IsBusy() || (recovered.ok() && is_full_);
   return FromRocksDb(waits ? full : recovered, "write the change");
+}
+
+// DB::Resume() flushes all memtables. In RocksDB 7.8 with atomic_flush a flush that another one has
+// made fail is never repeated, and DB::Resume() waits for it; or it syncs the torn log, where an
+// assertion ends the process (https://github.com/facebook/rocksdb/pull/11872). So none may fail
+// meanwhile: there must be room for all memtables, and none may be running already.
+rocksdb::Status Database::Resume() {
+  std::uint64_t memtables = 0;
+  db_->GetAggregatedIntProperty(rocksdb::DB::Properties::kCurSizeAllMemTables, &memtables);
+  std::uint64_t room = 0;
+  const rocksdb::IOStatus measured =
+      db_->GetFileSystem()->GetFreeSpace(directory_, rocksdb::IOOptions(), &room, nullptr);
+  if (measured.ok() && room < memtables + kRecoverySpareBytes) return rocksdb::Status::NoSpace();
+  // Pausing waits for running flushes, and after an error no other begins.
+  rocksdb::Status idle = db_->PauseBackgroundWork();
+  if (idle.ok()) idle = db_->ContinueBackgroundWork();
+  if (!idle.ok()) return idle;
+  for (rocksdb::ColumnFamilyHandle* family : handles_) {
+    std::uint64_t immutable = 0;
+    std::uint64_t pending = 0;
+    db_->GetIntProperty(family, rocksdb::DB::Properties::kNumImmutableMemTable, &immutable);
+    db_->GetIntProperty(family, rocksdb::DB::Properties::kMemTableFlushPending, &pending);
+    if (immutable > 0 && pending == 0) {
+      return rocksdb::Status::IOError("a flush that failed cannot be repeated");
+    }
+  }
+  return db_->Resume();
 }
 
 }  // namespace graspdb::storage

@@ -93,8 +93,8 @@ class Database {
   // After a write found the disk full: makes it possible to write again, if there is room. OK
   // without such a write. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.
   absl::Status RecoverFromFullDisk() ABSL_LOCKS_EXCLUDED(log_mutex_);
-  // Moves everything from the logs to sorted files.
-  absl::Status Flush();
+  // Moves everything from the logs to sorted files. RESOURCE_EXHAUSTED when the disk is full.
+  absl::Status Flush() ABSL_LOCKS_EXCLUDED(log_mutex_);
 
   // For backups.
   rocksdb::DB& rocks() { return *db_; }
@@ -103,9 +103,10 @@ class Database {
   Database(std::string directory, std::size_t write_buffer_bytes);
   std::vector<rocksdb::ColumnFamilyDescriptor> Describe(
       const std::vector<std::string>& families) const;
-  void FlushLargeLogs();
+  void FlushLargeLogs() ABSL_LOCKS_EXCLUDED(log_mutex_);
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
   rocksdb::Status WriteToLog(rocksdb::WriteBatch& batch) ABSL_SHARED_LOCKS_REQUIRED(log_mutex_);
+  rocksdb::Status Resume() ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_mutex_);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
     return families_[static_cast<std::size_t>(family)];
   }

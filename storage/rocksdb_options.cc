@@ -16,13 +16,21 @@ constexpr std::uint64_t kBlobFileBytes = 64ULL << 20;
 constexpr std::uint64_t kMinBlobBytes = 4096;
 constexpr int kMaxOpenFiles = 512;
 
-// RocksDB tries a failed flush or compaction again when there is room on the disk. After a failed
-// write to the log it would go on without replacing the torn log; Database::Write() does it.
-class LogErrorsPersist : public rocksdb::EventListener {
+// Database::RecoverFromFullDisk() replaces the automatic recovery, which does not replace a torn
+// log, and which can wait for ever with atomic_flush
+// (https://github.com/facebook/rocksdb/pull/11872).
+class NoAutomaticRecovery : public rocksdb::EventListener {
  public:
-  void OnErrorRecoveryBegin(rocksdb::BackgroundErrorReason reason, rocksdb::Status /*error*/,
+  void OnErrorRecoveryBegin(rocksdb::BackgroundErrorReason /*reason*/, rocksdb::Status /*error*/,
                             bool* automatic) override {
-    if (reason == rocksdb::BackgroundErrorReason::kWriteCallback) *automatic = false;
+    *automatic = false;
+  }
+  // RocksDB repeats a compaction that found the disk full, and writes need none of its results. As
+  // an error of the database it would let the next atomic flush fail and never be repeated.
+  void OnBackgroundError(rocksdb::BackgroundErrorReason reason, rocksdb::Status* error) override {
+    if (reason == rocksdb::BackgroundErrorReason::kCompaction && error->IsNoSpace()) {
+      *error = rocksdb::Status::OK();
+    }
   }
 };
 
@@ -47,7 +55,7 @@ rocksdb::DBOptions MakeDbOptions(rocksdb::Env* env) {
   options.max_total_wal_size = kMaxWalBytes;
   options.max_open_files = kMaxOpenFiles;  // below the usual limit of 1024 descriptors
   options.bytes_per_sync = 1 << 20;
-  options.listeners.push_back(std::make_shared<LogErrorsPersist>());
+  options.listeners.push_back(std::make_shared<NoAutomaticRecovery>());
   return options;
 }
 

@@ -1,7 +1,13 @@
 #include "tests/storage/faulty_disk.h"
 
+#include <pthread.h>
+
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <filesystem>
+#include <string_view>
+#include <thread>
 #include <utility>
 
 #include "tests/storage/catalogue_fixture.h"
@@ -74,6 +80,13 @@ std::string Normal(const std::string& path) {
   return normal.has_filename() ? normal.string() : normal.parent_path().string();
 }
 
+// RocksDB names its threads by their priority; flushes have the high one.
+bool IsCompactionThread() {
+  std::array<char, 16> name{};
+  pthread_getname_np(pthread_self(), name.data(), name.size());
+  return std::string_view(name.data()) == "rocksdb:low";
+}
+
 std::optional<std::string> BytesIfThere(const std::string& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   return ReadBytes(path);
@@ -130,6 +143,15 @@ rocksdb::IOStatus FaultyDisk::NewDirectory(const std::string& name,
   return made;
 }
 
+rocksdb::IOStatus FaultyDisk::GetFreeSpace(const std::string& /*path*/,
+                                           const rocksdb::IOOptions& /*options*/,
+                                           std::uint64_t* space,
+                                           rocksdb::IODebugContext* /*context*/) {
+  if (!tell_space_) return rocksdb::IOStatus::NotSupported();
+  *space = static_cast<std::uint64_t>(space_.load());
+  return rocksdb::IOStatus::OK();
+}
+
 rocksdb::IOStatus FaultyDisk::Running() const {
   if (stopped_) return rocksdb::IOStatus::IOError("the power is gone");
   return rocksdb::IOStatus::OK();
@@ -140,6 +162,9 @@ rocksdb::IOStatus FaultyDisk::Synced(const std::string& name, std::uint64_t size
   if (is_log && fail_syncs_of_logs_) return rocksdb::IOStatus::IOError("the disk is on fire");
   if (auto running = Running(); !running.ok()) return running;
   if (is_log) ++syncs_of_logs_;
+  if (name.ends_with(".sst")) {
+    if (auto may_end = SortedFileMayEnd(); !may_end.ok()) return may_end;
+  }
   const std::scoped_lock lock(mutex_);
   synced_[name] = size;
   return rocksdb::IOStatus::OK();
@@ -152,6 +177,18 @@ rocksdb::IOStatus FaultyDisk::NamesSynced(const std::string& directory) {
     return std::filesystem::path(change.first).parent_path() == directory;
   });
   return rocksdb::IOStatus::OK();
+}
+
+rocksdb::IOStatus FaultyDisk::SortedFileMayEnd() {
+  const rocksdb::IOStatus full = rocksdb::IOStatus::NoSpace("no byte left");
+  if (fail_compactions_ && IsCompactionThread()) {
+    ++failed_compactions_;
+    return full;
+  }
+  if (failing_sorted_files_ <= 0) return rocksdb::IOStatus::OK();
+  --failing_sorted_files_;
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  return full;
 }
 
 std::size_t FaultyDisk::Take(std::size_t bytes) {

@@ -34,6 +34,8 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   rocksdb::IOStatus NewDirectory(const std::string& name, const rocksdb::IOOptions& options,
                                  std::unique_ptr<rocksdb::FSDirectory>* directory,
                                  rocksdb::IODebugContext* context) override;
+  rocksdb::IOStatus GetFreeSpace(const std::string& path, const rocksdb::IOOptions& options,
+                                 std::uint64_t* space, rocksdb::IODebugContext* context) override;
 
   // Stops all further changes to this disk, including pending ones.
   void Stop() { stopped_ = true; }
@@ -45,10 +47,20 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   static constexpr std::int64_t kMuchSpace = std::numeric_limits<std::int64_t>::max() / 2;
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }
+  // Whether GetFreeSpace() is supported.
+  void TellSpace(bool tell) { tell_space_ = tell; }
+  // The next `count` sorted files that end find the disk full, each after a while, as a flush that
+  // began when there was room.
+  void FailSortedFiles(int count) { failing_sorted_files_ = count; }
+  // Whether compactions find the disk full.
+  void FailCompactions(bool fail) { fail_compactions_ = fail; }
+  int failed_compactions() const { return failed_compactions_; }
 
   // For the files of this disk.
   rocksdb::IOStatus Synced(const std::string& name, std::uint64_t size);
   rocksdb::IOStatus NamesSynced(const std::string& directory);
+  // NO_SPACE for a sorted file that is to fail.
+  rocksdb::IOStatus SortedFileMayEnd();
   // Takes up to `bytes` of the space and returns how many.
   std::size_t Take(std::size_t bytes);
   // An error once the disk has stopped.
@@ -62,6 +74,10 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   std::atomic<std::int64_t> space_ = kMuchSpace;
   std::atomic<int> syncs_of_logs_ = 0;
   std::atomic<bool> fail_syncs_of_logs_ = false;
+  std::atomic<bool> tell_space_ = true;
+  std::atomic<int> failing_sorted_files_ = 0;
+  std::atomic<bool> fail_compactions_ = false;
+  std::atomic<int> failed_compactions_ = 0;
   std::atomic<bool> stopped_ = false;
 };
 
