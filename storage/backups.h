@@ -115,8 +115,8 @@ class Backups {
   absl::StatusOr<std::vector<BackupId>> DeleteOld(const BackupRetention& retention, absl::Time now);
   // Writes the backup to `database`, a missing or empty directory (FAILED_PRECONDITION otherwise).
   // Works in a folder beside it, which gets that name when all is on the disk: whenever the process
-  // ends, `database` is complete or not there. Checks every byte. FAILED_PRECONDITION also if the
-  // backup is of a newer program.
+  // ends, `database` is complete or not there. Checks every byte. The database gets a new
+  // Catalogue::id(). FAILED_PRECONDITION also if the backup is of a newer program.
   absl::StatusOr<Backup> Restore(BackupId id, const std::string& database,
                                  const BackupProgress& progress = {}) const;
   // Visits the records that a restore would change, by kind and name, and returns the backup. Reads

@@ -81,6 +81,15 @@ absl::Status CheckContent(const absl::StatusOr<std::unique_ptr<Database>>& datab
                            std::to_string(open.backup.record.meta().revision()));
 }
 
+// Gives a restored database an id of its own: its next changes get revisions that changes of the
+// original had.
+absl::Status GiveNewId(const std::string& directory) {
+  const auto database = Database::Open(directory, {.create_if_missing = false});
+  if (!database.ok()) return database.status();
+  auto meta = ReadMeta(**database);
+  return meta.ok() ? RenewCatalogId(**database, *meta) : meta.status();
+}
+
 }  // namespace
 
 absl::StatusOr<Backup> Backups::Verify(BackupId id, const BackupProgress& progress) const {
@@ -114,6 +123,7 @@ absl::StatusOr<Backup> Backups::Restore(BackupId id, const std::string& database
   absl::Status status = ReadStatus(copied, *open, directory_, "restore", progress);
   if (status.ok()) status = CheckLogs(path);
   if (status.ok()) status = CheckContent(Database::OpenReadOnly(path, nullptr), *open, directory_);
+  if (status.ok()) status = GiveNewId(path);
   if (status.ok()) status = WriteRevisionFloor(path, open->backup.record.meta().revision());
   if (status.ok()) status = (*folder)->Publish();
   if (!status.ok()) return status;

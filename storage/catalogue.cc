@@ -45,6 +45,7 @@ Catalogue::~Catalogue() {
   WriteRevisionFloor(database_->directory(), revision()).IgnoreError();
 }
 
+std::string Catalogue::id() const { return log_->meta().catalog_id(); }
 std::int64_t Catalogue::revision() const { return log_->meta().revision(); }
 
 CatalogueCounts Catalogue::counts() const {

@@ -131,7 +131,7 @@ class Catalogue {
   // Opens the database in `directory`, or creates it. One process owns a database at a
   // time: FAILED_PRECONDITION for the second. FAILED_PRECONDITION also when the
   // directory has other contents or the schema is newer than this program; DATA_LOSS
-  // when it is damaged. An older schema is migrated.
+  // when it is damaged. An older schema is migrated, and a database without id gets one.
   static absl::StatusOr<std::unique_ptr<Catalogue>> Open(const std::string& directory,
                                                          CatalogueOptions options = {});
   // Closes the database. No other thread may be in a method.
@@ -139,6 +139,10 @@ class Catalogue {
   Catalogue(const Catalogue&) = delete;
   Catalogue& operator=(const Catalogue&) = delete;
 
+  // A UUID, random for each new or restored database. Does not change while it is open. Revisions
+  // count the changes of the catalogue with this id: after a restore, other changes get the same
+  // revisions.
+  std::string id() const;
   // Revision of the last change; 0 before the first one.
   std::int64_t revision() const;
   // Numbers of records; kept in memory.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "google/protobuf/util/time_util.h"
+#include "program/uuid.h"
 #include "storage/change_key.h"
 #include "storage/history_rows.h"
 #include "storage/restore_advice.h"
@@ -31,6 +33,7 @@ absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {
   MetaRecord meta;
   meta.set_format(std::string(kFormat));
   meta.set_schema_version(kSchemaVersion);
+  meta.set_catalog_id(MakeUuid4());
   *meta.mutable_create_time() =
       google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(now));
   rocksdb::WriteBatch batch;
@@ -144,6 +147,15 @@ absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migra
   return absl::OkStatus();
 }
 
+absl::Status RenewCatalogId(Database& database, MetaRecord& meta) {
+  MetaRecord next = meta;
+  next.set_catalog_id(MakeUuid4());
+  rocksdb::WriteBatch batch;
+  if (auto written = WriteMeta(database, next, batch); !written.ok()) return written;
+  meta = std::move(next);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::int64_t> floor,
                                          absl::Time now) {
   auto meta = ReadMeta(database);
@@ -162,6 +174,9 @@ absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::
   if (!database.HasAllFamilies()) return Damaged(database, "a column family is missing");
   const absl::Status consistent = CheckRevision(database, *meta, floor);
   if (!consistent.ok()) return consistent;
+  if (meta->catalog_id().empty()) {  // of an earlier program
+    if (auto renewed = RenewCatalogId(database, *meta); !renewed.ok()) return renewed;
+  }
   return meta;
 }
 

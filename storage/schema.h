@@ -44,10 +44,13 @@ absl::StatusOr<MetaRecord> ReadMeta(const Database& database,
 absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migration> steps,
                      int target);
 
+// Writes a new id of the catalogue, and nothing else.
+absl::Status RenewCatalogId(Database& database, MetaRecord& meta);
+
 // Prepares the database for use and returns its MetaRecord: initialises an empty one,
-// migrates an older one. `floor` is the minimum revision that it must have, if known.
-// FAILED_PRECONDITION when it is newer, cannot be migrated or is of another program;
-// DATA_LOSS when it is inconsistent or below `floor`.
+// migrates an older one, and gives it an id if it has none. `floor` is the minimum revision that it
+// must have, if known. FAILED_PRECONDITION when it is newer, cannot be migrated or is of another
+// program; DATA_LOSS when it is inconsistent or below `floor`.
 absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::int64_t> floor,
                                          absl::Time now);
 

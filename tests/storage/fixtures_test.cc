@@ -4,6 +4,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
+#include "program/uuid.h"
 #include "storage/packed_cloud.h"
 #include "storage/schema.h"
 #include "tests/storage/catalogue_fixture.h"
@@ -20,6 +21,7 @@ TEST_P(FixturesTest, DatabaseOfAnEarlierSchemaIsMigratedWithAllItsRecords) {
   const std::string database = directory / "db";
   CopyDatabase(std::string(GRASPDB_FIXTURES) + "/schema_" + std::to_string(GetParam()), database);
   Picture migrated;
+  std::string id;
   for (int attempt = 0; attempt < 2; ++attempt) {
     const auto catalogue = OpenOrDie(database);
     EXPECT_EQ(catalogue->schema_version(), kSchemaVersion);
@@ -38,7 +40,10 @@ TEST_P(FixturesTest, DatabaseOfAnEarlierSchemaIsMigratedWithAllItsRecords) {
       ASSERT_TRUE(points.ok()) << name << ": " << points.status();
       EXPECT_EQ(std::ssize(*points), catalogue->GetView(name)->point_count());
     }
+    EXPECT_TRUE(IsUuid4(catalogue->id())) << catalogue->id();
     if (attempt == 0) migrated = *picture;
+    if (attempt == 0) id = catalogue->id();
+    EXPECT_EQ(catalogue->id(), id);
     EXPECT_EQ(*picture, migrated);
   }
 }

@@ -4,6 +4,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "program/uuid.h"
 #include "storage/approximate_file.h"
 #include "storage/catalogue.h"
 #include "storage/revision_floor.h"
@@ -45,6 +46,14 @@ TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
   EXPECT_FALSE(std::filesystem::exists(database_));
   OpenOrDie(database_);
   EXPECT_TRUE(Catalogue::Open(database_, options).ok());
+}
+
+TEST_F(OpenTest, TheIdStaysAndIsAnotherOneInEachDatabase) {
+  const std::string id = OpenOrDie(database_)->id();
+  EXPECT_TRUE(IsUuid4(id)) << id;
+  MakeDatabase();
+  EXPECT_EQ(OpenOrDie(database_)->id(), id);
+  EXPECT_NE(OpenOrDie(directory_ / "other")->id(), id);
 }
 
 TEST_F(OpenTest, SecondOwnerInTheSameProcessIsRejected) {

@@ -1,6 +1,7 @@
 // Damaged backups, restores that are refused, and comparisons.
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,19 @@ TEST_F(RestoreTest, ReadingChangesNoFileOfTheBackup) {
   std::map<std::filesystem::path, std::string> after;
   for (const auto& file : FilesOfTheBackup()) after[file] = ReadBytes(file);
   EXPECT_EQ(before, after);
+}
+
+TEST_F(RestoreTest, EachRestoredDatabaseHasAnIdOfItsOwn) {
+  std::set<std::string> ids = {OpenOrDie(database_)->id()};
+  EXPECT_TRUE(ids.contains(backups_.Verify(1)->record.meta().catalog_id()));
+  for (const char* name : {"restored", "again"}) {
+    const std::string database = directory_ / name;
+    ASSERT_TRUE(backups_.Restore(1, database).ok());
+    const std::string id = OpenOrDie(database)->id();
+    EXPECT_TRUE(ids.insert(id).second) << id;
+    EXPECT_EQ(OpenOrDie(database)->id(), id) << "stays";
+    EXPECT_EQ(*TakePicture(*OpenOrDie(database)), original_);
+  }
 }
 
 TEST_F(RestoreTest, RestoresToMissingAndEmptyFoldersOnly) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "program/uuid.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {
@@ -23,6 +24,10 @@ class SchemaTest : public ::testing::Test {
   void SetSchemaVersion(int version) {
     MetaRecord meta = *ReadMeta(*database_);
     meta.set_schema_version(version);
+    Store(meta);
+  }
+
+  void Store(const MetaRecord& meta) {
     rocksdb::WriteBatch batch;
     ASSERT_TRUE(database_->Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch).ok());
     ASSERT_TRUE(database_->Write(batch).ok());
@@ -78,6 +83,18 @@ TEST_F(SchemaTest, NoStepRunsWhenOneIsMissing) {
   EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*database_, meta, steps, 4)));
   EXPECT_EQ(ReadMeta(*database_)->schema_version(), 1);
   EXPECT_TRUE(absl::IsNotFound(database_->Get(Family::kObjects, "trace").status()));
+}
+
+TEST_F(SchemaTest, ADatabaseOfTheCurrentVersionWithoutAnIdGetsOne) {
+  MetaRecord meta = *ReadMeta(*database_);
+  meta.set_schema_version(kSchemaVersion);
+  meta.clear_catalog_id();
+  Store(meta);
+  const auto prepared = PrepareSchema(*database_, std::nullopt, absl::UnixEpoch());
+  ASSERT_TRUE(prepared.ok()) << prepared.status();
+  EXPECT_TRUE(IsUuid4(prepared->catalog_id())) << prepared->catalog_id();
+  Reopen();
+  EXPECT_EQ(ReadMeta(*database_)->SerializeAsString(), prepared->SerializeAsString());
 }
 
 TEST_F(SchemaTest, PublishedStepsMigrateFrom1ToTheCurrentVersion) {
