@@ -137,6 +137,7 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
                                  const AnswerContext& context) {
   v1::RecognizeResponse out;
   out.set_status(StatusToProto(recognition.outcome));
+  out.set_catalog_id(context.catalog_id);
   out.set_catalog_revision(recognition.revision);
   for (const auto& detection : recognition.detections) {
     AddDetection(detection, snapshot, out.add_detections());
@@ -158,6 +159,7 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
 
 void LeaveOutTimings(v1::RecognizeResponse* response) {
   response->clear_timings();
+  response->clear_catalog_id();
   for (v1::StageReport& stage : *response->mutable_stages()) stage.clear_duration_ms();
 }
 

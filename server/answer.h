@@ -1,13 +1,16 @@
 // Converts a recognition to the response of the public contract.
 #pragma once
 
+#include <string>
+
 #include "graspdb/v1/recognition_service.pb.h"
 #include "recognition/recognizer.h"
 
 namespace graspdb::server {
 
-// Properties of the request that the recognition does not know.
+// What the recognition does not know of the request and its catalogue.
 struct AnswerContext {
+  std::string catalog_id;
   bool sensor_pose_from_cell = false;
   double decode_ms = 0;
   double total_ms = 0;
@@ -18,7 +21,7 @@ v1::RecognizeResponse MakeAnswer(const recognition::Recognition& recognition,
                                  const recognition::CatalogueSnapshot& snapshot,
                                  const AnswerContext& context);
 
-// For RecognizeRequest.omit_timings.
+// For RecognizeRequest.omit_timings, which leaves out the catalogue's id too.
 void LeaveOutTimings(v1::RecognizeResponse* response);
 
 }  // namespace graspdb::server

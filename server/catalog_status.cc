@@ -50,6 +50,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
                                               v1::CatalogStatus* response) {
   return Handle(*context, "GetCatalogStatus", *request, [&] {
     const storage::CatalogueCounts counts = context_.catalogue.counts();
+    response->set_catalog_id(context_.catalogue.id());
     response->set_catalog_revision(context_.catalogue.revision());
     response->set_object_count(counts.objects);
     response->set_stable_pose_count(counts.stable_poses);

@@ -48,11 +48,13 @@ void AddRecord(const storage::Mutation& mutation, v1::ResourceChange* out) {
 
 // A change in as many responses as it takes; clouds are left out, as parts of their views.
 std::vector<v1::WatchCatalogResponse> ResponsesTo(const storage::ChangeRecord& change,
+                                                  const std::string& catalog_id,
                                                   bool include_records) {
   std::vector<v1::WatchCatalogResponse> out;
   const auto begin = [&] {
     if (!out.empty()) out.back().set_continued(true);
     v1::WatchCatalogResponse& response = out.emplace_back();
+    response.set_catalog_id(catalog_id);
     response.set_catalog_revision(change.revision());
     *response.mutable_change_time() = change.time();
   };
@@ -93,14 +95,32 @@ absl::StatusOr<Clock::duration> HeartbeatOf(const v1::WatchCatalogRequest& reque
   return InvalidField("heartbeat_s", "must be 1 to 3600");
 }
 
+// Whether `revision` is one of this catalogue. `known_id` is empty or the catalogue that the
+// watcher means.
+absl::Status CheckBegin(const storage::Catalogue& catalogue, const std::string& known_id,
+                        std::int64_t revision) {
+  if (!known_id.empty() && known_id != catalogue.id()) {
+    return absl::OutOfRangeError(
+        absl::StrCat("the catalogue has the id ", catalogue.id(),
+                     "; it is another one, or was restored: read all records anew"));
+  }
+  if (revision > catalogue.revision()) {
+    return absl::OutOfRangeError(
+        absl::StrCat("the catalogue is at revision ", catalogue.revision(), ", before ", revision,
+                     "; it is another one, or was restored: read all records anew"));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status ChangeService::SendChanges(bool include_records, std::int64_t* revision,
                                         Writer& writer) const {
   const auto changes = catalogue_.ReadChanges(*revision, kChangesAtOnce);
   if (!changes.ok()) return changes.status();
+  const std::string id = catalogue_.id();
   for (const storage::ChangeRecord& change : *changes) {
-    for (const v1::WatchCatalogResponse& response : ResponsesTo(change, include_records)) {
+    for (const v1::WatchCatalogResponse& response : ResponsesTo(change, id, include_records)) {
       if (!writer.Write(response)) return absl::CancelledError("the watcher is gone");
     }
     *revision = change.revision();
@@ -114,11 +134,8 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
   if (!heartbeat.ok()) return heartbeat.status();
   std::int64_t revision =
       request.has_after_revision() ? request.after_revision() : catalogue_.revision();
-  if (revision > catalogue_.revision()) {
-    return absl::OutOfRangeError(
-        absl::StrCat("the catalogue is at revision ", catalogue_.revision(), ", before ", revision,
-                     "; it is another one, or was restored: read all records anew"));
-  }
+  absl::Status begins = CheckBegin(catalogue_, request.catalog_id(), revision);
+  if (!begins.ok()) return begins;
   // The first one at once: the caller then knows that it watches.
   Clock::time_point next_heartbeat = Clock::now();
   while (!IsAbandoned(context)) {
@@ -134,6 +151,7 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
     const Clock::time_point now = Clock::now();
     if (now >= next_heartbeat) {
       v1::WatchCatalogResponse alive;
+      alive.set_catalog_id(catalogue_.id());
       alive.set_catalog_revision(revision);
       if (!writer.Write(alive)) break;
       next_heartbeat = now + *heartbeat;

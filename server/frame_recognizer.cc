@@ -85,6 +85,7 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   if (absl::Status status = ReadScan(request, max_points_, &job.scan); !status.ok()) return status;
 
   AnswerContext context;
+  context.catalog_id = catalogue_.id();
   context.sensor_pose_from_cell = job.sensor_pose_from_cell && !request.has_sensor_pose();
   context.decode_ms = MillisecondsSince(start);
   using Response = absl::StatusOr<v1::RecognizeResponse>;

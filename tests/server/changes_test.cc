@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 #include <thread>
 
 #include "graspdb/v1/change_service.grpc.pb.h"
+#include "storage/backups.h"
+#include "storage/catalogue.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -58,6 +61,23 @@ class ChangesTest : public ServerTest {
     Connect();
   }
   void Connect() { stub_ = v1::ChangeService::NewStub(channel_); }
+
+  // Restores a backup of the database, and starts the server on it.
+  void RestoreABackup() {
+    server_.reset();
+    const std::filesystem::path folder = folder_.path() / "backups";
+    std::filesystem::create_directory(folder);
+    storage::Backups backups(folder.string());
+    {
+      const auto catalogue = storage::Catalogue::Open(options_.database);
+      ASSERT_TRUE(catalogue.ok()) << catalogue.status();
+      ASSERT_TRUE(backups.Create(**catalogue).ok());
+    }
+    options_.database = (folder_.path() / "restored").string();
+    ASSERT_TRUE(backups.Restore(1, options_.database).ok());
+    Restart();
+    Connect();
+  }
 
   static v1::WatchCatalogRequest After(std::int64_t revision, bool records = false) {
     v1::WatchCatalogRequest request;
@@ -122,6 +142,51 @@ TEST_F(ChangesTest, ChangesThatAreNoLongerKeptAreOutOfRange) {
   Watcher watcher(*stub_, After(2));
   EXPECT_EQ(watcher.NextChange().changes(0).name(), "objects/c");
   ExpectError(Watcher(*stub_, After(5)).Finish(), grpc::StatusCode::OUT_OF_RANGE, "revision 4");
+}
+
+TEST_F(ChangesTest, EveryResponseHasTheIdOfTheCatalogue) {
+  Declare("wedge");
+  const std::string id = Status().catalog_id();
+  EXPECT_FALSE(id.empty());
+  Restart();
+  Connect();
+  EXPECT_EQ(Status().catalog_id(), id);
+  v1::WatchCatalogRequest request = After(0);
+  request.set_catalog_id(id);
+  Watcher watcher(*stub_, request);
+  for (const int changes : {1, 1, 0}) {
+    const v1::WatchCatalogResponse response = watcher.Next();
+    EXPECT_EQ(response.changes_size(), changes);
+    EXPECT_EQ(response.catalog_id(), id);
+  }
+}
+
+TEST_F(ChangesTest, AnotherCatalogueIsOutOfRange) {
+  v1::WatchCatalogRequest request;
+  request.set_catalog_id("another");
+  ExpectError(Watcher(*stub_, request).Finish(), grpc::StatusCode::OUT_OF_RANGE, "read all");
+  request.set_after_revision(0);
+  ExpectError(Watcher(*stub_, request).Finish(), grpc::StatusCode::OUT_OF_RANGE, "read all");
+}
+
+TEST_F(ChangesTest, AfterARestoreRevisionsOfTheOriginalAreOutOfRange) {
+  ASSERT_THAT(CreateObject("a"), IsGrpcOk());
+  const std::string original = Status().catalog_id();
+  ASSERT_NO_FATAL_FAILURE(RestoreABackup());
+  const std::string restored = Status().catalog_id();
+  EXPECT_NE(restored, original);
+  EXPECT_EQ(Status().catalog_revision(), 1);
+  // The original went on with other changes of these revisions.
+  for (const char* id : {"b", "c"}) ASSERT_THAT(CreateObject(id), IsGrpcOk());
+  v1::WatchCatalogRequest request = After(2);
+  request.set_catalog_id(original);
+  ExpectError(Watcher(*stub_, request).Finish(), grpc::StatusCode::OUT_OF_RANGE, "read all");
+  request.set_catalog_id(restored);
+  Watcher watcher(*stub_, request);
+  const v1::WatchCatalogResponse change = watcher.NextChange();
+  EXPECT_EQ(change.catalog_revision(), 3);
+  ASSERT_EQ(change.changes_size(), 1);
+  EXPECT_EQ(change.changes(0).name(), "objects/c");
 }
 
 TEST_F(ChangesTest, ALargeChangeComesInParts) {

@@ -188,12 +188,14 @@ TEST_F(RecognizeTest, WithoutTimingsTheSameScanGivesTheSameBytes) {
   EXPECT_EQ(Answer(request).SerializeAsString(), first.SerializeAsString());
 }
 
-TEST_F(RecognizeTest, TimingsAreReturnedByDefault) {
+TEST_F(RecognizeTest, TimingsAndTheIdOfTheCatalogueAreReturnedByDefault) {
   Teach("wedge", 2);
   v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 33}, 3));
   EXPECT_FALSE(Answer(request).has_timings());
+  EXPECT_EQ(Answer(request).catalog_id(), "");
   request.set_omit_timings(false);
   const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_EQ(answer.catalog_id(), Status().catalog_id());
   EXPECT_GT(answer.timings().total_ms(), answer.timings().register_ms());
   EXPECT_GT(answer.timings().register_ms(), 0);
   std::vector<std::string> stages;
