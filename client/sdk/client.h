@@ -158,7 +158,8 @@ class Client {
   absl::Status WriteUploadViews(const NextUploadView& next, const UploadViewDone& done);
 
   // Gets the changes of the catalogue until the server ends the call or `on_change` returns an
-  // error, which is then returned. Has no time limit.
+  // error, which is then returned. Has no time limit. To continue, send revision and id of the last
+  // response that was not `continued`; OUT_OF_RANGE: all records must be read anew.
   using OnChange = std::function<absl::Status(const v1::WatchCatalogResponse&)>;
   absl::Status WatchCatalog(const v1::WatchCatalogRequest& request, const OnChange& on_change);
 

@@ -63,9 +63,9 @@ def main():
     channel = plant.connect("teacher")
     uploads = upload_service_pb2_grpc.UploadServiceStub(channel)
     catalogue = catalog_service_pb2_grpc.CatalogServiceStub(channel)
-    revision = catalogue.GetCatalogStatus(catalog_service_pb2.GetCatalogStatusRequest()).catalog_revision
+    status = catalogue.GetCatalogStatus(catalog_service_pb2.GetCatalogStatusRequest())
     changes = change_service_pb2_grpc.ChangeServiceStub(channel).WatchCatalog(
-        change_service_pb2.WatchCatalogRequest(after_revision=revision))
+        change_service_pb2.WatchCatalogRequest(after_revision=status.catalog_revision, catalog_id=status.catalog_id))
 
     declare(catalogue, captures.objects)
     name = os.path.basename(os.path.normpath(folder))

@@ -43,6 +43,7 @@ TEST_F(BackupProgramsTest, RestoredCatalogueGivesTheSameAnswersAsTheOriginalAtTh
   ASSERT_EQ(CountRight(answers), 6);
   const v1::Backup backup = Created();
   EXPECT_EQ(backup.catalog_revision(), Status().catalog_revision());
+  const std::string original = Status().catalog_id();
 
   Succeed({"objects", "delete", "flange", "--force"});
   Succeed({"simulate", "--parts", "wedge", "--step", "60", "--out", Path("more")});
@@ -58,6 +59,10 @@ TEST_F(BackupProgramsTest, RestoredCatalogueGivesTheSameAnswersAsTheOriginalAtTh
   StartWithBackups("restored");
   EXPECT_EQ(Status().catalog_revision(), backup.catalog_revision());
   EXPECT_EQ(Recognize("set"), answers);
+  EXPECT_NE(Status().catalog_id(), original);
+  const Finished watched = Graspdb({"watch", "--after", "0", "--catalog-id", original});
+  EXPECT_THAT(watched, EndsWith(1));
+  EXPECT_THAT(watched.err, HasSubstr("read all records anew"));
   EXPECT_THAT(Succeed({"backup", "diff"}).out, HasSubstr("would add 0 records"));
   EXPECT_EQ(Created().name(), "backups/2") << "into the same folder";
 }

@@ -117,7 +117,7 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job,
   std::shared_ptr<const LabelledObjects> labelled;
   if (!job.label.empty()) {
     absl::StatusOr<std::shared_ptr<const LabelledObjects>> found =
-        labels_.At(capture.response.catalog_revision());
+        labels_.At(capture.response.catalog_id(), capture.response.catalog_revision());
     if (!found.ok()) return Refusal(found.status());
     labelled = *std::move(found);
   }

@@ -4,10 +4,11 @@
 
 namespace graspdb::client {
 
-absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(std::int64_t revision) {
+absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(const std::string& catalog_id,
+                                                                  std::int64_t revision) {
   {
     absl::MutexLock lock(&mutex_);
-    if (revision_ == revision) return objects_;
+    if (catalog_id_ == catalog_id && revision_ == revision) return objects_;
   }
   const absl::StatusOr<std::vector<v1::Object>> listed = client_.ListObjects();
   if (!listed.ok()) return listed.status();
@@ -16,6 +17,7 @@ absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(std::int64_t r
     for (const std::string& label : object.labels()) objects->emplace(object.name(), label);
   }
   absl::MutexLock lock(&mutex_);
+  catalog_id_ = catalog_id;
   revision_ = revision;
   objects_ = std::move(objects);
   return objects_;

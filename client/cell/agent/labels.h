@@ -17,19 +17,22 @@ namespace graspdb::client {
 // Pairs of object (resource name) and label.
 using LabelledObjects = std::set<std::pair<std::string, std::string>>;
 
-// Lists the objects again whenever the revision of the catalogue differs: a restored backup has an
-// older one. Thread-safe.
+// Lists the objects again whenever the catalogue or its revision differs. Thread-safe.
 class Labels {
  public:
   // `client` must outlive this.
   explicit Labels(Client& client) : client_(client) {}
 
-  // As of this revision, or of a later one if there is one already. Errors of the server.
-  absl::StatusOr<std::shared_ptr<const LabelledObjects>> At(std::int64_t revision);
+  // As of this revision of the catalogue with this id, or of a later one if there is one already.
+  // Servers of earlier versions send no id: then a restored catalogue is known by its older
+  // revision only. Errors of the server.
+  absl::StatusOr<std::shared_ptr<const LabelledObjects>> At(const std::string& catalog_id,
+                                                            std::int64_t revision);
 
  private:
   Client& client_;
   absl::Mutex mutex_;
+  std::string catalog_id_ ABSL_GUARDED_BY(mutex_);
   std::int64_t revision_ ABSL_GUARDED_BY(mutex_) = -1;
   std::shared_ptr<const LabelledObjects> objects_ ABSL_GUARDED_BY(mutex_);
 };

@@ -173,6 +173,9 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status->stable_pose_count()),
               static_cast<long long>(status->view_count()));
   std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
+  if (!status->catalog_id().empty()) {
+    std::printf("catalog id  %s\n", status->catalog_id().c_str());
+  }
   std::printf("picks       %lld picked, %lld missed, %lld slipped\n",
               static_cast<long long>(status->picked_count()),
               static_cast<long long>(status->missed_count()),

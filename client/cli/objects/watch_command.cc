@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include "client/cli/objects/commands.h"
 
@@ -8,6 +9,7 @@ namespace {
 
 struct WatchOptions {
   std::int64_t after = -1;  // negative: the current revision
+  std::string catalog_id;   // empty: any
   bool records = false;
   double heartbeat_s = 30;
 };
@@ -23,6 +25,7 @@ void PrintChange(const v1::WatchCatalogResponse& response) {
 absl::Status Watch(const GlobalOptions& global, const WatchOptions& options) {
   v1::WatchCatalogRequest request;
   if (options.after >= 0) request.set_after_revision(options.after);
+  request.set_catalog_id(options.catalog_id);
   request.set_include_records(options.records);
   request.set_heartbeat_s(options.heartbeat_s);
   return Connect(global).WatchCatalog(request, [&](const v1::WatchCatalogResponse& response) {
@@ -46,15 +49,19 @@ void AddWatchCommand(CLI::App& app, const GlobalOptions& global, Action* action)
       ->add_option("--after", options->after,
                    "Begin after this revision, 0 for all that are kept; default: new changes")
       ->check(CLI::NonNegativeNumber);
+  command->add_option(
+      "--catalog-id", options->catalog_id,
+      "Id of the catalogue that --after is a revision of (graspdb status); fails if the "
+      "server has another one, as after a restore");
   command->add_flag("--records", options->records,
                     "With --json also the changed records, but for views");
   command->add_option("--heartbeat", options->heartbeat_s, "Seconds between heartbeats (--json)")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   command->footer(
-      "Ends with Ctrl-C. With --json each line has the revision in catalogRevision; continue "
-      "after\n"
-      "the last one without `continued`.\n\n"
+      "Ends with Ctrl-C. With --json each line has the revision in catalogRevision and the id of\n"
+      "the catalogue in catalogId; continue with those of the last one without `continued`. It\n"
+      "fails where the changes since then are not known: read all records again.\n\n"
       "Example: graspdb watch --after 0 --json | tee changes.jsonl");
   command->callback([=, &global] { *action = [=, &global] { return Watch(global, *options); }; });
 }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr char kReplayFooter[] =
     R"(A folder stands for its bundles. The responses must be identical bit for bit, except for
-measured times and the revision number. Exit status: 0 all identical, 1 some differ or are
-unreadable, 3 no server reachable.
+measured times, the revision and the id of the catalogue. Exit status: 0 all identical, 1 some
+differ or are unreadable, 3 no server reachable.
 
 A folder of bundles is a regression test for a new build of the server, or for a change of
 the catalogue, which may change responses.

@@ -72,6 +72,20 @@ TEST_F(CellRunnerTest, LabelsAreReadAgainAfterAnOlderCatalogueWasRestored) {
   EXPECT_THAT(*Run(3), SizeIs(1));
 }
 
+TEST_F(CellRunnerTest, LabelsAreReadAgainWhereARestoredCatalogueHasTheSameRevision) {
+  for (const char* catalogue : {"original", "restored", "restored"}) {
+    server_.Change([catalogue](ScriptedServer& server) {
+      server.recognize = [catalogue](const v1::RecognizeRequest& request,
+                                     v1::RecognizeResponse* out) {
+        out->set_catalog_id(catalogue);
+        return MugOnTheTable(request, out);
+      };
+    });
+    EXPECT_THAT(*Run(2), SizeIs(1));
+  }
+  EXPECT_EQ(listed_, 2);
+}
+
 TEST_F(CellRunnerTest, RespectsTheWorkspaceOfTheCell) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {

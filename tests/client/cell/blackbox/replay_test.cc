@@ -41,8 +41,9 @@ TEST(ReplayTest, RequestsTheSameWithoutTimings) {
   EXPECT_EQ(ReplayRequest(BundleOf(Answer())).SerializeAsString(), expected.SerializeAsString());
 }
 
-TEST(ReplayTest, TimingsAndRevisionsAreIgnored) {
+TEST(ReplayTest, TimingsRevisionsAndIdsOfCataloguesAreIgnored) {
   v1::RecognizeResponse then = Answer();
+  then.set_catalog_id("original");
   then.mutable_timings()->set_total_ms(12);
   then.mutable_stages(0)->set_duration_ms(3);
   v1::RecognizeResponse now = Answer();
