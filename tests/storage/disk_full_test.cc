@@ -149,7 +149,7 @@ TEST_F(DiskFullTest, AKillBeforeThereIsRoomLosesNothing) {
 
 // Each attempt to recover gets a little further.
 TEST_F(DiskFullTest, AKillWhileThereIsTooLittleRoomLosesNothing) {
-  disk_->TellSpace(false);
+  disk_->ReportSpace(false);
   const auto catalogue = Open();
   Prepare(*catalogue);
   ASSERT_TRUE(catalogue->PutView(View(1)).ok());

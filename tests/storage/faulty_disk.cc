@@ -147,7 +147,7 @@ rocksdb::IOStatus FaultyDisk::GetFreeSpace(const std::string& /*path*/,
                                            const rocksdb::IOOptions& /*options*/,
                                            std::uint64_t* space,
                                            rocksdb::IODebugContext* /*context*/) {
-  if (!tell_space_) return rocksdb::IOStatus::NotSupported();
+  if (!report_space_) return rocksdb::IOStatus::NotSupported();
   *space = static_cast<std::uint64_t>(space_.load());
   return rocksdb::IOStatus::OK();
 }

@@ -48,7 +48,7 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }
   // Whether GetFreeSpace() is supported.
-  void TellSpace(bool tell) { tell_space_ = tell; }
+  void ReportSpace(bool report) { report_space_ = report; }
   // The next `count` sorted files that end find the disk full, each after a while, as a flush that
   // began when there was room.
   void FailSortedFiles(int count) { failing_sorted_files_ = count; }
@@ -74,7 +74,7 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   std::atomic<std::int64_t> space_ = kMuchSpace;
   std::atomic<int> syncs_of_logs_ = 0;
   std::atomic<bool> fail_syncs_of_logs_ = false;
-  std::atomic<bool> tell_space_ = true;
+  std::atomic<bool> report_space_ = true;
   std::atomic<int> failing_sorted_files_ = 0;
   std::atomic<bool> fail_compactions_ = false;
   std::atomic<int> failed_compactions_ = 0;
