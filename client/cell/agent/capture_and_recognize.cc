@@ -22,7 +22,7 @@ bool IsTransient(const absl::Status& status) {
 
 }  // namespace
 
-absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(absl::Time deadline) {
+absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(MonotonicTime deadline) {
   absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);
   if (absl::IsUnavailable(frame.status()) || absl::IsDeadlineExceeded(frame.status())) {
     return absl::AbortedError(frame.status().message());
@@ -31,15 +31,15 @@ absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(absl::Time deadline) {
 }
 
 absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& base_flange,
-                                      absl::Time deadline, CaptureResult* capture) {
+                                      MonotonicTime deadline, CaptureResult* capture) {
   capture->request.Clear();
   capture->request_id.clear();
   const absl::StatusOr<KeptCell> cell = cell_.Get(deadline);
   if (!cell.ok()) return cell.status();
   capture->cell = *cell;
-  const absl::Time start = absl::Now();
+  const MonotonicTime start = MonotonicTime::Now();
   absl::StatusOr<SensorFrame> frame = Grab(deadline);
-  capture->camera_time += absl::Now() - start;
+  capture->camera_time += MonotonicTime::Now() - start;
   if (!frame.ok()) return frame.status();
   capture->frame_time = frame->time;
   const absl::StatusOr<recognition::Pose> world_sensor =
@@ -50,7 +50,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   SetScan(std::move(frame->scan), &capture->request);
   capture->request_id = MakeRequestId();
   absl::StatusOr<v1::RecognizeResponse> response =
-      client_.Recognize(capture->request, deadline - absl::Now(), capture->request_id);
+      client_.Recognize(capture->request, deadline - MonotonicTime::Now(), capture->request_id);
   capture->answered = response.status();
   if (BusyDelay(response.status())) return response.status();  // Run waits for so long
   if (!response.ok()) return Refusal(response.status());
@@ -59,7 +59,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
 }
 
 absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& base_flange,
-                                      absl::Time deadline, CaptureResult* capture) {
+                                      MonotonicTime deadline, CaptureResult* capture) {
   Backoff backoff(kFirstPause, kMaxPause);
   absl::Status no_server;
   for (;;) {
@@ -72,8 +72,8 @@ absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& ba
     }
     if (!IsTransient(status)) return status;
     const absl::Duration pause = backoff.Next(BusyDelay(status).value_or(absl::ZeroDuration()));
-    const bool is_late = absl::Now() + pause >= deadline;
-    if (is_late || stopped_.WaitForNotificationWithTimeout(pause)) {
+    const bool is_late = MonotonicTime::Now() + pause >= deadline;
+    if (is_late || stopped_.Wait(absl::ToChronoNanoseconds(pause))) {
       // The server was unavailable, and no time was left for another frame.
       if (absl::IsAborted(status) && !no_server.ok()) return no_server;
       return absl::IsResourceExhausted(status) ? absl::UnavailableError(status.message()) : status;
@@ -81,8 +81,6 @@ absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& ba
   }
 }
 
-void CaptureAndRecognize::Stop() {
-  if (!stopped_.HasBeenNotified()) stopped_.Notify();
-}
+void CaptureAndRecognize::Stop() { stopped_.Raise(); }
 
 }  // namespace graspdb::client

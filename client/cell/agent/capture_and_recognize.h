@@ -6,23 +6,24 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
-#include "absl/synchronization/notification.h"
 #include "absl/time/time.h"
 #include "client/cell/agent/cell_cache.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"
+#include "program/monotonic_time.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::client {
 
 struct CaptureResult {
   v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame
   v1::RecognizeResponse response;
-  absl::Status answered;                              // the server's status for the request
-  std::string request_id;                             // of the last call; empty without one
-  absl::Time frame_time = absl::InfinitePast();       // of the last frame
-  KeptCell cell;                                      // used for the request
-  absl::Duration camera_time = absl::ZeroDuration();  // waiting for the frame
+  absl::Status answered;                                     // the server's status for the request
+  std::string request_id;                                    // of the last call; empty without one
+  MonotonicTime frame_time = MonotonicTime::InfinitePast();  // of the last frame
+  KeptCell cell;                                             // used for the request
+  absl::Duration camera_time = absl::ZeroDuration();         // waiting for the frame
 };
 
 // Captures a frame and sends it to the server. Thread-safe.
@@ -38,22 +39,22 @@ class CaptureAndRecognize {
   // busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
   // CellCache::Get; DATA_LOSS when the server rejects the request (see Refusal). `capture` is
   // filled in on errors, too, as far as possible.
-  absl::Status Run(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
+  absl::Status Run(const std::optional<recognition::Pose>& base_flange, MonotonicTime deadline,
                    CaptureResult* capture);
 
   // Ends running calls at their next pause.
   void Stop();
 
  private:
-  absl::Status Try(const std::optional<recognition::Pose>& base_flange, absl::Time deadline,
+  absl::Status Try(const std::optional<recognition::Pose>& base_flange, MonotonicTime deadline,
                    CaptureResult* capture);
-  absl::StatusOr<SensorFrame> Grab(absl::Time deadline);
+  absl::StatusOr<SensorFrame> Grab(MonotonicTime deadline);
 
   DepthSensor& sensor_;
   Client& client_;
   CellCache& cell_;
   const std::string name_;
-  absl::Notification stopped_;
+  StopFlag stopped_;
 };
 
 }  // namespace graspdb::client

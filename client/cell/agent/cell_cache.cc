@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
@@ -45,12 +44,12 @@ CellCache::~CellCache() {
   thread_.join();
 }
 
-absl::StatusOr<KeptCell> CellCache::Get(absl::Time deadline) {
+absl::StatusOr<KeptCell> CellCache::Get(MonotonicTime deadline) {
   {
     absl::MutexLock lock(&mutex_);
     if (cell_.ok()) return cell_;
   }
-  if (absl::Status status = Refresh(deadline - absl::Now()); !status.ok()) return status;
+  if (absl::Status status = Refresh(deadline - MonotonicTime::Now()); !status.ok()) return status;
   absl::MutexLock lock(&mutex_);
   return cell_;
 }

@@ -12,6 +12,7 @@
 #include "absl/time/time.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/sdk/client.h"
+#include "program/monotonic_time.h"
 #include "program/stop_flag.h"
 
 namespace graspdb::client {
@@ -34,7 +35,7 @@ class CellCache {
 
   // The cached cell; read until `deadline` if there is none yet. Errors of the server; NOT_FOUND
   // becomes FAILED_PRECONDITION, with the command to run.
-  absl::StatusOr<KeptCell> Get(absl::Time deadline);
+  absl::StatusOr<KeptCell> Get(MonotonicTime deadline);
 
   // Reads the cell now, e.g. after a calibration, within `timeout`, by default that of the client.
   absl::Status Refresh(std::optional<absl::Duration> timeout = std::nullopt);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "program/version.h"
 
 namespace graspdb::client {
@@ -32,8 +31,8 @@ MetricFamilies CellMetrics::Collect(const CellState& state) const {
   std::vector<Sample> age;
   {
     absl::MutexLock lock(&mutex_);
-    if (frame_time_ != absl::InfinitePast()) {
-      age.push_back(sample(absl::ToDoubleSeconds(absl::Now() - frame_time_)));
+    if (frame_time_ != MonotonicTime::InfinitePast()) {
+      age.push_back(sample(absl::ToDoubleSeconds(MonotonicTime::Now() - frame_time_)));
     }
   }
   return {GaugeOf("graspdb_build_info", "1, with the version of the program.",

@@ -7,11 +7,11 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/time.h"
 #include "client/cell/agent/cell_runner.h"
 #include "client/cell/blackbox/black_box.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "program/metrics/families.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -55,7 +55,8 @@ class CellMetrics {
                        "Outcomes of grasps that robots reported.",
                        {"cell", "object", "outcome"}};
   mutable absl::Mutex mutex_;
-  absl::Time frame_time_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();  // of the newest frame
+  // Of the newest frame.
+  MonotonicTime frame_time_ ABSL_GUARDED_BY(mutex_) = MonotonicTime::InfinitePast();
 };
 
 }  // namespace graspdb::client

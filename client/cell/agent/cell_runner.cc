@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
@@ -75,8 +76,8 @@ bool CellRunner::ReturnsPoses(int job) {
   return found == jobs_.end() || found->second.kind == JobKind::kRecognize;
 }
 
-absl::Time CellRunner::DeadlineOf(const JobConfig& job) const {
-  return absl::Now() + job.time_limit.value_or(options_.time_limit);
+MonotonicTime CellRunner::DeadlineOf(const JobConfig& job) const {
+  return MonotonicTime::Now() + job.time_limit.value_or(options_.time_limit);
 }
 
 absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) {
@@ -138,7 +139,7 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   }
   std::shared_ptr<const SeenScene> scene = RecallScene(request.session);
   if (scene == nullptr) {
-    const absl::Time deadline = DeadlineOf(job);
+    const MonotonicTime deadline = DeadlineOf(job);
     const absl::StatusOr<KeptCell> cell = parts_.cell.Get(deadline);
     if (cell.ok() && cell->frames.flange_sensor) {
       return absl::InvalidArgumentError(

@@ -60,7 +60,7 @@ class CellRunner : public JobRunner {
   absl::StatusOr<std::vector<JobPose>> Recognize(const JobConfig& job, const JobRequest& request);
   absl::StatusOr<std::vector<JobPose>> PosesOf(const JobConfig& job, const CaptureResult& capture);
   absl::Status Show(const JobConfig& job, const JobRequest& request);
-  absl::Time DeadlineOf(const JobConfig& job) const;
+  MonotonicTime DeadlineOf(const JobConfig& job) const;
 
   const Jobs jobs_;
   const JobProtocol protocol_;

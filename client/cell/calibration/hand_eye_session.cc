@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "files/pose_message.h"
+#include "program/monotonic_time.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
@@ -72,7 +73,7 @@ absl::Status HandEyeSession::Init() {
 
 absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
   const absl::StatusOr<StillScan> scan =
-      TakeStillScan(sensor_, setup_.frames, absl::Now() + setup_.frames_within);
+      TakeStillScan(sensor_, setup_.frames, MonotonicTime::Now() + setup_.frames_within);
   if (!scan.ok()) return HideInvalidArgument(scan.status());
   absl::StatusOr<DetectedTarget> found =
       setup_.mount == CameraMount::kFixed

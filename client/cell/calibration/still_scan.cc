@@ -88,12 +88,12 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
   return out;
 }
 
-void AwaitFrames(DepthSensor& sensor, absl::Time deadline) {
-  while (!sensor.IsReady() && absl::Now() < deadline) absl::SleepFor(kPause);
+void AwaitFrames(DepthSensor& sensor, MonotonicTime deadline) {
+  while (!sensor.IsReady() && MonotonicTime::Now() < deadline) absl::SleepFor(kPause);
 }
 
 absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int count,
-                                                    absl::Time deadline) {
+                                                    MonotonicTime deadline) {
   std::vector<SensorFrame> frames;
   for (int i = 0; i < count; ++i) {
     absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
@@ -103,7 +103,7 @@ absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int cou
   return frames;
 }
 
-absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline) {
+absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, MonotonicTime deadline) {
   const absl::StatusOr<std::vector<SensorFrame>> frames = TakeFrames(sensor, count, deadline);
   if (!frames.ok()) return frames.status();
   return Averaged(*frames);

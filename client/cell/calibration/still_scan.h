@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_time.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -32,13 +32,13 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames);
 
 // Waits until the sensor, e.g. just opened, is ready, or until `deadline`; then the next call of
 // Next returns the error. Thread-safe, as all functions here.
-void AwaitFrames(DepthSensor& sensor, absl::Time deadline);
+void AwaitFrames(DepthSensor& sensor, MonotonicTime deadline);
 
 // Takes `count` frames one after the other. Errors of the sensor.
 absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int count,
-                                                    absl::Time deadline);
+                                                    MonotonicTime deadline);
 
 // Averaged of TakeFrames. Errors of both.
-absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, absl::Time deadline);
+absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, MonotonicTime deadline);
 
 }  // namespace graspdb::client

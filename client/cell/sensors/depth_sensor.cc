@@ -4,12 +4,16 @@
 
 #include <cstdint>
 
+#include "absl/time/clock.h"
+
 namespace graspdb::client {
 
-void SetTime(absl::Time time, SensorFrame& frame) {
+void SetTime(MonotonicTime time, SensorFrame& frame) {
   frame.time = time;
-  const std::int64_t seconds = absl::ToUnixSeconds(time);  // rounded down
-  const absl::Duration rest = time - absl::FromUnixSeconds(seconds);
+  const absl::Duration age = MonotonicTime::Now() - time;
+  const absl::Time wall = absl::Now() - age;
+  const std::int64_t seconds = absl::ToUnixSeconds(wall);  // rounded down
+  const absl::Duration rest = wall - absl::FromUnixSeconds(seconds);
   google::protobuf::Timestamp stamp;
   stamp.set_seconds(seconds);
   stamp.set_nanos(static_cast<std::int32_t>(absl::ToInt64Nanoseconds(rest)));

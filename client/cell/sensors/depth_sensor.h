@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "files/scan_message.h"
+#include "program/monotonic_time.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -17,10 +18,10 @@ inline constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
 
 // One frame, in the sensor frame (x right, y down, z forward).
 struct SensorFrame {
-  // With intrinsics and capture time.
+  // With intrinsics, and the capture time by this machine's wall clock.
   ScanMessage scan;
-  // Start of its exposure, by this machine's clock; for cameras without timestamps a lower bound.
-  absl::Time time = absl::InfinitePast();
+  // Start of its exposure; for cameras without timestamps a lower bound.
+  MonotonicTime time = MonotonicTime::InfinitePast();
   // T_world_sensor, if the frame contains it, e.g. in a file's VIEWPOINT line.
   std::optional<recognition::Pose> world_sensor = {};
 };
@@ -34,7 +35,7 @@ class DepthSensor {
   // UNAVAILABLE when the camera is not connected, with the next step in the message; a later call
   // may succeed, because the camera is reopened. DEADLINE_EXCEEDED when no frame came before
   // `deadline`. Other errors are permanent: the frames cannot be used.
-  virtual absl::StatusOr<SensorFrame> Next(absl::Time deadline) = 0;
+  virtual absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) = 0;
 
   // Whether the camera delivers frames; does not wait for one.
   virtual bool IsReady() = 0;
@@ -46,7 +47,7 @@ class DepthSensor {
   virtual std::string Name() const = 0;
 };
 
-// Sets `time` and the capture time of the scan.
-void SetTime(absl::Time time, SensorFrame& frame);
+// Sets `time` and the capture time of the scan, which is that moment by the wall clock of now.
+void SetTime(MonotonicTime time, SensorFrame& frame);
 
 }  // namespace graspdb::client

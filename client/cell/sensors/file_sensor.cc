@@ -67,8 +67,8 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
       new FileSensor(absl::StrCat("files of ", path.string()), std::move(entries), playback));
 }
 
-absl::StatusOr<FileSensor::Entry> FileSensor::Take(absl::Time deadline) {
-  absl::Time due;
+absl::StatusOr<FileSensor::Entry> FileSensor::Take(MonotonicTime deadline) {
+  MonotonicTime due = MonotonicTime::Now();
   Entry entry;
   {
     const absl::MutexLock lock(&mutex_);
@@ -79,7 +79,7 @@ absl::StatusOr<FileSensor::Entry> FileSensor::Take(absl::Time deadline) {
       }
       next_ = 0;
     }
-    due = std::max(due_, absl::Now());
+    due = std::max(due_, due);
     if (due > deadline) {
       return absl::DeadlineExceededError(
           absl::StrCat("the next of the ", name_, " is not due yet; use a later deadline"));
@@ -87,14 +87,14 @@ absl::StatusOr<FileSensor::Entry> FileSensor::Take(absl::Time deadline) {
     if (playback_.rate_hz > 0) due_ = due + absl::Seconds(1 / playback_.rate_hz);
     entry = entries_[next_++];
   }
-  absl::SleepFor(due - absl::Now());
+  absl::SleepFor(due - MonotonicTime::Now());
   return entry;
 }
 
-absl::StatusOr<SensorFrame> FileSensor::Next(absl::Time deadline) {
+absl::StatusOr<SensorFrame> FileSensor::Next(MonotonicTime deadline) {
   const absl::StatusOr<Entry> entry = Take(deadline);
   if (!entry.ok()) return entry.status();
-  const absl::Time time = absl::Now();
+  const MonotonicTime time = MonotonicTime::Now();
   absl::StatusOr<ScanFile> file = ReadScanFile(entry->path);
   if (!file.ok()) return file.status();
   SensorFrame frame{.scan = std::move(file->scan), .world_sensor = file->sensor_pose};

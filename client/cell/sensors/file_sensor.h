@@ -10,8 +10,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_time.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -34,7 +34,7 @@ class FileSensor : public DepthSensor {
 
   // UNAVAILABLE after the last file. The errors of the readers for an invalid file; the next call
   // continues with the next file.
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   // Whether a file is left.
   bool IsReady() override ABSL_LOCKS_EXCLUDED(mutex_);
   bool HasEnded() override { return !IsReady(); }
@@ -48,14 +48,15 @@ class FileSensor : public DepthSensor {
 
   FileSensor(std::string name, std::vector<Entry> entries, const FilePlayback& playback);
   static absl::StatusOr<std::vector<Entry>> List(const std::filesystem::path& path);
-  absl::StatusOr<Entry> Take(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<Entry> Take(MonotonicTime deadline) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::string name_;
   const std::vector<Entry> entries_;
   const FilePlayback playback_;
   absl::Mutex mutex_;
   std::size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
-  absl::Time due_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();  // of the next frame
+  // Of the next frame.
+  MonotonicTime due_ ABSL_GUARDED_BY(mutex_) = MonotonicTime::InfinitePast();
 };
 
 }  // namespace graspdb::client

@@ -4,17 +4,17 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 
 namespace graspdb::client {
 
-FrameMailbox::FrameMailbox(absl::Duration silence) : silence_(silence), last_(absl::Now()) {}
+FrameMailbox::FrameMailbox(absl::Duration silence)
+    : silence_(silence), last_(MonotonicTime::Now()) {}
 
 void FrameMailbox::Put(SensorFrame frame) {
   auto newest = std::make_shared<const SensorFrame>(std::move(frame));
   const absl::MutexLock lock(&mutex_);
   newest_.swap(newest);  // the old frame is freed after the lock
-  last_ = absl::Now();
+  last_ = MonotonicTime::Now();
   changed_.SignalAll();
 }
 
@@ -30,18 +30,18 @@ absl::Status FrameMailbox::Silent() const {
                                              "; check its cable and its power supply"));
 }
 
-absl::StatusOr<SensorFrame> FrameMailbox::Wait(absl::Time after, absl::Time deadline) {
+absl::StatusOr<SensorFrame> FrameMailbox::Wait(MonotonicTime after, MonotonicTime deadline) {
   std::shared_ptr<const SensorFrame> found;
   {
     const absl::MutexLock lock(&mutex_);
     while (newest_ == nullptr || newest_->time < after) {
-      const absl::Time now = absl::Now();
+      const MonotonicTime now = MonotonicTime::Now();
       if (!why_.ok()) return why_;
       if (now >= GoneAt()) return Silent();
       if (now >= deadline) {
         return absl::DeadlineExceededError("no frame came in time; use a later deadline");
       }
-      changed_.WaitWithDeadline(&mutex_, std::min(deadline, GoneAt()));
+      changed_.WaitUntil(&mutex_, std::min(deadline, GoneAt()));
     }
     found = newest_;
   }
@@ -50,7 +50,7 @@ absl::StatusOr<SensorFrame> FrameMailbox::Wait(absl::Time after, absl::Time dead
 
 bool FrameMailbox::IsAlive() const {
   const absl::MutexLock lock(&mutex_);
-  return why_.ok() && absl::Now() < GoneAt();
+  return why_.ok() && MonotonicTime::Now() < GoneAt();
 }
 
 }  // namespace graspdb::client

@@ -9,6 +9,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_cond_var.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -25,21 +27,21 @@ class FrameMailbox {
 
   // A frame whose time is not before `after`. The error of Fail; UNAVAILABLE after the silence;
   // DEADLINE_EXCEEDED.
-  absl::StatusOr<SensorFrame> Wait(absl::Time after, absl::Time deadline)
+  absl::StatusOr<SensorFrame> Wait(MonotonicTime after, MonotonicTime deadline)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Neither failed nor silent.
   bool IsAlive() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  absl::Time GoneAt() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return last_ + silence_; }
+  MonotonicTime GoneAt() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return last_ + silence_; }
   absl::Status Silent() const;
 
   const absl::Duration silence_;
   mutable absl::Mutex mutex_;
-  absl::CondVar changed_;
+  MonotonicCondVar changed_;
   std::shared_ptr<const SensorFrame> newest_ ABSL_GUARDED_BY(mutex_);
-  absl::Time last_ ABSL_GUARDED_BY(mutex_);  // time of the last frame, initially of construction
+  MonotonicTime last_ ABSL_GUARDED_BY(mutex_);  // arrival of the last frame, or construction
   absl::Status why_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/lens_table.h"
 #include "files/depth_message.h"
@@ -43,7 +42,7 @@ class Listener : public libfreenect2::FrameListener {
         frame->bytes_per_pixel != sizeof(float)) {
       return false;
     }
-    const absl::Time time = absl::Now() - kExposureToArrival;
+    const MonotonicTime time = MonotonicTime::Now() - kExposureToArrival;
     const auto* depth_mm = reinterpret_cast<const float*>(frame->data);
     std::vector<std::uint16_t> counts;
     counts.reserve(table_.size());
@@ -109,11 +108,13 @@ class Freenect2Sensor : public DepthSensor {
         static_cast<double>(lens.k1), static_cast<double>(lens.k2), static_cast<double>(lens.p1),
         static_cast<double>(lens.p2), static_cast<double>(lens.k3)};
     listener_->Calibrate(settings.intrinsics.value_or(camera), distortion);
-    return listener_->frames().Wait(absl::InfinitePast(), absl::InfiniteFuture()).status();
+    return listener_->frames()
+        .Wait(MonotonicTime::InfinitePast(), MonotonicTime::InfiniteFuture())
+        .status();
   }
 
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override {
-    return listener_->frames().Wait(absl::Now(), deadline);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override {
+    return listener_->frames().Wait(MonotonicTime::Now(), deadline);
   }
   bool IsReady() override { return listener_->frames().IsAlive(); }
   std::string Name() const override {

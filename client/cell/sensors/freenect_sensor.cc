@@ -19,7 +19,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/kinect_v1_calibration.h"
 #include "files/depth_message.h"
@@ -134,11 +133,11 @@ class FreenectSensor : public DepthSensor {
     frames_.emplace(settings_.silence);  // only now, because opening is slow
     thread_ = std::thread([this] { Receive(); });
     // A camera without frames counts as not open.
-    return frames_->Wait(absl::InfinitePast(), absl::InfiniteFuture()).status();
+    return frames_->Wait(MonotonicTime::InfinitePast(), MonotonicTime::InfiniteFuture()).status();
   }
 
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override {
-    return frames_->Wait(absl::Now(), deadline);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override {
+    return frames_->Wait(MonotonicTime::Now(), deadline);
   }
   bool IsReady() override { return frames_->IsAlive(); }
   std::string Name() const override {
@@ -204,7 +203,7 @@ class FreenectSensor : public DepthSensor {
 
   // `raw`: kPixels disparities of 16 bits, which fakenect does not align.
   void Take(const void* raw) {
-    const absl::Time time = absl::Now() - kExposureToArrival;
+    const MonotonicTime time = MonotonicTime::Now() - kExposureToArrival;
     std::vector<std::uint16_t> counts(kPixels);
     std::memcpy(counts.data(), raw, kPixels * sizeof(std::uint16_t));
     for (std::uint16_t& count : counts) {

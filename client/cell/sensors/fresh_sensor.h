@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -17,9 +18,8 @@ class FreshSensor : public DepthSensor {
   FreshSensor(std::unique_ptr<DepthSensor> sensor, absl::Duration max_age)
       : sensor_(std::move(sensor)), max_age_(max_age) {}
 
-  // The errors of the sensor; UNAVAILABLE when the frame is older than the limit, or from the
-  // future, e.g. after the clock was set.
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override;
+  // The errors of the sensor; UNAVAILABLE when the frame is older than the limit.
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override;
   bool IsReady() override { return sensor_->IsReady(); }
   bool HasEnded() override { return sensor_->HasEnded(); }
   std::string Name() const override { return sensor_->Name(); }

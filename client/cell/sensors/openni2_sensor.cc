@@ -16,7 +16,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "files/depth_message.h"
 #include "program/log_field.h"
@@ -87,11 +86,11 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       last_frame_ = device_.getPlaybackControl()->getNumberOfFrames(stream_);
     }
     thread_ = std::thread([this] { Receive(); });
-    return frames_->Wait(absl::InfinitePast(), absl::InfiniteFuture()).status();
+    return frames_->Wait(MonotonicTime::InfinitePast(), MonotonicTime::InfiniteFuture()).status();
   }
 
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override {
-    return frames_->Wait(absl::Now(), deadline);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override {
+    return frames_->Wait(MonotonicTime::Now(), deadline);
   }
   bool IsReady() override { return frames_->IsAlive(); }
   bool HasEnded() override { return has_ended_; }
@@ -180,7 +179,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
   }
 
   bool Take(const openni::VideoFrameRef& frame) {
-    const absl::Time arrival = absl::Now();
+    const MonotonicTime arrival = MonotonicTime::Now();
     if (frame.getWidth() != intrinsics_.width || frame.getHeight() != intrinsics_.height) {
       frames_->Fail(absl::FailedPreconditionError(
           absl::StrCat(Name(), " has ", frame.getWidth(), " x ", frame.getHeight(),

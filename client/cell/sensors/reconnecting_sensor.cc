@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
@@ -74,7 +73,7 @@ void ReconnectingSensor::Open() {
 void ReconnectingSensor::WatchUntilLost() {
   const absl::MutexLock lock(&mutex_);
   while (sensor_ != nullptr && !lost_ && !stopping_) {
-    if (!changed_.WaitWithTimeout(&mutex_, settings_.watch)) continue;
+    if (!changed_.WaitUntil(&mutex_, MonotonicTime::Now() + settings_.watch)) continue;
     if (sensor_->IsReady()) {
       gave_frames_ = true;
       continue;
@@ -100,13 +99,13 @@ void ReconnectingSensor::Close() {
 }
 
 void ReconnectingSensor::Pause(absl::Duration time) {
-  const absl::Time end = absl::Now() + time;
+  const MonotonicTime end = MonotonicTime::Now() + time;
   const absl::MutexLock lock(&mutex_);
-  while (!stopping_ && absl::Now() < end) changed_.WaitWithDeadline(&mutex_, end);
+  while (!stopping_ && MonotonicTime::Now() < end) changed_.WaitUntil(&mutex_, end);
 }
 
-absl::Status ReconnectingSensor::WaitForSensor(absl::Time deadline) {
-  while (opening_ && absl::Now() < deadline) changed_.WaitWithDeadline(&mutex_, deadline);
+absl::Status ReconnectingSensor::WaitForSensor(MonotonicTime deadline) {
+  while (opening_ && MonotonicTime::Now() < deadline) changed_.WaitUntil(&mutex_, deadline);
   if (opening_) {
     return why_.ok() ? absl::UnavailableError(
                            absl::StrCat(name_, " is still being opened; try again in a moment"))
@@ -115,7 +114,7 @@ absl::Status ReconnectingSensor::WaitForSensor(absl::Time deadline) {
   return sensor_ == nullptr || lost_ ? why_ : absl::OkStatus();
 }
 
-absl::StatusOr<SensorFrame> ReconnectingSensor::Next(absl::Time deadline) {
+absl::StatusOr<SensorFrame> ReconnectingSensor::Next(MonotonicTime deadline) {
   DepthSensor* sensor = nullptr;
   {
     const absl::MutexLock lock(&mutex_);

@@ -12,6 +12,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_cond_var.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -39,7 +41,7 @@ class ReconnectingSensor : public DepthSensor {
 
   // Waits for an attempt to open in progress. If there is none, and no camera, returns the error of
   // the last attempt at once, so that a robot need not wait.
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsReady() override ABSL_LOCKS_EXCLUDED(mutex_);
   // The name of the sensor; `name` until it was opened for the first time.
   std::string Name() const override ABSL_LOCKS_EXCLUDED(mutex_);
@@ -50,12 +52,12 @@ class ReconnectingSensor : public DepthSensor {
   void WatchUntilLost() ABSL_LOCKS_EXCLUDED(mutex_);
   void Close() ABSL_LOCKS_EXCLUDED(mutex_);
   void Pause(absl::Duration time) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status WaitForSensor(absl::Time deadline) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status WaitForSensor(MonotonicTime deadline) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const SensorFactory open_;
   const ReconnectSettings settings_;
   mutable absl::Mutex mutex_;
-  absl::CondVar changed_;
+  MonotonicCondVar changed_;
   std::string name_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<DepthSensor> sensor_ ABSL_GUARDED_BY(mutex_);
   int callers_ ABSL_GUARDED_BY(mutex_) = 0;  // in the sensor's Next

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/time/clock.h"
 #include "files/depth_message.h"
 #include "rendering/simulation.h"
 
@@ -56,14 +55,14 @@ absl::StatusOr<PlannedCapture> SimulatedSensor::Choose() {
   return scene;
 }
 
-absl::StatusOr<SensorFrame> SimulatedSensor::Next(absl::Time deadline) {
-  const absl::Time time = absl::Now();
+absl::StatusOr<SensorFrame> SimulatedSensor::Next(MonotonicTime deadline) {
+  const MonotonicTime time = MonotonicTime::Now();
   const absl::StatusOr<PlannedCapture> scene = Choose();
   if (!scene.ok()) return scene.status();
   const absl::StatusOr<DepthFrame> frame = camera_.Render(
       SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
   if (!frame.ok()) return frame.status();
-  if (absl::Now() > deadline) {
+  if (MonotonicTime::Now() > deadline) {
     return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
   }
   SensorFrame out = {

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "client/cell/sensors/depth_sensor.h"
+#include "program/monotonic_time.h"
 #include "rendering/capture_plan.h"
 #include "rendering/depth_camera.h"
 #include "rendering/workpiece.h"
@@ -35,7 +36,7 @@ class SimulatedSensor : public DepthSensor {
 
   // The errors of the source and of DepthCamera::Render; INVALID_ARGUMENT when a scene has a
   // workpiece that is not in `parts`; DEADLINE_EXCEEDED when rendering was too slow.
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsReady() override { return true; }
   std::string Name() const override { return "simulated camera"; }
 

@@ -11,7 +11,7 @@ class Camera : public DepthSensor {
  public:
   explicit Camera(std::unique_ptr<DepthSensor> sensor) : sensor_(std::move(sensor)) {}
 
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override {
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override {
     absl::StatusOr<SensorFrame> frame = sensor_->Next(deadline);
     if (!frame.ok()) return NotOfServer(frame.status());
     return frame;

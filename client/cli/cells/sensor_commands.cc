@@ -101,11 +101,11 @@ absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem
 }
 
 // A camera that is being opened, or was moved, may deliver frames before the deadline.
-absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, absl::Time deadline) {
+absl::StatusOr<SensorFrame> WaitForFrame(DepthSensor& sensor, MonotonicTime deadline) {
   for (;;) {
     absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
-    if (!absl::IsUnavailable(frame.status()) || sensor.HasEnded() || absl::Now() > deadline ||
-        Interrupted()) {
+    if (!absl::IsUnavailable(frame.status()) || sensor.HasEnded() ||
+        MonotonicTime::Now() > deadline || Interrupted()) {
       return frame;
     }
     absl::SleepFor(absl::Milliseconds(100));
@@ -131,7 +131,7 @@ absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
       return absl::CancelledError(
           absl::StrCat("interrupted after ", i, " of ", options.frames, " frames"));
     }
-    const auto frame = WaitForFrame(**sensor, absl::Now() + absl::Seconds(options.wait_s));
+    const auto frame = WaitForFrame(**sensor, MonotonicTime::Now() + absl::Seconds(options.wait_s));
     if (!frame.ok()) return NotOfServer(frame.status());
     const absl::StatusOr<std::string> name = Keep(*frame, options.out, i);
     if (!name.ok()) return name.status();

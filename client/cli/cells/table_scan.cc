@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "absl/time/clock.h"
 #include "client/cli/base/camera.h"
 #include "files/point_file.h"
 
@@ -25,7 +24,7 @@ absl::StatusOr<StillScan> TableFrom(const std::string& frame, const std::string&
   if (!frame.empty()) return FrameFrom(frame);
   const absl::StatusOr<std::unique_ptr<DepthSensor>> camera = OpenCamera(sensor);
   if (!camera.ok()) return camera.status();
-  const absl::Time deadline = absl::Now() + kSensorTimeout;
+  const MonotonicTime deadline = MonotonicTime::Now() + kSensorTimeout;
   AwaitFrames(**camera, deadline);
   return TakeStillScan(**camera, kTableFrames, deadline);
 }

@@ -6,7 +6,6 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/cell/calibration/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
@@ -61,7 +60,7 @@ struct ViewTaker::Shot {
 };
 
 absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
-  const absl::Time deadline = absl::Now() + how_.patience;
+  const MonotonicTime deadline = MonotonicTime::Now() + how_.patience;
   AwaitFrames(sensor_, deadline);
   absl::StatusOr<std::vector<SensorFrame>> taken = TakeFrames(sensor_, frames, deadline);
   if (!taken.ok()) return taken.status();

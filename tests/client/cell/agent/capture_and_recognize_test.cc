@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "client/cell/sensors/fresh_sensor.h"
 #include "files/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
@@ -23,7 +24,7 @@ using ::testing::HasSubstr;
 SensorFrame FrameNow() {
   v1::DepthImage image;
   image.mutable_intrinsics()->set_width(640);
-  return {.scan = image, .time = absl::Now(), .world_sensor = {}};
+  return {.scan = image, .time = MonotonicTime::Now(), .world_sensor = {}};
 }
 
 Pose AtX(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
@@ -48,7 +49,8 @@ class CaptureAndRecognizeTest : public ::testing::Test {
     cache.Refresh().IgnoreError();  // on a slow machine it would take the limit's time
     CaptureAndRecognize capture_and_recognize(sensor_, client_, cache, "cells/press-3");
     CaptureResult capture;
-    absl::Status status = capture_and_recognize.Run(base_flange_, absl::Now() + limit, &capture);
+    absl::Status status =
+        capture_and_recognize.Run(base_flange_, MonotonicTime::Now() + limit, &capture);
     if (!status.ok()) return status;
     return capture;
   }
@@ -134,12 +136,12 @@ TEST_F(CaptureAndRecognizeTest, WithoutAServerTheJobEndsAtItsDeadline) {
 }
 
 TEST_F(CaptureAndRecognizeTest, ALastCallWithoutTimeKeepsTheUnavailableError) {
-  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  const MonotonicTime deadline = MonotonicTime::Now() + absl::Seconds(2);
   server_.recognize = [this, deadline](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
-    if (++calls_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - absl::Now());
+    if (++calls_ > 1) absl::SleepFor(deadline + absl::Milliseconds(100) - MonotonicTime::Now());
     return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
   };
-  EXPECT_THAT(Run(deadline - absl::Now()),
+  EXPECT_THAT(Run(deadline - MonotonicTime::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
 }
 
@@ -153,8 +155,9 @@ TEST_F(CaptureAndRecognizeTest, TheCellIsReadWithinTheJobsOwnTime) {
   CellCache cache(client, "cells/press-3", absl::Hours(1));
   CaptureAndRecognize capture_and_recognize(sensor_, client, cache, "cells/press-3");
   CaptureResult capture;
-  EXPECT_THAT(capture_and_recognize.Run({}, absl::Now() + absl::Milliseconds(100), &capture),
-              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("has not been read yet")));
+  EXPECT_THAT(
+      capture_and_recognize.Run({}, MonotonicTime::Now() + absl::Milliseconds(100), &capture),
+      StatusIs(absl::StatusCode::kUnavailable, HasSubstr("has not been read yet")));
   ended->Notify();
 }
 
@@ -184,13 +187,13 @@ TEST_F(CaptureAndRecognizeTest, AMissingCameraIsNotReportedAsTheServer) {
 TEST_F(CaptureAndRecognizeTest, AMissingServerIsNotReportedAsTheCamera) {
   failures_ = 1000000;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "gone"};
-  const absl::Time deadline = absl::Now() + absl::Seconds(2);
+  const MonotonicTime deadline = MonotonicTime::Now() + absl::Seconds(2);
   give_ = [this, deadline]() -> absl::StatusOr<SensorFrame> {
     if (given_ == 1) return FrameNow();
-    absl::SleepFor(deadline - absl::Now());
+    absl::SleepFor(deadline - MonotonicTime::Now());
     return absl::DeadlineExceededError("no frame in time");
   };
-  EXPECT_THAT(Run(deadline - absl::Now()),
+  EXPECT_THAT(Run(deadline - MonotonicTime::Now()),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("gone")));
   EXPECT_EQ(calls_, 1);
 }
@@ -198,7 +201,7 @@ TEST_F(CaptureAndRecognizeTest, AMissingServerIsNotReportedAsTheCamera) {
 TEST_F(CaptureAndRecognizeTest, OldFramesAreRejected) {
   give_ = []() -> absl::StatusOr<SensorFrame> {
     SensorFrame frame = FrameNow();
-    frame.time -= absl::Seconds(3);
+    frame.time = MonotonicTime::Now() - absl::Seconds(3);
     return frame;
   };
   EXPECT_THAT(Run(absl::Milliseconds(100)), StatusIs(absl::StatusCode::kAborted, HasSubstr("old")));
@@ -212,7 +215,7 @@ TEST_F(CaptureAndRecognizeTest, StoppingEndsTheWait) {
   CaptureAndRecognize capture_and_recognize(sensor_, client_, cache, "cells/press-3");
   capture_and_recognize.Stop();
   CaptureResult capture;
-  EXPECT_THAT(capture_and_recognize.Run({}, absl::InfiniteFuture(), &capture),
+  EXPECT_THAT(capture_and_recognize.Run({}, MonotonicTime::InfiniteFuture(), &capture),
               StatusIs(absl::StatusCode::kUnavailable));
 }
 

@@ -69,7 +69,7 @@ class CellRunnerTest : public ::testing::Test {
   ScriptedServer server_;
   Client client_ = Script();
   FakeCamera camera_{[]() -> absl::StatusOr<SensorFrame> {
-    return SensorFrame{.scan = v1::DepthImage(), .time = absl::Now(), .world_sensor = {}};
+    return SensorFrame{.scan = v1::DepthImage(), .time = MonotonicTime::Now(), .world_sensor = {}};
   }};
   CellCache cache_{client_, "cells/press-3", absl::Hours(1)};
   CaptureAndRecognize capture_and_recognize_{camera_, client_, cache_, "cells/press-3"};

@@ -15,7 +15,7 @@ class FakeCamera : public DepthSensor {
   using Give = std::function<absl::StatusOr<SensorFrame>()>;
   explicit FakeCamera(Give give) : give_(std::move(give)) {}
 
-  absl::StatusOr<SensorFrame> Next(absl::Time /*deadline*/) override {
+  absl::StatusOr<SensorFrame> Next(MonotonicTime /*deadline*/) override {
     ++calls;
     return give_();
   }

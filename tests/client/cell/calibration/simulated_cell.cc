@@ -127,7 +127,7 @@ Pose SimulatedCell::mount_camera() const {
 
 Pose SimulatedCell::camera_target() const { return WorldCameraNow().inverse() * WorldTargetNow(); }
 
-absl::StatusOr<client::SensorFrame> SimulatedCell::Next(absl::Time /*deadline*/) {
+absl::StatusOr<client::SensorFrame> SimulatedCell::Next(MonotonicTime /*deadline*/) {
   client::Scene scene;
   if (!hidden_) scene.objects.push_back({&part_.mesh, WorldTargetNow()});
   if (mount_ == CameraMount::kFixed) {
@@ -138,7 +138,7 @@ absl::StatusOr<client::SensorFrame> SimulatedCell::Next(absl::Time /*deadline*/)
   client::SensorFrame out;
   out.scan =
       client::DepthMessage(client::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
-  out.time = absl::Now();
+  out.time = MonotonicTime::Now();
   return out;
 }
 

@@ -31,7 +31,7 @@ class SimulatedCell : public client::DepthSensor {
   recognition::Pose DriveProgram(int number, double tilt_rad, double turn_rad);
   void set_hidden(bool hidden) { hidden_ = hidden; }
 
-  absl::StatusOr<client::SensorFrame> Next(absl::Time deadline) override;
+  absl::StatusOr<client::SensorFrame> Next(MonotonicTime deadline) override;
   bool IsReady() override { return true; }
   std::string Name() const override { return "a simulated camera"; }
 

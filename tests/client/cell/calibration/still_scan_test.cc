@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "absl/time/clock.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
@@ -84,21 +83,21 @@ TEST(Averaged, ReturnsTheLastOfIncompatibleFrames) {
 
 TEST(TakeStillScan, TakesTheNumberOfFramesAndReturnsTheSensorsError) {
   FakeCamera camera([] { return First(800); });
-  EXPECT_THAT(TakeStillScan(camera, 3, absl::InfiniteFuture()), IsOk());
+  EXPECT_THAT(TakeStillScan(camera, 3, MonotonicTime::InfiniteFuture()), IsOk());
   EXPECT_EQ(camera.calls, 3);
   FakeCamera unplugged(
       []() -> absl::StatusOr<SensorFrame> { return absl::UnavailableError("unplugged"); });
-  EXPECT_THAT(TakeStillScan(unplugged, 3, absl::InfiniteFuture()),
+  EXPECT_THAT(TakeStillScan(unplugged, 3, MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable));
 }
 
 TEST(AwaitFrames, EndsWhenTheSensorIsReadyOrTheTimeIsUp) {
   FakeCamera camera([] { return First(800); });
-  AwaitFrames(camera, absl::InfiniteFuture());
+  AwaitFrames(camera, MonotonicTime::InfiniteFuture());
   camera.ready = false;
-  const absl::Time deadline = absl::Now() + absl::Milliseconds(30);
+  const MonotonicTime deadline = MonotonicTime::Now() + absl::Milliseconds(30);
   AwaitFrames(camera, deadline);
-  EXPECT_GE(absl::Now(), deadline);
+  EXPECT_GE(MonotonicTime::Now(), deadline);
   EXPECT_EQ(camera.calls, 0);
 }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <variant>
 
-#include "absl/time/clock.h"
 #include "client/cell/sensors/sensor_spec.h"
 #include "files/point_file.h"
 #include "files/pose_message.h"
@@ -134,7 +133,7 @@ TEST(OpenSensor, PlaysFiles) {
       IsOk());
   const auto sensor = OpenSensor("files:" + folder.path().string() + "?loop", {});
   ASSERT_THAT(sensor, IsOk());
-  EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)), IsOk());
+  EXPECT_THAT((*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)), IsOk());
   EXPECT_TRUE((*sensor)->IsReady());
 }
 
@@ -144,7 +143,7 @@ TEST(OpenSensor, NoFrameIsOlderThanTheMaximumAge) {
   settings.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
   const auto sensor = OpenSensor("simulated", settings);
   ASSERT_THAT(sensor, IsOk());
-  EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)),
+  EXPECT_THAT((*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)),
               StatusIs(absl::StatusCode::kUnavailable, HasSubstr("old")));
 }
 
@@ -152,7 +151,7 @@ TEST(OpenSensor, AMissingCameraIsUnavailableUntilItIsConnected) {
   const auto sensor = OpenSensor("freenect:77", {});
   ASSERT_THAT(sensor, IsOk());
   EXPECT_EQ((*sensor)->Name(), "Kinect v1 (libfreenect) no. 77");
-  EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)),
+  EXPECT_THAT((*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)),
               StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_FALSE((*sensor)->IsReady());
 }
@@ -161,7 +160,7 @@ TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRejectedBeforeOpening) {
   const auto sensor =
       OpenSensor("freenect:77?width=320&height=240&fx=290&fy=290&cx=160&cy=120", {});
   ASSERT_THAT(sensor, IsOk());
-  EXPECT_THAT((*sensor)->Next(absl::Now() + absl::Seconds(60)),
+  EXPECT_THAT((*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)),
               StatusIs(absl::StatusCode::kFailedPrecondition,
                        AllOf(HasSubstr("640 x 480"), HasSubstr("320 x 240"))));
 }
@@ -174,7 +173,7 @@ TEST(OpenSensor, ASimulationShowsAGivenScene) {
   settings.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
   const auto sensor = OpenSensor("simulated:scene=" + table.string(), settings);
   ASSERT_THAT(sensor, IsOk());
-  const auto look = [&] { return (*sensor)->Next(absl::Now() + absl::Seconds(60)); };
+  const auto look = [&] { return (*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)); };
   EXPECT_THAT(look(), StatusIs(absl::StatusCode::kUnavailable));
   const auto plan = PlanRandomScenes(SampleParts(), {.stand = {}, .count = 2, .seed = 9});
   ASSERT_THAT(plan, IsOk());

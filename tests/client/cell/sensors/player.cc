@@ -37,7 +37,7 @@ int Play(const std::string& spec, const std::string& folder, int count) {
   }
   std::string last;
   for (int frames = 0, errors = 0; frames < count && errors < kMaxErrors;) {
-    const auto frame = (*sensor)->Next(absl::Now() + kTimeout);
+    const auto frame = (*sensor)->Next(MonotonicTime::Now() + kTimeout);
     const absl::Status status = frame.ok() ? Keep(folder, frames, *frame) : frame.status();
     if (status.ok()) {
       std::cout << "frame " << frames++ << std::endl;

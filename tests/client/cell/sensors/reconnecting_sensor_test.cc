@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "tests/client/cell/sensors/scripted_camera.h"
 #include "tests/testing/status_matchers.h"
 
@@ -19,7 +21,7 @@ using testing::StatusIs;
 constexpr absl::Duration kTimeout = absl::Seconds(30);
 constexpr absl::Duration kMoment = absl::Milliseconds(2);
 
-absl::Time Soon() { return absl::Now() + kTimeout; }
+MonotonicTime Soon() { return MonotonicTime::Now() + kTimeout; }
 
 // A reconnecting sensor on a cable, optionally with a thread that exposes frames continuously.
 class Rig {
@@ -46,8 +48,8 @@ class Rig {
   // Whether `happens` within kTimeout.
   template <typename Condition>
   static bool Eventually(const Condition& happens) {
-    const absl::Time end = Soon();
-    while (!happens() && absl::Now() < end) absl::SleepFor(absl::Milliseconds(1));
+    const MonotonicTime end = Soon();
+    while (!happens() && MonotonicTime::Now() < end) absl::SleepFor(absl::Milliseconds(1));
     return happens();
   }
 
@@ -78,7 +80,7 @@ TEST(ReconnectingSensor, ReturnsFramesOfAConnectedCamera) {
 TEST(ReconnectingSensor, WithoutACameraTheErrorIsImmediate) {
   Rig rig(false);
   // Far in the future: the call must not wait for it.
-  EXPECT_THAT(rig.sensor().Next(absl::InfiniteFuture()),
+  EXPECT_THAT(rig.sensor().Next(MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, "nothing is plugged in"));
   EXPECT_FALSE(rig.sensor().IsReady());
   EXPECT_EQ(rig.sensor().Name(), "camera no. 0");
@@ -121,7 +123,7 @@ TEST(ReconnectingSensor, DetectsALossWhileIdle) {
 TEST(ReconnectingSensor, ADeadlineDoesNotReconnect) {
   Rig rig(true);
   ASSERT_TRUE(Rig::Eventually([&] { return rig.sensor().IsReady(); }));
-  EXPECT_THAT(rig.sensor().Next(absl::Now() + kMoment),
+  EXPECT_THAT(rig.sensor().Next(MonotonicTime::Now() + kMoment),
               StatusIs(absl::StatusCode::kDeadlineExceeded));
   EXPECT_TRUE(rig.sensor().IsReady());
   rig.StartFrames();
@@ -167,15 +169,16 @@ TEST(ReconnectingSensor, WaitsForAnAttemptInProgress) {
                               return ScriptedCamera::Open(cable);
                             },
                             {.first_pause = kMoment, .max_pause = kMoment, .watch = kMoment});
-  EXPECT_THAT(sensor.Next(absl::Now() + kMoment),
+  EXPECT_THAT(sensor.Next(MonotonicTime::Now() + kMoment),
               StatusIs(absl::StatusCode::kUnavailable, ::testing::HasSubstr("being opened")));
   std::thread opener([&] {
     const absl::MutexLock lock(&mutex);
     may_open = true;
   });
   // The camera is connected but has no frame: only a call that waited for it returns this error.
-  EXPECT_TRUE(Rig::Eventually(
-      [&] { return absl::IsDeadlineExceeded(sensor.Next(absl::Now() + 20 * kMoment).status()); }));
+  EXPECT_TRUE(Rig::Eventually([&] {
+    return absl::IsDeadlineExceeded(sensor.Next(MonotonicTime::Now() + 20 * kMoment).status());
+  }));
   opener.join();
 }
 

@@ -7,15 +7,15 @@
 
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/cell/sensors/frame_mailbox.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
 // A frame that is identified by its number.
-inline SensorFrame NumberedFrame(int number, absl::Time time = absl::Now()) {
+inline SensorFrame NumberedFrame(int number, MonotonicTime time = MonotonicTime::Now()) {
   SensorFrame frame;
   v1::DepthImage image;
   image.set_data(std::to_string(number));
@@ -71,8 +71,8 @@ class ScriptedCamera : public DepthSensor {
     cable_->frames = nullptr;
   }
 
-  absl::StatusOr<SensorFrame> Next(absl::Time deadline) override {
-    return frames_->Wait(absl::Now(), deadline);
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override {
+    return frames_->Wait(MonotonicTime::Now(), deadline);
   }
   bool IsReady() override { return frames_->IsAlive(); }
   std::string Name() const override { return "scripted camera"; }

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "absl/time/clock.h"
 #include "files/depth_message.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
@@ -28,7 +27,7 @@ std::unique_ptr<SimulatedSensor> SensorOf(SceneSource scenes) {
 }
 
 std::string NextData(SimulatedSensor& sensor) {
-  const auto frame = sensor.Next(absl::InfiniteFuture());
+  const auto frame = sensor.Next(MonotonicTime::InfiniteFuture());
   EXPECT_THAT(frame, IsOk());
   return frame.ok() ? std::get<v1::DepthImage>(frame->scan).data() : "";
 }
@@ -66,7 +65,7 @@ TEST(SimulatedSensor, ShowsRandomScenesWithTheSensorPose) {
   ASSERT_THAT(plan, IsOk());
   const auto sensor = SensorOf(RandomScenes(SampleParts(), options));
   for (const PlannedCapture& expected : *plan) {
-    const auto frame = sensor->Next(absl::InfiniteFuture());
+    const auto frame = sensor->Next(MonotonicTime::InfiniteFuture());
     ASSERT_THAT(frame, IsOk());
     EXPECT_EQ(std::get<v1::DepthImage>(frame->scan).data(), DataOf(expected));
     ASSERT_TRUE(frame->world_sensor.has_value());
@@ -98,7 +97,7 @@ TEST(SimulatedSensor, EveryFrameHasNewNoise) {
 
 TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
   const auto sensor = SensorOf(StillScene(SceneOfOne()));
-  const auto frame = sensor->Next(absl::InfiniteFuture());
+  const auto frame = sensor->Next(MonotonicTime::InfiniteFuture());
   ASSERT_THAT(frame, IsOk());
   const auto& image = std::get<v1::DepthImage>(frame->scan);
   const auto counts = CountsFromMessage(image);
@@ -110,7 +109,7 @@ TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
 TEST(SimulatedSensor, TheSourceMaySimulateAnUnpluggedCamera) {
   const auto sensor =
       SensorOf([] { return absl::StatusOr<PlannedCapture>(absl::UnavailableError("pulled out")); });
-  EXPECT_THAT(sensor->Next(absl::InfiniteFuture()),
+  EXPECT_THAT(sensor->Next(MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
 }
 
@@ -118,12 +117,14 @@ TEST(SimulatedSensor, AnUnknownWorkpieceIsRejected) {
   PlannedCapture scene = SceneOfOne();
   scene.placements[0].part = 99;
   const auto sensor = SensorOf(StillScene(scene));
-  EXPECT_THAT(sensor->Next(absl::InfiniteFuture()), StatusIs(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(sensor->Next(MonotonicTime::InfiniteFuture()),
+              StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
 TEST(SimulatedSensor, ADeadlineInThePastIsExceeded) {
   const auto sensor = SensorOf(StillScene(SceneOfOne()));
-  EXPECT_THAT(sensor->Next(absl::InfinitePast()), StatusIs(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_THAT(sensor->Next(MonotonicTime::InfinitePast()),
+              StatusIs(absl::StatusCode::kDeadlineExceeded));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ class GuidedTeachingTest : public ::testing::Test {
   // A new frame of the turned part, in the frame of the turntable's axis.
   void ExpectRecognisedAt(double azimuth_deg) {
     table_.turned_deg = azimuth_deg;
-    auto frame = sensor_->Next(absl::InfiniteFuture());
+    auto frame = sensor_->Next(MonotonicTime::InfiniteFuture());
     ASSERT_THAT(frame, ::graspdb::testing::IsOk());
     v1::RecognizeRequest request;
     *request.mutable_depth_image() = std::get<v1::DepthImage>(frame->scan);
