@@ -40,7 +40,7 @@ void Log(const JobReport& report) {
               status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
 }
 
-std::shared_ptr<const SeenScene> SceneOf(const CaptureResult& capture, absl::Time time) {
+std::shared_ptr<const SeenScene> SceneOf(const CaptureResult& capture, MonotonicTime time) {
   auto out = std::make_shared<SeenScene>();
   out->answer = capture.response;
   out->frames = capture.cell.frames;
@@ -95,15 +95,16 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) 
 absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
                                                            const JobRequest& request) {
   JobReport report{request, absl::Now()};
+  const MonotonicTime start = MonotonicTime::Now();
   report.status =
       parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.capture);
   if (report.status.ok()) {
-    request.session.SetScene(SceneOf(report.capture, report.start));
+    request.session.SetScene(SceneOf(report.capture, start));
     absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.capture);
     report.status = poses.status();
     if (poses.ok()) report.poses = *std::move(poses);
   }
-  report.duration = absl::Now() - report.start;
+  report.duration = MonotonicTime::Now() - start;
   parts_.counters.CountJob(report.status, report.poses.size(),
                            report.duration - report.capture.camera_time);
   if (parts_.metrics != nullptr) parts_.metrics->CountJob(report);
@@ -150,7 +151,7 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
     absl::Status recognized =
         parts_.capture_and_recognize.Run(request.base_flange, deadline, &capture);
     if (!recognized.ok()) return recognized;
-    scene = SceneOf(capture, absl::Now());
+    scene = SceneOf(capture, MonotonicTime::Now());
   }
   absl::Status stored = StoreShownGrasp(parts_.client, job, *scene, *request.base_flange);
   // The tool pose of the request is wrong, not the job.

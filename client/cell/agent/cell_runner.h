@@ -11,6 +11,7 @@
 #include "client/cell/agent/labels.h"
 #include "client/cell/agent/reach.h"
 #include "client/cell/robots/job_runner.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -24,7 +25,7 @@ struct CellRunnerOptions {
 // The result of a recognising job; its request refers to the session during the callback only.
 struct JobReport {
   JobRequest request;
-  absl::Time start;
+  absl::Time start;  // by the wall clock
   absl::Duration duration = absl::ZeroDuration();
   absl::Status status = absl::OkStatus();
   CaptureResult capture = {};  // on errors, as far as filled in

@@ -59,7 +59,7 @@ v1::Grasp GraspOf(const JobConfig& job, const Pose& object_tcp) {
 
 std::shared_ptr<const SeenScene> RecallScene(const RobotSession& session) {
   auto scene = std::dynamic_pointer_cast<const SeenScene>(session.scene());
-  if (scene != nullptr && absl::Now() - scene->time > kSceneMemory) scene = nullptr;
+  if (scene != nullptr && MonotonicTime::Now() - scene->time > kSceneMemory) scene = nullptr;
   return scene;
 }
 

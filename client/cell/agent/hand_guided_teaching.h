@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "absl/status/status.h"
-#include "absl/time/time.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/cell/agent/job_config.h"
 #include "client/cell/robots/robot_session.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -19,7 +19,7 @@ namespace graspdb::client {
 struct SeenScene : RunnerScene {
   v1::RecognizeResponse answer;
   CellFrames frames;
-  absl::Time time;
+  MonotonicTime time = MonotonicTime::InfinitePast();
 };
 
 // The session's scene; null if there is none since the last outcome, or if it is older than ten

@@ -30,7 +30,7 @@ class HandGuidedTeachingTest : public ::testing::Test {
     v1::Grasp* rim = server_.stable_pose.add_grasps();
     rim->set_grasp_id("rim");
     rim->set_priority(9);
-    scene_.time = absl::Now();
+    scene_.time = MonotonicTime::Now();
     scene_.frames.world_base = At(0, -1, 0);
     AddObject("mug", world_mug_);
     AddObject("nut", At(0.25, 0, 0));
@@ -104,7 +104,7 @@ TEST_F(HandGuidedTeachingTest, ScenesAreKeptPerRobotForALimitedTime) {
   left.SetScene(std::make_shared<SeenScene>(scene_));
   EXPECT_TRUE(RecallScene(left));
   EXPECT_FALSE(RecallScene(right));
-  scene_.time = absl::Now() - absl::Minutes(11);
+  scene_.time = MonotonicTime::Now() - absl::Minutes(11);
   left.SetScene(std::make_shared<SeenScene>(scene_));
   EXPECT_FALSE(RecallScene(left));
 }
