@@ -70,9 +70,7 @@ Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions 
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 
-void Client::StopRetries() {
-  std::call_once(stubs_->stopping, [this] { stubs_->stopped.Notify(); });
-}
+void Client::StopRetries() { stubs_->stopped.Raise(); }
 
 std::string RequestIdOf(const absl::Status& status) {
   return std::string(status.GetPayload(kRequestIdKey).value_or(absl::Cord()));

@@ -204,7 +204,7 @@ class Client {
   // A call without retries.
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Attempt(Stub& stub, Method<Stub, Request, Response> method,
-                                   const Request& request, absl::Time deadline,
+                                   const Request& request, absl::Duration timeout,
                                    const std::string& request_id) const;
   // Reads a stream; `on_message` receives every message and can cancel the call by an error.
   template <typename Response, typename OnMessage>

@@ -6,13 +6,11 @@
 #include <grpcpp/support/sync_stream.h>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
 #include "client/sdk/retry.h"
@@ -23,7 +21,9 @@
 #include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
+#include "program/monotonic_time.h"
 #include "program/request_id.h"
+#include "program/stop_flag.h"
 
 namespace graspdb::client {
 
@@ -43,31 +43,31 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
-  std::once_flag stopping;     // a second notification would end the process
-  absl::Notification stopped;  // of StopRetries()
+  StopFlag stopped;  // of StopRetries()
 };
 
 template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Call(Stub& stub, Method<Stub, Request, Response> method,
                                       const Request& request, const CallSettings& settings) const {
-  const absl::Time deadline = absl::Now() + settings.timeout;
+  const MonotonicTime deadline = MonotonicTime::Now() + settings.timeout;
   BusyRetries retries(settings.retry ? busy_retries() : 0);
   for (;;) {
     absl::StatusOr<Response> response =
-        Attempt(stub, method, request, deadline, settings.request_id);
+        Attempt(stub, method, request, deadline - MonotonicTime::Now(), settings.request_id);
     if (response.ok()) return response;
     const std::optional<absl::Duration> pause = retries.Next(response.status(), deadline);
-    if (!pause || stubs_->stopped.WaitForNotificationWithTimeout(*pause)) return response;
+    if (!pause || stubs_->stopped.Wait(absl::ToChronoNanoseconds(*pause))) return response;
   }
 }
 
 template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Attempt(Stub& stub, Method<Stub, Request, Response> method,
-                                         const Request& request, absl::Time deadline,
+                                         const Request& request, absl::Duration timeout,
                                          const std::string& request_id) const {
   grpc::ClientContext context;
   if (!request_id.empty()) context.AddMetadata(kRequestIdKey, request_id);
-  context.set_deadline(absl::ToChronoTime(deadline));
+  // gRPC converts it to its monotonic clock at the start of the call.
+  context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   Response response;
   const grpc::Status status = (stub.*method)(&context, request, &response);
   if (!status.ok()) return ToStatus(status, context);

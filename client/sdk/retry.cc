@@ -4,7 +4,6 @@
 #include <string>
 
 #include "absl/strings/cord.h"
-#include "absl/time/clock.h"
 #include "client/sdk/client.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -61,13 +60,14 @@ absl::Duration Backoff::Next(absl::Duration least) {
   return pause;
 }
 
-std::optional<absl::Duration> BusyRetries::Next(const absl::Status& refused, absl::Time deadline) {
+std::optional<absl::Duration> BusyRetries::Next(const absl::Status& refused,
+                                                MonotonicTime deadline) {
   const std::optional<absl::Duration> delay = BusyDelay(refused);
   if (!delay || left_ <= 0) return std::nullopt;
   --left_;
   if (!backoff_) backoff_.emplace(std::max(*delay, kShortestSpan), kLongestSpan);
   const absl::Duration pause = backoff_->Next(*delay);
-  if (absl::Now() + pause >= deadline) return std::nullopt;
+  if (MonotonicTime::Now() + pause >= deadline) return std::nullopt;
   return pause;
 }
 

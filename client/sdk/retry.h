@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 
@@ -45,7 +46,7 @@ class BusyRetries {
 
   // The pause before the call is sent again. None where `refused` is final: BusyDelay has none, the
   // limit is reached, or the deadline is nearer than the pause.
-  std::optional<absl::Duration> Next(const absl::Status& refused, absl::Time deadline);
+  std::optional<absl::Duration> Next(const absl::Status& refused, MonotonicTime deadline);
 
  private:
   int left_;

@@ -14,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "client/sdk/retry.h"
 #include "client/teaching/upload/known_views.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 namespace {
@@ -122,7 +123,8 @@ class BulkUpload {
         retries.emplace(client_.busy_retries());
         done = now;
       }
-      const std::optional<absl::Duration> pause = retries->Next(status, absl::InfiniteFuture());
+      const std::optional<absl::Duration> pause =
+          retries->Next(status, MonotonicTime::InfiniteFuture());
       if (!pause) return status;
       if (absl::Status waited = Wait(*pause); !waited.ok()) return waited;
     }
