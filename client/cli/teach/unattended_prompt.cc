@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/cli/base/command.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 namespace {
@@ -15,9 +16,9 @@ constexpr absl::Duration kWatch = absl::Milliseconds(50);  // delay until Ctrl-C
 
 // Returns false after Ctrl-C was pressed.
 bool Wait(absl::Duration time) {
-  const absl::Time end = absl::Now() + time;
-  while (!Interrupted() && absl::Now() < end) {
-    absl::SleepFor(std::min(kWatch, end - absl::Now()));
+  const MonotonicTime end = MonotonicTime::Now() + time;
+  while (!Interrupted() && MonotonicTime::Now() < end) {
+    absl::SleepFor(std::min(kWatch, end - MonotonicTime::Now()));
   }
   return !Interrupted();
 }

@@ -11,9 +11,10 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "client/sdk/retry.h"
 #include "client/teaching/upload/known_views.h"
+#include "program/monotonic_cond_var.h"
 #include "program/monotonic_time.h"
 
 namespace graspdb::client {
@@ -186,15 +187,13 @@ class BulkUpload {
 
   // Errors of GoOn, also while it waits.
   absl::Status Wait(absl::Duration pause) {
-    const absl::Time end = absl::Now() + pause;
-    const auto is_stopped = [this]()
-                                ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !stopped_.ok(); };
+    const MonotonicTime end = MonotonicTime::Now() + pause;
     absl::MutexLock lock(&mutex_);
     for (;;) {
       if (absl::Status go = GoOn(); !go.ok()) return go;
-      const absl::Duration left = end - absl::Now();
-      if (left <= absl::ZeroDuration()) return absl::OkStatus();
-      mutex_.AwaitWithTimeout(absl::Condition(&is_stopped), std::min(left, kWatchPeriod));
+      const MonotonicTime now = MonotonicTime::Now();
+      if (now >= end) return absl::OkStatus();
+      has_stopped_.WaitUntil(&mutex_, std::min(end, now + kWatchPeriod));
     }
   }
 
@@ -226,6 +225,7 @@ class BulkUpload {
   void Stop(const absl::Status& status) {
     absl::MutexLock lock(&mutex_);
     stopped_.Update(status);
+    if (!stopped_.ok()) has_stopped_.SignalAll();
   }
 
   absl::Status Stopped() {
@@ -253,6 +253,7 @@ class BulkUpload {
   std::set<std::string> staged_;  // sent by an upload that was interrupted
 
   absl::Mutex mutex_;
+  MonotonicCondVar has_stopped_;
   std::size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
   std::size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
   bool is_created_ ABSL_GUARDED_BY(mutex_) = false;

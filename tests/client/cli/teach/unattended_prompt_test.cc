@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "absl/time/clock.h"
+#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 namespace {
@@ -55,9 +55,9 @@ TEST(UnattendedPrompt, SettleWaitsBeforeViewsAndForwardsOtherPrompts) {
   Person person;
   UnattendedPrompt prompt(person, {.settle = absl::Milliseconds(30)});
   EXPECT_THAT(prompt.ReadLine(kStablePose), Optional(std::string("me")));
-  const absl::Time before = absl::Now();
+  const MonotonicTime before = MonotonicTime::Now();
   EXPECT_THAT(prompt.ReadLine(kFirstView), Optional(std::string()));
-  EXPECT_GE(absl::Now() - before, absl::Milliseconds(30));
+  EXPECT_GE(MonotonicTime::Now() - before, absl::Milliseconds(30));
   EXPECT_THAT(person.prompts, ElementsAre(kStablePose));
 }
 
