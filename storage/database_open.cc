@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "rocksdb/env.h"
 #include "storage/database.h"
 #include "storage/database_directory.h"
 #include "storage/log_check.h"
@@ -51,6 +52,16 @@ absl::StatusOr<std::vector<std::string>> FamiliesToOpen(const rocksdb::DBOptions
   return std::vector<std::string>{std::string(FamilyName(Family::kMeta))};
 }
 
+// Whether the lock is free. RocksDB takes it after the text log has begun a new file, which would
+// take the old one from the process that has the database open. Of two processes that start at the
+// same time, both may still get beyond this.
+absl::Status CheckLock(rocksdb::Env& env, const std::string& directory) {
+  rocksdb::FileLock* lock = nullptr;
+  rocksdb::Status locked = env.LockFile(directory + "/LOCK", &lock);  // RocksDB's name
+  if (locked.ok()) locked = env.UnlockFile(lock);
+  return FromRocksDbOpen(locked, directory);
+}
+
 // RocksDB's own text log is not written for a database that is only read.
 class NoLog : public rocksdb::Logger {
  public:
@@ -68,6 +79,7 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
   rocksdb::DBOptions db_options = MakeDbOptions(options.env);
   const auto names = FamiliesToOpen(db_options, directory);
   if (!names.ok()) return names.status();
+  if (auto unlocked = CheckLock(*db_options.env, directory); !unlocked.ok()) return unlocked;
   db_options.info_log = OpenTextLog(directory);
 
   std::unique_ptr<Database> database(new Database(directory, options.write_buffer_bytes));

@@ -22,6 +22,8 @@ using ::testing::HasSubstr;
 class OpenTest : public ::testing::Test {
  protected:
   absl::Status TryOpen() { return Catalogue::Open(database_).status(); }
+  // Whether a second start took the owner's text log away.
+  bool HasOldLog() const { return std::filesystem::exists(database_ + "/LOG.old"); }
   void MakeDatabase() {
     MakeHistory(*OpenOrDie(database_), [] {});
   }
@@ -62,6 +64,7 @@ TEST_F(OpenTest, SecondOwnerInTheSameProcessIsRejected) {
   EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(second.message(), "the database at " + database_ +
                                   " is in use by another process; stop it or choose another --db");
+  EXPECT_FALSE(HasOldLog());
   EXPECT_TRUE(owner->CreateObject(MakeObject("mug")).ok()) << "the first one is unharmed";
 }
 
@@ -71,9 +74,11 @@ TEST_F(OpenTest, SecondOwnerInAnotherProcessIsRejectedUntilTheFirstExits) {
   const absl::Status second = TryOpen();
   EXPECT_EQ(second.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(second.message()), HasSubstr("in use by another process"));
+  EXPECT_FALSE(HasOldLog());
   owner.CloseInput();
   EXPECT_EQ(owner.Wait(), 0);
   EXPECT_TRUE(TryOpen().ok());
+  EXPECT_TRUE(HasOldLog()) << "the next owner begins another file";
 }
 
 TEST_F(OpenTest, DirectoryWithOtherFilesIsUnchanged) {
