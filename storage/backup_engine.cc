@@ -1,8 +1,10 @@
 #include "storage/backup_engine.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "storage/backup_record.h"
 
@@ -30,6 +32,22 @@ absl::StatusOr<std::unique_ptr<rocksdb::BackupEngine>> OpenToWrite(const std::st
   const rocksdb::Status opened = rocksdb::BackupEngine::Open(options, database_env, &engine);
   if (!opened.ok()) return FromBackupEngine(opened, "read the backups", directory);
   return std::unique_ptr<rocksdb::BackupEngine>(engine);
+}
+
+absl::Status DeleteUnfinished(rocksdb::BackupEngine& engine, const std::string& directory) {
+  std::vector<rocksdb::BackupInfo> intact;
+  engine.GetBackupInfo(&intact);
+  std::vector<rocksdb::BackupID> ids;
+  engine.GetCorruptedBackups(&ids);
+  for (const rocksdb::BackupInfo& info : intact) ids.push_back(info.backup_id);
+  BackupId last = 0;
+  for (const rocksdb::BackupID id : ids) last = std::max(last, id);
+  // RocksDB's condition. Without it files of damaged backups would be deleted at each backup.
+  std::error_code unknown;
+  if (!std::filesystem::exists(directory + "/private/" + std::to_string(last + 1), unknown)) {
+    return absl::OkStatus();
+  }
+  return FromBackupEngine(engine.GarbageCollect(), "make a backup", directory);
 }
 
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngineReadOnly>> OpenToRead(

@@ -22,6 +22,10 @@ absl::StatusOr<std::unique_ptr<rocksdb::BackupEngine>> OpenToWrite(const std::st
                                                                    std::int64_t bytes_per_second,
                                                                    rocksdb::Env* database_env);
 
+// Deletes what a backup that did not end has left, if the next one would do so while it holds
+// changes. Linear in the files of the folder then.
+absl::Status DeleteUnfinished(rocksdb::BackupEngine& engine, const std::string& directory);
+
 // An engine that reads backups through `env`, which must outlive it (null: the default one).
 // NOT_FOUND if the folder has no backups.
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngineReadOnly>> OpenToRead(

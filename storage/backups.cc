@@ -114,8 +114,9 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
   Database& database = *catalogue.database_;
   const auto engine = OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv());
   if (!engine.ok()) return engine.status();
-  // Before changes are held, since it takes longer; the logs of later ones become part of the
-  // backup.
+  // Both before changes are held, since they take longer; the logs of later changes become part of
+  // the backup.
+  if (auto deleted = DeleteUnfinished(**engine, directory_); !deleted.ok()) return deleted;
   if (auto flushed = database.Flush(); !flushed.ok()) return flushed;
 
   std::int64_t bytes = 0;

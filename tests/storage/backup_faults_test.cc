@@ -79,6 +79,26 @@ TEST_F(BackupFaultsTest, AKilledBackupIsNotListedAndTheNextOneIsComplete) {
   }
 }
 
+TEST_F(BackupFaultsTest, WhatAKilledBackupLeftIsDeletedBeforeChangesAreHeld) {
+  const std::filesystem::path left = directory_ / "backups/private/2";
+  std::filesystem::create_directory(left);
+  WriteBytes(left / "MANIFEST-000005", "half");
+  const auto catalogue = OpenOrDie(database_);
+  bool was_there = true;
+  BackupProgress progress;
+  progress.is_cancelled = [&] {  // first called with changes held, before anything is copied
+    was_there = std::filesystem::exists(left);
+    return true;
+  };
+  EXPECT_TRUE(absl::IsCancelled(backups_.Create(*catalogue, progress).status()));
+  EXPECT_FALSE(was_there);
+  const auto made = backups_.Create(*catalogue);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(made->id, 2U);
+  EXPECT_TRUE(backups_.Verify(1).ok());
+  EXPECT_TRUE(backups_.Verify(2).ok());
+}
+
 TEST_F(BackupFaultsTest, AFullDiskEndsABackupAndFreeSpaceLetsTheNextOneSucceed) {
   const std::string disk = directory_ / "disk";
   std::filesystem::create_directory(disk);
