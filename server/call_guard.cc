@@ -75,15 +75,17 @@ class GuardFactory : public grpc::experimental::ServerInterceptorFactoryInterfac
 
 // The names in the client's certificate, in the order in which they are looked up; empty without a
 // certificate that was verified.
-std::vector<std::string> CertificateNames(const grpc::ServerContextBase& context) {
-  std::vector<std::string> out;
+std::vector<CertificateName> CertificateNames(const grpc::ServerContextBase& context) {
+  std::vector<CertificateName> out;
   const std::shared_ptr<const grpc::AuthContext> peer = context.auth_context();
   if (peer == nullptr || !peer->IsPeerAuthenticated()) return out;
   const auto add = [&](const char* type, const char* property) {
     for (const grpc::string_ref& name : peer->FindPropertyValues(property)) {
       if (out.size() == kMaxCertificateNames) return;
-      out.push_back(BoundedText(absl::StrCat(type, absl::string_view(name.data(), name.size())),
-                                kMaxStringBytes));
+      const std::string full = absl::StrCat(type, absl::string_view(name.data(), name.size()));
+      std::string text = BoundedText(full, kMaxStringBytes);
+      const bool is_exact = text == full;
+      out.push_back({std::move(text), is_exact});
     }
   };
   add("uri:", GRPC_PEER_URI_PROPERTY_NAME);
@@ -180,20 +182,22 @@ absl::StatusOr<const v1::Identity*> CallGuard::Identify(const Identities& identi
         "the token is unknown to this server: it was revoked or mistyped; get another one from the "
         "server's administrator (graspdb-server token)");
   }
-  for (const std::string& name : certificates_) {
-    if (const v1::Identity* found = identities.FindCertificate(name)) return found;
+  for (const CertificateName& name : certificates_) {
+    if (!name.is_exact) continue;
+    if (const v1::Identity* found = identities.FindCertificate(name.text)) return found;
   }
   if (certificates_.empty()) {
     return absl::UnauthenticatedError(
         "this server takes known callers only; give --token-file, or --cert and --key");
   }
+  const auto add_text = [](std::string* out, const CertificateName& name) { *out += name.text; };
   return absl::UnauthenticatedError(
-      absl::StrCat("the client certificate (", absl::StrJoin(certificates_, ", "),
+      absl::StrCat("the client certificate (", absl::StrJoin(certificates_, ", ", add_text),
                    ") has no identity; add it to the server's file of --identities"));
 }
 
 absl::Status CallGuard::Authorize() {
-  identity_ = certificates_.empty() ? "" : certificates_.front();
+  identity_ = certificates_.empty() ? "" : certificates_.front().text;
   cell_.clear();
   if (rules_.identities == nullptr) return absl::OkStatus();
   const std::shared_ptr<const Identities> identities = rules_.identities->Get();

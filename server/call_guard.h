@@ -45,6 +45,12 @@ absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options);
 // Guards the calls of the server to be built. `rules` must outlive it.
 void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder);
 
+// A name in a client's certificate, with its type as in v1::Identity.certificates.
+struct CertificateName {
+  std::string text;       // cut and sanitised for errors and logs
+  bool is_exact = false;  // whether nothing was changed; else no identity has it
+};
+
 // The guard of one call, from its start to its end. Used by one thread at a time.
 class CallGuard final : public grpc::experimental::Interceptor {
  public:
@@ -96,7 +102,7 @@ class CallGuard final : public grpc::experimental::Interceptor {
   grpc::ServerContextBase& context_;
   const google::protobuf::MethodDescriptor* const method_;  // null: not of a service of ours
   std::vector<std::string> tokens_;                         // hashes; one in a correct call
-  std::vector<std::string> certificates_;
+  std::vector<CertificateName> certificates_;
   std::string identity_;  // for the audit log
   std::string cell_;      // the only one that it may use; empty: all
   std::vector<std::string> resources_;

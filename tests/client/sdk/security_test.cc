@@ -109,6 +109,18 @@ TEST_F(SecurityTest, ACertificateIdentifiesTheClient) {
                        HasSubstr("(dns:press-4.plant, cn:press-4) has no identity")));
 }
 
+TEST_F(SecurityTest, ANameThatIsTooLongIdentifiesNoOtherClient) {
+  const std::string name = "spiffe://plant/" + std::string(300, 'x');
+  const std::string in_errors = "uri:" + name.substr(0, 249) + "...";
+  WriteIdentities(absl::StrCat(R"({"name":"other","roles":["ROLE_READ"],"certificates":[")",
+                               in_errors, "\"]}\n"));
+  options_.tls.require_client_cert = true;
+  Start();
+  EXPECT_THAT(Status(Certified("client", plant_.Issue("press-3", "URI:" + name))),
+              StatusIs(absl::StatusCode::kUnauthenticated,
+                       HasSubstr("(" + in_errors + ", cn:press-3) has no identity")));
+}
+
 TEST_F(SecurityTest, WithoutIdentitiesEveryTrustedClientMayDoAll) {
   options_.tls.require_client_cert = true;
   Start();
