@@ -16,15 +16,24 @@
 namespace graspdb::client {
 namespace {
 
-absl::Status Failed(const std::filesystem::path& path, int error) {
-  const std::string text =
-      absl::StrCat("cannot write ", path.string(), ": ", std::generic_category().message(error),
-                   "; choose another folder or make this one writable");
+absl::Status StatusOf(int error, const std::string& text) {
   if (error == EACCES || error == EPERM || error == EROFS) {
     return absl::PermissionDeniedError(text);
   }
   if (error == ENOSPC || error == EDQUOT) return absl::ResourceExhaustedError(text);
   return absl::FailedPreconditionError(text);
+}
+
+absl::Status Failed(const std::filesystem::path& path, int error) {
+  return StatusOf(error, absl::StrCat("cannot write ", path.string(), ": ",
+                                      std::generic_category().message(error),
+                                      "; choose another folder or make this one writable"));
+}
+
+absl::Status NotDurable(const std::filesystem::path& path, int error) {
+  return StatusOf(error, absl::StrCat(path.string(),
+                                      " is written, but its folder cannot be flushed to the disk: ",
+                                      std::generic_category().message(error), "; check the disk"));
 }
 
 // 0 or an errno.
@@ -52,20 +61,32 @@ int RenameNew(const char* from, const char* to) {
   return rename(from, to) == 0 ? 0 : errno;
 }
 
-// The name of a new file is durable once its folder is flushed. Some file systems cannot flush
-// folders, and the file is there already, so that this is no error.
-void FlushNames(const std::filesystem::path& folder) {
+// The name of a new file is durable once its folder is flushed. 0, also on file systems that cannot
+// flush folders, or an errno.
+int FlushNames(const std::filesystem::path& folder) {
   const char* path = folder.empty() ? "." : folder.c_str();
   const int names = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (names < 0) return;
-  fsync(names);
+  if (names < 0) return errno;
+  const int error = fsync(names) == 0 ? 0 : errno;
   close(names);
+  return error == EINVAL || error == ENOTSUP || error == ENOSYS ? 0 : error;
+}
+
+// `folder`, or the lowest one above it that exists.
+std::filesystem::path ExistingFolder(std::filesystem::path folder) {
+  const auto is_missing = [&] {
+    std::error_code unknown;
+    return std::filesystem::status(folder, unknown).type() == std::filesystem::file_type::not_found;
+  };
+  while (!folder.empty() && is_missing()) folder = folder.parent_path();
+  return folder;
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path, std::string temporary, int file)
-    : path_(std::move(path)), temporary_(std::move(temporary)), file_(file) {}
+AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path top, std::string temporary,
+                       int file)
+    : path_(std::move(path)), top_(std::move(top)), temporary_(std::move(temporary)), file_(file) {}
 
 AtomicFile::~AtomicFile() {
   if (file_ >= 0) close(file_);
@@ -73,6 +94,7 @@ AtomicFile::~AtomicFile() {
 }
 
 absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesystem::path& path) {
+  std::filesystem::path top = ExistingFolder(path.parent_path());
   std::error_code made;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), made);
   if (made) return Failed(path, made.value());
@@ -80,7 +102,7 @@ absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesy
   const int file =
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file < 0) return Failed(path, errno);
-  return std::unique_ptr<AtomicFile>(new AtomicFile(path, temporary, file));
+  return std::unique_ptr<AtomicFile>(new AtomicFile(path, std::move(top), temporary, file));
 }
 
 absl::Status AtomicFile::Append(std::string_view bytes) {
@@ -102,8 +124,14 @@ absl::Status AtomicFile::Commit(Durability durability, Existing existing) {
   }
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
-  if (durability == Durability::kPowerFailure) FlushNames(path_.parent_path());
-  return absl::OkStatus();
+  if (durability == Durability::kProcessCrash) return absl::OkStatus();
+  std::filesystem::path folder = path_.parent_path();
+  error = FlushNames(folder);
+  while (error == 0 && folder != top_) {
+    folder = folder.parent_path();
+    error = FlushNames(folder);
+  }
+  return error == 0 ? absl::OkStatus() : NotDurable(path_, error);
 }
 
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,

@@ -30,17 +30,20 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   absl::Status Append(std::string_view bytes);
-  // Once, after the last Append(). With kKeep, ALREADY_EXISTS where there is a file at the path,
-  // also if it appeared just now; only on file systems without hard links and renameat2(2), a file
-  // that appears within this call is replaced.
+  // Once, after the last Append(). With kPowerFailure its name, and those of folders that were
+  // created, are on the disk, too, where the file system can do that. With kKeep, ALREADY_EXISTS
+  // where there is a file at the path, also if it appeared just now; only on file systems without
+  // hard links and renameat2(2), a file that appears within this call is replaced.
   absl::Status Commit(Durability durability, Existing existing = Existing::kReplace);
 
  private:
-  AtomicFile(std::filesystem::path path, std::string temporary, int file);
+  AtomicFile(std::filesystem::path path, std::filesystem::path top, std::string temporary,
+             int file);
 
   std::filesystem::path path_;
-  std::string temporary_;  // empty: committed
-  int file_;               // -1: closed
+  std::filesystem::path top_;  // the lowest folder above the file that was not created for it
+  std::string temporary_;      // empty: committed
+  int file_;                   // -1: closed
 };
 
 // Writes `bytes` beside `path` and renames the result to `path`, replacing an

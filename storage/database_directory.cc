@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "storage/approximate_file.h"
+#include "storage/folder_sync.h"
 #include "storage/restore_advice.h"
 #include "storage/revision_floor.h"
 
@@ -73,8 +74,7 @@ void DeleteOldIndex(const std::string& directory) {
 }
 
 absl::Status MakeDirectory(const std::string& directory) {
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
+  const std::error_code error = MakeFolders(directory);
   if (!error) return absl::OkStatus();
   return absl::UnavailableError("the directory " + directory + " cannot be created (" +
                                 error.message() +

@@ -20,7 +20,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory);
 // Deletes the index that earlier versions kept beside their database.
 void DeleteOldIndex(const std::string& directory);
 
-// Creates `directory` with its parents. UNAVAILABLE on failure.
+// Creates `directory` with its parents, durably. UNAVAILABLE on failure.
 absl::Status MakeDirectory(const std::string& directory);
 
 }  // namespace graspdb::storage

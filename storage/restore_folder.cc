@@ -11,6 +11,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "storage/folder_sync.h"
+
 namespace graspdb::storage {
 namespace {
 
@@ -33,14 +35,6 @@ absl::Status CheckEmpty(const std::filesystem::path& database) {
                                        "database away first");
 }
 
-absl::Status SyncFolder(const std::filesystem::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
-  return synced ? absl::OkStatus() : CannotRestore(folder, std::strerror(error));
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<RestoreFolder>> RestoreFolder::Make(const std::string& database) {
@@ -48,7 +42,7 @@ absl::StatusOr<std::unique_ptr<RestoreFolder>> RestoreFolder::Make(const std::st
   std::filesystem::path target =
       std::filesystem::weakly_canonical(std::filesystem::absolute(database, error), error);
   if (!error && !target.has_filename()) target = target.parent_path();  // "db/"
-  if (!error) std::filesystem::create_directories(target.parent_path(), error);
+  if (!error) error = MakeFolders(target.parent_path());
   if (error) return CannotRestore(database, error.message());
   if (auto empty = CheckEmpty(target); !empty.ok()) return empty;
 
@@ -93,12 +87,13 @@ RestoreFolder::~RestoreFolder() {
 }
 
 absl::Status RestoreFolder::Publish() {
-  if (auto synced = SyncFolder(path_); !synced.ok()) return synced;
+  if (const auto error = SyncFolder(path_)) return CannotRestore(path_, error.message());
   if (std::rename(path_.c_str(), database_.c_str()) != 0) {
     return CannotRestore(database_, std::strerror(errno));
   }
   close(std::exchange(folder_, -1));
-  return SyncFolder(database_.parent_path());
+  const std::error_code error = SyncFolder(database_.parent_path());
+  return error ? CannotRestore(database_, error.message()) : absl::OkStatus();
 }
 
 }  // namespace graspdb::storage

@@ -6,9 +6,10 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+#include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -16,6 +17,7 @@
 #include "server/access/identities.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
+#include "storage/folder_sync.h"
 #include "storage/resource_name.h"
 
 namespace graspdb::server {
@@ -34,15 +36,22 @@ std::map<std::string, v1::Role> Roles() {
   return out;
 }
 
-// A new file that only its owner can read.
+// A new file that only its owner can read, on the disk: nothing else has the secret. No file stays
+// after an error.
 absl::Status WriteSecret(const std::string& path, const std::string& secret) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const bool is_new = file >= 0;
   const bool written =
-      file >= 0 && write(file, secret.data(), secret.size()) == static_cast<ssize_t>(secret.size());
-  const int error = errno;
-  if (file >= 0 && close(file) == 0 && written) return absl::OkStatus();
+      is_new && write(file, secret.data(), secret.size()) == static_cast<ssize_t>(secret.size()) &&
+      fsync(file) == 0;
+  std::error_code error;
+  if (!written) error.assign(errno == 0 ? EIO : errno, std::generic_category());
+  if (is_new && close(file) != 0 && !error) error.assign(errno, std::generic_category());
+  if (!error) error = storage::SyncFolder(std::filesystem::path(path).parent_path());
+  if (!error) return absl::OkStatus();
+  if (is_new) unlink(path.c_str());
   return absl::FailedPreconditionError(
-      absl::StrCat("cannot write --out ", path, " (", std::strerror(error), ")"));
+      absl::StrCat("cannot write --out ", path, " (", error.message(), ")"));
 }
 
 absl::Status MakeToken(v1::Identity identity, const std::string& out) {

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <string>
 
 #include "tests/files/temporary_folder.h"
+#include "tests/testing/watched_syncs.h"
 
 namespace graspdb::client {
 namespace {
@@ -40,6 +42,35 @@ TEST(AtomicFile, AFileThatAppearsMeanwhileCanBeKept) {
   EXPECT_EQ(BytesOf(folder.path() / "other"), "new");
   const std::filesystem::directory_iterator files(folder.path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "a temporary file was left";
+}
+
+TEST(AtomicFile, NamesAreFlushedIfTheFileMustSurviveAPowerFailure) {
+  const TemporaryFolder folder;
+  const WatchedSyncs syncs;
+  const auto path = folder.path() / "a" / "b" / "file";
+  ASSERT_TRUE(WriteFileAtomically(path, "new", Durability::kPowerFailure).ok());
+  for (auto flushed = path; flushed != folder.path().parent_path();
+       flushed = flushed.parent_path()) {
+    EXPECT_TRUE(syncs.Flushed(flushed)) << flushed;
+  }
+  ASSERT_TRUE(
+      WriteFileAtomically(folder.path() / "c" / "file", "x", Durability::kProcessCrash).ok());
+  EXPECT_FALSE(syncs.Flushed(folder.path() / "c"));
+}
+
+TEST(AtomicFile, AFolderThatCannotBeFlushedIsAnErrorIfTheFileMustSurviveAPowerFailure) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "file";
+  WatchedSyncs syncs;
+  syncs.FailFolders(EIO);
+  const absl::Status failed = WriteFileAtomically(path, "new", Durability::kPowerFailure);
+  EXPECT_EQ(failed.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(failed.message()),
+              testing::StartsWith(path.string() + " is written, but"));
+  EXPECT_EQ(BytesOf(path), "new");
+  EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kProcessCrash).ok());
+  syncs.FailFolders(EINVAL);  // of a file system that cannot do it
+  EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kPowerFailure).ok());
 }
 
 TEST(AtomicFile, DoesNotFollowALinkOfItsTemporaryName) {

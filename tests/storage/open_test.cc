@@ -12,6 +12,7 @@
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/rocksdb_access.h"
+#include "tests/testing/watched_syncs.h"
 
 namespace graspdb::storage {
 namespace {
@@ -33,7 +34,11 @@ class OpenTest : public ::testing::Test {
 };
 
 TEST_F(OpenTest, ANewDatabaseIsEmpty) {
+  const WatchedSyncs syncs;
   const auto catalogue = OpenOrDie(directory_ / "some/where/deep");
+  for (const char* durable : {"", "some", "some/where", "some/where/deep"}) {
+    EXPECT_TRUE(syncs.Flushed(directory_ / durable)) << durable;
+  }
   EXPECT_EQ(catalogue->revision(), 0);
   EXPECT_EQ(catalogue->schema_version(), kSchemaVersion);
   const auto picture = TakePicture(*catalogue);

@@ -12,6 +12,7 @@
 #include "storage/schema.h"
 #include "tests/storage/backup_fixture.h"
 #include "tests/storage/rocksdb_access.h"
+#include "tests/testing/watched_syncs.h"
 
 namespace graspdb::storage {
 namespace {
@@ -139,7 +140,13 @@ TEST_F(RestoreTest, EachRestoredDatabaseHasAnIdOfItsOwn) {
 
 TEST_F(RestoreTest, RestoresToMissingAndEmptyFoldersOnly) {
   const std::string deep = directory_ / "a/b/c/";
-  ASSERT_TRUE(backups_.Restore(1, deep).ok());
+  {
+    const WatchedSyncs syncs;
+    ASSERT_TRUE(backups_.Restore(1, deep).ok());
+    for (const char* durable : {"", "a", "a/b", "a/b/c"}) {
+      EXPECT_TRUE(syncs.Flushed(directory_ / durable)) << durable;
+    }
+  }
   EXPECT_EQ(*TakePicture(*OpenOrDie(deep)), original_);
   const absl::Status again = backups_.Restore(1, deep).status();
   EXPECT_EQ(again.code(), absl::StatusCode::kFailedPrecondition);
