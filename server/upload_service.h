@@ -50,7 +50,10 @@ class UploadService final : public v1::UploadService::Service {
 
  private:
   storage::Uploads& uploads() { return context_.catalogue.uploads(); }
-  absl::Status Write(const v1::WriteUploadViewsRequest& request,
+  // The uploads of a stream by name, as they were when it first sent a view to them: another upload
+  // may have the name later.
+  using StreamUploads = std::map<std::string, storage::UploadRecord>;
+  absl::Status Write(const v1::WriteUploadViewsRequest& request, StreamUploads& known,
                      const recognition::IsCancelled& is_cancelled,
                      v1::WriteUploadViewsResponse* response);
   absl::StatusOr<storage::NewView> MakeViewOf(const v1::UploadViewsRequest& request,

@@ -44,21 +44,23 @@ absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
   return MakeView(request, context_.parameters, context_.limits, is_cancelled);
 }
 
-absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
+absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, StreamUploads& known,
                                   const recognition::IsCancelled& is_cancelled,
                                   v1::WriteUploadViewsResponse* response) {
-  const auto upload = uploads().GetOpen(request.upload());
-  if (!upload.ok()) return AtField("upload", upload.status());
+  const auto open = uploads().GetOpen(request.upload());
+  if (!open.ok()) return AtField("upload", open.status());
+  const storage::UploadRecord& upload = known.try_emplace(request.upload(), *open).first->second;
   const std::string name = NameOf(request.view());
   response->set_view(name);
   // What is stored already is not computed again.
   const std::string digest = UploadDigest(request.view());
-  const auto staged = uploads().DigestOf(request.upload(), name);
+  const auto staged = uploads().DigestOf(upload, name);
+  if (absl::IsAborted(staged.status())) return AtField("upload", staged.status());
   const auto stored = context_.catalogue.GetView(name);
   // An error or other content that is staged counts at the commit, whatever the catalogue has.
   const bool is_existing =
       staged.ok() ? *staged == digest
-                  : !upload->replace() && stored.ok() && stored->content_digest() == digest;
+                  : !upload.replace() && stored.ok() && stored->content_digest() == digest;
   if (is_existing) {
     response->set_existing(true);
     return absl::OkStatus();
@@ -67,12 +69,11 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request,
   if (!view.ok()) {
     if (!IsErrorOfView(view.status())) return view.status();
     *response->mutable_error() = ToRpcStatus(view.status());
-    return name.empty() ? absl::OkStatus()
-                        : uploads().StageError(request.upload(), name, view.status());
+    return name.empty() ? absl::OkStatus() : uploads().StageError(upload, name, view.status());
   }
   view->record.set_name(name);
   view->record.set_content_digest(digest);
-  const auto outcome = uploads().Stage(request.upload(), *view);
+  const auto outcome = uploads().Stage(upload, *view);
   if (absl::IsAlreadyExists(outcome.status())) {
     *response->mutable_error() = ToRpcStatus(outcome.status());
     return absl::OkStatus();
@@ -89,12 +90,13 @@ grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Strea
     const auto is_cancelled = [&] { return IsAbandoned(*context); };
     return InBackground([&]() -> absl::Status {
       CallGuard& guard = *CallGuard::Of(*context);
+      StreamUploads known;
       v1::WriteUploadViewsRequest request;
       while (stream->Read(&request)) {
         guard.NoteResource(request.upload());
         v1::WriteUploadViewsResponse response;
         absl::Status status = CheckLimits(request);
-        status.Update(status.ok() ? Write(request, is_cancelled, &response) : status);
+        status.Update(status.ok() ? Write(request, known, is_cancelled, &response) : status);
         if (!status.ok()) return status;
         if (!stream->Write(response)) break;
       }

@@ -8,11 +8,17 @@
 #include <string_view>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "storage/records.pb.h"
 #include "storage/uploads.h"
 
 namespace graspdb::storage {
+
+// FAILED_PRECONDITION of what needs an open upload.
+absl::Status CommittedUpload(std::string_view name);
+// ABORTED of what was begun with an upload that does not exist any more.
+absl::Status DeletedUpload(std::string_view name);
 
 // `names` is for the state of each view; `in_use` is shared by those who write, and exclusive for
 // the end of the upload.
@@ -24,7 +30,7 @@ struct Uploads::Open {
 
   UploadRecord record;
   absl::Mutex in_use;
-  bool ended ABSL_GUARDED_BY(in_use) = false;
+  absl::Status end ABSL_GUARDED_BY(in_use);  // why nothing can be staged any more; OK: it can
   absl::Mutex names;
   std::map<std::string, View, std::less<>> views ABSL_GUARDED_BY(names);
   StagedCounts stored ABSL_GUARDED_BY(names);

@@ -17,12 +17,17 @@ namespace {
 
 using google::protobuf::util::TimeUtil;
 
-absl::Status Committed(std::string_view name) {
+}  // namespace
+
+absl::Status CommittedUpload(std::string_view name) {
   return absl::FailedPreconditionError(
       absl::StrCat(std::string(name), " is committed already; create another upload"));
 }
 
-}  // namespace
+absl::Status DeletedUpload(std::string_view name) {
+  return absl::AbortedError(absl::StrCat(
+      std::string(name), " was deleted meanwhile; create an upload and send all views to it"));
+}
 
 absl::StatusOr<UploadRecord> Uploads::Create(const UploadRecord& wanted, absl::Time now) {
   if (auto valid = Kind<UploadRecord>::ParentOf(wanted.name()); !valid.ok()) return valid.status();
@@ -110,7 +115,7 @@ absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
   if (const auto found = open_.find(name); found != open_.end()) return found->second;
   auto record = Get(name);
   if (!record.ok()) return record.status();
-  if (record->has_commit_time()) return Committed(name);
+  if (record->has_commit_time()) return CommittedUpload(name);
   auto open = std::make_shared<Open>();
   open->record = *std::move(record);
   const std::string prefix = StagedKey(open->record, "");
@@ -131,13 +136,22 @@ absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
   return open_.emplace(name, std::move(open)).first->second;
 }
 
+absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(const UploadRecord& upload) {
+  auto open = OpenOf(upload.name());
+  if (open.ok() && (*open)->record.staging_prefix() != upload.staging_prefix()) {
+    return DeletedUpload(upload.name());
+  }
+  return open;
+}
+
 absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
   const auto open = OpenOf(name);
   if (!open.ok()) return open.status();
   return (*open)->record;
 }
 
-absl::StatusOr<std::string> Uploads::DigestOf(std::string_view upload, std::string_view view_name) {
+absl::StatusOr<std::string> Uploads::DigestOf(const UploadRecord& upload,
+                                              std::string_view view_name) {
   const auto open = OpenOf(upload);
   if (!open.ok()) return open.status();
   absl::MutexLock lock(&(*open)->names);
@@ -146,7 +160,7 @@ absl::StatusOr<std::string> Uploads::DigestOf(std::string_view upload, std::stri
   return absl::NotFoundError(absl::StrCat(std::string(view_name), " is not staged"));
 }
 
-absl::StatusOr<PutViewOutcome> Uploads::Stage(std::string_view upload, const NewView& view) {
+absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const NewView& view) {
   const std::string& name = view.record.name();
   if (auto parent = Kind<ViewRecord>::ParentOf(name); !parent.ok()) return parent.status();
   if (view.record.content_digest().empty() || view.packed_cloud.empty()) {
@@ -156,7 +170,7 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(std::string_view upload, const New
   if (!found.ok()) return found.status();
   Open& open = **found;
   absl::ReaderMutexLock use(&open.in_use);
-  if (open.ended) return Committed(upload);
+  if (!open.end.ok()) return open.end;
   {
     absl::MutexLock lock(&open.names);
     open.AwaitStored(name);
@@ -183,14 +197,14 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(std::string_view upload, const New
   return PutViewOutcome::kCreated;
 }
 
-absl::Status Uploads::StageError(std::string_view upload, std::string_view view_name,
+absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view view_name,
                                  const absl::Status& error) {
   if (auto parent = Kind<ViewRecord>::ParentOf(view_name); !parent.ok()) return parent.status();
   const auto found = OpenOf(upload);
   if (!found.ok()) return found.status();
   Open& open = **found;
   absl::ReaderMutexLock use(&open.in_use);
-  if (open.ended) return Committed(upload);
+  if (!open.end.ok()) return open.end;
   const std::string name(view_name);
   {
     absl::MutexLock lock(&open.names);

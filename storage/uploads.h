@@ -68,16 +68,19 @@ class Uploads {
   // disk but for the first time.
   absl::StatusOr<UploadRecord> GetOpen(std::string_view name);
 
+  // The functions below take an upload of GetOpen(): ABORTED if it was deleted and another one has
+  // its name.
+
   // Stores a view durably; concurrent calls share a write to the disk. A view that was staged with
-  // the same content is kExisting, with other content ALREADY_EXISTS. FAILED_PRECONDITION for a
-  // committed upload, RESOURCE_EXHAUSTED with kMaxStagedViews.
-  absl::StatusOr<PutViewOutcome> Stage(std::string_view upload, const NewView& view);
+  // the same content is kExisting, with other content ALREADY_EXISTS. NOT_FOUND for a deleted
+  // upload, FAILED_PRECONDITION for a committed one, RESOURCE_EXHAUSTED with kMaxStagedViews.
+  absl::StatusOr<PutViewOutcome> Stage(const UploadRecord& upload, const NewView& view);
   // Stores the reason why a view cannot be taught, unless it is staged. Staging it later replaces
   // the reason.
-  absl::Status StageError(std::string_view upload, std::string_view view_name,
+  absl::Status StageError(const UploadRecord& upload, std::string_view view_name,
                           const absl::Status& error);
   // The digest of a staged view, empty for one that cannot be taught; NOT_FOUND without either.
-  absl::StatusOr<std::string> DigestOf(std::string_view upload, std::string_view view_name);
+  absl::StatusOr<std::string> DigestOf(const UploadRecord& upload, std::string_view view_name);
 
   // Publishes all views in one change with one revision, and returns the record with its counts.
   // `on_view` (may be null) gets each of them before the change is written; it must be quick.
@@ -100,10 +103,11 @@ class Uploads {
   using OpenUpload = std::shared_ptr<Open>;
 
   absl::StatusOr<OpenUpload> OpenOf(std::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<OpenUpload> OpenOf(const UploadRecord& upload) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status Write(Open& open, const std::string& view_name, const StagedViewRecord& record,
                      const std::string* packed_cloud);
-  // Of an upload whose `in_use` is locked.
-  void End(std::string_view name, Open& open) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Of an upload whose `in_use` is locked. `why` is for those who wait for it.
+  void End(std::string_view name, Open& open, absl::Status why) ABSL_LOCKS_EXCLUDED(mutex_);
 
   Database& database_;
   ChangeLog& log_;

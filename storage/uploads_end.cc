@@ -21,13 +21,14 @@ absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_fa
   // Another call may have committed it.
   record = Get(name);
   if (!record.ok() || record->has_commit_time()) return record;
+  if (!(*open)->end.ok()) return (*open)->end;  // the record is that of another one
   const absl::Status committed = log_.Mutate([&](ChangeBatch& batch) {
     absl::Status added = AddCommit(database_, skip_failed, on_view, &*record, batch);
     // Without a change of the catalogue the batch is not written by the log.
     return added.ok() && batch.changes().empty() ? database_.Write(batch.rocks()) : added;
   });
   if (!committed.ok()) return committed;
-  End(name, **open);
+  End(name, **open, CommittedUpload(name));
   return record;
 }
 
@@ -44,18 +45,20 @@ absl::Status Uploads::Delete(std::string_view name) {
   absl::Status status = database_.Delete(Family::kUploads, name, batch);
   if (open == nullptr) return status.ok() ? database_.Write(batch) : status;
   absl::MutexLock use(&open->in_use);
-  if (open->ended) return absl::AbortedError(std::string(name) + " was committed meanwhile");
-  const std::string prefix = StagedKey(*record, "");
+  if (!open->end.ok()) {
+    return absl::AbortedError(std::string(name) + " was committed or deleted meanwhile");
+  }
+  const std::string prefix = StagedKey(open->record, "");
   for (const Family family : {Family::kStagedViews, Family::kClouds}) {
     status.Update(database_.DeletePrefix(family, prefix, batch));
   }
   if (status.ok()) status = database_.Write(batch);
-  if (status.ok()) End(name, *open);
+  if (status.ok()) End(name, *open, DeletedUpload(name));
   return status;
 }
 
-void Uploads::End(std::string_view name, Open& open) {
-  open.ended = true;
+void Uploads::End(std::string_view name, Open& open, absl::Status why) {
+  open.end = std::move(why);
   absl::MutexLock lock(&mutex_);
   open_.erase(std::string(name));
 }

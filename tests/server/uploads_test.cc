@@ -48,6 +48,12 @@ class UploadsTest : public ServerTest {
     request.set_skip_failed(skip_failed);
     return Send(&v1::UploadService::Stub::CommitUpload, request, response);
   }
+  grpc::Status Delete() {
+    v1::DeleteUploadRequest request;
+    request.set_name(kUpload);
+    google::protobuf::Empty response;
+    return Send(&v1::UploadService::Stub::DeleteUpload, request, &response);
+  }
 
   // Sends views over one stream, each after the response to the one before it.
   grpc::Status Write(const std::vector<v1::UploadViewsRequest>& views,
@@ -219,14 +225,28 @@ TEST_F(UploadsTest, AStreamToNoOpenUploadEnds) {
   EXPECT_TRUE(responses.empty());
 }
 
+TEST_F(UploadsTest, AStreamDoesNotGoOnInTheNextUploadOfTheName) {
+  ASSERT_THAT(Create(), IsGrpcOk());
+  grpc::ClientContext context;
+  const auto stream = stub_->WriteUploadViews(&context);
+  v1::WriteUploadViewsRequest request;
+  request.set_upload(kUpload);
+  *request.mutable_view() = ViewOf("wedge", 0, "a");
+  v1::WriteUploadViewsResponse response;
+  ASSERT_TRUE(stream->Write(request) && stream->Read(&response));
+  ASSERT_THAT(Delete(), IsGrpcOk());
+  ASSERT_THAT(Create(), IsGrpcOk());
+  EXPECT_TRUE(stream->Write(request));
+  EXPECT_FALSE(stream->Read(&response));
+  ExpectError(stream->Finish(), grpc::StatusCode::ABORTED, kUpload);
+  EXPECT_EQ(Get().staged_view_count(), 0);
+}
+
 TEST_F(UploadsTest, AnAbandonedUploadIsDeletedWithItsViews) {
   ASSERT_THAT(Create(), IsGrpcOk());
   std::vector<v1::WriteUploadViewsResponse> responses;
   ASSERT_THAT(Write({ViewOf("wedge", 0, "a")}, &responses), IsGrpcOk());
-  v1::DeleteUploadRequest request;
-  request.set_name(kUpload);
-  google::protobuf::Empty empty;
-  ASSERT_THAT(Send(&v1::UploadService::Stub::DeleteUpload, request, &empty), IsGrpcOk());
+  ASSERT_THAT(Delete(), IsGrpcOk());
   v1::ListUploadsResponse list;
   ASSERT_THAT(Send(&v1::UploadService::Stub::ListUploads, v1::ListUploadsRequest(), &list),
               IsGrpcOk());

@@ -223,18 +223,18 @@ TEST_F(DiskFullTest, UploadsAndBackupsGoOnAfterwards) {
   Uploads& uploads = catalogue->uploads();
   UploadRecord wanted;
   wanted.set_name("uploads/bulk");
-  ASSERT_TRUE(uploads.Create(wanted, absl::UnixEpoch()).ok());
-  ASSERT_TRUE(uploads.Stage("uploads/bulk", View(1)).ok());
+  const auto upload = uploads.Create(wanted, absl::UnixEpoch());
+  ASSERT_TRUE(upload.ok());
+  ASSERT_TRUE(uploads.Stage(*upload, View(1)).ok());
   disk_->SetSpace(100);
-  EXPECT_TRUE(absl::IsResourceExhausted(uploads.Stage("uploads/bulk", View(2)).status()));
+  EXPECT_TRUE(absl::IsResourceExhausted(uploads.Stage(*upload, View(2)).status()));
   EXPECT_TRUE(absl::IsResourceExhausted(uploads.Commit("uploads/bulk", false).status()));
   std::filesystem::create_directory(directory_ / "backups");
   Backups backups(directory_ / "backups");
   EXPECT_FALSE(backups.Create(*catalogue).ok()) << "the log may have a rejected write";
 
   disk_->SetSpace(FaultyDisk::kMuchSpace);
-  const absl::Status staged =
-      Repeat([&] { return uploads.Stage("uploads/bulk", View(2)).status(); });
+  const absl::Status staged = Repeat([&] { return uploads.Stage(*upload, View(2)).status(); });
   ASSERT_TRUE(staged.ok()) << staged;
   ASSERT_TRUE(uploads.Commit("uploads/bulk", false).ok());
   EXPECT_EQ(catalogue->counts().views, 2);

@@ -170,9 +170,10 @@ TEST_F(HistoryTest, AViewThatAnUploadReplacedComesBack) {
   UploadRecord wanted;
   wanted.set_name("uploads/monday");
   wanted.set_replace(true);
-  ASSERT_TRUE(catalogue_->uploads().Create(wanted, now_).ok());
-  ASSERT_TRUE(catalogue_->uploads().Stage("uploads/monday", MakeView(MugView(0), 5, 700)).ok());
-  ASSERT_TRUE(catalogue_->uploads().Stage("uploads/monday", MakeView(MugView(8), 6, 700)).ok());
+  const auto upload = catalogue_->uploads().Create(wanted, now_);
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(0), 5, 700)).ok());
+  ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(8), 6, 700)).ok());
   ASSERT_TRUE(catalogue_->uploads().Commit("uploads/monday", false).ok());
   EXPECT_NE(Take().clouds, before.clouds);
   ASSERT_TRUE(history().Restore(kMug, before.revision, "").ok());
@@ -183,8 +184,9 @@ TEST_F(HistoryTest, AViewThatAnUploadReplacedComesBack) {
 TEST_F(HistoryTest, AnUploadIntoADeletedObjectDropsItsViews) {
   UploadRecord wanted;
   wanted.set_name("uploads/monday");
-  ASSERT_TRUE(catalogue_->uploads().Create(wanted, now_).ok());
-  ASSERT_TRUE(catalogue_->uploads().Stage("uploads/monday", MakeView(MugView(8), 6, 700)).ok());
+  const auto upload = catalogue_->uploads().Create(wanted, now_);
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(8), 6, 700)).ok());
   DeleteMug();
   EXPECT_TRUE(
       absl::IsFailedPrecondition(catalogue_->uploads().Commit("uploads/monday", false).status()));

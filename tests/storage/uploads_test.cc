@@ -41,7 +41,13 @@ class UploadsTest : public ::testing::Test {
   }
 
   absl::StatusOr<PutViewOutcome> Stage(int i, int seed = 1) {
-    return uploads().Stage(kUpload, MakeView(ViewNameOf(i), seed, 6000));
+    const auto upload = uploads().GetOpen(kUpload);
+    if (!upload.ok()) return upload.status();
+    return uploads().Stage(*upload, MakeView(ViewNameOf(i), seed, 6000));
+  }
+  absl::Status StageError(int i) {
+    return uploads().StageError(*uploads().GetOpen(kUpload), ViewNameOf(i),
+                                absl::InvalidArgumentError("no points"));
   }
   void StageAll(int count) {
     for (int i = 0; i < count; ++i) ASSERT_TRUE(Stage(i, i).ok());
@@ -103,8 +109,7 @@ TEST_F(UploadsTest, ACommitMayBeRepeated) {
 TEST_F(UploadsTest, StagedViewsSurviveARestart) {
   Create();
   StageAll(3);
-  ASSERT_TRUE(
-      uploads().StageError(kUpload, ViewNameOf(3), absl::InvalidArgumentError("no points")).ok());
+  ASSERT_TRUE(StageError(3).ok());
   Open();
   EXPECT_EQ(Counts().views, 3);
   EXPECT_EQ(Counts().errors, 1);
@@ -134,8 +139,7 @@ TEST_F(UploadsTest, ACrashDuringAnUploadLosesNoStagedView) {
 TEST_F(UploadsTest, AViewThatCannotBeTaughtStopsTheCommitUnlessItIsSkipped) {
   Create();
   StageAll(2);
-  ASSERT_TRUE(
-      uploads().StageError(kUpload, ViewNameOf(9), absl::InvalidArgumentError("no points")).ok());
+  ASSERT_TRUE(StageError(9).ok());
   const std::int64_t before = catalogue_->revision();
   const absl::Status whole = uploads().Commit(kUpload, false).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(whole)) << whole;
@@ -149,8 +153,7 @@ TEST_F(UploadsTest, AViewThatCannotBeTaughtStopsTheCommitUnlessItIsSkipped) {
 
 TEST_F(UploadsTest, AViewThatIsSentAgainReplacesItsError) {
   Create();
-  ASSERT_TRUE(
-      uploads().StageError(kUpload, ViewNameOf(0), absl::InvalidArgumentError("no points")).ok());
+  ASSERT_TRUE(StageError(0).ok());
   EXPECT_EQ(*Stage(0), PutViewOutcome::kCreated);
   EXPECT_EQ(Counts().errors, 0);
   EXPECT_EQ(Counts().views, 1);
@@ -274,26 +277,17 @@ TEST_F(UploadsTest, OldUploadsAreDeleted) {
   EXPECT_EQ(catalogue_->counts().views, 1);
 }
 
-TEST_F(UploadsTest, OpenUploadsAreLimited) {
-  for (std::size_t i = 0; i < kMaxOpenUploads; ++i) Create("uploads/u" + std::to_string(i));
-  UploadRecord wanted;
-  wanted.set_name(kUpload);
-  EXPECT_TRUE(absl::IsResourceExhausted(uploads().Create(wanted, kNow).status()));
-  ASSERT_TRUE(uploads().Delete("uploads/u3").ok());
-  EXPECT_TRUE(uploads().Create(wanted, kNow).ok());
-  EXPECT_TRUE(absl::IsAlreadyExists(uploads().Create(wanted, kNow).status()));
-}
-
 TEST_F(UploadsTest, UnknownUploadsAndInvalidNamesAreErrors) {
   EXPECT_TRUE(absl::IsNotFound(Stage(0).status()));
   EXPECT_TRUE(absl::IsNotFound(uploads().Commit(kUpload, false).status()));
   EXPECT_TRUE(absl::IsNotFound(uploads().Delete(kUpload)));
   EXPECT_TRUE(absl::IsInvalidArgument(uploads().Get("uploads/a/b").status()));
   Create();
-  EXPECT_TRUE(absl::IsInvalidArgument(uploads().Stage(kUpload, MakeView("views/0")).status()));
+  const UploadRecord upload = *uploads().GetOpen(kUpload);
+  EXPECT_TRUE(absl::IsInvalidArgument(uploads().Stage(upload, MakeView("views/0")).status()));
   NewView empty = MakeView(ViewNameOf(0));
   empty.packed_cloud.clear();
-  EXPECT_TRUE(absl::IsInvalidArgument(uploads().Stage(kUpload, empty).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(uploads().Stage(upload, empty).status()));
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+// Names of bulk uploads and of their views: used again, and how many there may be.
+#include <string>
+
+#include "gtest/gtest.h"
+#include "storage/uploads.h"
+#include "tests/storage/catalogue_fixture.h"
+
+namespace graspdb::storage {
+namespace {
+
+constexpr absl::Time kNamesNow = absl::FromUnixSeconds(1'800'000'000);
+
+class UploadNamesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
+    ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
+  }
+
+  UploadRecord Create(const std::string& name) {
+    UploadRecord wanted;
+    wanted.set_name(name);
+    auto created = uploads().Create(wanted, kNamesNow);
+    EXPECT_TRUE(created.ok()) << created.status();
+    return created.ok() ? *std::move(created) : UploadRecord();
+  }
+  static std::string ViewNameOf(int i) {
+    return "objects/mug/stablePoses/upright/views/" + std::to_string(i);
+  }
+  absl::Status Stage(const UploadRecord& upload, int i) {
+    return uploads().Stage(upload, MakeView(ViewNameOf(i))).status();
+  }
+  absl::Status StageError(const UploadRecord& upload, int i) {
+    return uploads().StageError(upload, ViewNameOf(i), absl::InvalidArgumentError("no points"));
+  }
+  Uploads& uploads() { return catalogue_->uploads(); }
+
+  TemporaryDirectory directory_;
+  std::unique_ptr<Catalogue> catalogue_ = OpenOrDie(directory_ / "db");
+};
+
+TEST_F(UploadNamesTest, WhatWasBegunWithADeletedUploadIsNoPartOfTheNextOneOfItsName) {
+  const UploadRecord deleted = Create("uploads/monday");
+  ASSERT_TRUE(uploads().Delete("uploads/monday").ok());
+  EXPECT_TRUE(absl::IsNotFound(Stage(deleted, 0)));
+  const UploadRecord next = Create("uploads/monday");
+  EXPECT_TRUE(absl::IsAborted(Stage(deleted, 0)));
+  EXPECT_TRUE(absl::IsAborted(StageError(deleted, 1)));
+  ASSERT_TRUE(Stage(next, 2).ok());
+  EXPECT_TRUE(absl::IsAborted(uploads().DigestOf(deleted, ViewNameOf(2)).status()));
+  const auto committed = uploads().Commit("uploads/monday", false);
+  ASSERT_TRUE(committed.ok()) << committed.status();
+  EXPECT_EQ(committed->created_count(), 1);
+}
+
+TEST_F(UploadNamesTest, OpenUploadsAreLimited) {
+  for (std::size_t i = 0; i < kMaxOpenUploads; ++i) Create("uploads/u" + std::to_string(i));
+  UploadRecord wanted;
+  wanted.set_name("uploads/monday");
+  EXPECT_TRUE(absl::IsResourceExhausted(uploads().Create(wanted, kNamesNow).status()));
+  ASSERT_TRUE(uploads().Delete("uploads/u3").ok());
+  EXPECT_TRUE(uploads().Create(wanted, kNamesNow).ok());
+  EXPECT_TRUE(absl::IsAlreadyExists(uploads().Create(wanted, kNamesNow).status()));
+}
+
+}  // namespace
+}  // namespace graspdb::storage
