@@ -31,13 +31,15 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
                                          std::max<std::int64_t>(1, options.keep_changes),
                                          std::move(options.clock));
   // The constructor is private, so std::make_unique cannot call it.
-  return std::unique_ptr<Catalogue>(new Catalogue(*std::move(database), std::move(log)));
+  return std::unique_ptr<Catalogue>(
+      new Catalogue(*std::move(database), std::move(log), options.max_staged_views));
 }
 
-Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log)
+Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log,
+                     std::size_t max_staged_views)
     : database_(std::move(database)),
       log_(std::move(log)),
-      uploads_(std::make_unique<Uploads>(*database_, *log_)),
+      uploads_(std::make_unique<Uploads>(*database_, *log_, max_staged_views)),
       history_(std::make_unique<History>(*database_, *log_)) {}
 
 Catalogue::~Catalogue() {

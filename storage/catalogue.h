@@ -61,6 +61,9 @@ struct CatalogueOptions {
   // Number of the newest change records that are kept; at least 1. Twice as many take twice the
   // disk: 1.5 KB per view.
   std::int64_t keep_changes = 50'000;
+  // Views of all uploads that are not committed, together. Their names are in memory, up to 0.5 KB
+  // each: twice as many take 100 MB more.
+  std::size_t max_staged_views = 200'000;
   // Write buffer of each of the twelve families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // Environment for file access; not owned, must outlive the catalogue. Null: the default
@@ -261,7 +264,8 @@ class Catalogue {
  private:
   friend class Backups;
 
-  Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log);
+  Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log,
+            std::size_t max_staged_views);
 
   std::unique_ptr<Database> database_;
   std::unique_ptr<ChangeLog> log_;

@@ -133,6 +133,7 @@ absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
                        return true;
                      });
   if (!scanned.ok()) return scanned;
+  staged_views_ += open->views.size();
   return open_.emplace(name, std::move(open)).first->second;
 }
 
@@ -142,6 +143,34 @@ absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(const UploadRecord& upload) 
     return DeletedUpload(upload.name());
   }
   return open;
+}
+
+absl::Status Uploads::CountAll() {
+  if (all_counted_) return absl::OkStatus();
+  std::vector<std::string> names;
+  absl::Status visited =
+      VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& upload) {
+        if (!upload.has_commit_time()) names.push_back(upload.name());
+        return absl::OkStatus();
+      });
+  if (!visited.ok()) return visited;
+  // One that is damaged stops those only who use it.
+  for (const std::string& name : names) OpenOf(name).status().IgnoreError();
+  all_counted_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status Uploads::CountNew(const Open& open) {
+  if (open.views.size() >= kMaxStagedViews) {
+    return absl::ResourceExhaustedError(absl::StrCat("the upload has ", kMaxStagedViews,
+                                                     " views, the most that it can have; "
+                                                     "commit it and create another one"));
+  }
+  if (staged_views_.fetch_add(1) < max_staged_views_) return absl::OkStatus();
+  --staged_views_;
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the open uploads have ", max_staged_views_,
+                   " views, the most that they can have together; commit or delete one of them"));
 }
 
 absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
@@ -166,6 +195,7 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
   if (view.record.content_digest().empty() || view.packed_cloud.empty()) {
     return absl::InvalidArgumentError(name + " has no digest or no cloud; give both");
   }
+  if (auto counted = CountAll(); !counted.ok()) return counted;
   const auto found = OpenOf(upload);
   if (!found.ok()) return found.status();
   Open& open = **found;
@@ -181,12 +211,11 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
                                       " was sent with other content in this upload; choose another "
                                       "id");
     }
-    if (known == nullptr && open.views.size() >= kMaxStagedViews) {
-      return absl::ResourceExhaustedError(absl::StrCat("the upload has ", kMaxStagedViews,
-                                                       " views, the most that it can have; "
-                                                       "commit it and create another one"));
+    if (known == nullptr) {
+      if (auto counted = CountNew(open); !counted.ok()) return counted;
+    } else {
+      --open.stored.errors;
     }
-    if (known != nullptr) --open.stored.errors;
     open.views[name] = {view.record.content_digest(), false};
   }
   StagedViewRecord staged;
@@ -200,6 +229,7 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
 absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view view_name,
                                  const absl::Status& error) {
   if (auto parent = Kind<ViewRecord>::ParentOf(view_name); !parent.ok()) return parent.status();
+  if (auto counted = CountAll(); !counted.ok()) return counted;
   const auto found = OpenOf(upload);
   if (!found.ok()) return found.status();
   Open& open = **found;
@@ -210,6 +240,7 @@ absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view vi
     absl::MutexLock lock(&open.names);
     open.AwaitStored(name);
     if (open.Find(name) != nullptr || open.views.size() >= kMaxStagedViews) return absl::OkStatus();
+    if (auto counted = CountNew(open); !counted.ok()) return counted;
     open.views[name] = {"", false};
   }
   StagedViewRecord staged;
@@ -233,7 +264,7 @@ absl::Status Uploads::Write(Open& open, const std::string& view_name,
     open.views[view_name].is_stored = true;
     ++(packed_cloud == nullptr ? open.stored.errors : open.stored.views);
   } else {
-    open.views.erase(view_name);
+    staged_views_ -= open.views.erase(view_name);
   }
   return status;
 }

@@ -5,6 +5,7 @@
 // change record. docs/adr/0029-bulk-uploads-are-staged-in-the-database.md.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -48,8 +49,9 @@ using OnPublishedView = std::function<void(const ViewRecord&)>;
 // Thread-safe. Errors of the disk as in Catalogue.
 class Uploads {
  public:
-  // Both must outlive this.
-  Uploads(Database& database, ChangeLog& log) : database_(database), log_(log) {}
+  // Both must outlive this. `max_staged_views` is of all open uploads together.
+  Uploads(Database& database, ChangeLog& log, std::size_t max_staged_views)
+      : database_(database), log_(log), max_staged_views_(max_staged_views) {}
 
   // Creates an upload. The fields name, replace and expected_view_count of `wanted` are used.
   // ALREADY_EXISTS; RESOURCE_EXHAUSTED with kMaxOpenUploads.
@@ -73,10 +75,12 @@ class Uploads {
 
   // Stores a view durably; concurrent calls share a write to the disk. A view that was staged with
   // the same content is kExisting, with other content ALREADY_EXISTS. NOT_FOUND for a deleted
-  // upload, FAILED_PRECONDITION for a committed one, RESOURCE_EXHAUSTED with kMaxStagedViews.
+  // upload, FAILED_PRECONDITION for a committed one, RESOURCE_EXHAUSTED with kMaxStagedViews, or
+  // with `max_staged_views` in all uploads. The first call after the start is linear in the views
+  // of all open uploads.
   absl::StatusOr<PutViewOutcome> Stage(const UploadRecord& upload, const NewView& view);
   // Stores the reason why a view cannot be taught, unless it is staged. Staging it later replaces
-  // the reason.
+  // the reason. Errors as Stage(), but nothing is stored with kMaxStagedViews.
   absl::Status StageError(const UploadRecord& upload, std::string_view view_name,
                           const absl::Status& error);
   // The digest of a staged view, empty for one that cannot be taught; NOT_FOUND without either.
@@ -104,6 +108,10 @@ class Uploads {
 
   absl::StatusOr<OpenUpload> OpenOf(std::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<OpenUpload> OpenOf(const UploadRecord& upload) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Has the names of all open uploads in memory, where they are counted.
+  absl::Status CountAll() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Counts a view that is new to the upload, whose `names` are locked. RESOURCE_EXHAUSTED.
+  absl::Status CountNew(const Open& open);
   absl::Status Write(Open& open, const std::string& view_name, const StagedViewRecord& record,
                      const std::string* packed_cloud);
   // Of an upload whose `in_use` is locked. `why` is for those who wait for it.
@@ -111,6 +119,9 @@ class Uploads {
 
   Database& database_;
   ChangeLog& log_;
+  const std::size_t max_staged_views_;
+  std::atomic<std::size_t> staged_views_ = 0;  // in memory
+  std::atomic<bool> all_counted_ = false;
   absl::Mutex mutex_;
   std::map<std::string, OpenUpload, std::less<>> open_ ABSL_GUARDED_BY(mutex_);
 };

@@ -61,6 +61,8 @@ void Uploads::End(std::string_view name, Open& open, absl::Status why) {
   open.end = std::move(why);
   absl::MutexLock lock(&mutex_);
   open_.erase(std::string(name));
+  absl::MutexLock names(&open.names);
+  staged_views_ -= open.views.size();
 }
 
 absl::StatusOr<std::vector<std::string>> Uploads::DeleteOlderThan(absl::Time open_limit,

@@ -17,6 +17,12 @@ class UploadNamesTest : public ::testing::Test {
     ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
   }
 
+  void Open(std::size_t max_staged_views) {
+    catalogue_.reset();
+    CatalogueOptions options;
+    options.max_staged_views = max_staged_views;
+    catalogue_ = OpenOrDie(directory_ / "db", std::move(options));
+  }
   UploadRecord Create(const std::string& name) {
     UploadRecord wanted;
     wanted.set_name(name);
@@ -61,6 +67,29 @@ TEST_F(UploadNamesTest, OpenUploadsAreLimited) {
   ASSERT_TRUE(uploads().Delete("uploads/u3").ok());
   EXPECT_TRUE(uploads().Create(wanted, kNamesNow).ok());
   EXPECT_TRUE(absl::IsAlreadyExists(uploads().Create(wanted, kNamesNow).status()));
+}
+
+TEST_F(UploadNamesTest, ViewsOfAllOpenUploadsAreLimited) {
+  Open(3);
+  const UploadRecord first = Create("uploads/first");
+  const UploadRecord second = Create("uploads/second");
+  ASSERT_TRUE(Stage(first, 0).ok());
+  ASSERT_TRUE(Stage(first, 1).ok());
+  ASSERT_TRUE(StageError(second, 0).ok());
+  for (int restart = 0; restart < 2; ++restart) {
+    EXPECT_TRUE(absl::IsResourceExhausted(Stage(second, 1)));
+    EXPECT_TRUE(absl::IsResourceExhausted(StageError(second, 1)));
+    EXPECT_TRUE(Stage(first, 0).ok()) << "it is there already";
+    Open(3);
+  }
+  EXPECT_TRUE(Stage(second, 0).ok()) << "in the place of the error";
+  ASSERT_TRUE(uploads().Delete("uploads/first").ok());
+  EXPECT_TRUE(Stage(second, 1).ok());
+  EXPECT_TRUE(Stage(second, 2).ok());
+  EXPECT_TRUE(absl::IsResourceExhausted(Stage(second, 3)));
+  ASSERT_TRUE(uploads().Commit("uploads/second", false).ok());
+  const UploadRecord third = Create("uploads/third");
+  for (int i = 3; i < 6; ++i) EXPECT_TRUE(Stage(third, i).ok());
 }
 
 }  // namespace
