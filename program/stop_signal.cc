@@ -17,4 +17,11 @@ int StopSignal::Wait() const {
   return signal;
 }
 
+bool StopSignal::IsPending() const {
+  sigset_t pending;
+  sigemptyset(&pending);
+  sigpending(&pending);
+  return sigismember(&pending, SIGTERM) == 1 || sigismember(&pending, SIGINT) == 1;
+}
+
 }  // namespace graspdb

@@ -13,6 +13,8 @@ class StopSignal {
 
   // Returns the received signal.
   int Wait() const;
+  // Whether Wait() would return at once. For the thread that constructed this. Less than 1 us.
+  bool IsPending() const;
 
  private:
   sigset_t signals_;

@@ -21,9 +21,10 @@ LiveCatalogue::~LiveCatalogue() {
 }
 
 absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
-    storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters) {
+    storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters,
+    const recognition::IsCancelled& is_cancelled) {
   std::unique_ptr<LiveCatalogue> out(new LiveCatalogue(catalogue, parameters));
-  if (absl::Status status = out->Load(); !status.ok()) return status;
+  if (absl::Status status = out->Load(is_cancelled); !status.ok()) return status;
   absl::StatusOr<std::int64_t> from = catalogue.Subscribe(
       [live = out.get()](const storage::ChangeRecord& change) { live->Apply(change); });
   if (!from.ok()) return from.status();
@@ -33,14 +34,14 @@ absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
   return out;
 }
 
-absl::Status LiveCatalogue::Load() {
+absl::Status LiveCatalogue::Load(const recognition::IsCancelled& is_cancelled) {
   const auto reload = [this] {
     absl::MutexLock lock(&change_mutex_);
     return Reload();
   };
   const absl::StatusOr<std::vector<std::string>> undescribed = reload();
   if (!undescribed.ok() || undescribed->empty()) return undescribed.status();
-  const absl::Status described = Redescribe(catalogue_, *undescribed, parameters_);
+  const absl::Status described = Redescribe(catalogue_, *undescribed, parameters_, is_cancelled);
   return described.ok() ? reload().status() : described;
 }
 

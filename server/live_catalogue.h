@@ -14,6 +14,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "recognition/base/cancellation.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/recognizer.h"
 #include "server/filtered_snapshots.h"
@@ -29,9 +30,10 @@ namespace graspdb::server {
 class LiveCatalogue {
  public:
   // Loads `catalogue`, which must outlive this. Descriptors with other parameters are
-  // recomputed from the clouds, and stored.
+  // recomputed from the clouds, and stored; CANCELLED between two views after `is_cancelled`.
   static absl::StatusOr<std::unique_ptr<LiveCatalogue>> Follow(
-      storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
+      storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters,
+      const recognition::IsCancelled& is_cancelled = {});
   ~LiveCatalogue();
   LiveCatalogue(const LiveCatalogue&) = delete;
   LiveCatalogue& operator=(const LiveCatalogue&) = delete;
@@ -87,7 +89,8 @@ class LiveCatalogue {
 
   LiveCatalogue(storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters);
   // Changes the catalogue, whose writers wait for change_mutex_, so it must not be locked.
-  absl::Status Load() ABSL_LOCKS_EXCLUDED(change_mutex_);
+  absl::Status Load(const recognition::IsCancelled& is_cancelled)
+      ABSL_LOCKS_EXCLUDED(change_mutex_);
   // Reads all records. Returns the names of views that have no descriptor of the parameters, and
   // are left out.
   absl::StatusOr<std::vector<std::string>> Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);

@@ -42,7 +42,8 @@ enum class Undescribable { kIsAnError, kIsLeftOut };
 
 absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                            const recognition::DescriptorParameters& parameters,
-                           Undescribable undescribable) {
+                           Undescribable undescribable,
+                           const recognition::IsCancelled& is_cancelled) {
   spdlog::info("event=redescribe views={} parameters={}", names.size(),
                LogField(parameters.Fingerprint()));
   std::vector<storage::DescriptorUpdate> updates;
@@ -52,6 +53,11 @@ absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std:
     return status;
   };
   for (const std::string& name : names) {
+    if (is_cancelled && is_cancelled()) {
+      absl::Status stored = store();
+      return stored.ok() ? absl::CancelledError("stopped; the next start describes the other views")
+                         : stored;
+    }
     const absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
     if (absl::IsNotFound(record.status())) continue;  // deleted meanwhile
     if (!record.ok()) return record.status();
@@ -79,13 +85,14 @@ absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std:
 }  // namespace
 
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
-                        const recognition::DescriptorParameters& parameters) {
-  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsAnError);
+                        const recognition::DescriptorParameters& parameters,
+                        const recognition::IsCancelled& is_cancelled) {
+  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsAnError, is_cancelled);
 }
 
 absl::Status DescribeViews(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                            const recognition::DescriptorParameters& parameters) {
-  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsLeftOut);
+  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsLeftOut, {});
 }
 
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,

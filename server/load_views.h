@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "recognition/base/cancellation.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "server/loaded_views.h"
 #include "storage/catalogue.h"
@@ -22,9 +23,11 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
 // whose records or clouds cannot be used.
 //
 // FAILED_PRECONDITION for a view that cannot be described with `parameters`, and the errors of the
-// catalogue.
+// catalogue. CANCELLED within some milliseconds after `is_cancelled`, with the views until then
+// stored.
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
-                        const recognition::DescriptorParameters& parameters);
+                        const recognition::DescriptorParameters& parameters,
+                        const recognition::IsCancelled& is_cancelled);
 
 // Redescribe() for views that a call brought into the catalogue. A view that cannot be described
 // gets a descriptor without bins and is left out, also at the next starts: it does not prevent

@@ -35,7 +35,12 @@ int Run(int argc, char** argv) {
 
   const StopSignal stop;
   StartLog("graspdb", options.log_level);
-  absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(options);
+  absl::StatusOr<std::unique_ptr<Server>> server =
+      Server::Start(options, [&stop] { return stop.IsPending(); });
+  if (absl::IsCancelled(server.status())) {
+    spdlog::info("event=start_cancelled signal={}", stop.Wait());
+    return 0;
+  }
   if (!server.ok()) return Fail(server.status());
   spdlog::info("event=start version={} db={} listen={}", kVersion, LogField(options.database),
                (*server)->address());

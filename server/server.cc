@@ -167,7 +167,8 @@ Server::Server(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 Server::~Server() { Stop(); }
 
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(
+    const ServerOptions& options, const recognition::IsCancelled& is_cancelled) {
   if (absl::Status status = CheckListenAddress(options); !status.ok()) return status;
   if (absl::Status status = CheckTlsFiles(options.tls); !status.ok()) return status;
   absl::StatusOr<AccessRules> access = OpenAccessRules(options);
@@ -176,7 +177,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
       storage::Catalogue::Open(options.database, {.keep_changes = options.keep_changes});
   if (!catalogue.ok()) return catalogue.status();
   absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
-      LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor);
+      LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor, is_cancelled);
   if (!live.ok()) return live.status();
   absl::StatusOr<std::unique_ptr<CatalogueBackups>> backups = OpenBackups(options, **catalogue);
   if (!backups.ok()) return backups.status();

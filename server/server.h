@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "recognition/base/cancellation.h"
 #include "recognition/recognizer.h"
 #include "server/options.h"
 
@@ -21,8 +22,10 @@ struct MemoryShares;
 class Server {
  public:
   // Opens the database, loads the catalogue, starts listening. Error messages suggest
-  // what to do.
-  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  // what to do. CANCELLED if `is_cancelled` while views are described again; it is called on this
+  // thread.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(
+      const ServerOptions& options, const recognition::IsCancelled& is_cancelled = {});
   ~Server();
 
   // HOST:PORT, with the selected port.

@@ -35,6 +35,29 @@ TEST_F(ServerProcessTest, LogsItsAddressAndExitsWithZeroOnSigterm) {
   }
 }
 
+TEST_F(ServerProcessTest, AStartThatDescribesViewsAgainEndsOnSigterm) {
+  StartServer();
+  Simulate("set", 120, 1);
+  Succeed({"import", Path("set")});
+  server_->Signal(SIGTERM);
+  server_->Wait();
+  // The signal waits for the server from its first instruction on.
+  const std::string script =
+      "import os, signal, sys\n"
+      "signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})\n"
+      "os.kill(os.getpid(), signal.SIGTERM)\n"
+      "os.execv(sys.argv[1], sys.argv[1:])\n";
+  std::vector<std::string> command = ServerCommand(Path("db"), "127.0.0.1:0");
+  command.insert(command.end(), {"--voxel-size", "0.005"});
+  command.insert(command.begin(), {"/usr/bin/python3", "-c", script});
+  const Finished stopped = RunProgram(folder_.path(), command);
+  EXPECT_THAT(stopped, EndsWith(0));
+  EXPECT_EQ(stopped.out, "") << "it does not listen";
+  EXPECT_THAT(stopped.err, HasSubstr("event=start_cancelled signal=15"));
+  StartServer("db", {"--voxel-size", "0.005"});
+  EXPECT_EQ(Status().left_out_record_count(), 0);
+}
+
 TEST_F(ServerProcessTest, AnswersItsOwnHealthCheck) {
   StartServer();
   const Finished serving = Serve({"health", address_});

@@ -76,6 +76,21 @@ TEST_F(LiveCatalogueTest, RestartWithAnotherDescriptorRecomputesDescriptors) {
   }
 }
 
+TEST_F(LiveCatalogueTest, ACancelledStartKeepsWhatItHasDescribed) {
+  Teach("wedge", 4);
+  const std::int64_t revision = Status().catalog_revision();
+  server_.reset();
+  options_.voxel_size_m = 0.005;
+  int views = 0;
+  EXPECT_THAT(server::Server::Start(options_, [&views] { return views++ == 3; }),
+              StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_EQ(views, 4);
+  Start();
+  EXPECT_EQ(Status().catalog_revision(), revision + 2) << "three views, then one";
+  EXPECT_EQ(Status().left_out_record_count(), 0);
+  EXPECT_EQ(Answer(request_).status(), v1::OK);
+}
+
 TEST_F(LiveCatalogueTest, ViewsCanBeTaughtAfterARestartThatRecomputedDescriptors) {
   Teach("wedge", 2);
   options_.descriptor = "vfh263";
