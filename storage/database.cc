@@ -74,7 +74,11 @@ void Database::FlushLargeLogs() {
 absl::Status Database::Flush() {
   // RocksDB ends all writing when it flushes with a torn log and does not recover.
   if (auto recovered = RecoverFromFullDisk(); !recovered.ok()) return recovered;
-  return FromRocksDb(db_->Flush(rocksdb::FlushOptions(), handles_), "flush the changes");
+  rocksdb::FlushOptions options;
+  // Else RocksDB waits first for the compaction of sorted files where there are twenty, which takes
+  // for ever while it finds the disk full.
+  options.allow_write_stall = true;
+  return FromRocksDb(db_->Flush(options, handles_), "flush the changes");
 }
 
 void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {

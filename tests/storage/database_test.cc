@@ -1,0 +1,58 @@
+// The database below the catalogue, on a full disk.
+#include "storage/database.h"
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "gtest/gtest.h"
+#include "tests/storage/catalogue_fixture.h"
+#include "tests/storage/faulty_disk.h"
+
+namespace graspdb::storage {
+namespace {
+
+class DatabaseTest : public ::testing::Test {
+ protected:
+  void Open() {
+    database_.reset();
+    Database::Options options;
+    options.write_buffer_bytes = 64U << 10;
+    options.env = env_.get();
+    auto opened = Database::Open(directory_ / "db", options);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    database_ = *std::move(opened);
+    ASSERT_TRUE(database_->CreateMissingFamilies().ok());
+  }
+  absl::Status Write(Family family, std::string_view value) {
+    rocksdb::WriteBatch batch;
+    if (auto put = database_->Put(family, "row", value, batch); !put.ok()) return put;
+    return database_->Write(batch);
+  }
+
+  TemporaryDirectory directory_;
+  const std::shared_ptr<FaultyDisk> disk_ = std::make_shared<FaultyDisk>();
+  const std::unique_ptr<rocksdb::Env> env_ = rocksdb::NewCompositeEnv(disk_);
+  std::unique_ptr<Database> database_;
+};
+
+TEST_F(DatabaseTest, AFlushDoesNotWaitForCompactionsThatFindTheDiskFull) {
+  ASSERT_NO_FATAL_FAILURE(Open());
+  disk_->FailCompactions(true);
+  // Each flush leaves a sorted file: compactions begin with four, RocksDB slows writes down with 20
+  // and stops them with 36.
+  for (int flush = 1; flush <= 25; ++flush) {
+    ASSERT_TRUE(Write(Family::kObjects, std::to_string(flush)).ok());
+    const absl::Status flushed = database_->Flush();
+    ASSERT_TRUE(flushed.ok()) << flushed;
+    while (flush == 4 && disk_->failed_compactions() == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::storage
