@@ -78,7 +78,10 @@ absl::Status Database::Flush() {
   // Else RocksDB waits first for the compaction of sorted files where there are twenty, which takes
   // for ever while it finds the disk full.
   options.allow_write_stall = true;
-  return FromRocksDb(db_->Flush(options, handles_), "flush the changes");
+  absl::ReaderMutexLock lock(&log_mutex_);  // nothing recovers meanwhile
+  const rocksdb::Status flushed = db_->Flush(options, handles_);
+  if (flushed.IsNoSpace()) is_full_ = true;
+  return FromRocksDb(flushed, "flush the changes");
 }
 
 void Database::Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles) {

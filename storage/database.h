@@ -90,10 +90,11 @@ class Database {
   // the next write succeeds, and writes succeed once there is room. After any other error it is
   // unknown whether the batch was written, until the database is opened again.
   absl::Status Write(rocksdb::WriteBatch& batch) ABSL_LOCKS_EXCLUDED(log_mutex_);
-  // After a write found the disk full: makes it possible to write again, if there is room. OK
-  // without such a write. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.
+  // After a write or flush found the disk full: makes it possible to write again, if there is room.
+  // OK otherwise. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.
   absl::Status RecoverFromFullDisk() ABSL_LOCKS_EXCLUDED(log_mutex_);
-  // Moves everything from the logs to sorted files. RESOURCE_EXHAUSTED when the disk is full.
+  // Moves everything from the logs to sorted files. RESOURCE_EXHAUSTED when the disk is full;
+  // succeeds once there is room.
   absl::Status Flush() ABSL_LOCKS_EXCLUDED(log_mutex_);
 
   // For backups.

@@ -244,5 +244,20 @@ TEST_F(DiskFullTest, UploadsAndBackupsGoOnAfterwards) {
   ExpectDurable(*catalogue);
 }
 
+TEST_F(DiskFullTest, ABackupWhoseFlushFindsTheDiskFullSucceedsLaterWithoutAWrite) {
+  const auto catalogue = Open();
+  Prepare(*catalogue);
+  std::filesystem::create_directory(directory_ / "backups");
+  Backups backups(directory_ / "backups");
+  disk_->FailSortedFiles(1);
+  const absl::Status full = backups.Create(*catalogue).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
+  const absl::Status made = Repeat([&] { return backups.Create(*catalogue).status(); });
+  ASSERT_TRUE(made.ok()) << made;
+  EXPECT_TRUE(backups.Verify(1).ok());
+  ASSERT_TRUE(catalogue->PutView(View(1)).ok());
+  ExpectDurable(*catalogue);
+}
+
 }  // namespace
 }  // namespace graspdb::storage
