@@ -256,7 +256,10 @@ rocksdb::Status Database::Resume() {
       return rocksdb::Status::IOError("a flush that failed cannot be repeated");
     }
   }
-  return db_->Resume();
+  const rocksdb::Status resumed = db_->Resume();
+  // Where a new log could not be made, RocksDB takes the full disk for an error that it never ends.
+  const bool is_final = resumed.severity() >= rocksdb::Status::Severity::kFatalError;
+  return is_final ? rocksdb::Status::IOError(resumed.ToString()) : resumed;
 }
 
 }  // namespace graspdb::storage

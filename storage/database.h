@@ -87,8 +87,9 @@ class Database {
                             rocksdb::WriteBatch& batch) const;
   // Writes all of `batch` or nothing; when it returns, the batch is on the disk.
   // RESOURCE_EXHAUSTED when the disk is full: nothing was written, unless the process ends before
-  // the next write succeeds, and writes succeed once there is room. After any other error it is
-  // unknown whether the batch was written, until the database is opened again.
+  // the next write succeeds, and writes succeed once there is room; UNAVAILABLE then if not even a
+  // new log could be made. After any other error it is unknown whether the batch was written, until
+  // the database is opened again.
   absl::Status Write(rocksdb::WriteBatch& batch) ABSL_LOCKS_EXCLUDED(log_mutex_);
   // After a write or flush found the disk full: makes it possible to write again, if there is room.
   // OK otherwise. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.

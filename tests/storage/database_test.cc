@@ -8,12 +8,15 @@
 #include <thread>
 #include <utility>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/faulty_disk.h"
 
 namespace graspdb::storage {
 namespace {
+
+using ::testing::HasSubstr;
 
 class DatabaseTest : public ::testing::Test {
  protected:
@@ -52,6 +55,23 @@ TEST_F(DatabaseTest, AFlushDoesNotWaitForCompactionsThatFindTheDiskFull) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
+}
+
+TEST_F(DatabaseTest, WithoutPlaceForANewLogWritesTakeARestart) {
+  ASSERT_NO_FATAL_FAILURE(Open());
+  disk_->FailNewLogs(true);
+  const std::string value(1000, 'x');
+  absl::Status written;
+  // Until the memtable of the family is full. One family: RocksDB leaks references of the others.
+  while (written.ok()) written = Write(Family::kMeta, value);
+  EXPECT_TRUE(absl::IsResourceExhausted(written)) << written;
+  disk_->FailNewLogs(false);
+  const absl::Status again = Write(Family::kMeta, value);
+  EXPECT_TRUE(absl::IsUnavailable(again)) << again;
+  EXPECT_THAT(std::string(again.message()), HasSubstr("restart the server"));
+  ASSERT_NO_FATAL_FAILURE(Open());
+  EXPECT_EQ(*database_->Get(Family::kMeta, "row"), value);
+  EXPECT_TRUE(Write(Family::kMeta, value).ok());
 }
 
 }  // namespace

@@ -99,6 +99,7 @@ rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
                                               std::unique_ptr<rocksdb::FSWritableFile>* file,
                                               rocksdb::IODebugContext* context) {
   if (auto running = Running(); !running.ok()) return running;
+  if (fail_new_logs_ && name.ends_with(".log")) return rocksdb::IOStatus::NoSpace("no inode left");
   std::optional<std::string> before = BytesIfThere(name);
   std::unique_ptr<rocksdb::FSWritableFile> inner;
   rocksdb::IOStatus made = target()->NewWritableFile(name, options, &inner, context);

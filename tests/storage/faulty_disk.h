@@ -47,6 +47,8 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   static constexpr std::int64_t kMuchSpace = std::numeric_limits<std::int64_t>::max() / 2;
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }
+  // Whether a new log finds no place in its folder, as on a disk without free inodes.
+  void FailNewLogs(bool fail) { fail_new_logs_ = fail; }
   // Whether GetFreeSpace() is supported.
   void ReportSpace(bool report) { report_space_ = report; }
   // The next `count` sorted files that end find the disk full, each after a while, as a flush that
@@ -74,6 +76,7 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   std::atomic<std::int64_t> space_ = kMuchSpace;
   std::atomic<int> syncs_of_logs_ = 0;
   std::atomic<bool> fail_syncs_of_logs_ = false;
+  std::atomic<bool> fail_new_logs_ = false;
   std::atomic<bool> report_space_ = true;
   std::atomic<int> failing_sorted_files_ = 0;
   std::atomic<bool> fail_compactions_ = false;
