@@ -232,21 +232,26 @@ absl::Status Database::RecoverFromFullDisk() {
   return FromRocksDb(waits ? full : recovered, "write the change");
 }
 
-// DB::Resume() flushes all memtables. In RocksDB 7.8 with atomic_flush a flush that another one has
-// made fail is never repeated, and DB::Resume() waits for it; or it syncs the torn log, where an
-// assertion ends the process (https://github.com/facebook/rocksdb/pull/11872). So none may fail
-// meanwhile: there must be room for all memtables, and none may be running already.
-rocksdb::Status Database::Resume() {
+bool Database::HasRoomForMemtables() const {
   std::uint64_t memtables = 0;
   db_->GetAggregatedIntProperty(rocksdb::DB::Properties::kCurSizeAllMemTables, &memtables);
   std::uint64_t room = 0;
   const rocksdb::IOStatus measured =
       db_->GetFileSystem()->GetFreeSpace(directory_, rocksdb::IOOptions(), &room, nullptr);
-  if (measured.ok() && room < memtables + kRecoverySpareBytes) return rocksdb::Status::NoSpace();
-  // Pausing waits for running flushes, and after an error no other begins.
+  return !measured.ok() || room >= memtables + kRecoverySpareBytes;
+}
+
+// DB::Resume() flushes all memtables. In RocksDB 7.8 with atomic_flush a flush that another one has
+// made fail is never repeated, and DB::Resume() waits for it; or it syncs the torn log, where an
+// assertion ends the process (https://github.com/facebook/rocksdb/pull/11872). So none may fail
+// meanwhile: there must be room for all memtables, and none may be running already.
+rocksdb::Status Database::Resume() {
+  if (!HasRoomForMemtables()) return rocksdb::Status::NoSpace();
+  // Pausing waits for running flushes and compactions, and after an error no other begins.
   rocksdb::Status idle = db_->PauseBackgroundWork();
   if (idle.ok()) idle = db_->ContinueBackgroundWork();
   if (!idle.ok()) return idle;
+  if (!HasRoomForMemtables()) return rocksdb::Status::NoSpace();  // a compaction has taken it
   for (rocksdb::ColumnFamilyHandle* family : handles_) {
     std::uint64_t immutable = 0;
     std::uint64_t pending = 0;

@@ -108,6 +108,7 @@ class Database {
   void FlushLargeLogs() ABSL_LOCKS_EXCLUDED(log_mutex_);
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
   rocksdb::Status WriteToLog(rocksdb::WriteBatch& batch) ABSL_SHARED_LOCKS_REQUIRED(log_mutex_);
+  bool HasRoomForMemtables() const;  // also where the file system does not say
   rocksdb::Status Resume() ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_mutex_);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
     return families_[static_cast<std::size_t>(family)];

@@ -217,6 +217,21 @@ TEST_F(DiskFullTest, WritesGoOnWhileCompactionsFail) {
   ExpectDurableWhenClosed(std::move(catalogue));
 }
 
+TEST_F(DiskFullTest, RoomThatIsTakenMeanwhileIsNotCountedOn) {
+  const auto catalogue = Open();
+  Prepare(*catalogue);
+  disk_->SetSpace(3000);
+  EXPECT_TRUE(absl::IsResourceExhausted(catalogue->PutView(View(1)).status()));
+  disk_->SetSpace(FaultyDisk::kMuchSpace);
+  disk_->TakeMeasuredSpace(100);
+  EXPECT_TRUE(absl::IsResourceExhausted(catalogue->PutView(View(1)).status()));
+  EXPECT_EQ(disk_->space(), 100) << "no flush has begun";
+  disk_->SetSpace(FaultyDisk::kMuchSpace);
+  const absl::Status put = Repeat([&] { return catalogue->PutView(View(1)).status(); });
+  ASSERT_TRUE(put.ok()) << put;
+  ExpectDurable(*catalogue);
+}
+
 TEST_F(DiskFullTest, UploadsAndBackupsGoOnAfterwards) {
   const auto catalogue = Open();
   Prepare(*catalogue);

@@ -150,6 +150,8 @@ rocksdb::IOStatus FaultyDisk::GetFreeSpace(const std::string& /*path*/,
                                            rocksdb::IODebugContext* /*context*/) {
   if (!report_space_) return rocksdb::IOStatus::NotSupported();
   *space = static_cast<std::uint64_t>(space_.load());
+  const std::int64_t left = left_after_measurement_.exchange(kNothingTaken);
+  if (left != kNothingTaken) space_ = left;
   return rocksdb::IOStatus::OK();
 }
 

@@ -44,6 +44,9 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   void LosePower(const std::string& directory);
   // Bytes that can still be written to files.
   void SetSpace(std::int64_t bytes) { space_ = bytes; }
+  std::int64_t space() const { return space_; }
+  // What is left after the next call of GetFreeSpace(), as if another took the rest.
+  void TakeMeasuredSpace(std::int64_t left) { left_after_measurement_ = left; }
   static constexpr std::int64_t kMuchSpace = std::numeric_limits<std::int64_t>::max() / 2;
   int syncs_of_logs() const { return syncs_of_logs_; }
   void FailSyncsOfLogs(bool fail) { fail_syncs_of_logs_ = fail; }
@@ -73,9 +76,11 @@ class FaultyDisk : public rocksdb::FileSystemWrapper {
   std::map<std::string, std::uint64_t> synced_;  // by path
   // Paths whose names changed since the last sync: the bytes that they had before, if they existed.
   std::map<std::string, std::optional<std::string>> renamed_;
+  static constexpr std::int64_t kNothingTaken = -1;
   std::atomic<std::int64_t> space_ = kMuchSpace;
   std::atomic<int> syncs_of_logs_ = 0;
   std::atomic<bool> fail_syncs_of_logs_ = false;
+  std::atomic<std::int64_t> left_after_measurement_ = kNothingTaken;
   std::atomic<bool> fail_new_logs_ = false;
   std::atomic<bool> report_space_ = true;
   std::atomic<int> failing_sorted_files_ = 0;
