@@ -74,12 +74,8 @@ void Database::FlushLargeLogs() {
 absl::Status Database::Flush() {
   // RocksDB ends all writing when it flushes with a torn log and does not recover.
   if (auto recovered = RecoverFromFullDisk(); !recovered.ok()) return recovered;
-  rocksdb::FlushOptions options;
-  // Else RocksDB waits first for the compaction of sorted files where there are twenty, which takes
-  // for ever while it finds the disk full.
-  options.allow_write_stall = true;
   absl::ReaderMutexLock lock(&log_mutex_);  // nothing recovers meanwhile
-  const rocksdb::Status flushed = db_->Flush(options, handles_);
+  const rocksdb::Status flushed = db_->Flush(rocksdb::FlushOptions(), handles_);
   if (flushed.IsNoSpace()) is_full_ = true;
   return FromRocksDb(flushed, "flush the changes");
 }

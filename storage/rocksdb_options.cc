@@ -1,6 +1,7 @@
 #include "storage/rocksdb_options.h"
 
 #include <cstdint>
+#include <limits>
 
 #include "rocksdb/cache.h"
 #include "rocksdb/file_checksum.h"
@@ -64,6 +65,10 @@ rocksdb::ColumnFamilyOptions MakeFamilyOptions(std::string_view name,
                                                const std::shared_ptr<rocksdb::Cache>& block_cache) {
   rocksdb::ColumnFamilyOptions options;
   options.write_buffer_size = write_buffer_bytes;
+  // Writes and flushes wait for no compaction: while it finds the disk full, they would for ever,
+  // since that is no error of the database (NoAutomaticRecovery).
+  options.level0_slowdown_writes_trigger = std::numeric_limits<int>::max();
+  options.level0_stop_writes_trigger = std::numeric_limits<int>::max();
   options.paranoid_file_checks = true;  // read a file back before its log is deleted
   options.compression = rocksdb::kLZ4Compression;
   rocksdb::BlockBasedTableOptions table;
