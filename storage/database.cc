@@ -199,7 +199,8 @@ absl::Status Database::Write(rocksdb::WriteBatch& batch) {
 rocksdb::Status Database::WriteToLog(rocksdb::WriteBatch& batch) {
   // A new log begins when memtables with entries are flushed. Without an entry, a log that found
   // the disk full could not be replaced, and RocksDB 7.8 ends the process at the next write. Every
-  // time, since RocksDB replaces full memtables at the beginning of a write.
+  // time, since RocksDB replaces full memtables at the beginning of a write; another writer can
+  // still fill one between these two.
   rocksdb::WriteOptions unlogged;
   unlogged.disableWAL = true;
   rocksdb::Status marked = db_->Delete(unlogged, Handle(Family::kMeta), "no such row");
