@@ -183,7 +183,7 @@ rocksdb::IOStatus FaultyDisk::NamesSynced(const std::string& directory) {
 }
 
 rocksdb::IOStatus FaultyDisk::SortedFileMayEnd() {
-  const rocksdb::IOStatus full = rocksdb::IOStatus::NoSpace("no byte left");
+  rocksdb::IOStatus full = rocksdb::IOStatus::NoSpace("no byte left");
   if (fail_compactions_ && IsCompactionThread()) {
     ++failed_compactions_;
     return full;
