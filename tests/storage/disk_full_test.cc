@@ -48,6 +48,13 @@ class DiskFullTest : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   }
+  // Views enough to fill memtables twice, each until the disk is not full; counts `number` up.
+  static void PutMore(Catalogue& catalogue, int& number) {
+    for (const int last = number + 20; number < last; ++number) {
+      const absl::Status put = Repeat([&] { return catalogue.PutView(View(number)).status(); });
+      ASSERT_TRUE(put.ok()) << put;
+    }
+  }
   // RocksDB makes and deletes files meanwhile, on a thread of its own: again, until it did not.
   void CopyWhileOpen() {
     for (;;) {
@@ -175,10 +182,7 @@ TEST_F(DiskFullTest, AFlushThatFailsIsRepeated) {
   EXPECT_GT(number, 5);
   EXPECT_TRUE(TakePicture(*catalogue).ok());
   disk_->SetSpace(FaultyDisk::kMuchSpace);
-  for (const int last = number + 20; number < last; ++number) {
-    const absl::Status put = Repeat([&] { return catalogue->PutView(View(number)).status(); });
-    ASSERT_TRUE(put.ok()) << put;
-  }
+  ASSERT_NO_FATAL_FAILURE(PutMore(*catalogue, number));
   ExpectDurableWhenClosed(std::move(catalogue));
 }
 
@@ -194,10 +198,7 @@ TEST_F(DiskFullTest, AWriteWhileAFlushFailsIsRepeated) {
     while (catalogue->PutView(View(number)).ok()) ++number;
     disk_->FailSortedFiles(0);
     disk_->SetSpace(FaultyDisk::kMuchSpace);
-    for (const int last = number + 20; number < last; ++number) {
-      const absl::Status put = Repeat([&] { return catalogue->PutView(View(number)).status(); });
-      ASSERT_TRUE(put.ok()) << put;
-    }
+    ASSERT_NO_FATAL_FAILURE(PutMore(*catalogue, number));
   }
   ExpectDurableWhenClosed(std::move(catalogue));
 }
