@@ -21,7 +21,7 @@ constexpr int kArchiveLevel = 3;
 }  // namespace
 
 absl::StatusOr<ArchiveWriter> ArchiveWriter::Create(const std::filesystem::path& path) {
-  auto file = AtomicFile::Create(path);
+  auto file = AtomicFile::Create(path, Durability::kPowerFailure);
   if (!file.ok()) return file.status();
   if (absl::Status begun = (*file)->Append(kArchiveMagic); !begun.ok()) return begun;
   return ArchiveWriter(*std::move(file));
@@ -49,8 +49,6 @@ absl::Status ArchiveWriter::Add(const v1::ArchiveRecord& record) {
   return file_->Append(frame);
 }
 
-absl::Status ArchiveWriter::Finish() {
-  return file_->Commit(Durability::kPowerFailure, Existing::kKeep);
-}
+absl::Status ArchiveWriter::Finish() { return file_->Commit(Existing::kKeep); }
 
 }  // namespace graspdb::client

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "storage/folder_sync.h"
 
 namespace graspdb::client {
 namespace {
@@ -61,48 +62,36 @@ int RenameNew(const char* from, const char* to) {
   return rename(from, to) == 0 ? 0 : errno;
 }
 
-// The name of a new file is durable once its folder is flushed. 0, also on file systems that cannot
-// flush folders, or an errno.
-int FlushNames(const std::filesystem::path& folder) {
-  const char* path = folder.empty() ? "." : folder.c_str();
-  const int names = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (names < 0) return errno;
-  const int error = fsync(names) == 0 ? 0 : errno;
-  close(names);
-  return error == EINVAL || error == ENOTSUP || error == ENOSYS ? 0 : error;
-}
-
-// `folder`, or the lowest one above it that exists.
-std::filesystem::path ExistingFolder(std::filesystem::path folder) {
-  const auto is_missing = [&] {
-    std::error_code unknown;
-    return std::filesystem::status(folder, unknown).type() == std::filesystem::file_type::not_found;
-  };
-  while (!folder.empty() && is_missing()) folder = folder.parent_path();
-  return folder;
+std::error_code MakeFolderOf(const std::filesystem::path& path, Durability durability) {
+  std::error_code error;
+  if (!path.has_parent_path()) return error;
+  if (durability == Durability::kPowerFailure) return storage::MakeFolders(path.parent_path());
+  std::filesystem::create_directories(path.parent_path(), error);
+  return error;
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path top, std::string temporary,
+AtomicFile::AtomicFile(std::filesystem::path path, Durability durability, std::string temporary,
                        int file)
-    : path_(std::move(path)), top_(std::move(top)), temporary_(std::move(temporary)), file_(file) {}
+    : path_(std::move(path)),
+      durability_(durability),
+      temporary_(std::move(temporary)),
+      file_(file) {}
 
 AtomicFile::~AtomicFile() {
   if (file_ >= 0) close(file_);
   if (!temporary_.empty()) unlink(temporary_.c_str());
 }
 
-absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesystem::path& path) {
-  std::filesystem::path top = ExistingFolder(path.parent_path());
-  std::error_code made;
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), made);
-  if (made) return Failed(path, made.value());
+absl::StatusOr<std::unique_ptr<AtomicFile>> AtomicFile::Create(const std::filesystem::path& path,
+                                                               Durability durability) {
+  if (const auto error = MakeFolderOf(path, durability)) return Failed(path, error.value());
   const std::string temporary = absl::StrCat(path.string(), ".", getpid(), ".tmp");
   const int file =
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file < 0) return Failed(path, errno);
-  return std::unique_ptr<AtomicFile>(new AtomicFile(path, std::move(top), temporary, file));
+  return std::unique_ptr<AtomicFile>(new AtomicFile(path, durability, temporary, file));
 }
 
 absl::Status AtomicFile::Append(std::string_view bytes) {
@@ -110,9 +99,9 @@ absl::Status AtomicFile::Append(std::string_view bytes) {
   return error == 0 ? absl::OkStatus() : Failed(path_, error);
 }
 
-absl::Status AtomicFile::Commit(Durability durability, Existing existing) {
+absl::Status AtomicFile::Commit(Existing existing) {
   int error = 0;
-  if (durability == Durability::kPowerFailure && fsync(file_) != 0) error = errno;
+  if (durability_ == Durability::kPowerFailure && fsync(file_) != 0) error = errno;
   if (close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
   if (error == 0 && existing == Existing::kKeep) {
     error = RenameNew(temporary_.c_str(), path_.c_str());
@@ -124,22 +113,17 @@ absl::Status AtomicFile::Commit(Durability durability, Existing existing) {
   }
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
-  if (durability == Durability::kProcessCrash) return absl::OkStatus();
-  std::filesystem::path folder = path_.parent_path();
-  error = FlushNames(folder);
-  while (error == 0 && folder != top_) {
-    folder = folder.parent_path();
-    error = FlushNames(folder);
-  }
-  return error == 0 ? absl::OkStatus() : NotDurable(path_, error);
+  if (durability_ == Durability::kProcessCrash) return absl::OkStatus();
+  const std::error_code unflushed = storage::SyncFolder(path_.parent_path());
+  return unflushed ? NotDurable(path_, unflushed.value()) : absl::OkStatus();
 }
 
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability) {
-  const absl::StatusOr<std::unique_ptr<AtomicFile>> file = AtomicFile::Create(path);
+  const absl::StatusOr<std::unique_ptr<AtomicFile>> file = AtomicFile::Create(path, durability);
   if (!file.ok()) return file.status();
   if (absl::Status written = (*file)->Append(bytes); !written.ok()) return written;
-  return (*file)->Commit(durability);
+  return (*file)->Commit();
 }
 
 }  // namespace graspdb::client

@@ -22,28 +22,28 @@ enum class Existing { kReplace, kKeep };
 // those of WriteFileAtomically. Not thread-safe.
 class AtomicFile {
  public:
-  // Missing folders are created.
-  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::filesystem::path& path);
+  // Missing folders are created. With kPowerFailure their names are on the disk when this returns,
+  // and that of the file when Commit() does, where the file system can do that.
+  static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::filesystem::path& path,
+                                                            Durability durability);
   // Removes what was written, unless it was committed.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   absl::Status Append(std::string_view bytes);
-  // Once, after the last Append(). With kPowerFailure its name, and those of folders that were
-  // created, are on the disk, too, where the file system can do that. With kKeep, ALREADY_EXISTS
-  // where there is a file at the path, also if it appeared just now; only on file systems without
-  // hard links and renameat2(2), a file that appears within this call is replaced.
-  absl::Status Commit(Durability durability, Existing existing = Existing::kReplace);
+  // Once, after the last Append(). With kKeep, ALREADY_EXISTS where there is a file at the path,
+  // also if it appeared just now; only on file systems without hard links and renameat2(2), a file
+  // that appears within this call is replaced.
+  absl::Status Commit(Existing existing = Existing::kReplace);
 
  private:
-  AtomicFile(std::filesystem::path path, std::filesystem::path top, std::string temporary,
-             int file);
+  AtomicFile(std::filesystem::path path, Durability durability, std::string temporary, int file);
 
   std::filesystem::path path_;
-  std::filesystem::path top_;  // the lowest folder above the file that was not created for it
-  std::string temporary_;      // empty: committed
-  int file_;                   // -1: closed
+  Durability durability_;
+  std::string temporary_;  // empty: committed
+  int file_;               // -1: closed
 };
 
 // Writes `bytes` beside `path` and renames the result to `path`, replacing an
@@ -53,7 +53,8 @@ class AtomicFile {
 // written beside `path` is not followed.
 //
 // PERMISSION_DENIED, RESOURCE_EXHAUSTED (disk full) or FAILED_PRECONDITION (any
-// other failure), with the path; a file at `path` is then unchanged.
+// other failure), with the path; a file at `path` is then unchanged, unless only its folder could
+// not be flushed.
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability);
 

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
+#include <system_error>
+
+#include "storage/folder_sync.h"
 
 namespace graspdb::storage {
 namespace {
@@ -16,7 +18,7 @@ namespace {
 // portions.
 constexpr std::size_t kSyncBytes = 8U << 20;
 
-// An open file or directory.
+// An open file.
 class OpenFile {
  public:
   OpenFile(const std::string& path, int flags)
@@ -46,24 +48,20 @@ bool WriteDurably(const std::string& path, std::string_view bytes) {
   return true;
 }
 
-// The names in a directory are durable once it is synced.
-bool SyncNames(const std::string& directory) {
-  const OpenFile names(directory, O_RDONLY | O_DIRECTORY);
-  return names.number() >= 0 && fsync(names.number()) == 0;
-}
-
 }  // namespace
 
 absl::Status ReplaceFile(const std::string& path, std::string_view bytes) {
   const std::string next = path + ".dbtmp";
-  if (WriteDurably(next, bytes) && rename(next.c_str(), path.c_str()) == 0 &&
-      SyncNames(std::filesystem::path(path).parent_path().string())) {
-    return absl::OkStatus();
+  std::error_code error;
+  if (WriteDurably(next, bytes) && rename(next.c_str(), path.c_str()) == 0) {
+    error = SyncFolder(std::filesystem::path(path).parent_path());
+  } else {
+    error.assign(errno, std::generic_category());
   }
-  absl::Status failed = absl::UnavailableError("cannot write " + path + " (" +
-                                               std::strerror(errno) + "); check the disk");
+  if (!error) return absl::OkStatus();
   unlink(next.c_str());
-  return failed;
+  return absl::UnavailableError("cannot write " + path + " (" + error.message() +
+                                "); check the disk");
 }
 
 }  // namespace graspdb::storage

@@ -26,19 +26,19 @@ TEST(AtomicFile, MakesFoldersAndReplacesWithoutLeavingAnythingBehind) {
 TEST(AtomicFile, AFileThatAppearsMeanwhileCanBeKept) {
   const TemporaryFolder folder;
   {
-    const auto file = AtomicFile::Create(folder.path() / "file");
+    const auto file = AtomicFile::Create(folder.path() / "file", Durability::kProcessCrash);
     ASSERT_TRUE(file.ok());
     ASSERT_TRUE((*file)->Append("new").ok());
     const auto path = folder.Write("file", "of another program");
-    const absl::Status kept = (*file)->Commit(Durability::kProcessCrash, Existing::kKeep);
+    const absl::Status kept = (*file)->Commit(Existing::kKeep);
     EXPECT_EQ(kept.code(), absl::StatusCode::kAlreadyExists);
     EXPECT_THAT(std::string(kept.message()), testing::HasSubstr(path.string()));
     EXPECT_EQ(BytesOf(path), "of another program");
   }
-  const auto other = AtomicFile::Create(folder.path() / "other");
+  const auto other = AtomicFile::Create(folder.path() / "other", Durability::kProcessCrash);
   ASSERT_TRUE(other.ok());
   ASSERT_TRUE((*other)->Append("new").ok());
-  EXPECT_TRUE((*other)->Commit(Durability::kProcessCrash, Existing::kKeep).ok());
+  EXPECT_TRUE((*other)->Commit(Existing::kKeep).ok());
   EXPECT_EQ(BytesOf(folder.path() / "other"), "new");
   const std::filesystem::directory_iterator files(folder.path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "a temporary file was left";
@@ -68,6 +68,9 @@ TEST(AtomicFile, AFolderThatCannotBeFlushedIsAnErrorIfTheFileMustSurviveAPowerFa
   EXPECT_THAT(std::string(failed.message()),
               testing::StartsWith(path.string() + " is written, but"));
   EXPECT_EQ(BytesOf(path), "new");
+  const auto below = folder.path() / "new" / "file";
+  EXPECT_FALSE(WriteFileAtomically(below, "new", Durability::kPowerFailure).ok());
+  EXPECT_FALSE(std::filesystem::exists(below)) << "its folder was made first";
   EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kProcessCrash).ok());
   syncs.FailFolders(EINVAL);  // of a file system that cannot do it
   EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kPowerFailure).ok());
