@@ -65,7 +65,9 @@ int RenameNew(const char* from, const char* to) {
 std::error_code MakeFolderOf(const std::filesystem::path& path, Durability durability) {
   std::error_code error;
   if (!path.has_parent_path()) return error;
-  if (durability == Durability::kPowerFailure) return storage::MakeFolders(path.parent_path());
+  if (durability == Durability::kPowerFailure) {
+    return storage::MakeFolders(path.parent_path(), storage::Unreadable::kIsAccepted);
+  }
   std::filesystem::create_directories(path.parent_path(), error);
   return error;
 }
@@ -114,7 +116,8 @@ absl::Status AtomicFile::Commit(Existing existing) {
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
   if (durability_ == Durability::kProcessCrash) return absl::OkStatus();
-  const std::error_code unflushed = storage::SyncFolder(path_.parent_path());
+  const std::error_code unflushed =
+      storage::SyncFolder(path_.parent_path(), storage::Unreadable::kIsAccepted);
   return unflushed ? NotDurable(path_, unflushed.value()) : absl::OkStatus();
 }
 

@@ -8,17 +8,20 @@
 
 namespace graspdb::storage {
 
-std::error_code SyncFolder(const std::filesystem::path& folder) {
+std::error_code SyncFolder(const std::filesystem::path& folder, Unreadable unreadable) {
   const char* path = folder.empty() ? "." : folder.c_str();
   const int names = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  int error = names >= 0 && fsync(names) == 0 ? 0 : errno;
-  if (names >= 0) close(names);
+  if (names < 0) {
+    const bool is_accepted = errno == EACCES && unreadable == Unreadable::kIsAccepted;
+    return {is_accepted ? 0 : errno, std::generic_category()};
+  }
+  const int error = fsync(names) == 0 ? 0 : errno;
+  close(names);
   const bool is_unsupported = error == EINVAL || error == ENOTSUP || error == ENOSYS;
-  if (names >= 0 && is_unsupported) error = 0;
-  return {error, std::generic_category()};
+  return {is_unsupported ? 0 : error, std::generic_category()};
 }
 
-std::error_code MakeFolders(const std::filesystem::path& folder) {
+std::error_code MakeFolders(const std::filesystem::path& folder, Unreadable unreadable) {
   std::error_code error;
   std::vector<std::filesystem::path> parents;  // of the missing ones
   std::filesystem::path next = std::filesystem::absolute(folder, error);
@@ -28,7 +31,7 @@ std::error_code MakeFolders(const std::filesystem::path& folder) {
   }
   if (!error) std::filesystem::create_directories(folder, error);
   for (const std::filesystem::path& parent : parents) {
-    if (!error) error = SyncFolder(parent);
+    if (!error) error = SyncFolder(parent, unreadable);
   }
   return error;
 }

@@ -6,11 +6,17 @@
 
 namespace graspdb::storage {
 
+// Whether a folder that may be written but not read, which thus cannot be flushed, is an error:
+// permission_denied.
+enum class Unreadable { kIsError, kIsAccepted };
+
 // Returns when what was made, renamed or deleted in `folder` (empty: the current one) is on the
 // disk. Does nothing on file systems that cannot do it.
-std::error_code SyncFolder(const std::filesystem::path& folder);
+std::error_code SyncFolder(const std::filesystem::path& folder,
+                           Unreadable unreadable = Unreadable::kIsError);
 
 // Makes `folder` and the missing ones above it; returns when they are on the disk.
-std::error_code MakeFolders(const std::filesystem::path& folder);
+std::error_code MakeFolders(const std::filesystem::path& folder,
+                            Unreadable unreadable = Unreadable::kIsError);
 
 }  // namespace graspdb::storage

@@ -47,7 +47,10 @@ absl::Status WriteSecret(const std::string& path, const std::string& secret) {
   std::error_code error;
   if (!written) error.assign(errno == 0 ? EIO : errno, std::generic_category());
   if (is_new && close(file) != 0 && !error) error.assign(errno, std::generic_category());
-  if (!error) error = storage::SyncFolder(std::filesystem::path(path).parent_path());
+  if (!error) {
+    error = storage::SyncFolder(std::filesystem::path(path).parent_path(),
+                                storage::Unreadable::kIsAccepted);
+  }
   if (!error) return absl::OkStatus();
   if (is_new) unlink(path.c_str());
   return absl::FailedPreconditionError(

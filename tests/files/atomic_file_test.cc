@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <string>
 
 #include "tests/files/temporary_folder.h"
+#include "tests/testing/unreadable_folder.h"
 #include "tests/testing/watched_syncs.h"
 
 namespace graspdb::client {
@@ -74,6 +76,21 @@ TEST(AtomicFile, AFolderThatCannotBeFlushedIsAnErrorIfTheFileMustSurviveAPowerFa
   EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kProcessCrash).ok());
   syncs.FailFolders(EINVAL);  // of a file system that cannot do it
   EXPECT_TRUE(WriteFileAtomically(path, "x", Durability::kPowerFailure).ok());
+}
+
+TEST(AtomicFile, AFolderThatMayBeWrittenButNotReadTakesFiles) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "file";
+  const auto below = folder.path() / "new" / "file";
+  const UnreadableFolder unreadable(folder.path());
+  const WatchedSyncs syncs;
+  for (const auto& written : {path, below}) {
+    const absl::Status status = WriteFileAtomically(written, "new", Durability::kPowerFailure);
+    EXPECT_TRUE(status.ok()) << status;
+    EXPECT_EQ(BytesOf(written), "new");
+    EXPECT_TRUE(syncs.Flushed(written));
+  }
+  EXPECT_TRUE(syncs.Flushed(below.parent_path())) << "this one can be";
 }
 
 TEST(AtomicFile, DoesNotFollowALinkOfItsTemporaryName) {

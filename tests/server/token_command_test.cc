@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/files/temporary_folder.h"
+#include "tests/testing/unreadable_folder.h"
 #include "tests/testing/watched_syncs.h"
 
 namespace graspdb::server {
@@ -34,6 +35,12 @@ TEST_F(TokenCommandTest, TheTokenIsOnTheDisk) {
   EXPECT_THAT(client::BytesOf(path_), ::testing::StartsWith("graspdb_"));
   EXPECT_TRUE(syncs.Flushed(path_));
   EXPECT_TRUE(syncs.Flushed(folder_.path()));
+}
+
+TEST_F(TokenCommandTest, TheFolderMayBeWrittenButNotRead) {
+  const UnreadableFolder unreadable(folder_.path());
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(client::BytesOf(path_), ::testing::StartsWith("graspdb_"));
 }
 
 TEST_F(TokenCommandTest, AFailingDiskIsAnErrorAndLeavesNoFile) {

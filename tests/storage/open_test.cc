@@ -12,6 +12,7 @@
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/rocksdb_access.h"
+#include "tests/testing/unreadable_folder.h"
 #include "tests/testing/watched_syncs.h"
 
 namespace graspdb::storage {
@@ -44,6 +45,13 @@ TEST_F(OpenTest, ANewDatabaseIsEmpty) {
   const auto picture = TakePicture(*catalogue);
   ASSERT_TRUE(picture.ok());
   EXPECT_EQ(*picture, Picture());
+}
+
+TEST_F(OpenTest, ANewDatabaseIsRefusedWhereItsNameCannotBeFlushed) {
+  const UnreadableFolder unreadable(directory_.path());
+  const absl::Status status = TryOpen();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr(database_), HasSubstr("permissions")));
 }
 
 TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
