@@ -23,15 +23,18 @@ std::error_code SyncFolder(const std::filesystem::path& folder, Unreadable unrea
 
 std::error_code MakeFolders(const std::filesystem::path& folder, Unreadable unreadable) {
   std::error_code error;
-  std::vector<std::filesystem::path> parents;  // of the missing ones
+  std::vector<std::filesystem::path> missing;
   std::filesystem::path next = std::filesystem::absolute(folder, error);
   while (!error && !std::filesystem::exists(next, error)) {
+    missing.push_back(next);
     next = next.parent_path();
-    parents.push_back(next);
   }
   if (!error) std::filesystem::create_directories(folder, error);
-  for (const std::filesystem::path& parent : parents) {
-    if (!error) error = SyncFolder(parent, unreadable);
+  for (const std::filesystem::path& made : missing) {
+    if (!error) error = SyncFolder(made.parent_path(), unreadable);
+  }
+  for (const std::filesystem::path& made : missing) {
+    if (error) rmdir(made.c_str());  // the next call would not flush those that stay
   }
   return error;
 }

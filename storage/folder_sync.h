@@ -15,7 +15,8 @@ enum class Unreadable { kIsError, kIsAccepted };
 std::error_code SyncFolder(const std::filesystem::path& folder,
                            Unreadable unreadable = Unreadable::kIsError);
 
-// Makes `folder` and the missing ones above it; returns when they are on the disk.
+// Makes `folder` and the missing ones above it; returns when they are on the disk. After an error
+// none of them stays, unless something was put into it meanwhile.
 std::error_code MakeFolders(const std::filesystem::path& folder,
                             Unreadable unreadable = Unreadable::kIsError);
 

@@ -52,6 +52,7 @@ TEST_F(OpenTest, ANewDatabaseIsRefusedWhereItsNameCannotBeFlushed) {
   const absl::Status status = TryOpen();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr(database_), HasSubstr("permissions")));
+  EXPECT_EQ(TryOpen(), status) << "a server that is started again";
 }
 
 TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
