@@ -71,7 +71,6 @@ absl::Status CatalogService::UploadAll(CallGuard& guard,
         [&](absl::string_view url, const absl::Cord& payload) { named.SetPayload(url, payload); });
     return named;
   }
-  if (is_cancelled()) return absl::CancelledError("the upload was cancelled");
   response->set_catalog_revision(context_.catalogue.revision());
   return absl::OkStatus();
 }
@@ -80,9 +79,16 @@ grpc::Status CatalogService::UploadViews(grpc::ServerContext* context,
                                          grpc::ServerReader<v1::UploadViewsRequest>* reader,
                                          v1::UploadViewsResponse* response) {
   return Handle(*context, "UploadViews", [&] {
-    const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    return InBackground(
-        [&] { return UploadAll(*CallGuard::Of(*context), is_cancelled, reader, response); });
+    AbandonedWatch watch(*context);
+    const auto is_cancelled = [&] { return watch.IsAbandoned(); };
+    return InBackground([&]() -> absl::Status {
+      absl::Status status = UploadAll(*CallGuard::Of(*context), is_cancelled, reader, response);
+      // Not by the watch, which misses a cancellation of the last milliseconds.
+      if (status.ok() && IsAbandoned(*context)) {
+        return absl::CancelledError("the upload was cancelled");
+      }
+      return status;
+    });
   });
 }
 

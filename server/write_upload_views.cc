@@ -87,7 +87,8 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, St
 
 grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Stream* stream) {
   return Handle(*context, "WriteUploadViews", [&] {
-    const auto is_cancelled = [&] { return IsAbandoned(*context); };
+    AbandonedWatch watch(*context);
+    const auto is_cancelled = [&] { return watch.IsAbandoned(); };
     return InBackground([&]() -> absl::Status {
       CallGuard& guard = *CallGuard::Of(*context);
       StreamUploads known;
@@ -100,7 +101,9 @@ grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Strea
         if (!status.ok()) return status;
         if (!stream->Write(response)) break;
       }
-      return is_cancelled() ? absl::CancelledError("the upload was cancelled") : absl::OkStatus();
+      // Not by the watch, which misses a cancellation of the last milliseconds.
+      return IsAbandoned(*context) ? absl::CancelledError("the upload was cancelled")
+                                   : absl::OkStatus();
     });
   });
 }
