@@ -2,6 +2,7 @@
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -24,10 +25,19 @@ constexpr int kCompressionLevel = 3;
 // A difference of two coordinates is below 2^23 steps, which is four bytes of seven bits.
 constexpr std::size_t kMaxVarintSize = 4;
 constexpr std::int32_t kMaxSteps = 2'000'000;
+// Points that are encoded at once, and the bytes for their coordinates along an axis.
+constexpr std::size_t kPointsAtOnce = 256;
+constexpr std::size_t kBytesAtOnce = kPointsAtOnce * kMaxVarintSize;
 
 absl::Status DamagedCloud(std::string_view what) {
   return absl::DataLossError("the packed cloud is damaged (" + std::string(what) +
                              "); teach the view again, or " + std::string(kRestoreAdvice));
+}
+
+absl::Status InvalidCoordinate() {
+  return absl::InvalidArgumentError(
+      "a coordinate of the cloud is not finite or farther than 100 m from the sensor; "
+      "give points in metres and leave out those without a measurement");
 }
 
 // Small differences of either sign become small unsigned numbers.
@@ -39,9 +49,18 @@ std::int32_t UnZigZag(std::uint32_t value) {
   return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
 }
 
-void AppendVarint(std::uint32_t value, std::string& out) {
-  for (; value >= 0x80; value >>= 7) out += static_cast<char>((value & 0x7f) | 0x80);
-  out += static_cast<char>(value);
+// The value of std::lround for numbers of less than 2^31, without a call.
+std::int32_t Rounded(double number) {
+  const auto whole = static_cast<std::int32_t>(number);
+  const double rest = number - whole;  // exact
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+// Writes at most kMaxVarintSize bytes at `out`, and returns their end.
+char* WriteVarint(std::uint32_t value, char* out) {
+  for (; value >= 0x80; value >>= 7) *out++ = static_cast<char>((value & 0x7f) | 0x80);
+  *out++ = static_cast<char>(value);
+  return out;
 }
 
 // Removes a number from the front of `bytes`; false if there is none of at most four bytes.
@@ -61,19 +80,20 @@ bool TakeVarint(std::string_view& bytes, std::uint32_t& value) {
 absl::StatusOr<std::string> EncodePlanes(std::span<const CloudPoint> points) {
   std::string raw;
   raw.reserve(points.size() * 5);
+  std::array<char, kBytesAtOnce> bytes = {};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::int32_t previous = 0;
-    for (const CloudPoint& point : points) {
-      const float coordinate = point[axis];
-      if (!(std::abs(coordinate) <= kMaxCloudCoordinate)) {  // also NaN
-        return absl::InvalidArgumentError(
-            "a coordinate of the cloud is not finite or farther than 100 m from the sensor; "
-            "give points in metres and leave out those without a measurement");
+    for (std::size_t begin = 0; begin < points.size(); begin += kPointsAtOnce) {
+      char* end = bytes.data();
+      const std::size_t count = std::min(kPointsAtOnce, points.size() - begin);
+      for (const CloudPoint& point : points.subspan(begin, count)) {
+        const float coordinate = point[axis];
+        if (!(std::abs(coordinate) <= kMaxCloudCoordinate)) return InvalidCoordinate();  // also NaN
+        const std::int32_t steps = Rounded(static_cast<double>(coordinate) / kCloudStep);
+        end = WriteVarint(ZigZag(steps - previous), end);
+        previous = steps;
       }
-      const auto steps =
-          static_cast<std::int32_t>(std::lround(static_cast<double>(coordinate) / kCloudStep));
-      AppendVarint(ZigZag(steps - previous), raw);
-      previous = steps;
+      raw.append(bytes.data(), static_cast<std::size_t>(end - bytes.data()));
     }
   }
   return raw;

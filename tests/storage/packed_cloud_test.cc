@@ -73,6 +73,23 @@ TEST(PackedCloudTest, MovesACoordinateByHalfAStepAtMost) {
   }
 }
 
+TEST(PackedCloudTest, RoundsToTheNearestStepAndHalvesAwayFromZero) {
+  Cloud cloud = RandomCloud(5000, 100, 9);
+  for (int steps = -3000; steps < 3000; ++steps) {
+    const auto halfway = static_cast<float>((steps + 0.5) * kCloudStep);
+    cloud.push_back({halfway, std::nextafter(halfway, 1.0F), std::nextafter(halfway, -1.0F)});
+  }
+  const auto unpacked = UnpackCloud(PackOrDie(cloud));
+  ASSERT_TRUE(unpacked.ok()) << unpacked.status();
+  ASSERT_EQ(unpacked->size(), cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const long steps = std::lround(static_cast<double>(cloud[i][axis]) / kCloudStep);
+      ASSERT_EQ((*unpacked)[i][axis], static_cast<float>(static_cast<double>(steps) * kCloudStep));
+    }
+  }
+}
+
 TEST(PackedCloudTest, AnUnpackedCloudPacksToTheSameBytes) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     const std::size_t count = std::size_t{37} * seed;
