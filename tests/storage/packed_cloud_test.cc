@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -99,6 +100,19 @@ TEST(PackedCloudTest, AnUnpackedCloudPacksToTheSameBytes) {
     ASSERT_TRUE(unpacked.ok()) << unpacked.status();
     EXPECT_EQ(PackOrDie(*unpacked), packed);
     EXPECT_EQ(*UnpackCloud(PackOrDie(*unpacked)), *unpacked);
+  }
+}
+
+TEST(PackedCloudTest, WhatAThreadPackedBeforeDoesNotChangeTheBytes) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Cloud cloud = RandomCloud(1 + std::size_t{900} * seed, 0.01F, seed);
+    std::string alone;
+    std::thread([&] { alone = PackOrDie(cloud); }).join();
+    for (const std::size_t count : {0U, 2000U, 300'000U, 7U}) {
+      PackOrDie(RandomCloud(count, seed % 2 == 0 ? 0.01F : 1.0F, seed + 1));
+      EXPECT_EQ(PackOrDie(cloud), alone);
+      EXPECT_EQ(PackOrDie(cloud), alone);
+    }
   }
 }
 
