@@ -10,6 +10,16 @@
 #include "storage/restore_advice.h"
 
 namespace graspdb::server {
+namespace {
+
+recognition::Points PointsOf(std::span<const storage::CloudPoint> unpacked) {
+  recognition::Points points;
+  points.reserve(unpacked.size());
+  for (const storage::CloudPoint& p : unpacked) points.emplace_back(p[0], p[1], p[2]);
+  return points;
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> ViewFromRecord(
     const storage::ViewRecord& record) {
@@ -75,18 +85,21 @@ absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
 absl::StatusOr<recognition::Points> PointsFromPacked(std::string_view packed) {
   absl::StatusOr<std::vector<storage::CloudPoint>> unpacked = storage::UnpackCloud(packed);
   if (!unpacked.ok()) return unpacked.status();
-  recognition::Points points;
-  points.reserve(unpacked->size());
-  for (const storage::CloudPoint& p : *unpacked) points.emplace_back(p[0], p[1], p[2]);
-  return points;
+  return PointsOf(*unpacked);
 }
 
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<recognition::Points> points = PointsFromPacked(packed);
-  if (!points.ok()) return points.status();
-  return recognition::PrepareCloud(recognition::Transform(world_sensor, *points),
+  absl::StatusOr<std::vector<storage::CloudPoint>> unpacked = storage::UnpackCloud(packed);
+  if (!unpacked.ok()) return unpacked.status();
+  return CloudFromUnpacked(*unpacked, world_sensor, parameters);
+}
+
+recognition::OrientedCloud CloudFromUnpacked(std::span<const storage::CloudPoint> unpacked,
+                                             const recognition::Pose& world_sensor,
+                                             const recognition::DescriptorParameters& parameters) {
+  return recognition::PrepareCloud(recognition::Transform(world_sensor, PointsOf(unpacked)),
                                    world_sensor.translation(), parameters);
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/index/descriptor_index.h"
 #include "recognition/models/taught.h"
+#include "storage/packed_cloud.h"
 #include "storage/records.pb.h"
 
 namespace graspdb::server {
@@ -35,6 +37,11 @@ absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters);
+
+// The same of a cloud that is unpacked already.
+recognition::OrientedCloud CloudFromUnpacked(std::span<const storage::CloudPoint> unpacked,
+                                             const recognition::Pose& world_sensor,
+                                             const recognition::DescriptorParameters& parameters);
 
 // Points of a packed cloud, sensor frame.
 absl::StatusOr<recognition::Points> PointsFromPacked(std::string_view packed);

@@ -83,14 +83,16 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
   return &*std::ranges::min_element(segments, {}, distance);
 }
 
-absl::StatusOr<std::string> PackSegment(const recognition::Scan& scan, const Segment& segment) {
+// `stored` gets the points as they will be read.
+absl::StatusOr<std::string> PackSegment(const recognition::Scan& scan, const Segment& segment,
+                                        std::vector<storage::CloudPoint>* stored) {
   std::vector<storage::CloudPoint> points;
   points.reserve(segment.indices.size());
   for (const std::int32_t i : segment.indices) {
     const Eigen::Vector3f p = scan.PointAt(i);
     points.push_back({p.x(), p.y(), p.z()});
   }
-  return storage::PackCloud(points);
+  return storage::PackCloud(points, stored);
 }
 
 // Measurements far from the object would be taught with it.
@@ -153,7 +155,8 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   }
 
   storage::NewView out;
-  absl::StatusOr<std::string> packed = PackSegment(capture->scan, **segment);
+  std::vector<storage::CloudPoint> stored;
+  absl::StatusOr<std::string> packed = PackSegment(capture->scan, **segment, &stored);
   if (!packed.ok()) return packed.status();
   out.packed_cloud = *std::move(packed);
   const v1::View& view = request.view();
@@ -163,11 +166,8 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   // As it will be read, as the points are.
   absl::StatusOr<Pose> sensor = PoseFromProto(stored_sensor, "view.sensor_pose");
   if (!sensor.ok()) return sensor.status();
-  absl::StatusOr<recognition::OrientedCloud> cloud =
-      CloudFromPacked(out.packed_cloud, *sensor, parameters.descriptor);
-  if (!cloud.ok()) return cloud.status();
-  absl::StatusOr<storage::DescriptorRecord> descriptor =
-      MakeDescriptorRecord(*cloud, *sensor, parameters.descriptor);
+  absl::StatusOr<storage::DescriptorRecord> descriptor = MakeDescriptorRecord(
+      CloudFromUnpacked(stored, *sensor, parameters.descriptor), *sensor, parameters.descriptor);
   if (!descriptor.ok()) return descriptor.status();
 
   *out.record.mutable_sensor_pose() = stored_sensor;

@@ -56,6 +56,8 @@ std::int32_t Rounded(double number) {
   return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
 }
 
+float CoordinateOf(std::int32_t steps) { return static_cast<float>(steps * kCloudStep); }
+
 // Writes at most kMaxVarintSize bytes at `out`, and returns their end.
 char* WriteVarint(std::uint32_t value, char* out) {
   for (; value >= 0x80; value >>= 7) *out++ = static_cast<char>((value & 0x7f) | 0x80);
@@ -77,7 +79,9 @@ bool TakeVarint(std::string_view& bytes, std::uint32_t& value) {
   return false;
 }
 
-absl::StatusOr<std::string> EncodePlanes(std::span<const CloudPoint> points) {
+absl::StatusOr<std::string> EncodePlanes(std::span<const CloudPoint> points,
+                                         std::vector<CloudPoint>* decoded) {
+  if (decoded != nullptr) decoded->resize(points.size());
   std::string raw;
   raw.reserve(points.size() * 5);
   std::array<char, kBytesAtOnce> bytes = {};
@@ -85,13 +89,14 @@ absl::StatusOr<std::string> EncodePlanes(std::span<const CloudPoint> points) {
     std::int32_t previous = 0;
     for (std::size_t begin = 0; begin < points.size(); begin += kPointsAtOnce) {
       char* end = bytes.data();
-      const std::size_t count = std::min(kPointsAtOnce, points.size() - begin);
-      for (const CloudPoint& point : points.subspan(begin, count)) {
-        const float coordinate = point[axis];
+      const std::size_t until = std::min(begin + kPointsAtOnce, points.size());
+      for (std::size_t i = begin; i < until; ++i) {
+        const float coordinate = points[i][axis];
         if (!(std::abs(coordinate) <= kMaxCloudCoordinate)) return InvalidCoordinate();  // also NaN
         const std::int32_t steps = Rounded(static_cast<double>(coordinate) / kCloudStep);
         end = WriteVarint(ZigZag(steps - previous), end);
         previous = steps;
+        if (decoded != nullptr) (*decoded)[i][axis] = CoordinateOf(steps);
       }
       raw.append(bytes.data(), static_cast<std::size_t>(end - bytes.data()));
     }
@@ -109,7 +114,7 @@ absl::StatusOr<std::vector<CloudPoint>> DecodePlanes(std::string_view raw, std::
       steps += UnZigZag(difference);
       if (steps > kMaxSteps || steps < -kMaxSteps)
         return DamagedCloud("a coordinate is out of range");
-      point[axis] = static_cast<float>(steps * kCloudStep);
+      point[axis] = CoordinateOf(steps);
     }
   }
   if (!raw.empty()) return DamagedCloud("there are more bytes than points");
@@ -146,12 +151,13 @@ absl::StatusOr<std::string> Compress(std::string_view raw) {
 
 }  // namespace
 
-absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points) {
+absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points,
+                                      std::vector<CloudPoint>* unpacked) {
   if (points.size() > kMaxCloudPoints) {
     return absl::InvalidArgumentError(
         "the cloud has more than 10 million points; give the region of interest only");
   }
-  auto raw = EncodePlanes(points);
+  auto raw = EncodePlanes(points, unpacked);
   if (!raw.ok()) return raw.status();
   auto frame = Compress(*raw);
   if (!frame.ok()) return frame.status();

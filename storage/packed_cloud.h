@@ -25,8 +25,10 @@ inline constexpr std::size_t kMaxCloudPoints = 10'000'000;
 
 // Packs `points`; keeps their order. INVALID_ARGUMENT when a coordinate is not
 // finite or too large, or when there are too many points. The same points give
-// the same bytes.
-absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points);
+// the same bytes. `unpacked` (may be null) gets the points that UnpackCloud()
+// returns for these bytes, some of them after an error.
+absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points,
+                                      std::vector<CloudPoint>* unpacked = nullptr);
 
 // The points of a packed cloud. Packing them again gives the same points. Safe for
 // untrusted bytes: DATA_LOSS for any bytes that PackCloud did not write, and at most

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/convert.h"
 #include "server/records.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
@@ -82,6 +83,22 @@ TEST_F(EqualViewsTest, AStoredViewIsStoredAsItIs) {
     stored->record.clear_content_digest();
     copy->record.clear_content_digest();
     EXPECT_EQ(copy->record.SerializeAsString(), stored->record.SerializeAsString());
+  }
+}
+
+// So that it can be computed again, to the last bit.
+TEST_F(EqualViewsTest, TheDescriptorIsThatOfThePackedPoints) {
+  for (const v1::UploadViewsRequest* request : {&cloud_, &image_}) {
+    const auto made = Made(*request);
+    ASSERT_THAT(made, IsOk());
+    const auto sensor = server::PoseFromProto(made->record.sensor_pose(), "sensor_pose");
+    ASSERT_THAT(sensor, IsOk());
+    const auto cloud = server::CloudFromPacked(made->packed_cloud, *sensor, {});
+    ASSERT_THAT(cloud, IsOk());
+    const auto descriptor = server::MakeDescriptorRecord(*cloud, *sensor, {});
+    ASSERT_THAT(descriptor, IsOk());
+    ASSERT_EQ(made->record.descriptors_size(), 1);
+    EXPECT_EQ(made->record.descriptors(0).SerializeAsString(), descriptor->SerializeAsString());
   }
 }
 

@@ -116,6 +116,19 @@ TEST(PackedCloudTest, WhatAThreadPackedBeforeDoesNotChangeTheBytes) {
   }
 }
 
+TEST(PackedCloudTest, PackingGivesTheUnpackedPoints) {
+  for (const std::size_t count : {0U, 1U, 255U, 256U, 257U, 3000U}) {
+    for (const float extent : {0.001F, 1.0F, 100.0F}) {
+      Cloud given = {{1, 2, 3}};
+      const auto packed = PackCloud(RandomCloud(count, extent, 11), &given);
+      ASSERT_TRUE(packed.ok()) << packed.status();
+      const auto unpacked = UnpackCloud(*packed);
+      ASSERT_TRUE(unpacked.ok()) << unpacked.status();
+      EXPECT_EQ(given, *unpacked) << count;
+    }
+  }
+}
+
 TEST(PackedCloudTest, KeepsOrderAndDuplicates) {
   const Cloud cloud = {{1, 2, 3}, {-1, -2, -3}, {1, 2, 3}, {0, 0, 0}, {1, 2, 3}};
   const auto unpacked = UnpackCloud(PackOrDie(cloud));
