@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "recognition/base/round_down.h"
 #include "recognition/descriptors/heading.h"
 
 namespace graspdb::recognition {
@@ -33,12 +34,12 @@ class Histogram2d {
   void Add(double u, double v) {
     const double x = u * columns_ - 0.5;
     const double y = v * rows_ - 0.5;
-    const double column = std::floor(x);
-    const double row = std::floor(y);
+    const auto column = static_cast<int>(RoundDown(x));
+    const auto row = static_cast<int>(RoundDown(y));
     for (const int dy : {0, 1}) {
       for (const int dx : {0, 1}) {
         const double share = std::abs(1 - dx - (x - column)) * std::abs(1 - dy - (y - row));
-        At(static_cast<int>(column) + dx, static_cast<int>(row) + dy) += share;
+        At(column + dx, row + dy) += share;
       }
     }
     total_ += 1;
@@ -49,8 +50,11 @@ class Histogram2d {
   }
 
  private:
+  // At most one column outside.
   double& At(int column, int row) {
-    column = wraps_ ? (column + columns_) % columns_ : std::clamp(column, 0, columns_ - 1);
+    if (wraps_ && column < 0) column += columns_;
+    if (wraps_ && column >= columns_) column -= columns_;
+    column = std::clamp(column, 0, columns_ - 1);
     row = std::clamp(row, 0, rows_ - 1);
     return counts_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
                    static_cast<std::size_t>(column)];

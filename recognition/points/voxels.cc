@@ -1,10 +1,10 @@
 #include "recognition/points/voxels.h"
 
-#include <cmath>
 #include <vector>
 
 #include "recognition/base/bounds.h"
 #include "recognition/base/grow.h"
+#include "recognition/base/round_down.h"
 #include "recognition/points/keyed_points.h"
 
 namespace graspdb::recognition {
@@ -16,7 +16,8 @@ using Coordinates = Eigen::Array<std::int64_t, 3, 1>;
 constexpr std::size_t kStepsPerVoxel = 40;
 
 Coordinates VoxelOf(const Eigen::Vector3f& p, double inverse_size) {
-  return (p.cast<double>().array() * inverse_size).floor().cast<std::int64_t>();
+  const Eigen::Vector3d at = p.cast<double>() * inverse_size;
+  return Coordinates(RoundDown(at.x()), RoundDown(at.y()), RoundDown(at.z()));
 }
 
 }  // namespace
