@@ -51,10 +51,11 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
           kernels.moments(block->coordinates(), points[point].data(), radius * radius);
       const Eigen::Vector3d to_viewpoint = viewpoint - points[point].cast<double>();
       Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-      if (!to_viewpoint.isZero()) normal = to_viewpoint.normalized();
       if (moments.count >= 3) {
         normal = LeastSpread(moments);
         if (normal.dot(to_viewpoint) < 0) normal = -normal;
+      } else if (!to_viewpoint.isZero()) {
+        normal = to_viewpoint.normalized();
       }
       normals[point] = normal.cast<float>();
     }
