@@ -109,7 +109,6 @@ Backup DescribeBackup(const rocksdb::BackupInfo& info, const std::string& direct
   }
   backup.record = *std::move(record);
   backup.byte_count = static_cast<std::int64_t>(info.size);
-  backup.file_count = info.number_files;
   return backup;
 }
 

@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -52,7 +51,6 @@ struct Backup {
   BackupRecord record;
   // All its files, including those that it shares with other backups.
   std::int64_t byte_count = 0;
-  std::int64_t file_count = 0;
 };
 
 // Observes a long function. The callbacks may be empty, are called on several threads, one at a

@@ -77,7 +77,7 @@ absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& o
   if (!scans.ok()) return scans.status();
   Client client = Connect(global);
   Scoreboard board;
-  if (!global.json) board.PrintHeader(scans->tasks.front().in_set);
+  if (!global.json) Scoreboard::PrintHeader();
   int failed = 0;
   absl::Status first_error;
   for (const ScanTask& task : scans->tasks) {

@@ -86,8 +86,7 @@ std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& 
   return out;
 }
 
-void Scoreboard::PrintHeader(bool with_truth) {
-  with_truth_ = with_truth;
+void Scoreboard::PrintHeader() {
   std::printf("%-28s %-14s %-18s %5s %8s %7s %8s %7s %7s %7s %7s\n", "scan", "status", "object",
               "score", "shift", "turn", "ADD-S", "segment", "match", "refine", "total");
   std::printf("%-28s %-14s %-18s %5s %8s %7s %8s %7s %7s %7s %7s\n", "", "", "", "0-1", "mm", "deg",

@@ -27,13 +27,12 @@ std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& 
 // Prints a line per scan and a summary. Not thread-safe.
 class Scoreboard {
  public:
-  void PrintHeader(bool with_truth);
+  static void PrintHeader();
   void Add(const ScanTask& task, const v1::RecognizeResponse& response);
   // The mean time, and with ground truth the shares of correct results.
   void PrintSummary() const;
 
  private:
-  bool with_truth_ = false;
   int judged_ = 0;
   int objects_right_ = 0;
   int poses_measured_ = 0;

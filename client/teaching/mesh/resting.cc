@@ -210,7 +210,7 @@ absl::StatusOr<std::vector<RestingFacet>> RestingFacets(const ConvexHull& hull,
   std::vector<RestingFacet> out;
   for (int f = 0; f < count; ++f) {
     if (!(probability[At(f)] > 0)) continue;
-    out.push_back({f, hull.facets[At(f)].normal, land.height(f), probability[At(f)], basins.Of(f)});
+    out.push_back({f, hull.facets[At(f)].normal, probability[At(f)], basins.Of(f)});
   }
   std::ranges::stable_sort(out, std::greater(), &RestingFacet::probability);
   return out;

@@ -22,7 +22,6 @@ MassCenter CenterOfMass(const TriangleMesh& mesh, const ConvexHull& hull);
 struct RestingFacet {
   int facet = 0;                                     // position in ConvexHull::facets
   Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();  // mesh frame, of length one
-  double height_m = 0;                               // of the centre of mass over the table
   double probability = 0;                            // 0 to 1
   // Facets between which it rolls with nearly no lift have the same number.
   int basin = 0;

@@ -96,7 +96,7 @@ TEST_F(ScoreboardTest, AFileWithoutTruthIsNotJudged) {
 TEST_F(ScoreboardTest, TheSummaryHasTheShareOfCorrectResults) {
   ::testing::internal::CaptureStdout();
   Scoreboard board;
-  board.PrintHeader(true);
+  Scoreboard::PrintHeader();
   v1::RecognizeResponse right;
   Add(&right, "objects/nut", 0.1, 0);
   v1::RecognizeResponse wrong;
