@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/escaping.h"

@@ -1,11 +1,9 @@
 #include "files/point_file.h"
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"

@@ -3,7 +3,6 @@
 #include <cairo.h>
 
 #include <array>
-#include <cmath>
 #include <memory>
 
 #include "absl/strings/str_cat.h"

@@ -9,7 +9,6 @@
 #include <iterator>
 #include <memory>
 #include <string_view>
-#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"

@@ -1,7 +1,6 @@
 #include "recognition/threshold_proposals.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <unordered_set>
 #include <utility>

@@ -4,7 +4,6 @@
 // faces (figures in docs/experiment.md): frames of a Kinect v1 (LINEMOD), two RealSense D400 (YCB,
 // 3DObjectTracking) and two Carmine 1.09 (Dex-Net, IC-BIN). Errors in depth are along the ray and
 // grow with its square; they are given at 1 m.
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"

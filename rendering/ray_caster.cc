@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <type_traits>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <vector>
 
-#include "rendering/counter_random.h"
 #include "rendering/scene.h"
 #include "rendering/smooth_field.h"
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <list>
-#include <memory>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"

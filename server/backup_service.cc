@@ -6,7 +6,6 @@
 
 #include "server/background.h"
 #include "server/backup_messages.h"
-#include "server/errors.h"
 #include "server/handle.h"
 #include "server/paging.h"
 #include "server/write_id.h"

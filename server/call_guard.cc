@@ -18,7 +18,6 @@
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
 #include "server/bounded_text.h"
-#include "server/errors.h"
 #include "server/request_limits.h"
 #include "server/request_names.h"
 

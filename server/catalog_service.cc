@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "server/convert.h"
 #include "server/errors.h"
 #include "server/grasp_outcomes.h"
@@ -14,7 +13,6 @@
 #include "server/records.h"
 #include "server/respond.h"
 #include "server/scan_from_proto.h"
-#include "storage/packed_cloud.h"
 #include "storage/resource_name.h"
 
 namespace graspdb::server {

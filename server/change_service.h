@@ -3,7 +3,6 @@
 
 #include <atomic>
 
-#include "absl/time/time.h"
 #include "graspdb/v1/change_service.grpc.pb.h"
 #include "server/live_catalogue.h"
 #include "storage/catalogue.h"

@@ -2,7 +2,6 @@
 // Errors are INVALID_ARGUMENT and name the field at `path`.
 #pragma once
 
-#include <optional>
 #include <string_view>
 
 #include "absl/status/statusor.h"

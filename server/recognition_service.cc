@@ -9,7 +9,6 @@
 #include "server/answer.h"
 #include "server/bounded_text.h"
 #include "server/call_guard.h"
-#include "server/errors.h"
 #include "server/handle.h"
 #include "server/request_limits.h"
 

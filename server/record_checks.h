@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "server/errors.h"
 #include "server/update_mask.h"

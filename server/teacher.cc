@@ -1,7 +1,6 @@
 #include "server/teacher.h"
 
 #include <algorithm>
-#include <array>
 
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
@@ -12,7 +11,6 @@
 #include "server/scan_from_proto.h"
 #include "storage/crc32c.h"
 #include "storage/packed_cloud.h"
-#include "storage/resource_name.h"
 
 namespace graspdb::server {
 namespace {

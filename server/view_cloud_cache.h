@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/models/taught.h"

@@ -1,7 +1,6 @@
 // Views and their clouds.
 #include <map>
 #include <string>
-#include <utility>
 
 #include "storage/catalogue.h"
 #include "storage/change_log.h"

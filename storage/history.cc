@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 
 #include "google/protobuf/util/time_util.h"
 #include "rocksdb/iterator.h"

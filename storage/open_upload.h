@@ -1,7 +1,6 @@
 // An upload that is not committed, in memory. Internal to storage/.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>

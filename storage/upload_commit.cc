@@ -2,7 +2,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
 #include "storage/cloud_key.h"
 #include "storage/record_kind.h"

@@ -1,5 +1,4 @@
 // Objects, stable poses, views and cells.
-#include <utility>
 
 #include "client/sdk/client_call.h"
 #include "program/uuid.h"

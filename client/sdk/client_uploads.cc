@@ -1,5 +1,4 @@
 // Bulk uploads.
-#include <utility>
 
 #include "client/sdk/client_call.h"
 

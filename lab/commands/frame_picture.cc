@@ -1,7 +1,6 @@
 #include "lab/commands/frame_picture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <tuple>
 #include <utility>

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/commands.h"
 #include "rendering/length_unit.h"

@@ -5,7 +5,6 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "client/teaching/mesh/stable_poses.h"
-#include "rendering/mesh_file.h"
 #include "rendering/mesh_part.h"
 #include "rendering/sample_parts.h"
 

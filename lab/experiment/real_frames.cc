@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "files/point_file.h"
 #include "lab/experiment/trial_source.h"

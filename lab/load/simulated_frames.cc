@@ -1,7 +1,5 @@
 #include "lab/load/simulated_frames.h"
 
-#include <utility>
-
 #include "files/depth_message.h"
 #include "files/pose_message.h"
 #include "rendering/sample_parts.h"

@@ -1,7 +1,6 @@
 // Approximate nearest neighbours: FLANN's hierarchical k-means tree.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>

@@ -1,7 +1,6 @@
 #include "recognition/index/root_projection.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "recognition/matching/segment_matcher.h"
 
 #include <algorithm>
-#include <functional>
 
 #include "absl/status/status.h"
 #include "recognition/base/idle_cores.h"

@@ -1,7 +1,6 @@
 #include "recognition/points/cell_grid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "recognition/base/bounds.h"

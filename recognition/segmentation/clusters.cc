@@ -1,7 +1,6 @@
 #include "recognition/segmentation/clusters.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>

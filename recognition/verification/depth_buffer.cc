@@ -1,6 +1,5 @@
 #include "recognition/verification/depth_buffer.h"
 
-#include <algorithm>
 #include <array>
 
 namespace graspdb::recognition {

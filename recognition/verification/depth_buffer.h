@@ -1,7 +1,6 @@
 // Depths along the lines of sight around a segment.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "recognition/base/types.h"

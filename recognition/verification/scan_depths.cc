@@ -1,7 +1,6 @@
 #include "recognition/verification/scan_depths.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "recognition/simd/kernels.h"
 

@@ -1,6 +1,5 @@
 #include "recognition/verification/verification.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

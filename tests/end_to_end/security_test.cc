@@ -5,7 +5,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <sstream>
 
 #include "absl/time/clock.h"
 #include "graspdb/v1/audit.pb.h"

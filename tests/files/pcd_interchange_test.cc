@@ -4,8 +4,6 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
-#include <cmath>
-#include <cstring>
 #include <random>
 #include <string>
 

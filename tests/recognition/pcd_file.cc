@@ -4,7 +4,6 @@
 #include <pcl/io/pcd_io.h>
 
 #include <cstring>
-#include <optional>
 #include <string>
 
 namespace graspdb::testing {

@@ -4,10 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/recognition/counting_clouds.h"
 #include "tests/recognition/taught_shapes.h"
 #include "tests/testing/status_matchers.h"

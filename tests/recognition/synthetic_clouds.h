@@ -1,7 +1,6 @@
 // Clouds made by code, the same for the same seed.
 #pragma once
 
-#include <cstdint>
 #include <random>
 
 #include "recognition/base/types.h"

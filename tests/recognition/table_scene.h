@@ -1,7 +1,6 @@
 // Depth images of boxes on a table by ray casting, with the truth for every pixel.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "recognition/base/types.h"

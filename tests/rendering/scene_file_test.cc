@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <fstream>
-
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

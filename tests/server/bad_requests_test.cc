@@ -2,7 +2,6 @@
 // sentence, and changes nothing.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <ostream>

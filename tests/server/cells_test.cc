@@ -1,8 +1,6 @@
 // Cells through the CellService.
 #include <gmock/gmock.h>
 
-#include <cmath>
-
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

@@ -1,7 +1,6 @@
 // Following the catalogue: ChangeService.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <filesystem>
 #include <thread>
 

@@ -7,7 +7,6 @@
 
 #include <sstream>
 
-#include "absl/strings/str_cat.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

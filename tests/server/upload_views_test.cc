@@ -1,8 +1,6 @@
 // Teaching: UploadViews.
 #include <gmock/gmock.h>
 
-#include <functional>
-
 #include "storage/crc32c.h"
 #include "tests/server/server_fixture.h"
 

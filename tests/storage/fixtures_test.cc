@@ -1,6 +1,5 @@
 // Databases that earlier programs wrote: tests/storage/fixtures has one for each version of the
 // schema, left by a killed server.
-#include <filesystem>
 #include <string>
 
 #include "gtest/gtest.h"

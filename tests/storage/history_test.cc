@@ -1,6 +1,5 @@
 // Deleted objects and earlier revisions of objects.
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "gmock/gmock.h"

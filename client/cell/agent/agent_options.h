@@ -1,7 +1,6 @@
 // The settings of a cell's agent, from flags, environment variables and a file.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 

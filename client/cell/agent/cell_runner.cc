@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"

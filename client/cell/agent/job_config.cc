@@ -1,8 +1,6 @@
 #include "client/cell/agent/job_config.h"
 
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <set>
 #include <string_view>
 #include <utility>

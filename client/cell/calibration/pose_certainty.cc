@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <numbers>
 
 #include "recognition/base/units.h"
 #include "recognition/points/voxels.h"

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"

@@ -1,6 +1,5 @@
 #include "client/cell/calibration/target.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -11,8 +10,6 @@
 #include "client/cell/calibration/gripped_target.h"
 #include "files/cloud_message.h"
 #include "files/pose_message.h"
-#include "recognition/points/voxels.h"
-#include "recognition/segmentation/clusters.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
 

@@ -2,10 +2,8 @@
 
 #include <google/protobuf/struct.pb.h>
 
-#include <algorithm>
 #include <cmath>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"

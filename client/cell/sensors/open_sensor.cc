@@ -1,6 +1,5 @@
 #include "client/cell/sensors/open_sensor.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "absl/strings/match.h"

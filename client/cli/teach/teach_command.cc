@@ -2,10 +2,8 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/taught_report.h"
 #include "client/cli/objects/look_alike_notes.h"

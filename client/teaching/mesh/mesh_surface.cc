@@ -1,7 +1,6 @@
 #include "client/teaching/mesh/mesh_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 

@@ -1,8 +1,6 @@
 // The surface of a mesh as recognition models it, to compare its stable poses.
 #pragma once
 
-#include <memory>
-
 #include "recognition/models/surface_model.h"
 #include "rendering/mesh.h"
 

@@ -1,7 +1,6 @@
 #include "client/teaching/turntable/guided_teaching.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/ascii.h"

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <deque>
 #include <string>
-#include <utility>
 
 #include "client/sdk/client.h"
 #include "client/teaching/turntable/teaching_prompt.h"

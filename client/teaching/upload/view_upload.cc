@@ -1,7 +1,6 @@
 #include "client/teaching/upload/view_upload.h"
 
 #include <string>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/teaching/upload/known_views.h"

@@ -1,7 +1,5 @@
 #include "lab/experiment/report/report_json.h"
 
-#include <cmath>
-
 #include "absl/strings/str_cat.h"
 #include "files/json_object.h"
 #include "lab/experiment/gallery.h"

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <spdlog/spdlog.h>
 
-#include <filesystem>
-
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"

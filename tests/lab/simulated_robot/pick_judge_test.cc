@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <numbers>
-
 #include "files/pose_message.h"
 #include "recognition/base/units.h"
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "recognition/base/units.h"
 #include "recognition/segmentation/segmentation.h"

@@ -1,7 +1,6 @@
 // Segmentation of real Kinect scenes against their labels.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
 #include "client/cell/calibration/hand_eye.h"

@@ -3,10 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 
 #include "client/cell/calibration/calibrated_cell.h"
 #include "client/cell/calibration/cell_calibrator.h"

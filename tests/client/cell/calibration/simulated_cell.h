@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <random>
 #include <string>
-#include <vector>
 
 #include "client/cell/calibration/hand_eye.h"
 #include "client/cell/sensors/depth_sensor.h"

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
-#include <numbers>
 
 #include "recognition/base/units.h"
 #include "rendering/depth_camera.h"

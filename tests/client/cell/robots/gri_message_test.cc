@@ -6,7 +6,6 @@
 #include <limits>
 #include <random>
 #include <string>
-#include <vector>
 
 #include "tests/testing/status_matchers.h"
 

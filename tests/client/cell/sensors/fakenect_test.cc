@@ -2,7 +2,6 @@
 // process.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>

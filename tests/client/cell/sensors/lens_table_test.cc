@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Core>
-#include <cmath>
 
 namespace graspdb::client {
 namespace {

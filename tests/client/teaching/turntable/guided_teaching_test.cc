@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <string>
-
 #include "tests/client/teaching/turntable/guided_teaching_fixture.h"
 #include "tests/testing/status_matchers.h"
 
