@@ -42,7 +42,6 @@ class CancellationPoll {
     cancelled_ = is_cancelled_ && is_cancelled_();
     return cancelled_;
   }
-  bool cancelled() const { return cancelled_; }
 
  private:
   // About 1 ms; a call returns within 20 ms even where a step takes ten times as long.

@@ -192,14 +192,4 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sens
   return ViewpointHistogram(cloud, viewpoint, *center, kind);
 }
 
-double ChiSquareDistance(const Descriptor& a, const Descriptor& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double total = static_cast<double>(a[i]) + b[i];
-    const double difference = static_cast<double>(a[i]) - b[i];
-    if (total > 0) sum += difference * difference / total;
-  }
-  return sum;
-}
-
 }  // namespace graspdb::recognition

@@ -56,8 +56,4 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sens
 absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Eigen::Vector3d& viewpoint,
                                     DescriptorKind kind);
 
-// Chi-square distance sum((a - b)^2 / (a + b)): 0 for equal ones, 2 for
-// descriptors of mass 1 that share no bin.
-double ChiSquareDistance(const Descriptor& a, const Descriptor& b);
-
 }  // namespace graspdb::recognition

@@ -19,7 +19,7 @@ namespace graspdb::recognition {
 // A view found by a search.
 struct Match {
   std::shared_ptr<const TaughtView> view;
-  double distance = 0;  // chi-square, see ChiSquareDistance
+  double distance = 0;  // chi-square, sum((a - b)^2 / (a + b)): 2 if they share no bin
 };
 
 // An immutable index; copies share their content, and With/Without share unchanged chunks, so that

@@ -70,8 +70,6 @@ class Sample {
 
 }  // namespace
 
-double RecallAt10(const DescriptorIndex& index) { return Sample(index).RecallOf(index); }
-
 absl::StatusOr<DescriptorIndex> WithNewApproximate(const DescriptorIndex& index) {
   ApproximateIndex::SearchParameters search;
   const auto made = ApproximateIndex::Build(index.chunks(), search);

@@ -1,4 +1,4 @@
-// Recall of an approximate index.
+// An approximate index with enough checks.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -6,14 +6,11 @@
 
 namespace graspdb::recognition {
 
-// The share of the 10 nearest views that `index` finds with its approximate index, for 100 views
-// spread evenly over it, each left out of its own neighbours. 1 without one. Cost: an exact and an
-// approximate search each, a second for a million views.
-double RecallAt10(const DescriptorIndex& index);
-
 // `index` with an approximate index of all its views. Its number of checks is twice the smallest
-// power of two, from 1,024 on, with RecallAt10 of at least 99.5 %: the catalogue's own views are
-// easier queries than views of its objects from other sides. Errors as ApproximateIndex::Build.
+// power of two, from 1,024 on, with which it finds at least 99.5 % of the 10 nearest of 100 views
+// spread evenly over it, each left out of its own neighbours: the catalogue's own views are easier
+// queries than views of its objects from other sides. Each try costs an approximate search of each,
+// the first an exact one too: a second for a million views. Errors as ApproximateIndex::Build.
 absl::StatusOr<DescriptorIndex> WithNewApproximate(const DescriptorIndex& index);
 
 }  // namespace graspdb::recognition

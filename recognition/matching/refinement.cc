@@ -161,7 +161,8 @@ Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, con
 }
 
 InformationMatrix InformationMatrixOf(const SurfaceModel& model, const RefinementTarget& target,
-                                      const Pose& world_object, const RefinementOptions& options) {
+                                      const Pose& world_object) {
+  const RefinementOptions options;
   return StepFrom(model, target, world_object, options.last_reach_m, options).hessian();
 }
 

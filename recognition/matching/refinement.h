@@ -53,12 +53,13 @@ using IsKnown = std::function<bool(const Pose& world_object)>;
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,
                   const RefinementOptions& options, const IsKnown& is_known = nullptr);
 
-// How firmly a pose is determined: the Hessian of Refine's last step there, half the second
-// derivatives of the sum of weighted squares (m^2) by a turn about the model's center (radians) and
-// then a move (m), world frame; including the prior of the table. Zero without correspondences.
+// How firmly a pose is determined: the Hessian of Refine's last step there by default, half the
+// second derivatives of the sum of weighted squares (m^2) by a turn about the model's center
+// (radians) and then a move (m), world frame; including the prior of the table. Zero without
+// correspondences.
 using InformationMatrix = Eigen::Matrix<double, 6, 6>;
 InformationMatrix InformationMatrixOf(const SurfaceModel& model, const RefinementTarget& target,
-                                      const Pose& world_object, const RefinementOptions& options);
+                                      const Pose& world_object);
 
 // The pose turned about `center` by a rotation vector and then moved: the six of `motion`, radians
 // and m, world frame.

@@ -243,7 +243,7 @@ void SegmentMatcher::RecentrePose(PoseHypothesis* h) const {
   const Judge judge = [&](const Pose& pose) { return VerifyClosely(*h->model, pose); };
   const Recentred recentred =
       Recentre(*h->model, {h->refined, h->evidence},
-               InformationMatrixOf(*h->model, look_ups_->target, h->refined, {}), judge);
+               InformationMatrixOf(*h->model, look_ups_->target, h->refined), judge);
   h->refined = recentred.world_object;
   h->evidence = recentred.evidence;
   h->recentred = true;

@@ -1,9 +1,8 @@
-// Exact neighbours among the points of a cloud.
+// The nearest point of a cloud, exactly.
 #pragma once
 
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "recognition/base/types.h"
 
@@ -22,16 +21,9 @@ class PointSearch {
   explicit PointSearch(const Points& points);
   ~PointSearch();
   PointSearch(PointSearch&&) noexcept;
-  PointSearch& operator=(PointSearch&&) noexcept;
 
   // The nearest point; index -1 when there are no points.
   Neighbor Nearest(const Eigen::Vector3f& query) const;
-
-  // The `count` nearest points (fewer if there are fewer), nearest first.
-  void Nearest(const Eigen::Vector3f& query, int count, std::vector<Neighbor>* out) const;
-
-  // All points within `radius` metres, in no particular but a fixed order.
-  void Within(const Eigen::Vector3f& query, float radius, std::vector<Neighbor>* out) const;
 
  private:
   class Tree;

@@ -22,9 +22,6 @@ class RigidTransform {
     return {Along(0, p) + m_.translation[0], Along(1, p) + m_.translation[1],
             Along(2, p) + m_.translation[2]};
   }
-  Eigen::Vector3f Direction(const Eigen::Vector3f& d) const {
-    return {Along(0, d), Along(1, d), Along(2, d)};
-  }
   // The same for SIMD code.
   const simd::Rigid& rigid() const { return m_; }
 

@@ -14,6 +14,7 @@
 #include "recognition/index/recall.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/suite.h"
+#include "tests/recognition/chi_square.h"
 
 namespace graspdb::bench {
 namespace {
@@ -82,7 +83,7 @@ double Recall(const Rows& rows, const Descriptor& query, const std::set<std::siz
   Descriptor row(kBins);
   for (std::size_t i = 0; i < rows.count; ++i) {
     std::copy_n(rows.values.begin() + static_cast<std::ptrdiff_t>(i * kBins), kBins, row.begin());
-    all[i] = {recognition::ChiSquareDistance(query, row), i};
+    all[i] = {testing::ChiSquareDistance(query, row), i};
   }
   std::partial_sort(all.begin(), all.begin() + kCount, all.end());
   double hits = 0;

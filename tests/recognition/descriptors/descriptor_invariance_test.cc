@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "recognition/descriptors/descriptor.h"
+#include "tests/recognition/chi_square.h"
 #include "tests/recognition/descriptors/described.h"
 #include "tests/recognition/synthetic_clouds.h"
 
@@ -16,6 +17,7 @@ namespace graspdb::recognition {
 namespace {
 
 using Eigen::Vector3d;
+using ::graspdb::testing::ChiSquareDistance;
 using ::graspdb::testing::Moved;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPose;

@@ -74,16 +74,6 @@ TEST(DescriptorKindTest, Vfh308HasAHundredAPartAndNoDistancePart) {
   EXPECT_NEAR(Mass(Bins(vfh, {"viewpoint", 180, 128, -1, 1})), 100, 0.01);
 }
 
-TEST(ChiSquareTest, IsZeroForEqualTwoForDisjointAndSymmetric) {
-  const Descriptor a = {0.5F, 0.5F, 0, 0};
-  const Descriptor b = {0, 0, 0.25F, 0.75F};
-  const Descriptor c = {0.25F, 0.5F, 0.25F, 0};
-  EXPECT_EQ(ChiSquareDistance(a, a), 0);
-  EXPECT_DOUBLE_EQ(ChiSquareDistance(a, b), 2);
-  EXPECT_DOUBLE_EQ(ChiSquareDistance(a, c), 0.0625 / 0.75 + 0.25);
-  EXPECT_EQ(ChiSquareDistance(a, c), ChiSquareDistance(c, a));
-}
-
 TEST(FingerprintTest, DiffersWithEveryParameter) {
   const DescriptorParameters plain;
   EXPECT_EQ(plain.Fingerprint(), DescriptorParameters().Fingerprint());

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "recognition/descriptors/descriptor.h"
+#include "tests/recognition/chi_square.h"
 #include "tests/recognition/descriptor_parts.h"
 #include "tests/recognition/descriptors/described.h"
 #include "tests/recognition/synthetic_clouds.h"
@@ -19,6 +20,7 @@ namespace {
 
 using Eigen::Vector3d;
 using ::graspdb::testing::Bins;
+using ::graspdb::testing::ChiSquareDistance;
 using ::graspdb::testing::kAlpha;
 using ::graspdb::testing::kBeta;
 using ::graspdb::testing::kPhi;

@@ -6,12 +6,14 @@
 #include <numbers>
 
 #include "recognition/segmentation/segmentation.h"
+#include "tests/recognition/chi_square.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {
 
 using Eigen::Vector3d;
+using ::graspdb::testing::ChiSquareDistance;
 using ::graspdb::testing::Moved;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::Reordered;

@@ -108,13 +108,6 @@ TEST_F(ApproximateIndexTest, FindsNearlyAllAndRanksThemByTheExactDistance) {
   EXPECT_GE(hits, 190U);
 }
 
-TEST_F(ApproximateIndexTest, MeasuresItsRecall) {
-  const double few = RecallAt10(Approximate(kFew));
-  EXPECT_GT(few, 0.1);
-  EXPECT_LT(few, 0.99);
-  EXPECT_EQ(RecallAt10(exact_), 1);
-}
-
 TEST_F(ApproximateIndexTest, MoreNeighborsAreFoundExactly) {
   const DescriptorIndex index = Approximate(kFew);
   const Descriptor query = shapes_.Next();

@@ -8,11 +8,13 @@
 #include <unordered_set>
 
 #include "absl/strings/str_format.h"
+#include "tests/recognition/chi_square.h"
 #include "tests/recognition/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {
 
+using ::graspdb::testing::ChiSquareDistance;
 using ::graspdb::testing::Random;
 using ::graspdb::testing::Uniform;
 using ::testing::ElementsAre;

@@ -102,7 +102,7 @@ TEST_F(RecentringTest, TheEndsOfARidgeOutweighItsResiduals) {
   for (const double x : {-0.004, -0.003, -0.002, 0.002, 0.003, 0.004}) {
     const Pose refined = Refine(model_, target, Along(x), {}).world_object;
     const Recentred recentred = Recentre(model_, {refined, judge(refined)},
-                                         InformationMatrixOf(model_, target, refined, {}), judge);
+                                         InformationMatrixOf(model_, target, refined), judge);
     EXPECT_LT(recentred.world_object.translation().norm(), 0.8 * refined.translation().norm()) << x;
   }
 }

@@ -1,11 +1,11 @@
 #include "recognition/points/point_search.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
+#include <utility>
 
 #include "tests/recognition/synthetic_clouds.h"
 
@@ -14,27 +14,11 @@ namespace {
 
 using ::graspdb::testing::Random;
 using ::graspdb::testing::RandomPoints;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
-std::vector<float> SortedDistances(const Points& points, const Eigen::Vector3f& query) {
-  std::vector<float> out;
-  for (const auto& p : points) out.push_back((p - query).squaredNorm());
-  std::sort(out.begin(), out.end());
+float LeastDistance(const Points& points, const Eigen::Vector3f& query) {
+  float out = std::numeric_limits<float>::infinity();
+  for (const auto& p : points) out = std::min(out, (p - query).squaredNorm());
   return out;
-}
-
-// Every neighbour is another point, at its reported distance.
-void ExpectConsistent(const Points& points, const Eigen::Vector3f& query,
-                      const std::vector<Neighbor>& found) {
-  std::set<int> indices;
-  for (const Neighbor& n : found) {
-    ASSERT_GE(n.index, 0);
-    ASSERT_LT(n.index, static_cast<int>(points.size()));
-    const float truth = (points[static_cast<std::size_t>(n.index)] - query).squaredNorm();
-    EXPECT_FLOAT_EQ(n.squared_distance, truth);
-    EXPECT_TRUE(indices.insert(n.index).second) << "twice: " << n.index;
-  }
 }
 
 class PointSearchTest : public ::testing::TestWithParam<std::size_t> {
@@ -54,67 +38,20 @@ class PointSearchTest : public ::testing::TestWithParam<std::size_t> {
 TEST_P(PointSearchTest, NearestAgreesWithBruteForce) {
   for (const auto& query : queries_) {
     const Neighbor found = search_.Nearest(query);
-    ExpectConsistent(points_, query, {found});
-    EXPECT_FLOAT_EQ(found.squared_distance, SortedDistances(points_, query).front());
-  }
-}
-
-TEST_P(PointSearchTest, SeveralNearestAgreeWithBruteForce) {
-  std::vector<Neighbor> found;
-  for (const auto& query : queries_) {
-    search_.Nearest(query, 25, &found);
-    const std::vector<float> truth = SortedDistances(points_, query);
-    ASSERT_THAT(found, SizeIs(std::min<std::size_t>(25, points_.size())));
-    ExpectConsistent(points_, query, found);
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      EXPECT_FLOAT_EQ(found[i].squared_distance, truth[i]);
-    }
-  }
-}
-
-TEST_P(PointSearchTest, PointsWithinARadiusAgreeWithBruteForce) {
-  const float radius = 0.04F;
-  std::vector<Neighbor> found;
-  for (const auto& query : queries_) {
-    search_.Within(query, radius, &found);
-    ExpectConsistent(points_, query, found);
-    const auto truth = std::ranges::count_if(
-        points_, [&](const auto& p) { return (p - query).squaredNorm() <= radius * radius; });
-    EXPECT_THAT(found, SizeIs(static_cast<std::size_t>(truth)));
+    ASSERT_GE(found.index, 0);
+    ASSERT_LT(found.index, static_cast<int>(points_.size()));
+    EXPECT_FLOAT_EQ((points_[static_cast<std::size_t>(found.index)] - query).squaredNorm(),
+                    LeastDistance(points_, query));
+    EXPECT_FLOAT_EQ(found.squared_distance, LeastDistance(points_, query));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, PointSearchTest, ::testing::Values(1, 2, 12, 13, 300, 5000));
 
-TEST(PointSearchDuplicatesTest, CoincidentPointsAreAllFound) {
-  const Points points(1000, Eigen::Vector3f(0.1F, -0.2F, 0.3F));
-  const PointSearch search(points);
-  std::vector<Neighbor> found;
-  search.Within(points.front(), 1e-4F, &found);
-  EXPECT_THAT(found, SizeIs(1000));
-  ExpectConsistent(points, points.front(), found);
-  search.Nearest(points.front(), 40, &found);
-  EXPECT_THAT(found, SizeIs(40));
-  ExpectConsistent(points, points.front(), found);
-}
-
-TEST(PointSearchEdgeTest, PointAtExactlyTheRadiusIsWithin) {
-  const PointSearch search(Points{{0, 0, 0}, {0.5F, 0, 0}, {0, 0.500001F, 0}});
-  std::vector<Neighbor> found;
-  search.Within({0, 0, 0}, 0.5F, &found);
-  EXPECT_THAT(found, SizeIs(2));
-}
-
 TEST(PointSearchEdgeTest, NoPointsGiveNoNeighbors) {
   const PointSearch search{Points{}};
   EXPECT_EQ(search.Nearest({0, 0, 0}).index, -1);
   EXPECT_TRUE(std::isinf(search.Nearest({0, 0, 0}).squared_distance));
-  std::vector<Neighbor> found(3);
-  search.Nearest({0, 0, 0}, 5, &found);
-  EXPECT_THAT(found, IsEmpty());
-  found.resize(3);
-  search.Within({0, 0, 0}, 5, &found);
-  EXPECT_THAT(found, IsEmpty());
 }
 
 TEST(PointSearchEdgeTest, SearchOutlivesThePointsItWasMadeFrom) {
