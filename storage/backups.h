@@ -90,8 +90,6 @@ class Backups {
   Backups(const Backups&) = delete;
   Backups& operator=(const Backups&) = delete;
 
-  const std::string& directory() const { return directory_; }
-
   // Owns the folder, if it does not yet, until the destructor. UNAVAILABLE if the folder does not
   // exist: it is not made, so that nothing is stored below a mount point whose disk is missing.
   // FAILED_PRECONDITION if another process owns it or it has other files.

@@ -16,7 +16,7 @@ namespace graspdb::storage {
 
 class BackupTest : public ::testing::Test {
  protected:
-  BackupTest() { std::filesystem::create_directory(backups_.directory()); }
+  BackupTest() { std::filesystem::create_directory(folder_); }
 
   // Every record of a restored backup; the restored database is removed again.
   Picture Restored(BackupId id);
@@ -26,7 +26,8 @@ class BackupTest : public ::testing::Test {
   TemporaryDirectory directory_;
   const std::string database_ = directory_ / "db";
   const std::string restored_ = directory_ / "restored";
-  Backups backups_{directory_ / "backups"};
+  const std::string folder_ = directory_ / "backups";
+  Backups backups_{folder_};
 };
 
 // With backup 1, of 60 views in several files.

@@ -233,7 +233,7 @@ TEST_F(RestoreTest, ComparesWithAClosedDatabase) {
   EXPECT_EQ(compared->record.meta().revision(), original_.revision);
   const auto note = [this](const Difference& d) { return Note(d); };
   EXPECT_EQ(backups_.Compare(1, restored_, {}, note).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(backups_.Compare(1, backups_.directory(), {}, note).status().code(),
+  EXPECT_EQ(backups_.Compare(1, folder_, {}, note).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
 
