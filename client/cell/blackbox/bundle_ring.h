@@ -34,10 +34,6 @@ class BundleRing {
   // it is larger than the limit or the disk is too full; PERMISSION_DENIED, FAILED_PRECONDITION.
   absl::Status Add(const std::string& bytes, absl::Time time);
 
-  // Count and total size of the bundles, for tests.
-  std::size_t size() const { return files_.size(); }
-  std::uint64_t bytes() const { return bytes_; }
-
  private:
   struct File {
     std::filesystem::path path;

@@ -24,12 +24,12 @@ class RobotConnection : public std::enable_shared_from_this<RobotConnection> {
   // Its address.
   const std::string& robot() const { return robot_; }
 
-  void Begin() { Continue(); }
+  // Begins, and continues after each answer.
+  void Continue();
   // Cancels pending operations; answers still being computed are not sent.
   void HangUp();
 
  private:
-  void Continue();
   void Receive();
   void Answer(std::size_t bytes);
   void Send(RobotReply reply);

@@ -127,7 +127,7 @@ class RobotServer::Listener {
     const auto connection = std::make_shared<RobotConnection>(std::move(socket), workers_,
                                                               protocol_, options_.message_time);
     connections_.push_back(connection);
-    connection->Begin();
+    connection->Continue();
   }
 
   std::size_t ConnectionsOf(const std::string& robot) const {

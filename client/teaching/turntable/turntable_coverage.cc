@@ -101,7 +101,7 @@ double TurntableCoverage::NeighborPoints(int step) const {
 }
 
 std::string TurntableCoverage::Ring() const {
-  std::string out = absl::StrCat("taught ", taught(), " of ", size_);
+  std::string out = absl::StrCat("taught ", taught_.size(), " of ", size_);
   if (others_ > 0) absl::StrAppend(&out, ", and ", others_, " between these steps");
   if (size_ > kWidestRing) return out;
   std::string ring(static_cast<std::size_t>(size_), '.');

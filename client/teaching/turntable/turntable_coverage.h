@@ -39,13 +39,11 @@ class TurntableCoverage {
   absl::Status Add(const std::vector<v1::View>& views, const Eigen::Vector3d& origin,
                    bool clockwise);
 
-  int size() const { return size_; }
   double AzimuthDeg(int step) const { return step * step_deg_; }
   // Replaces the view at the step.
   void Set(int step, const TurnView& view) { taught_[step] = view; }
   // Null if the step is not taught.
   const TurnView* At(int step) const;
-  int taught() const { return static_cast<int>(taught_.size()); }
   std::vector<int> Missing() const;
   // Mean points of the nearest taught views to both sides, at most 45 degrees away; 0: none.
   double NeighborPoints(int step) const;

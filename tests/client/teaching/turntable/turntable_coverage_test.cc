@@ -60,7 +60,7 @@ TEST(TurntableCoverage, NothingTaughtNothingMissing) {
   ASSERT_THAT(coverage, IsOk());
   EXPECT_EQ(coverage->Ring(), "[..................]  taught 0 of 18");
   EXPECT_EQ(coverage->MissingText(), "0 to 340 degrees");
-  for (int step = 0; step < coverage->size(); ++step) coverage->Set(step, {});
+  for (int step = 0; step < 18; ++step) coverage->Set(step, {});
   EXPECT_EQ(coverage->MissingText(), "");
 }
 
