@@ -12,9 +12,9 @@ namespace {
 using recognition::Pose;
 using Clock = std::chrono::steady_clock;
 
-GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) {
+GriRequest RequestFor(const PickRunOptions& options, int job) {
   GriRequest out;
-  out.action = static_cast<std::uint8_t>(action);
+  out.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
   out.job_id = static_cast<std::uint16_t>(job);
   out.pose_format = static_cast<std::uint8_t>(options.pose_format);
   return out;
@@ -23,7 +23,7 @@ GriRequest RequestFor(const PickRunOptions& options, GriAction action, int job) 
 absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) {
   const std::optional<int>& job = held ? options.picked_job : options.missed_job;
   if (!job) return absl::OkStatus();
-  const auto answer = agent.Call(RequestFor(options, GriAction::kTriggerJobSync, *job));
+  const auto answer = agent.Call(RequestFor(options, *job));
   if (!answer.ok()) return answer.status();
   if (answer->code == GriCode::kNoError || answer->code == GriCode::kNoReturnSpecified) {
     return absl::OkStatus();
@@ -38,7 +38,7 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& pa
   Pick out;
   out.shown = parts[scene.placements.front().part].object_id;
   const Clock::time_point sent = Clock::now();
-  const auto answer = agent.Call(RequestFor(options, GriAction::kTriggerJobSync, options.job));
+  const auto answer = agent.Call(RequestFor(options, options.job));
   const Clock::duration spent = Clock::now() - sent;
   if (!answer.ok()) return answer.status();
   out.code = answer->code;

@@ -172,7 +172,7 @@ TEST_F(CellProgramsTest, ReadsARecordedKinectThroughLibfreenect) {
   StartCell();
   auto recording = client::FakenectRecording::Create(Path("kinect"));
   ASSERT_THAT(recording, IsOk());
-  const auto camera = client::DepthCamera::Create(client::SimulatedKinectV1({}));
+  const auto camera = client::DepthCamera::Create(client::SimulatedKinectV1());
   ASSERT_THAT(camera, IsOk());
   const auto frame_of = [&](std::size_t scene) {
     const client::PlannedCapture& shown = SceneNo(scene);

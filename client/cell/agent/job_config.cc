@@ -20,10 +20,10 @@ absl::Status Wrong(std::string_view what, std::string_view expected) {
       absl::StrCat(std::string(what), " is wrong; give ", std::string(expected)));
 }
 
-absl::Status ParseNumber(const std::string& text, double low, double high, double* out) {
+absl::Status ParseNumber(const std::string& text, double high, double* out) {
   double value = 0;
-  if (!absl::SimpleAtod(text, &value) || !(value >= low && value <= high)) {
-    return Wrong(absl::StrCat("\"", text, "\""), absl::StrCat("a number in ", low, " to ", high));
+  if (!absl::SimpleAtod(text, &value) || !(value >= 0 && value <= high)) {
+    return Wrong(absl::StrCat("\"", text, "\""), absl::StrCat("a number in 0 to ", high));
   }
   *out = value;
   return absl::OkStatus();
@@ -107,11 +107,11 @@ absl::Status ApplyWord(const std::string& key, const std::string& value, JobConf
                                    &job->kind);
        }},
       {"limit", [&] { return ParseLimit(value, &job->time_limit); }},
-      {"min-score", [&] { return ParseNumber(value, 0, 1, &job->min_score); }},
+      {"min-score", [&] { return ParseNumber(value, 1, &job->min_score); }},
       {"poses", [&] { return ParseWhole<std::size_t>(value, 1, 10000, &job->max_poses); }},
-      {"opening", [&] { return ParseNumber(value, 0, 10, &job->gripper_opening_m); }},
-      {"approach", [&] { return ParseNumber(value, 0, 10, &job->approach_distance_m); }},
-      {"retreat", [&] { return ParseNumber(value, 0, 10, &job->retreat_distance_m); }},
+      {"opening", [&] { return ParseNumber(value, 10, &job->gripper_opening_m); }},
+      {"approach", [&] { return ParseNumber(value, 10, &job->approach_distance_m); }},
+      {"retreat", [&] { return ParseNumber(value, 10, &job->retreat_distance_m); }},
       {"priority", [&] { return ParseWhole<int>(value, -1000, 1000, &job->priority); }},
   };
   const auto setter = setters.find(key);

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "files/pose_message.h"
 #include "program/monotonic_time.h"
@@ -18,6 +19,8 @@ namespace {
 using recognition::kDegreesPerRadian;
 using recognition::kMmPerM;
 using recognition::Pose;
+
+constexpr absl::Duration kFramesWithin = absl::Seconds(10);
 
 absl::Status NotStarted() {
   return absl::AbortedError("the calibration was not started; send HEC_INIT first");
@@ -73,7 +76,7 @@ absl::Status HandEyeSession::Init() {
 
 absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
   const absl::StatusOr<StillScan> scan =
-      TakeStillScan(sensor_, setup_.frames, MonotonicTime::Now() + setup_.frames_within);
+      TakeStillScan(sensor_, setup_.frames, MonotonicTime::Now() + kFramesWithin);
   if (!scan.ok()) return HideInvalidArgument(scan.status());
   absl::StatusOr<DetectedTarget> found =
       setup_.mount == CameraMount::kFixed

@@ -8,7 +8,6 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/time.h"
 #include "client/cell/calibration/hand_eye.h"
 #include "client/cell/calibration/target.h"
 #include "client/cell/robots/robot_calibrator.h"
@@ -23,7 +22,6 @@ struct HandEyeSetup {
   std::string target;  // as LoadTarget takes it
   CameraMount mount = CameraMount::kFixed;
   int frames = 5;  // averaged at each pose
-  absl::Duration frames_within = absl::Seconds(10);
   // Region of the gripped target of a fixed camera, world frame, m; see FindGrippedTarget.
   std::optional<recognition::Box> region = {};
 };

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cell/sensors/kinect_v1_calibration.h"
 #include "files/atomic_file.h"
 #include "files/json_object.h"
 
@@ -17,19 +18,20 @@ constexpr char kIndexFile[] = "INDEX.txt";
 constexpr double kFramesPerSecond = 30;
 constexpr double kTicksPerSecond = 60e6;    // of the Kinect's clock
 constexpr double kFirstSecond = 1'000'000;  // arbitrary; 0 would mean no time
+constexpr KinectV1Calibration kCalibration;
 constexpr std::size_t kRawPixels = std::size_t{kKinectV1Width} * kKinectV1Height;
 
 // libfreenect uses centimetres.
-absl::StatusOr<std::string> DeviceJson(const KinectV1Calibration& calibration) {
+absl::StatusOr<std::string> DeviceJson() {
   google::protobuf::Struct document;
   JsonObject device(&document);
-  device.Set(Json("const_shift", calibration.const_shift));
+  device.Set(Json("const_shift", kCalibration.const_shift));
   JsonObject registration = device.Object("reg_info");
   registration.Object("zero_plane_info")
-      .Set(Json("dcmos_emitter_distance", 100 * calibration.baseline_m),
+      .Set(Json("dcmos_emitter_distance", 100 * kCalibration.baseline_m),
            Json("dcmos_rcmos_distance", 2.3),
-           Json("reference_distance", 100 * calibration.reference_distance_m),
-           Json("reference_pixel_size", 100 * calibration.reference_pixel_m));
+           Json("reference_distance", 100 * kCalibration.reference_distance_m),
+           Json("reference_pixel_size", 100 * kCalibration.reference_pixel_m));
   registration.Object("pad_info")
       .Set(Json("start_lines", 0), Json("end_lines", 0), Json("cropping_lines", 0));
   return PrintDocument(document, JsonLayout::kIndented);
@@ -47,19 +49,18 @@ std::string PgmOf(const std::vector<std::uint16_t>& raw) {
 
 }  // namespace
 
-absl::StatusOr<FakenectRecording> FakenectRecording::Create(
-    const std::filesystem::path& folder, const KinectV1Calibration& calibration) {
+absl::StatusOr<FakenectRecording> FakenectRecording::Create(const std::filesystem::path& folder) {
   std::error_code error;
   if (std::filesystem::exists(folder / kIndexFile, error)) {
     return absl::AlreadyExistsError(
         absl::StrCat(folder.string(), " contains a recording; choose another folder or remove it"));
   }
-  const absl::StatusOr<std::string> device = DeviceJson(calibration);
+  const absl::StatusOr<std::string> device = DeviceJson();
   if (!device.ok()) return device.status();
   absl::Status written =
       WriteFileAtomically(folder / "device.json", *device, Durability::kProcessCrash);
   if (!written.ok()) return written;
-  return FakenectRecording(folder, calibration);
+  return FakenectRecording(folder);
 }
 
 std::string FakenectRecording::NextName() {
@@ -80,7 +81,7 @@ absl::Status FakenectRecording::Show(const DepthFrame& frame, absl::Duration dur
   std::vector<std::uint16_t> raw;
   raw.reserve(frame.depth_m.size());
   for (const float z : frame.depth_m) {
-    raw.push_back(RawOfDepth(calibration_, static_cast<double>(z)));
+    raw.push_back(RawOfDepth(kCalibration, static_cast<double>(z)));
   }
   return ShowRaw(raw, duration);
 }

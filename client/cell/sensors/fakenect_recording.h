@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
 #include "rendering/depth_camera.h"
 
 namespace graspdb::client {
@@ -26,8 +26,7 @@ namespace graspdb::client {
 class FakenectRecording {
  public:
   // ALREADY_EXISTS when `folder` contains a recording; the errors of WriteFileAtomically.
-  static absl::StatusOr<FakenectRecording> Create(const std::filesystem::path& folder,
-                                                  const KinectV1Calibration& calibration = {});
+  static absl::StatusOr<FakenectRecording> Create(const std::filesystem::path& folder);
 
   // Repeats `frame` (640 x 480) for `duration`, 30 times a second and at least once.
   // INVALID_ARGUMENT for another size; the errors of WriteFileAtomically.
@@ -43,12 +42,10 @@ class FakenectRecording {
   absl::Status Finish();
 
  private:
-  FakenectRecording(std::filesystem::path folder, const KinectV1Calibration& calibration)
-      : folder_(std::move(folder)), calibration_(calibration) {}
+  explicit FakenectRecording(std::filesystem::path folder) : folder_(std::move(folder)) {}
   std::string NextName();
 
   std::filesystem::path folder_;
-  KinectV1Calibration calibration_;
   std::int64_t frames_ = 0;
   std::string index_;
 };

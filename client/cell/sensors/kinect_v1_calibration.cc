@@ -46,9 +46,9 @@ recognition::CameraIntrinsics KinectV1Intrinsics(const KinectV1Calibration& c) {
           .cy = (kKinectV1Height - 1) / 2.0};
 }
 
-DepthCameraModel SimulatedKinectV1(const KinectV1Calibration& calibration) {
+DepthCameraModel SimulatedKinectV1() {
   DepthCameraModel model = KinectV1();
-  model.intrinsics = KinectV1Intrinsics(calibration);
+  model.intrinsics = KinectV1Intrinsics({});
   model.noise.disparity_steps_m = 0;
   return model;
 }

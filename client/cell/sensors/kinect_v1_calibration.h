@@ -42,8 +42,8 @@ std::uint16_t RawOfDepth(const KinectV1Calibration& calibration, double depth_m)
 // distortion.
 recognition::CameraIntrinsics KinectV1Intrinsics(const KinectV1Calibration& calibration);
 
-// A simulated camera that matches the sensor: KinectV1() with the intrinsics of `calibration`, and
+// A simulated camera that matches the sensor: KinectV1() with the intrinsics of most devices, and
 // without disparity steps, which the raw numbers already have.
-DepthCameraModel SimulatedKinectV1(const KinectV1Calibration& calibration);
+DepthCameraModel SimulatedKinectV1();
 
 }  // namespace graspdb::client

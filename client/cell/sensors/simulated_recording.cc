@@ -11,7 +11,7 @@ absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
                                      const std::vector<Workpiece>& parts,
                                      const std::vector<PlannedCapture>& plan, absl::Duration hold) {
   if (plan.empty()) return absl::InvalidArgumentError("no scenes are planned; plan at least one");
-  const absl::StatusOr<DepthCamera> camera = DepthCamera::Create(SimulatedKinectV1({}));
+  const absl::StatusOr<DepthCamera> camera = DepthCamera::Create(SimulatedKinectV1());
   if (!camera.ok()) return camera.status();
   absl::StatusOr<FakenectRecording> recording = FakenectRecording::Create(folder);
   if (!recording.ok()) return recording.status();

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_split.h"
 #include "client/cell/sensors/fakenect_recording.h"
+#include "client/cell/sensors/kinect_v1_calibration.h"
 #include "client/cell/sensors/simulated_recording.h"
 #include "files/capture_set.h"
 #include "files/depth_message.h"
@@ -74,7 +75,7 @@ class FakenectTest : public ::testing::Test {
 
 TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
   const auto parts = SampleParts();
-  const auto camera = DepthCamera::Create(SimulatedKinectV1({}));
+  const auto camera = DepthCamera::Create(SimulatedKinectV1());
   ASSERT_THAT(camera, IsOk());
   const Scene scene = {.objects = {{.mesh = &parts[0].mesh}}};
   const auto seen =
