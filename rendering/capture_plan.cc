@@ -141,8 +141,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Work
                                                           const TurntableOptions& options) {
   if (absl::Status checked = CheckParts(parts); !checked.ok()) return checked;
   if (absl::Status stand = CheckStand(options.stand); !stand.ok()) return stand;
-  if (!(options.azimuth_step_deg >= 0.01 && options.azimuth_step_deg <= 360) ||
-      !std::isfinite(options.start_deg)) {
+  if (!(options.azimuth_step_deg >= 0.01 && options.azimuth_step_deg <= 360)) {
     return Bad("the step of the turntable is not between 0.01 and 360 degrees");
   }
   const auto steps = static_cast<int>(std::ceil(360 / options.azimuth_step_deg - 1e-9));
@@ -154,7 +153,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Work
       for (const double distance_m : options.stand.distances_m) {
         const Pose sensor = SensorPose(options.stand, look_down_deg, distance_m);
         for (int k = 0; k < steps; ++k) {
-          const double turn_deg = options.start_deg + k * options.azimuth_step_deg;
+          const double turn_deg = k * options.azimuth_step_deg;
           const Pose object = OnTable(0, 0, turn_deg * std::numbers::pi / 180);
           plan.push_back(
               {.path = absl::StrFormat("clouds/%s_%04d.pcd", parts[part].object_id, number++),

@@ -39,12 +39,11 @@ struct CameraStand {
   double azimuth_deg = -90;
 };
 
-// Every workpiece alone at the origin, turned by start, start + step, … up to a whole turn,
+// Every workpiece alone at the origin, turned by 0, step, twice the step, … up to a whole turn,
 // captured from every look-down angle and distance. The camera does not turn.
 struct TurntableOptions {
   CameraStand stand;
   double azimuth_step_deg = 15;
-  double start_deg = 0;
   v1::Capture::Split split = v1::Capture::TEACH;
   std::uint64_t seed = 1;
 };

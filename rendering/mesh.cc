@@ -14,19 +14,11 @@ namespace {
 constexpr std::size_t kExactDiameterVertices = 4096;
 constexpr int kSupportDirections = 1024;
 
-// Directions spread evenly over the sphere (a Fibonacci lattice).
-Eigen::Vector3f Direction(int i) {
-  const double z = 1 - (2.0 * i + 1) / kSupportDirections;
-  const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
-  const double r = std::sqrt(1 - z * z);
-  return Eigen::Vector3d(r * std::cos(turn), r * std::sin(turn), z).cast<float>();
-}
-
 // The vertices furthest out in many directions.
 std::vector<Eigen::Vector3f> SupportPoints(const std::vector<Eigen::Vector3f>& vertices) {
   std::vector<Eigen::Vector3f> support;
   for (int i = 0; i < kSupportDirections; ++i) {
-    const Eigen::Vector3f d = Direction(i);
+    const Eigen::Vector3f d = EvenDirection(i, kSupportDirections);
     support.push_back(*std::max_element(
         vertices.begin(), vertices.end(),
         [&d](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return d.dot(a) < d.dot(b); }));
@@ -48,6 +40,13 @@ Corners CornersOf(const TriangleMesh& mesh, const std::array<int, 3>& t) {
 double AreaOf(const Corners& k) { return (k.b - k.a).cross(k.c - k.a).norm() / 2; }
 
 }  // namespace
+
+Eigen::Vector3f EvenDirection(int i, int count) {
+  const double z = 1 - (2.0 * i + 1) / count;
+  const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+  const double r = std::sqrt(1 - z * z);
+  return Eigen::Vector3d(r * std::cos(turn), r * std::sin(turn), z).cast<float>();
+}
 
 absl::Status CheckMesh(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return absl::InvalidArgumentError("the mesh has no triangles");

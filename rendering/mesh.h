@@ -19,6 +19,9 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;
 };
 
+// The i-th of `count` directions spread evenly over the sphere (a Fibonacci lattice).
+Eigen::Vector3f EvenDirection(int i, int count);
+
 // INVALID_ARGUMENT when there is no triangle, an index is out of range or a
 // vertex is not finite.
 absl::Status CheckMesh(const TriangleMesh& mesh);

@@ -172,8 +172,8 @@ Drawing HexNut() {
           "collar-down",
           6,
           {{"flats", {0, 0, 28}, 30, 70}},
-          Union({RingSolid(hexagon, hole, 0, 42),
-                 RingSolid(RegularPolygon({0, 0}, 50, kSides, 0), hole, 0, 9)})};
+          Union({RingSolid(hexagon, hole, 42),
+                 RingSolid(RegularPolygon({0, 0}, 50, kSides, 0), hole, 9)})};
 }
 
 Drawing PostPlate() {

@@ -128,13 +128,13 @@ TriangleMesh CylinderSolid(const Eigen::Vector2f& center, float radius, float z0
   return ExtrudeUp(RegularPolygon(center, radius, kCylinderSides, 0), z0, z1);
 }
 
-TriangleMesh RingSolid(const Polygon& outer, const Polygon& inner, float z0, float z1) {
+TriangleMesh RingSolid(const Polygon& outer, const Polygon& inner, float height) {
   const auto n = static_cast<int>(outer.size());
   TriangleMesh mesh;
-  AppendLoop(mesh, outer, z0);
-  AppendLoop(mesh, outer, z1);
-  AppendLoop(mesh, inner, z0);
-  AppendLoop(mesh, inner, z1);
+  AppendLoop(mesh, outer, 0);
+  AppendLoop(mesh, outer, height);
+  AppendLoop(mesh, inner, 0);
+  AppendLoop(mesh, inner, height);
   AppendWalls(mesh, 0, n, n, true);
   AppendWalls(mesh, 2 * n, 3 * n, n, false);
   AppendWalls(mesh, n, 3 * n, n, true);  // the upper face, from the outer loop to the inner

@@ -31,9 +31,9 @@ TriangleMesh ExtrudeAlongX(const Polygon& profile, float x0, float x1);
 // An upright cylinder with many sides.
 TriangleMesh CylinderSolid(const Eigen::Vector2f& center, float radius, float z0, float z1);
 
-// An upright prism with a hole: loops with as many corners each, `inner` inside `outer`, corner k
-// of one in the direction of corner k of the other from the middle.
-TriangleMesh RingSolid(const Polygon& outer, const Polygon& inner, float z0, float z1);
+// An upright prism with a hole, from z = 0 up: loops with as many corners each, `inner` inside
+// `outer`, corner k of one in the direction of corner k of the other from the middle.
+TriangleMesh RingSolid(const Polygon& outer, const Polygon& inner, float height);
 
 // Adds the shells of `other` to `mesh`.
 void Append(TriangleMesh& mesh, const TriangleMesh& other);

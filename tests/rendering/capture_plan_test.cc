@@ -26,7 +26,6 @@ double TurnDeg(const recognition::Pose& pose) {
 TEST(CapturePlan, TurntableTurnsTheObjectBeforeAFixedCamera) {
   TurntableOptions options;
   options.azimuth_step_deg = 90;
-  options.start_deg = 5;
   options.stand.look_down_deg = {30, 50};
   options.stand.distances_m = {0.7, 0.9};
   const auto plan = PlanTurntable({Parts()[0], Parts()[1]}, options);
@@ -41,7 +40,7 @@ TEST(CapturePlan, TurntableTurnsTheObjectBeforeAFixedCamera) {
     EXPECT_EQ(capture.split, v1::Capture::TEACH);
     ASSERT_EQ(capture.placements.size(), 1U);
     EXPECT_EQ(capture.placements[0].part, i / 16);
-    EXPECT_NEAR(TurnDeg(capture.placements[0].world_object), 5 + 90.0 * static_cast<double>(i % 4),
+    EXPECT_NEAR(TurnDeg(capture.placements[0].world_object), 90.0 * static_cast<double>(i % 4),
                 1e-9);
     const double look_down_deg = (i / 8) % 2 == 0 ? 30 : 50;
     const double distance_m = (i / 4) % 2 == 0 ? 0.7 : 0.9;

@@ -22,7 +22,7 @@ TEST(Solid, ShellsAreClosedAndHaveTheirVolume) {
   EXPECT_TRUE(IsClosed(cylinder));
   EXPECT_NEAR(VolumeOf(cylinder), 4 * std::numbers::pi, 0.03);
   const TriangleMesh ring =
-      RingSolid(RegularPolygon({0, 0}, 2, 64, 0), RegularPolygon({0, 0}, 1, 64, 0), 0, 1);
+      RingSolid(RegularPolygon({0, 0}, 2, 64, 0), RegularPolygon({0, 0}, 1, 64, 0), 1);
   EXPECT_TRUE(IsClosed(ring));
   EXPECT_NEAR(VolumeOf(ring), 3 * std::numbers::pi, 0.03);
 }

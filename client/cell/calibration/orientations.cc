@@ -2,10 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "recognition/verification/visibility.h"
+#include "rendering/mesh.h"
 
 namespace graspdb::client {
 namespace {
@@ -22,14 +21,6 @@ constexpr std::size_t kPoints = 60;
 // A prime above kPoints, so that no point of a side is taken twice; of 60 points every 37th.
 constexpr std::size_t kStep = 877;
 constexpr std::size_t kAnchors = 4;
-
-// The k-th direction of a Fibonacci lattice on the sphere.
-Vector3f Direction(int k) {
-  const double z = 1 - (2 * k + 1.0) / kDirections;
-  const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
-  const double radius = std::sqrt(1 - z * z);
-  return Eigen::Vector3d(radius * std::cos(turn), radius * std::sin(turn), z).cast<float>();
-}
 
 // Indices by farthest point sampling, the first nearest to the mean.
 std::vector<std::size_t> FarApart(const recognition::Points& points) {
@@ -58,7 +49,7 @@ std::vector<std::size_t> FarApart(const recognition::Points& points) {
 std::vector<Side> SidesOf(const recognition::SurfaceModel& model) {
   std::vector<Side> out;
   for (int k = 0; k < kDirections; ++k) {
-    const Vector3f to_camera = Direction(k);
+    const Vector3f to_camera = EvenDirection(k, kDirections);
     if (static_cast<double>(to_camera.z()) < kLowest) continue;
     Side side;
     side.look_object =
