@@ -14,10 +14,7 @@ Eigen::Quaterniond Rotation(const v1::Pose& message) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-Eigen::Vector3d Translation(const v1::Pose& message) {
-  const v1::Vector3& p = message.position();
-  return {p.x(), p.y(), p.z()};
-}
+Eigen::Vector3d VectorOf(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
@@ -39,13 +36,17 @@ v1::Pose ToMessage(const recognition::Pose& pose) {
 recognition::Pose FromMessage(const v1::Pose& message) {
   recognition::Pose pose = recognition::Pose::Identity();
   pose.linear() = Rotation(message).normalized().toRotationMatrix();
-  pose.translation() = Translation(message);
+  pose.translation() = VectorOf(message.position());
   return pose;
+}
+
+recognition::Box FromMessage(const v1::AxisAlignedBox& message) {
+  return {VectorOf(message.min()), VectorOf(message.max())};
 }
 
 absl::Status CheckPose(const v1::Pose& message, std::string_view field) {
   const absl::string_view name(field.data(), field.size());
-  if (!Translation(message).allFinite() || !Rotation(message).coeffs().allFinite()) {
+  if (!VectorOf(message.position()).allFinite() || !Rotation(message).coeffs().allFinite()) {
     return absl::InvalidArgumentError(absl::StrCat(
         name, " has a number that is not finite; leave the pose out if it is unknown"));
   }

@@ -1,4 +1,4 @@
-// Conversion of poses between protobuf messages and the algorithms.
+// Conversion of poses and boxes between protobuf messages and the algorithms.
 #pragma once
 
 #include <string_view>
@@ -14,6 +14,8 @@ v1::Pose ToMessage(const recognition::Pose& pose);
 
 // The pose of a message that CheckPose accepts; the quaternion is normalised.
 recognition::Pose FromMessage(const v1::Pose& message);
+
+recognition::Box FromMessage(const v1::AxisAlignedBox& message);
 
 // INVALID_ARGUMENT, beginning with `field`, when a number is not finite or the
 // norm of the quaternion is off one by more than 1e-3.

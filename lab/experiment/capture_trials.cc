@@ -88,11 +88,7 @@ absl::StatusOr<Source> SourceOf(const std::vector<const v1::Capture*>& captures,
                                 const std::filesystem::path& folder, const v1::CaptureSet& of,
                                 PartSet* set) {
   Source out{.folder = folder, .region = std::nullopt, .captures = {}};
-  if (of.has_region_of_interest()) {
-    const v1::AxisAlignedBox& box = of.region_of_interest();
-    out.region = {{box.min().x(), box.min().y(), box.min().z()},
-                  {box.max().x(), box.max().y(), box.max().z()}};
-  }
+  if (of.has_region_of_interest()) out.region = FromMessage(of.region_of_interest());
   for (const v1::Capture* capture : captures) {
     auto part = PartOf(*capture, folder, of, set);
     if (!part.ok()) return part.status();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "files/pose_message.h"
 #include "rendering/simulation.h"
 
 namespace graspdb::client {
@@ -15,12 +16,6 @@ using Eigen::Vector3f;
 // Position of the obstacle, as a share of the camera's distance from the origin: outside of the
 // region of interest.
 constexpr double kPlateNearness = 0.4;
-
-recognition::Box RegionOfTrials() {
-  const v1::AxisAlignedBox box = SimulatedRegion();
-  return {{box.min().x(), box.min().y(), box.min().z()},
-          {box.max().x(), box.max().y(), box.max().z()}};
-}
 
 // A large plate across the view at `depth_m` (sensor frame), that covers all directions
 // x/z, y/z whose component along `direction` is larger than `edge`. Both sides.
@@ -112,7 +107,7 @@ absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
   if (!frame.ok()) return frame.status();
   Trial out{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
                      .world_sensor = capture.world_sensor,
-                     .region = RegionOfTrials(),
+                     .region = FromMessage(SimulatedRegion()),
                      .segmented = false},
             .truth = capture.placements,
             .seen = {}};
