@@ -22,11 +22,11 @@ v1::BackupDifference::Kind KindToProto(storage::Difference::Kind kind) {
   return v1::BackupDifference::KIND_UNSPECIFIED;
 }
 
-}  // namespace
-
 std::string BackupName(storage::BackupId id) {
   return absl::StrCat(std::string(kBackupPrefix), id);
 }
+
+}  // namespace
 
 absl::StatusOr<storage::BackupId> ParseBackupName(std::string_view name, std::string_view path) {
   storage::BackupId id = 0;

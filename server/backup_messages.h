@@ -10,9 +10,7 @@
 
 namespace graspdb::server {
 
-// "backups/7".
-std::string BackupName(storage::BackupId id);
-// INVALID_ARGUMENT with the field `path` if it is no such name.
+// Of "backups/7". INVALID_ARGUMENT with the field `path` if it is no such name.
 absl::StatusOr<storage::BackupId> ParseBackupName(std::string_view name, std::string_view path);
 
 v1::Backup BackupToProto(const storage::Backup& backup);

@@ -1,6 +1,7 @@
 #include "server/capacity.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <thread>
 
 namespace graspdb::server {
@@ -21,12 +22,9 @@ int QueueOf(const ServerOptions& options) {
   return options.queue.value_or(std::max(2, WorkersOf(options)));
 }
 
-std::size_t MaxMessageBytes(const ServerOptions& options) {
-  return static_cast<std::size_t>(options.max_message_mib) << 20U;
-}
-
 int ThreadsFor(const MemoryShares& memory, const ServerOptions& options) {
-  const std::size_t fit = memory.requests / MaxMessageBytes(options);
+  const std::size_t max_message = static_cast<std::size_t>(options.max_message_mib) << 20U;
+  const std::size_t fit = memory.requests / max_message;
   const int least = kMinThreads + 2 * WorkersOf(options);
   return std::max(least, static_cast<int>(std::min<std::size_t>(fit, kMaxThreads)));
 }

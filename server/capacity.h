@@ -1,8 +1,6 @@
 // How many calls a server processes, queues and accepts.
 #pragma once
 
-#include <cstddef>
-
 #include "server/memory_budget.h"
 #include "server/options.h"
 
@@ -15,8 +13,6 @@ int WorkersOf(const ServerOptions& options);
 // the one before it, twice as long as one that is alone. Doubled, it takes three times as long
 // (docs/reliability.md).
 int QueueOf(const ServerOptions& options);
-
-std::size_t MaxMessageBytes(const ServerOptions& options);
 
 // Number of threads for calls, each of which may have parsed a message of the maximum size, within
 // the memory for requests; but enough for the workers, and for calls that wait or are idle streams.

@@ -19,8 +19,7 @@ constexpr std::array<std::string_view, 9> kFields = {
     "workspace",          "pipeline",    "robot_base_pose",
     "flange_sensor_pose", "labels",      "include_drafts"};
 
-}  // namespace
-
+// INVALID_ARGUMENT when the cell's poses, boxes or settings are wrong.
 absl::Status ValidateCell(const v1::Cell& cell) {
   absl::Status status;
   if (cell.has_sensor_pose()) {
@@ -43,6 +42,8 @@ absl::Status ValidateCell(const v1::Cell& cell) {
   status.Update(ApplyPipeline(cell.pipeline(), "cell.pipeline", &scratch));
   return status;
 }
+
+}  // namespace
 
 grpc::Status CellService::CreateCell(grpc::ServerContext* context,
                                      const v1::CreateCellRequest* request, v1::Cell* response) {

@@ -26,7 +26,4 @@ class CellService final : public v1::CellService::Service {
   storage::Catalogue& catalogue_;
 };
 
-// INVALID_ARGUMENT when the cell's poses, boxes or settings are wrong.
-absl::Status ValidateCell(const v1::Cell& cell);
-
 }  // namespace graspdb::server

@@ -37,6 +37,36 @@ absl::Status CheckLength(double length_m, std::string_view path, std::string_vie
   return InvalidField(FieldPath(path, field), "must lie in 0 to 10 m");
 }
 
+absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
+                                                        std::string_view path) {
+  absl::Status status =
+      AtField(FieldPath(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
+  status.Update(CheckLength(grasp.approach_distance_m(), path, "approach_distance_m"));
+  status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
+  status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
+  if (!status.ok()) return status;
+  absl::StatusOr<recognition::Pose> tcp =
+      PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose"));
+  if (!tcp.ok()) return tcp.status();
+  recognition::TaughtGrasp out;
+  out.id = grasp.grasp_id();
+  out.object_tcp = *tcp;
+  out.approach_distance_m = grasp.approach_distance_m();
+  out.gripper_opening_m = grasp.gripper_opening_m();
+  out.retreat_distance_m = grasp.retreat_distance_m();
+  out.priority = grasp.priority();
+  const v1::Grasp::FreeTurn& turn = grasp.free_turn();
+  if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
+    return InvalidField(FieldPath(path, "free_turn"),
+                        "must have min_deg up to max_deg, both in -360 to 360 degrees");
+  }
+  if (grasp.has_free_turn()) {
+    constexpr double kDegree = std::numbers::pi / 180;
+    out.free_turn = {turn.min_deg() * kDegree, turn.max_deg() * kDegree};
+  }
+  return out;
+}
+
 }  // namespace
 
 absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
@@ -129,36 +159,6 @@ absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view pat
   status.Update(Apply(p.has_further_view_budget(), p.further_view_budget(), 0, 100'000, path,
                       "further_view_budget", &m.further_view_budget));
   return status;
-}
-
-absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
-                                                        std::string_view path) {
-  absl::Status status =
-      AtField(FieldPath(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
-  status.Update(CheckLength(grasp.approach_distance_m(), path, "approach_distance_m"));
-  status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
-  status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
-  if (!status.ok()) return status;
-  absl::StatusOr<recognition::Pose> tcp =
-      PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose"));
-  if (!tcp.ok()) return tcp.status();
-  recognition::TaughtGrasp out;
-  out.id = grasp.grasp_id();
-  out.object_tcp = *tcp;
-  out.approach_distance_m = grasp.approach_distance_m();
-  out.gripper_opening_m = grasp.gripper_opening_m();
-  out.retreat_distance_m = grasp.retreat_distance_m();
-  out.priority = grasp.priority();
-  const v1::Grasp::FreeTurn& turn = grasp.free_turn();
-  if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
-    return InvalidField(FieldPath(path, "free_turn"),
-                        "must have min_deg up to max_deg, both in -360 to 360 degrees");
-  }
-  if (grasp.has_free_turn()) {
-    constexpr double kDegree = std::numbers::pi / 180;
-    out.free_turn = {turn.min_deg() * kDegree, turn.max_deg() * kDegree};
-  }
-  return out;
 }
 
 absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose) {

@@ -31,9 +31,6 @@ v1::Vector3 VectorToProto(const Eigen::Vector3d& v);
 absl::Status ApplyPipeline(const v1::PipelineParameters& pipeline, std::string_view path,
                            recognition::RecognitionParameters* parameters);
 
-absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
-                                                        std::string_view path);
-
 // A stable pose with its grasps; the name is not checked.
 absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose);
 

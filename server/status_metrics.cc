@@ -206,8 +206,6 @@ prometheus::MetricFamily CertificateMetric(const std::string& certificate) {
                  std::move(end));
 }
 
-}  // namespace
-
 MetricFamilies StatusMetrics(const StatusSources& from) {
   MetricFamilies out;
   const auto add = [&](MetricFamilies families) {
@@ -223,6 +221,8 @@ MetricFamilies StatusMetrics(const StatusSources& from) {
   add({CertificateMetric(from.certificate)});
   return out;
 }
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<MetricsServer>> ServeMetrics(const MetricsOptions& options,
                                                             const StatusSources& sources,

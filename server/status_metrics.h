@@ -33,11 +33,9 @@ struct StatusSources {
   absl::Time start = absl::Now();   // of the server
 };
 
-// Does not wait for a change of the catalogue. Reads the records of bulk uploads and the
-// certificate from the disk.
-MetricFamilies StatusMetrics(const StatusSources& sources);
-
-// Serves these and the metrics of `calls`, which must outlive the result, as MetricsServer::Start.
+// Serves the metrics of `sources`, without waiting for a change of the catalogue, and of `calls`,
+// which must outlive the result, as MetricsServer::Start. Reads the records of bulk uploads and the
+// certificate from the disk each time.
 absl::StatusOr<std::unique_ptr<MetricsServer>> ServeMetrics(const MetricsOptions& options,
                                                             const StatusSources& sources,
                                                             const CallMetrics* calls);

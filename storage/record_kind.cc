@@ -33,12 +33,12 @@ absl::StatusOr<Parent> Kind<GraspOutcomesRecord>::ParentOf(std::string_view name
 }
 
 absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
-  if (auto parsed = ParseCellName(name); !parsed.ok()) return parsed.status();
+  if (auto status = CheckCellName(name); !status.ok()) return status;
   return Parent{};
 }
 
 absl::StatusOr<Parent> Kind<UploadRecord>::ParentOf(std::string_view name) {
-  if (auto parsed = ParseUploadName(name); !parsed.ok()) return parsed.status();
+  if (auto status = CheckUploadName(name); !status.ok()) return status;
   return Parent{};
 }
 

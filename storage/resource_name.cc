@@ -92,16 +92,12 @@ absl::StatusOr<ViewName> ParseViewName(std::string_view name) {
   return ViewName{(*ids)[0], (*ids)[1], (*ids)[2]};
 }
 
-absl::StatusOr<CellName> ParseCellName(std::string_view name) {
-  auto ids = ParseName<1>(name, {kCells}, "cells/{cell}");
-  if (!ids.ok()) return ids.status();
-  return CellName{(*ids)[0]};
+absl::Status CheckCellName(std::string_view name) {
+  return ParseName<1>(name, {kCells}, "cells/{cell}").status();
 }
 
-absl::StatusOr<UploadName> ParseUploadName(std::string_view name) {
-  auto ids = ParseName<1>(name, {kUploads}, "uploads/{upload}");
-  if (!ids.ok()) return ids.status();
-  return UploadName{(*ids)[0]};
+absl::Status CheckUploadName(std::string_view name) {
+  return ParseName<1>(name, {kUploads}, "uploads/{upload}").status();
 }
 
 std::string MakeObjectName(std::string_view object_id) {

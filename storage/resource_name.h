@@ -33,14 +33,6 @@ struct ViewName {
   std::string view_id;
 };
 
-struct CellName {
-  std::string cell_id;
-};
-
-struct UploadName {
-  std::string upload_id;
-};
-
 // INVALID_ARGUMENT, with a sentence that quotes the id and the rule, unless `id` is valid.
 absl::Status ValidateResourceId(std::string_view id);
 
@@ -49,8 +41,9 @@ absl::Status ValidateResourceId(std::string_view id);
 absl::StatusOr<ObjectName> ParseObjectName(std::string_view name);
 absl::StatusOr<StablePoseName> ParseStablePoseName(std::string_view name);
 absl::StatusOr<ViewName> ParseViewName(std::string_view name);
-absl::StatusOr<CellName> ParseCellName(std::string_view name);
-absl::StatusOr<UploadName> ParseUploadName(std::string_view name);
+// The same error, unless `name` is one of a cell, or of an upload.
+absl::Status CheckCellName(std::string_view name);
+absl::Status CheckUploadName(std::string_view name);
 
 // Makes a name from ids. The ids are not checked; the catalogue checks the name.
 std::string MakeObjectName(std::string_view object_id);

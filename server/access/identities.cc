@@ -70,7 +70,7 @@ absl::Status CheckIdentity(const v1::Identity& identity) {
     return absl::InvalidArgumentError(absl::StrCat("name: ", named.message()));
   }
   if (!identity.cell().empty()) {
-    if (auto cell = storage::ParseCellName(identity.cell()); !cell.ok()) return cell.status();
+    if (auto cell = storage::CheckCellName(identity.cell()); !cell.ok()) return cell;
   }
   absl::Status status = CheckRoles(identity);
   return status.ok() ? CheckCredentials(identity) : status;

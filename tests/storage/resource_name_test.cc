@@ -41,14 +41,12 @@ TEST(ResourceNameTest, ParsesMadeNames) {
   EXPECT_EQ(view->stable_pose_id, "upright");
   EXPECT_EQ(view->view_id, "az-015");
 
-  const auto cell = ParseCellName(MakeCellName("line-1"));
-  ASSERT_TRUE(cell.ok());
-  EXPECT_EQ(cell->cell_id, "line-1");
+  EXPECT_TRUE(CheckCellName(MakeCellName("line-1")).ok());
 }
 
 TEST(ResourceNameTest, NamesOfOneKindAreNotOfAnother) {
   EXPECT_FALSE(ParseObjectName("cells/a").ok());
-  EXPECT_FALSE(ParseCellName("objects/a").ok());
+  EXPECT_FALSE(CheckCellName("objects/a").ok());
   EXPECT_FALSE(ParseObjectName("objects/a/stablePoses/b").ok());
   EXPECT_FALSE(ParseStablePoseName("objects/a").ok());
   EXPECT_FALSE(ParseViewName("objects/a/stablePoses/b").ok());
