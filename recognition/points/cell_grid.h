@@ -82,8 +82,8 @@ class CellGrid {
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
         // Cells of a row follow each other.
-        const std::int32_t begin = BeginOf({low.x(), y, z});
-        const std::int32_t end = BeginAfter({high.x(), y, z});
+        const std::int32_t begin = BeginAtKey(KeyOf({low.x(), y, z}));
+        const std::int32_t end = BeginAtKey(KeyOf({high.x(), y, z}) + 1);
         if (begin < end) visit(begin, end);
       }
     }
@@ -108,9 +108,7 @@ class CellGrid {
                (static_cast<std::uint64_t>(last_.x()) + 1) +
            static_cast<std::uint64_t>(c.x());
   }
-  // In order_: of the first point in this cell or one behind it.
-  std::int32_t BeginOf(const Eigen::Vector3i& c) const { return BeginAtKey(KeyOf(c)); }
-  std::int32_t BeginAfter(const Eigen::Vector3i& c) const { return BeginAtKey(KeyOf(c) + 1); }
+  // In order_: of the first point in the cell of `key` or one behind it.
   std::int32_t BeginAtKey(std::uint64_t key) const {
     if (keys_.empty()) return start_[key];
     const auto bucket = static_cast<std::size_t>(key >> bucket_bits_);
