@@ -42,7 +42,6 @@ class CellProgramsTest : public ProgramsTest {
   std::vector<client::Workpiece> parts_;
   std::unique_ptr<Process> agent_;
   std::string gri_;
-  std::string health_;
 
  private:
   std::vector<client::PlannedCapture> scenes_;

@@ -18,10 +18,6 @@ using recognition::OrientedCloud;
 using recognition::Pose;
 using recognition::SurfaceModel;
 
-// Nearest-neighbour grid of the scan: cell size and maximum distance, m.
-constexpr float kGripCellM = 0.003F;
-constexpr float kGripReachM = 0.021F;
-
 // Places of the scan at which sides are tried.
 constexpr double kPlaceSpacingM = 0.012;
 constexpr std::size_t kMaxPlaces = 500;
@@ -69,7 +65,7 @@ void KeepBest(std::size_t count, std::vector<Guess>* guesses) {
 class SideMatcher {
  public:
   SideMatcher(const SurfaceModel& model, const OrientedCloud& cloud)
-      : sides_(SidesOf(model)), cloud_(cloud), grid_(cloud.points, kGripCellM, kGripReachM) {}
+      : sides_(SidesOf(model)), cloud_(cloud), grid_(GridOf(cloud.points)) {}
 
   std::vector<Guess> Guesses() const {
     std::vector<Guess> out;

@@ -18,9 +18,6 @@ using recognition::Pose;
 using recognition::RefinementOptions;
 using recognition::SurfaceModel;
 
-// Nearest-neighbour grid of the scan: cell size and maximum distance, m.
-constexpr float kCellM = 0.003F;
-constexpr float kReachM = 0.021F;
 constexpr std::size_t kMinVoxels = 50;
 constexpr RefinementOptions kRoughSteps = {
     .iterations = 6, .first_reach_m = 0.02, .last_reach_m = 0.008, .coarse = true};
@@ -75,7 +72,7 @@ void TargetScan::Count(const SurfaceModel& model, std::size_t stride, TargetFit*
 
 void TargetScan::RefineRoughly(const SurfaceModel& model, TargetFit* guesses,
                                std::size_t count) const {
-  const recognition::NearestGrid grid(cloud_.points, kCellM, kReachM);
+  const recognition::NearestGrid grid = GridOf(cloud_.points);
   const recognition::SoaCloud columns(cloud_, kRoughStride);
   recognition::Indices all(point_count_);
   std::iota(all.begin(), all.end(), 0);
@@ -111,7 +108,7 @@ TargetFit TargetScan::RefineOnce(const SurfaceModel& model, const Pose& world_ta
   }
   const recognition::DepthBuffer depth_buffer = DepthBufferOf(std::move(own));
   const recognition::SoaCloud columns(near);
-  const recognition::NearestGrid grid(near.points, kCellM, kReachM);
+  const recognition::NearestGrid grid = GridOf(near.points);
   recognition::RefinementTarget target{near, columns, grid, depth_buffer, on_table_, {}};
   if (on_table_) target.table = recognition::Plane();
   out.world_target = recognition::Refine(model, target, world_target, kLastSteps).world_object;

@@ -3,10 +3,16 @@
 
 #include "recognition/base/types.h"
 #include "recognition/models/surface_model.h"
+#include "recognition/points/nearest_grid.h"
 #include "recognition/segmentation/segmentation.h"
 #include "recognition/verification/depth_buffer.h"
 
 namespace graspdb::client {
+
+// Of a scan: cells of 3 mm, for points up to 21 mm away.
+inline recognition::NearestGrid GridOf(const recognition::Points& points) {
+  return {points, 0.003F, 0.021F};
+}
 
 // Quality of a refined pose.
 struct TargetFit {
