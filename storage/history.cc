@@ -76,9 +76,7 @@ absl::StatusOr<Page<HistoryRecord>> History::List(std::string_view object_name,
     if (!row.ok()) return row.status();
     if (!*row) break;
     bytes += (*row)->ByteSizeLong();
-    page.more =
-        page.records.size() == page_size || (!page.records.empty() && bytes > kMaxPageBytes);
-    if (page.more) break;
+    if (EndsPage(page_size, bytes, &page)) break;
     after = HistoryKey(object_name, (*row)->revision(), kLastPart);
     page.records.push_back(**std::move(row));
   }

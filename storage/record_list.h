@@ -24,6 +24,14 @@ absl::Status CheckPage(std::size_t page_size, std::string_view prefix, std::stri
 // are added to its record, can double it: they would reject twice as many.
 inline constexpr std::size_t kMaxPageBytes = 1U << 20;
 
+// Whether `page` ends before another record, with which it would have `bytes`.
+template <typename Record>
+bool EndsPage(std::size_t page_size, std::size_t bytes, Page<Record>* page) {
+  const std::size_t count = page->records.size();
+  page->more = count == page_size || (count > 0 && bytes > kMaxPageBytes);
+  return page->more;
+}
+
 // A page of the collection of `parent_name` (empty for a collection without a parent).
 template <typename Record>
 absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_view parent_name,
@@ -37,9 +45,7 @@ absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_v
       database.Scan(Kind<Record>::kFamily, prefix, after_name,
                     [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
                       bytes += value.size();
-                      page.more = page.records.size() == page_size ||
-                                  (!page.records.empty() && bytes > kMaxPageBytes);
-                      if (page.more) return false;
+                      if (EndsPage(page_size, bytes, &page)) return false;
                       auto record = ParseRecord<Record>(key, value);
                       if (!record.ok()) return record.status();
                       page.records.push_back(*std::move(record));

@@ -98,9 +98,7 @@ absl::StatusOr<Page<StagedItem>> Uploads::ListItems(const UploadRecord& upload,
           return DamagedRecord(key);
         }
         bytes += key.size() + staged.error().message().size();
-        page.more =
-            page.records.size() == page_size || (!page.records.empty() && bytes > kMaxPageBytes);
-        if (page.more) return false;
+        if (EndsPage(page_size, bytes, &page)) return false;
         page.records.push_back({std::string(key.substr(prefix.size())),
                                 absl::Status(static_cast<absl::StatusCode>(staged.error().code()),
                                              staged.error().message())});
