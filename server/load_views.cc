@@ -2,7 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,11 +13,18 @@
 #include "program/log_field.h"
 #include "server/change_effects.h"
 #include "server/records.h"
+#include "storage/uploads.h"
 
 namespace graspdb::server {
 namespace {
 
 constexpr std::size_t kRedescribeBatch = 256;
+
+// Nanoseconds in which a staged view is read that has its descriptor.
+constexpr std::size_t kReadStagedNs = 5'000;
+
+constexpr std::string_view kCommitCancelled =
+    "the upload was not committed, its views are safe; commit it again";
 
 // A view that cannot be described with these parameters.
 absl::Status CannotDescribe(const std::string& name, const absl::Status& status) {
@@ -26,13 +36,12 @@ absl::Status CannotDescribe(const std::string& name, const absl::Status& status)
 
 // DATA_LOSS if the record or cloud cannot be used; other errors if it cannot be described.
 absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
-    const storage::ViewRecord& record, std::string_view packed,
-    const recognition::DescriptorParameters& parameters) {
-  const auto view = ViewFromRecord(record);
+    const storage::NewView& stored, const recognition::DescriptorParameters& parameters) {
+  const auto view = ViewFromRecord(stored.record);
   if (!view.ok()) return view.status();
   const recognition::Pose& sensor = (*view)->world_sensor;
   const absl::StatusOr<recognition::OrientedCloud> cloud =
-      CloudFromPacked(packed, sensor, parameters);
+      CloudFromPacked(stored.packed_cloud, sensor, parameters);
   if (!cloud.ok()) return absl::DataLossError(cloud.status().message());
   return MakeDescriptorRecord(*cloud, sensor, parameters);
 }
@@ -40,7 +49,38 @@ absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
 // What becomes of a view that cannot be described.
 enum class Undescribable { kIsAnError, kIsLeftOut };
 
-absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std::string>& names,
+// Where the views are that are described again.
+struct ViewStore {
+  std::function<absl::StatusOr<storage::NewView>(const std::string& name)> get;
+  std::function<absl::Status(std::span<const storage::DescriptorUpdate> updates)> replace;
+  std::string_view when_cancelled;  // the text of CANCELLED
+};
+
+ViewStore StoreOf(storage::Catalogue& catalogue) {
+  return {.get = [&catalogue](const std::string& name) -> absl::StatusOr<storage::NewView> {
+            absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
+            if (!record.ok()) return record.status();
+            absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(name);
+            if (!packed.ok()) return packed.status();
+            return storage::NewView{*std::move(record), *std::move(packed)};
+          },
+          .replace =
+              [&catalogue](std::span<const storage::DescriptorUpdate> updates) {
+                return catalogue.ReplaceDescriptors(updates).status();
+              },
+          .when_cancelled = "stopped; the next start describes the other views"};
+}
+
+ViewStore StoreOf(storage::Uploads& uploads, const storage::UploadRecord& upload) {
+  return {.get = [&](const std::string& name) { return uploads.GetStaged(upload, name); },
+          .replace =
+              [&](std::span<const storage::DescriptorUpdate> updates) {
+                return uploads.ReplaceDescriptors(upload, updates);
+              },
+          .when_cancelled = kCommitCancelled};
+}
+
+absl::Status RedescribeAll(const ViewStore& views, const std::vector<std::string>& names,
                            const recognition::DescriptorParameters& parameters,
                            Undescribable undescribable,
                            const recognition::IsCancelled& is_cancelled) {
@@ -48,23 +88,19 @@ absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std:
                LogField(parameters.Fingerprint()));
   std::vector<storage::DescriptorUpdate> updates;
   const auto store = [&] {
-    absl::Status status = catalogue.ReplaceDescriptors(updates).status();
+    absl::Status status = views.replace(updates);
     updates.clear();
     return status;
   };
   for (const std::string& name : names) {
     if (is_cancelled && is_cancelled()) {
       absl::Status stored = store();
-      return stored.ok() ? absl::CancelledError("stopped; the next start describes the other views")
-                         : stored;
+      return stored.ok() ? absl::CancelledError(std::string(views.when_cancelled)) : stored;
     }
-    const absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
-    if (absl::IsNotFound(record.status())) continue;  // deleted meanwhile
-    if (!record.ok()) return record.status();
-    const absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(name);
-    if (!packed.ok()) return packed.status();
-    absl::StatusOr<storage::DescriptorRecord> descriptor =
-        DescribeAgain(*record, *packed, parameters);
+    const absl::StatusOr<storage::NewView> view = views.get(name);
+    if (absl::IsNotFound(view.status())) continue;  // deleted meanwhile
+    if (!view.ok()) return view.status();
+    absl::StatusOr<storage::DescriptorRecord> descriptor = DescribeAgain(*view, parameters);
     if (absl::IsDataLoss(descriptor.status())) {
       LogLeftOut(name, descriptor.status());
       continue;
@@ -87,12 +123,8 @@ absl::Status RedescribeAll(storage::Catalogue& catalogue, const std::vector<std:
 absl::Status Redescribe(storage::Catalogue& catalogue, const std::vector<std::string>& names,
                         const recognition::DescriptorParameters& parameters,
                         const recognition::IsCancelled& is_cancelled) {
-  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsAnError, is_cancelled);
-}
-
-absl::Status DescribeViews(storage::Catalogue& catalogue, const std::vector<std::string>& names,
-                           const recognition::DescriptorParameters& parameters) {
-  return RedescribeAll(catalogue, names, parameters, Undescribable::kIsLeftOut, {});
+  return RedescribeAll(StoreOf(catalogue), names, parameters, Undescribable::kIsAnError,
+                       is_cancelled);
 }
 
 absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& object,
@@ -122,7 +154,25 @@ absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& ob
     more = poses->more;
   }
   if (undescribed.empty()) return absl::OkStatus();
-  return DescribeViews(catalogue, undescribed, parameters);
+  return RedescribeAll(StoreOf(catalogue), undescribed, parameters, Undescribable::kIsLeftOut, {});
+}
+
+absl::Status DescribeStaged(storage::Catalogue& catalogue, const storage::UploadRecord& upload,
+                            const recognition::DescriptorParameters& parameters,
+                            const recognition::IsCancelled& is_cancelled) {
+  std::vector<std::string> undescribed;
+  recognition::CancellationPoll poll(is_cancelled);
+  const auto note = [&](const storage::ViewRecord& view) -> absl::Status {
+    if (poll.After(kReadStagedNs)) return absl::CancelledError(std::string(kCommitCancelled));
+    if (FindDescriptor(view, parameters) == nullptr && !IsUndescribable(view, parameters)) {
+      undescribed.push_back(view.name());
+    }
+    return absl::OkStatus();
+  };
+  absl::Status visited = catalogue.uploads().ForEachView(upload, note);
+  if (!visited.ok() || undescribed.empty()) return visited;
+  return RedescribeAll(StoreOf(catalogue.uploads(), upload), undescribed, parameters,
+                       Undescribable::kIsLeftOut, is_cancelled);
 }
 
 absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,

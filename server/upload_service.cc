@@ -1,14 +1,9 @@
 #include "server/upload_service.h"
 
-#include <spdlog/spdlog.h>
-
-#include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/time/clock.h"
-#include "program/log_field.h"
 #include "server/background.h"
 #include "server/errors.h"
 #include "server/handle.h"
@@ -114,33 +109,28 @@ grpc::Status UploadService::ListUploadViews(grpc::ServerContext* context,
 }
 
 absl::StatusOr<storage::UploadRecord> UploadService::Commit(
-    const v1::CommitUploadRequest& request) {
-  const recognition::DescriptorParameters& parameters = context_.parameters.descriptor;
-  const std::string current = parameters.Fingerprint();
-  std::vector<std::string> undescribed;
-  auto record =
-      uploads().Commit(request.name(), request.skip_failed(), [&](const storage::ViewRecord& view) {
-        const bool is_described = std::ranges::any_of(
-            view.descriptors(),
-            [&](const storage::DescriptorRecord& d) { return d.parameters() == current; });
-        if (!is_described) undescribed.push_back(view.name());
-      });
-  if (!record.ok() || undescribed.empty()) return record;
-  // Not cancelled with the call: the views are in the catalogue.
-  const absl::Status described =
-      InBackground([&] { return DescribeViews(context_.catalogue, undescribed, parameters); });
-  if (!described.ok()) {
-    spdlog::error("event=uploaded_views_not_described upload={} error={}", LogField(request.name()),
-                  LogField(std::string(described.message())));
-  }
-  return record;
+    const v1::CommitUploadRequest& request, const recognition::IsCancelled& is_cancelled) {
+  auto record = uploads().Get(request.name());
+  if (!record.ok() || record->has_commit_time()) return record;
+  // Before the commit, as it may take minutes: so it can be interrupted, and all views are
+  // recognised from the same revision on. Views that are staged meanwhile have the descriptor.
+  absl::Status described = InBackground([&] {
+    return DescribeStaged(context_.catalogue, *record, context_.parameters.descriptor,
+                          is_cancelled);
+  });
+  if (described.ok()) return uploads().Commit(request.name(), request.skip_failed(), is_cancelled);
+  // Another call may have committed it meanwhile.
+  record = uploads().Get(request.name());
+  if (record.ok() && record->has_commit_time()) return record;
+  return described;
 }
 
 grpc::Status UploadService::CommitUpload(grpc::ServerContext* context,
                                          const v1::CommitUploadRequest* request,
                                          v1::Upload* response) {
   return Handle(*context, "CommitUpload", *request, [&]() -> absl::Status {
-    const auto record = Commit(*request);
+    // Not by an AbandonedWatch: it is called rarely, and what it misses would be published.
+    const auto record = Commit(*request, [&] { return IsAbandoned(*context); });
     if (!record.ok()) return AtField("name", record.status());
     {
       absl::MutexLock lock(&mutex_);

@@ -59,8 +59,10 @@ class UploadService final : public v1::UploadService::Service {
   absl::StatusOr<storage::NewView> MakeViewOf(const v1::UploadViewsRequest& request,
                                               const recognition::IsCancelled& is_cancelled);
   absl::StatusOr<v1::Upload> ToProto(const storage::UploadRecord& record);
-  // Commits the upload, and describes its views that were staged with other parameters.
-  absl::StatusOr<storage::UploadRecord> Commit(const v1::CommitUploadRequest& request);
+  // Describes the views that were staged with other parameters, and commits the upload. CANCELLED
+  // before it is committed only; what is described then stays described.
+  absl::StatusOr<storage::UploadRecord> Commit(const v1::CommitUploadRequest& request,
+                                               const recognition::IsCancelled& is_cancelled);
 
   UploadContext context_;
   absl::Mutex mutex_;

@@ -1,5 +1,6 @@
 #include "storage/upload_commit.h"
 
+#include <cstdint>
 #include <map>
 #include <string>
 
@@ -9,13 +10,16 @@
 namespace graspdb::storage {
 namespace {
 
+// About a millisecond. Doubled, a commit that is cancelled holds other writers for two.
+constexpr std::int64_t kViewsPerPoll = 100;
+
 class Commit {
  public:
-  Commit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
+  Commit(const Database& database, bool skip_failed, const std::function<bool()>& is_cancelled,
          UploadRecord* upload, ChangeBatch& batch)
       : database_(database),
         skip_failed_(skip_failed),
-        on_view_(on_view),
+        is_cancelled_(is_cancelled),
         upload_(*upload),
         batch_(batch) {}
 
@@ -24,6 +28,9 @@ class Commit {
     absl::Status scanned = database_.Scan(
         Family::kStagedViews, prefix, "",
         [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+          if (visited_++ % kViewsPerPoll == 0) {
+            if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;
+          }
           const std::string name(key.substr(prefix.size()));
           if (absl::Status added = Add(name, value); !added.ok()) return added;
           if (auto removed = database_.Delete(Family::kStagedViews, key, batch_.rocks());
@@ -33,6 +40,7 @@ class Commit {
           return true;
         });
     if (!scanned.ok()) return scanned;
+    if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;  // for the last time
     upload_.set_commit_revision(batch_.meta().revision());
     *upload_.mutable_commit_time() = batch_.time();
     return database_.Put(Family::kUploads, upload_.name(), upload_.SerializeAsString(),
@@ -40,6 +48,12 @@ class Commit {
   }
 
  private:
+  absl::Status CheckNotCancelled() const {
+    if (!is_cancelled_ || !is_cancelled_()) return absl::OkStatus();
+    return absl::CancelledError(upload_.name() +
+                                " was not committed, its views are safe; commit it again");
+  }
+
   absl::Status Add(const std::string& name, std::string_view value) {
     StagedViewRecord staged;
     if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
@@ -77,7 +91,6 @@ class Commit {
       upload_.set_created_count(upload_.created_count() + 1);
     }
     batch_.NoteStoredCloud(view->cloud_key());
-    if (on_view_) on_view_(*view);
   }
 
   absl::StatusOr<bool> HasParent(const std::string& name) {
@@ -113,9 +126,10 @@ class Commit {
 
   const Database& database_;
   const bool skip_failed_;
-  const OnPublishedView& on_view_;
+  const std::function<bool()>& is_cancelled_;
   UploadRecord& upload_;
   ChangeBatch& batch_;
+  std::int64_t visited_ = 0;
   std::map<std::string, bool> parents_;  // whether a stable pose exists
 };
 
@@ -125,9 +139,10 @@ std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
   return upload.staging_prefix() + "/" + std::string(view_name);
 }
 
-absl::Status AddCommit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
-                       UploadRecord* upload, ChangeBatch& batch) {
-  return Commit(database, skip_failed, on_view, upload, batch).Run();
+absl::Status AddCommit(const Database& database, bool skip_failed,
+                       const std::function<bool()>& is_cancelled, UploadRecord* upload,
+                       ChangeBatch& batch) {
+  return Commit(database, skip_failed, is_cancelled, upload, batch).Run();
 }
 
 }  // namespace graspdb::storage

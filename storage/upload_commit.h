@@ -1,11 +1,14 @@
 // The change that publishes the views of an upload. Internal to storage/.
 #pragma once
 
+#include <functional>
+#include <string>
+#include <string_view>
+
 #include "absl/status/status.h"
 #include "storage/change_batch.h"
 #include "storage/database.h"
 #include "storage/records.pb.h"
-#include "storage/uploads.h"
 
 namespace graspdb::storage {
 
@@ -14,7 +17,8 @@ std::string StagedKey(const UploadRecord& upload, std::string_view view_name);
 
 // Adds the change to `batch`, as documented at Uploads::Commit(), and fills in the counts and the
 // revision of `upload`.
-absl::Status AddCommit(const Database& database, bool skip_failed, const OnPublishedView& on_view,
-                       UploadRecord* upload, ChangeBatch& batch);
+absl::Status AddCommit(const Database& database, bool skip_failed,
+                       const std::function<bool()>& is_cancelled, UploadRecord* upload,
+                       ChangeBatch& batch);
 
 }  // namespace graspdb::storage

@@ -177,16 +177,6 @@ absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
   return (*open)->record;
 }
 
-absl::StatusOr<std::string> Uploads::DigestOf(const UploadRecord& upload,
-                                              std::string_view view_name) {
-  const auto open = OpenOf(upload);
-  if (!open.ok()) return open.status();
-  absl::MutexLock lock(&(*open)->names);
-  const Open::View* view = (*open)->Find(view_name);
-  if (view != nullptr && view->is_stored) return view->digest;
-  return absl::NotFoundError(absl::StrCat(std::string(view_name), " is not staged"));
-}
-
 absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const NewView& view) {
   const std::string& name = view.record.name();
   if (auto parent = Kind<ViewRecord>::ParentOf(name); !parent.ok()) return parent.status();

@@ -12,7 +12,7 @@
 namespace graspdb::storage {
 
 absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_failed,
-                                             const OnPublishedView& on_view) {
+                                             const std::function<bool()>& is_cancelled) {
   auto record = Get(name);
   if (!record.ok() || record->has_commit_time()) return record;
   const auto open = OpenOf(name);
@@ -23,7 +23,7 @@ absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_fa
   if (!record.ok() || record->has_commit_time()) return record;
   if (!(*open)->end.ok()) return (*open)->end;  // the record is that of another one
   const absl::Status committed = log_.Mutate([&](ChangeBatch& batch) {
-    absl::Status added = AddCommit(database_, skip_failed, on_view, &*record, batch);
+    absl::Status added = AddCommit(database_, skip_failed, is_cancelled, &*record, batch);
     // Without a change of the catalogue the batch is not written by the log.
     return added.ok() && batch.changes().empty() ? database_.Write(batch.rocks()) : added;
   });
