@@ -46,12 +46,13 @@ class Views {
 
   absl::Status Make(std::size_t i, v1::UploadViewsRequest* request) const {
     const SeenPart& seen = seen_[i % seen_.size()];
-    const Eigen::Vector3f& factors = factors_[i / seen_.size()][seen.part];
+    const Stretch stretch(seen, factors_[i / seen_.size()][seen.part]);
     const Eigen::Isometry3f sensor_world = seen.world_sensor.inverse().cast<float>();
     recognition::Points points;
+    points.reserve(options_.points);
     for (std::size_t k = 0; k < options_.points; ++k) {
       const std::size_t at = k * seen.points.size() / options_.points;
-      points.push_back(sensor_world * StretchedPoint(seen, factors, seen.points[at]));
+      points.push_back(sensor_world * stretch(seen.points[at]));
     }
     request->set_parent(StablePoseOf(i));
     request->set_view_id(absl::StrCat("v", i));

@@ -42,9 +42,10 @@ absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vec
                                           const std::string& name, bool object_poses) {
   const recognition::DescriptorParameters parameters;
   const Eigen::Isometry3f sensor_world = seen.world_sensor.inverse().cast<float>();
+  const Stretch stretch(seen, factors);
   std::vector<storage::CloudPoint> points;
   for (const Eigen::Vector3f& measured : seen.points) {
-    const Eigen::Vector3f p = sensor_world * StretchedPoint(seen, factors, measured);
+    const Eigen::Vector3f p = sensor_world * stretch(measured);
     points.push_back({p.x(), p.y(), p.z()});
   }
   storage::NewView out;

@@ -29,17 +29,12 @@ std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts) {
   return out;
 }
 
-Eigen::Vector3f StretchedPoint(const SeenPart& seen, const Eigen::Vector3f& factors,
-                               const Eigen::Vector3f& point) {
-  const Eigen::Isometry3f world_object = seen.world_object.cast<float>();
-  return world_object * (world_object.inverse() * point).cwiseProduct(factors);
-}
-
 OrientedCloud StretchedCloud(const SeenPart& seen, const Eigen::Vector3f& factors) {
   const Eigen::Matrix3f turn = seen.world_object.cast<float>().linear();
+  const Stretch stretch(seen, factors);
   OrientedCloud out;
   for (std::size_t i = 0; i < seen.cloud.points.size(); ++i) {
-    out.points.push_back(StretchedPoint(seen, factors, seen.cloud.points[i]));
+    out.points.push_back(stretch(seen.cloud.points[i]));
     out.normals.emplace_back(
         turn * (turn.transpose() * seen.cloud.normals[i]).cwiseQuotient(factors).normalized());
   }

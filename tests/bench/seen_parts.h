@@ -1,7 +1,7 @@
 // Views of the sample parts by a simulated camera, and of scaled variants.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <random>
 #include <vector>
 
@@ -22,9 +22,24 @@ struct SeenPart {
 // The parts captured by a simulated Kinect v2 from all around; views without a part are left out.
 std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts);
 
-// A point of the object in `seen`, world frame, with the object scaled along its axes.
-Eigen::Vector3f StretchedPoint(const SeenPart& seen, const Eigen::Vector3f& factors,
-                               const Eigen::Vector3f& point);
+// Scales the object in a view along its axes.
+class Stretch {
+ public:
+  Stretch(const SeenPart& seen, const Eigen::Vector3f& factors)
+      : world_object_(seen.world_object.cast<float>()),
+        object_world_(world_object_.inverse()),
+        factors_(factors) {}
+
+  // A point of the object, world frame.
+  Eigen::Vector3f operator()(const Eigen::Vector3f& point) const {
+    return world_object_ * (object_world_ * point).cwiseProduct(factors_);
+  }
+
+ private:
+  const Eigen::Isometry3f world_object_;
+  const Eigen::Isometry3f object_world_;
+  const Eigen::Vector3f factors_;
+};
 
 // The cloud of the scaled object.
 recognition::OrientedCloud StretchedCloud(const SeenPart& seen, const Eigen::Vector3f& factors);
