@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
+#include "recognition/segmentation/segmented_points.h"
 #include "server/convert.h"
 #include "server/digest.h"
 #include "server/errors.h"
@@ -22,6 +23,13 @@ using recognition::Segmentation;
 struct Capture {
   recognition::Scan scan;
   std::optional<Pose> object_pose;
+};
+
+// What a capture shows of the object.
+struct SeenObject {
+  Pose world_sensor = Pose::Identity();
+  Pose world_object = Pose::Identity();
+  recognition::Indices indices;  // its points in the scan
 };
 
 absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
@@ -82,11 +90,12 @@ absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
 }
 
 // `stored` gets the points as they will be read.
-absl::StatusOr<std::string> PackSegment(const recognition::Scan& scan, const Segment& segment,
-                                        std::vector<storage::CloudPoint>* stored) {
+absl::StatusOr<std::string> PackPoints(const recognition::Scan& scan,
+                                       const recognition::Indices& indices,
+                                       std::vector<storage::CloudPoint>* stored) {
   std::vector<storage::CloudPoint> points;
-  points.reserve(segment.indices.size());
-  for (const std::int32_t i : segment.indices) {
+  points.reserve(indices.size());
+  for (const std::int32_t i : indices) {
     const Eigen::Vector3f p = scan.PointAt(i);
     points.push_back({p.x(), p.y(), p.z()});
   }
@@ -107,6 +116,36 @@ absl::Status CheckExtent(const recognition::Scan& scan, const Segmentation& segm
   if (!segment.too_large) return absl::OkStatus();
   return InvalidField(field, absl::StrCat("shows an object larger than ", max_object_size_m,
                                           " m; leave out points that are not on the object"));
+}
+
+absl::StatusOr<SeenObject> FindObject(const Capture& capture,
+                                      const recognition::RecognitionParameters& parameters,
+                                      const recognition::IsCancelled& is_cancelled) {
+  // The centroid of the voxels, which takes longer, is for objects without a pose.
+  if (capture.object_pose) {
+    std::optional<recognition::Indices> indices = recognition::SegmentedPoints(
+        capture.scan, parameters.segmentation, parameters.descriptor.voxel_size_m, is_cancelled);
+    if (indices) {
+      return SeenObject{capture.scan.world_sensor.value_or(Pose::Identity()), *capture.object_pose,
+                        *std::move(indices)};
+    }
+  }
+  recognition::StageLog log;
+  // The normals that count are those of the points as they are stored.
+  recognition::DescriptorParameters without_normals = parameters.descriptor;
+  without_normals.normal_radius_m = 0;
+  absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
+      capture.scan, parameters.segmentation, without_normals, is_cancelled, &log);
+  if (!segmentation.ok()) return segmentation.status();
+  absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture.object_pose);
+  if (!segment.ok()) return segment.status();
+  const double max_size_m = parameters.segmentation.max_object_size_m;
+  absl::Status status = CheckExtent(capture.scan, *segmentation, **segment, max_size_m);
+  if (!status.ok()) return status;
+  return SeenObject{segmentation->world_sensor,
+                    capture.object_pose.value_or(
+                        recognition::DefaultObjectPose(segmentation->world_frame, **segment)),
+                    (*segment)->indices};
 }
 
 absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {
@@ -137,30 +176,18 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   if (absl::Status status = CheckChecksum(request); !status.ok()) return status;
   absl::StatusOr<Capture> capture = CaptureFromProto(request, limits.max_points);
   if (!capture.ok()) return capture.status();
-  recognition::StageLog log;
-  // The normals that count are those of the points as they are stored.
-  recognition::DescriptorParameters without_normals = parameters.descriptor;
-  without_normals.normal_radius_m = 0;
-  absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
-      capture->scan, parameters.segmentation, without_normals, is_cancelled, &log);
-  if (!segmentation.ok()) return segmentation.status();
-  absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture->object_pose);
-  if (!segment.ok()) return segment.status();
-  const double max_size_m = parameters.segmentation.max_object_size_m;
-  if (auto status = CheckExtent(capture->scan, *segmentation, **segment, max_size_m);
-      !status.ok()) {
-    return status;
-  }
+  const absl::StatusOr<SeenObject> object = FindObject(*capture, parameters, is_cancelled);
+  if (!object.ok()) return object.status();
 
   storage::NewView out;
   std::vector<storage::CloudPoint> stored;
-  absl::StatusOr<std::string> packed = PackSegment(capture->scan, **segment, &stored);
+  absl::StatusOr<std::string> packed = PackPoints(capture->scan, object->indices, &stored);
   if (!packed.ok()) return packed.status();
   out.packed_cloud = *std::move(packed);
   const v1::View& view = request.view();
   const v1::Pose stored_sensor = view.has_sensor_pose()
-                                     ? StoredPose(view.sensor_pose(), segmentation->world_sensor)
-                                     : PoseToProto(segmentation->world_sensor);
+                                     ? StoredPose(view.sensor_pose(), object->world_sensor)
+                                     : PoseToProto(object->world_sensor);
   // As it will be read, as the points are.
   absl::StatusOr<Pose> sensor = PoseFromProto(stored_sensor, "view.sensor_pose");
   if (!sensor.ok()) return sensor.status();
@@ -169,12 +196,11 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   if (!descriptor.ok()) return descriptor.status();
 
   *out.record.mutable_sensor_pose() = stored_sensor;
-  *out.record.mutable_object_pose() =
-      capture->object_pose
-          ? StoredPose(view.object_pose(), *capture->object_pose)
-          : PoseToProto(recognition::DefaultObjectPose(segmentation->world_frame, **segment));
+  *out.record.mutable_object_pose() = capture->object_pose
+                                          ? StoredPose(view.object_pose(), object->world_object)
+                                          : PoseToProto(object->world_object);
   out.record.set_object_pose_given(view.has_object_pose() && !view.object_pose_estimated());
-  out.record.set_point_count(static_cast<int>((*segment)->indices.size()));
+  out.record.set_point_count(static_cast<int>(object->indices.size()));
   *out.record.add_descriptors() = *std::move(descriptor);
   return out;
 }

@@ -1,5 +1,7 @@
 #include "recognition/points/voxels.h"
 
+#include <array>
+#include <set>
 #include <vector>
 
 #include "recognition/base/bounds.h"
@@ -57,6 +59,16 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
     begin = end;
   }
   return out;
+}
+
+bool HasVoxels(const Points& points, double voxel_size_m, std::size_t count) {
+  const double inverse_size = 1 / voxel_size_m;
+  std::set<std::array<std::int64_t, 3>> found;
+  for (auto p = points.begin(); found.size() < count && p != points.end(); ++p) {
+    const Coordinates c = VoxelOf(*p, inverse_size);
+    found.insert(std::array<std::int64_t, 3>{c.x(), c.y(), c.z()});
+  }
+  return found.size() >= count;
 }
 
 }  // namespace graspdb::recognition

@@ -19,4 +19,8 @@ struct VoxelCloud {
 VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
                               const IsCancelled& is_cancelled = {});
 
+// Whether the points are in at least `count` voxels of that grid. Looks at no more of them than
+// needed; O(n log count).
+bool HasVoxels(const Points& points, double voxel_size_m, std::size_t count);
+
 }  // namespace graspdb::recognition

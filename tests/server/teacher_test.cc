@@ -62,6 +62,23 @@ TEST_F(EqualViewsTest, AlsoOfTheObjectAlone) {
   ExpectEqualViews();
 }
 
+// The object's pose is stored, and makes a shorter way to the rest.
+TEST_F(EqualViewsTest, TheObjectAloneIsStoredTheSameWithAndWithoutItsPose) {
+  cloud_.mutable_view()->set_segmented(true);
+  *cloud_.mutable_region_of_interest() = BoxMessage({-0.1, -0.1, 0.01}, {0.1, 0.1, 0.2});
+  auto with_pose = Made(cloud_);
+  ASSERT_THAT(with_pose, IsOk());
+  cloud_.mutable_view()->clear_object_pose();
+  auto without_pose = Made(cloud_);
+  ASSERT_THAT(without_pose, IsOk());
+  EXPECT_EQ(with_pose->packed_cloud, without_pose->packed_cloud);
+  for (storage::ViewRecord* record : {&with_pose->record, &without_pose->record}) {
+    record->clear_object_pose();
+    record->clear_object_pose_given();
+  }
+  EXPECT_EQ(with_pose->record.SerializeAsString(), without_pose->record.SerializeAsString());
+}
+
 // What a server stored is what another one stores: packed points and poses, to the last bit.
 TEST_F(EqualViewsTest, AStoredViewIsStoredAsItIs) {
   for (const bool estimated : {false, true}) {
