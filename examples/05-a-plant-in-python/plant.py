@@ -12,7 +12,7 @@ from graspdb.v1 import capture_set_pb2, geometry_pb2
 crc32c = crcmod.predefined.mkPredefinedCrcFun("crc-32c")
 
 
-def channel(name=None, address="localhost:50051"):
+def channel(name=None, address="127.0.0.1:50051"):
     """A channel that trusts the plant's authority only. `name`.pem and `name`.key are the caller's identity."""
     def read(path):
         with open(path, "rb") as file:
