@@ -23,9 +23,6 @@ constexpr std::size_t kRedescribeBatch = 256;
 // Nanoseconds in which a staged view is read that has its descriptor.
 constexpr std::size_t kReadStagedNs = 5'000;
 
-constexpr std::string_view kCommitCancelled =
-    "the upload was not committed, its views are safe; commit it again";
-
 // A view that cannot be described with these parameters.
 absl::Status CannotDescribe(const std::string& name, const absl::Status& status) {
   return {status.code(),
@@ -99,19 +96,20 @@ absl::Status RedescribeAll(const ViewStore& views, const std::vector<std::string
     }
     const absl::StatusOr<storage::NewView> view = views.get(name);
     if (absl::IsNotFound(view.status())) continue;  // deleted meanwhile
-    if (!view.ok()) return view.status();
-    absl::StatusOr<storage::DescriptorRecord> descriptor = DescribeAgain(*view, parameters);
+    absl::StatusOr<storage::DescriptorRecord> descriptor =
+        view.ok() ? DescribeAgain(*view, parameters) : view.status();
     if (absl::IsDataLoss(descriptor.status())) {
       LogLeftOut(name, descriptor.status());
       continue;
     }
+    if (!view.ok()) return view.status();
     if (!descriptor.ok()) {
       absl::Status why = CannotDescribe(name, descriptor.status());
       if (undescribable == Undescribable::kIsAnError) return why;
       LogLeftOut(name, why);
       descriptor = NoDescriptor(parameters);
     }
-    updates.push_back({name, {*std::move(descriptor)}});
+    updates.push_back({name, view->record.content_digest(), {*std::move(descriptor)}});
     if (updates.size() < kRedescribeBatch) continue;
     if (absl::Status status = store(); !status.ok()) return status;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -11,6 +12,10 @@
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
+
+// The text of CANCELLED before an upload is committed.
+inline constexpr std::string_view kCommitCancelled =
+    "the upload was not committed, its views are safe; commit it again";
 
 // The views of the records, read in one pass with the records for `others`. Names of those without
 // a descriptor of these parameters are added to `undescribed`; they are left out.
@@ -36,9 +41,9 @@ absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& ob
                             const recognition::DescriptorParameters& parameters);
 
 // The same for the staged views of an upload, which stay staged. Errors as Redescribe(), but for
-// views that cannot be described, and those of an upload that ended meanwhile; DATA_LOSS for a view
-// without cloud. After CANCELLED, which comes before the next view, the next call goes on there.
-// About 5 us for a view that has such a descriptor, some milliseconds for another one.
+// views that cannot be described, and those of an upload that ended meanwhile. After CANCELLED,
+// which comes before the next view, the next call goes on there. About 5 us for a view that has
+// such a descriptor, some milliseconds for another one.
 absl::Status DescribeStaged(storage::Catalogue& catalogue, const storage::UploadRecord& upload,
                             const recognition::DescriptorParameters& parameters,
                             const recognition::IsCancelled& is_cancelled);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "program/monotonic_time.h"
 #include "server/background.h"
 #include "server/errors.h"
 #include "server/handle.h"
@@ -12,6 +13,12 @@
 #include "storage/resource_name.h"
 
 namespace graspdb::server {
+namespace {
+
+// Between checks for a cancellation while another upload is described.
+constexpr absl::Duration kWatchPeriod = absl::Milliseconds(20);
+
+}  // namespace
 
 absl::StatusOr<v1::Upload> UploadService::ToProto(const storage::UploadRecord& record) {
   v1::Upload out;
@@ -108,19 +115,38 @@ grpc::Status UploadService::ListUploadViews(grpc::ServerContext* context,
   });
 }
 
+absl::Status UploadService::Describe(const storage::UploadRecord& upload,
+                                     const recognition::IsCancelled& is_cancelled) {
+  {
+    absl::MutexLock lock(&mutex_);
+    while (is_describing_) {
+      if (is_cancelled()) return absl::CancelledError(std::string(kCommitCancelled));
+      description_ended_.WaitUntil(&mutex_, MonotonicTime::Now() + kWatchPeriod);
+    }
+    is_describing_ = true;
+  }
+  absl::Status described = InBackground([&] {
+    return DescribeStaged(context_.catalogue, upload, context_.parameters.descriptor, is_cancelled);
+  });
+  absl::MutexLock lock(&mutex_);
+  is_describing_ = false;
+  description_ended_.SignalAll();
+  return described;
+}
+
 absl::StatusOr<storage::UploadRecord> UploadService::Commit(
     const v1::CommitUploadRequest& request, const recognition::IsCancelled& is_cancelled) {
-  auto record = uploads().Get(request.name());
-  if (!record.ok() || record->has_commit_time()) return record;
+  const auto upload = uploads().Get(request.name());
+  if (!upload.ok() || upload->has_commit_time()) return upload;
+  if (!request.skip_failed()) {
+    if (auto whole = uploads().CheckNoErrors(*upload); !whole.ok()) return whole;
+  }
   // Before the commit, as it may take minutes: so it can be interrupted, and all views are
   // recognised from the same revision on. Views that are staged meanwhile have the descriptor.
-  absl::Status described = InBackground([&] {
-    return DescribeStaged(context_.catalogue, *record, context_.parameters.descriptor,
-                          is_cancelled);
-  });
-  if (described.ok()) return uploads().Commit(request.name(), request.skip_failed(), is_cancelled);
+  absl::Status described = Describe(*upload, is_cancelled);
+  if (described.ok()) return uploads().Commit(*upload, request.skip_failed(), is_cancelled);
   // Another call may have committed it meanwhile.
-  record = uploads().Get(request.name());
+  auto record = uploads().Get(request.name());
   if (record.ok() && record->has_commit_time()) return record;
   return described;
 }

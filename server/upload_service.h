@@ -7,6 +7,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
+#include "program/monotonic_cond_var.h"
 #include "recognition/recognizer.h"
 #include "server/admission.h"
 #include "server/memory_budget.h"
@@ -59,6 +60,10 @@ class UploadService final : public v1::UploadService::Service {
   absl::StatusOr<storage::NewView> MakeViewOf(const v1::UploadViewsRequest& request,
                                               const recognition::IsCancelled& is_cancelled);
   absl::StatusOr<v1::Upload> ToProto(const storage::UploadRecord& record);
+  // DescribeStaged() of one upload at a time, so that calls at once do not describe the same views,
+  // with an unpacked cloud each. CANCELLED also while it waits.
+  absl::Status Describe(const storage::UploadRecord& upload,
+                        const recognition::IsCancelled& is_cancelled);
   // Describes the views that were staged with other parameters, and commits the upload. CANCELLED
   // before it is committed only; what is described then stays described.
   absl::StatusOr<storage::UploadRecord> Commit(const v1::CommitUploadRequest& request,
@@ -66,6 +71,8 @@ class UploadService final : public v1::UploadService::Service {
 
   UploadContext context_;
   absl::Mutex mutex_;
+  bool is_describing_ ABSL_GUARDED_BY(mutex_) = false;
+  MonotonicCondVar description_ended_;
   std::map<std::string, UploadRate> rates_ ABSL_GUARDED_BY(mutex_);  // of open uploads
 };
 

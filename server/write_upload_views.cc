@@ -1,4 +1,5 @@
 // Views of bulk uploads: the compute-intensive part of UploadService.
+#include <iterator>
 #include <string>
 
 #include "server/background.h"
@@ -80,8 +81,15 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, St
   }
   if (!outcome.ok()) return outcome.status();
   response->set_existing(*outcome == storage::PutViewOutcome::kExisting);
+  const auto now = UploadRate::Clock::now();
   absl::MutexLock lock(&mutex_);
-  rates_[request.upload()].Add(UploadRate::Clock::now());
+  const auto [rate, is_new] = rates_.try_emplace(request.upload());
+  // Uploads that expired leave theirs.
+  for (auto other = rates_.begin(); is_new && other != rates_.end();) {
+    const bool is_old = other != rate && other->second.PerSecond(now) == 0;
+    other = is_old ? rates_.erase(other) : std::next(other);
+  }
+  rate->second.Add(now);
   return absl::OkStatus();
 }
 

@@ -112,6 +112,7 @@ struct AddedOutcomes {
 // The new descriptors of a view.
 struct DescriptorUpdate {
   std::string view_name;
+  std::string content_digest;  // of the view whose cloud they describe
   std::vector<DescriptorRecord> descriptors;
 };
 
@@ -214,8 +215,9 @@ class Catalogue {
                                              std::string_view after_name) const;
   absl::Status DeleteView(std::string_view name);
   // Replaces descriptors after their parameters changed: one change, all or nothing.
-  // Its change record contains all the views, so pass some hundreds at a time. NOT_FOUND
-  // when one is missing. Returns the revision; without updates, the current one.
+  // Its change record contains all the views, so pass some hundreds at a time. A view that was
+  // deleted or replaced by other content meanwhile is left out. Returns the revision; without
+  // updates, the current one.
   absl::StatusOr<std::int64_t> ReplaceDescriptors(std::span<const DescriptorUpdate> updates);
 
   // --- Outcomes of grasps -----------------------------------------------------------

@@ -122,10 +122,13 @@ absl::StatusOr<std::int64_t> Catalogue::ReplaceDescriptors(
     std::span<const DescriptorUpdate> updates) {
   std::int64_t revision = 0;
   const absl::Status replaced = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    revision = updates.empty() ? batch.meta().revision() : batch.Begin();
+    revision = batch.meta().revision();
     for (const DescriptorUpdate& update : updates) {
       auto record = ReadRecord<ViewRecord>(*database_, update.view_name);
+      if (absl::IsNotFound(record.status())) continue;
       if (!record.ok()) return record.status();
+      if (record->content_digest() != update.content_digest) continue;
+      if (batch.changes().empty()) revision = batch.Begin();
       record->mutable_descriptors()->Assign(update.descriptors.begin(), update.descriptors.end());
       batch.Overwrite(Family::kViews, update.view_name, record->SerializeAsString());
     }

@@ -55,6 +55,22 @@ absl::Status Uploads::ForEachView(
       });
 }
 
+absl::Status Uploads::CheckNoErrors(const UploadRecord& upload) {
+  const auto counts = CountsOf(upload);
+  if (!counts.ok() || counts->errors == 0) return counts.status();
+  const std::string prefix = StagedKey(upload, "");
+  return database_.Scan(
+      Family::kStagedViews, prefix, "",
+      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+        StagedViewRecord staged;
+        if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+          return DamagedRecord(key);
+        }
+        if (!staged.has_error()) return true;
+        return FailedView(upload, key.substr(prefix.size()), staged.error().message());
+      });
+}
+
 absl::StatusOr<NewView> Uploads::GetStaged(const UploadRecord& upload,
                                            std::string_view view_name) const {
   auto staged = ReadStaged(database_, upload, view_name);

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "storage/cloud_key.h"
 #include "storage/record_kind.h"
 
@@ -114,9 +115,7 @@ class Commit {
   absl::Status Fail(const std::string& name, const std::string& why) {
     upload_.set_failed_count(upload_.failed_count() + 1);
     if (skip_failed_) return absl::OkStatus();
-    return absl::FailedPreconditionError(
-        upload_.name() + " cannot be committed as a whole: " + name + ": " + why +
-        "; list its failed views, send them again or commit without them");
+    return FailedView(upload_, name, why);
   }
 
   // Not in the change record: no reader ever got it.
@@ -137,6 +136,13 @@ class Commit {
 
 std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
   return upload.staging_prefix() + "/" + std::string(view_name);
+}
+
+absl::Status FailedView(const UploadRecord& upload, std::string_view view_name,
+                        std::string_view why) {
+  return absl::FailedPreconditionError(absl::StrCat(
+      upload.name(), " cannot be committed as a whole: ", std::string(view_name), ": ",
+      std::string(why), "; list its failed views, send them again or commit without them"));
 }
 
 absl::Status AddCommit(const Database& database, bool skip_failed,

@@ -95,17 +95,20 @@ class Uploads {
   // The digest of a staged view, empty for one that cannot be taught; NOT_FOUND without either.
   absl::StatusOr<std::string> DigestOf(const UploadRecord& upload, std::string_view view_name);
 
+  // FAILED_PRECONDITION as Commit() where a view cannot be taught; linear in the views only then.
+  absl::Status CheckNoErrors(const UploadRecord& upload);
   // Publishes all views in one change with one revision, and returns the record with its counts.
-  // A committed upload is returned as it is. FAILED_PRECONDITION, with nothing changed, when a view
-  // cannot be taught, its stable pose is gone, or its name is taken by other content and the upload
-  // does not replace; with `skip_failed` these views are left out. Other writers wait meanwhile: in
-  // the order of 10 us for each view.
+  // `upload` is a record of Get(); a committed upload is returned as it is. NOT_FOUND if it was
+  // deleted, ABORTED if another one has its name since. FAILED_PRECONDITION, with nothing changed,
+  // when a view cannot be taught, its stable pose is gone, or its name is taken by other content
+  // and the upload does not replace; with `skip_failed` these views are left out. Other writers
+  // wait meanwhile: in the order of 10 us for each view.
   //
   // CANCELLED, with nothing changed and the upload open, where `is_cancelled` (may be null; called
   // on this thread) becomes true before the change is written: it is called each millisecond or so
   // while the change is built, but not while this waits for other writers. The write, and the
   // listener after it, always end.
-  absl::StatusOr<UploadRecord> Commit(std::string_view name, bool skip_failed,
+  absl::StatusOr<UploadRecord> Commit(const UploadRecord& upload, bool skip_failed,
                                       const std::function<bool()>& is_cancelled = nullptr);
   // Deletes an upload with its views unless it is committed, then only its record.
   absl::Status Delete(std::string_view name);
@@ -117,6 +120,8 @@ class Uploads {
  private:
   // The views of an open upload, by name, so that each is stored once.
   struct Open;
+  // The record as it is now; NOT_FOUND, ABORTED as Commit().
+  absl::StatusOr<UploadRecord> GetAgain(const UploadRecord& upload) const;
   using OpenUpload = std::shared_ptr<Open>;
 
   absl::StatusOr<OpenUpload> OpenOf(std::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);

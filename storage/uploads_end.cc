@@ -11,24 +11,33 @@
 
 namespace graspdb::storage {
 
-absl::StatusOr<UploadRecord> Uploads::Commit(std::string_view name, bool skip_failed,
+absl::StatusOr<UploadRecord> Uploads::GetAgain(const UploadRecord& upload) const {
+  auto record = Get(upload.name());
+  if (record.ok() && record->staging_prefix() != upload.staging_prefix()) {
+    return DeletedUpload(upload.name());
+  }
+  return record;
+}
+
+absl::StatusOr<UploadRecord> Uploads::Commit(const UploadRecord& upload, bool skip_failed,
                                              const std::function<bool()>& is_cancelled) {
-  auto record = Get(name);
+  auto record = GetAgain(upload);
   if (!record.ok() || record->has_commit_time()) return record;
-  const auto open = OpenOf(name);
+  const auto open = OpenOf(upload);
+  // Another call has committed it.
+  if (absl::IsFailedPrecondition(open.status())) return GetAgain(upload);
   if (!open.ok()) return open.status();
   absl::MutexLock use(&(*open)->in_use);
-  // Another call may have committed it.
-  record = Get(name);
+  record = GetAgain(upload);
   if (!record.ok() || record->has_commit_time()) return record;
-  if (!(*open)->end.ok()) return (*open)->end;  // the record is that of another one
+  if (!(*open)->end.ok()) return (*open)->end;
   const absl::Status committed = log_.Mutate([&](ChangeBatch& batch) {
     absl::Status added = AddCommit(database_, skip_failed, is_cancelled, &*record, batch);
     // Without a change of the catalogue the batch is not written by the log.
     return added.ok() && batch.changes().empty() ? database_.Write(batch.rocks()) : added;
   });
   if (!committed.ok()) return committed;
-  End(name, **open, CommittedUpload(name));
+  End(upload.name(), **open, CommittedUpload(upload.name()));
   return record;
 }
 

@@ -212,6 +212,16 @@ TEST_F(CommitCancellationTest, ACancelledCallLeavesTheUploadOpen) {
   ExpectTheNextCommitSucceeds();
 }
 
+TEST_F(CommitCancellationTest, AViewThatCannotBeTaughtEndsTheCommitBeforeItDescribes) {
+  ASSERT_THAT(catalogue_->uploads().StageError(upload_, NameOf("d"),
+                                               absl::InvalidArgumentError("no points")),
+              IsOk());
+  grpc::ClientContext context;
+  v1::Upload response;
+  ExpectError(Commit(&context, &response), grpc::StatusCode::FAILED_PRECONDITION, NameOf("d"));
+  EXPECT_EQ(StagedDescriptors("a"), 0);
+}
+
 TEST_F(CommitCancellationTest, AShutdownThatCancelsItsCallsLeavesTheUploadOpen) {
   std::thread stopping;
   log_->Set([&] {

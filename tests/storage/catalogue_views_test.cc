@@ -141,8 +141,8 @@ TEST_F(CatalogueViewsTest, NewDescriptorsReplaceTheOldInOneChange) {
   descriptor.set_kind("mvfh300");
   descriptor.set_parameters("voxel=2mm");
   descriptor.add_bins(1.0F);
-  const std::vector<DescriptorUpdate> updates = {{Name("0"), {descriptor}},
-                                                 {Name("1"), {descriptor, descriptor}}};
+  const std::vector<DescriptorUpdate> updates = {{Name("0"), "digest 1", {descriptor}},
+                                                 {Name("1"), "digest 2", {descriptor, descriptor}}};
   const auto revision = catalogue_->ReplaceDescriptors(updates);
   ASSERT_TRUE(revision.ok()) << revision.status();
   EXPECT_EQ(*revision, before + 1);
@@ -155,14 +155,19 @@ TEST_F(CatalogueViewsTest, NewDescriptorsReplaceTheOldInOneChange) {
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }
 
-TEST_F(CatalogueViewsTest, NewDescriptorsForAMissingViewChangeNone) {
+TEST_F(CatalogueViewsTest, NewDescriptorsOfAViewThatIsGoneOrReplacedAreLeftOut) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(Name("0"), 1)).ok());
+  ASSERT_TRUE(catalogue_->PutView(MakeView(Name("1"), 2)).ok());
   const std::int64_t before = catalogue_->revision();
-  const std::vector<DescriptorUpdate> updates = {{Name("0"), {}}, {Name("9"), {}}};
-  EXPECT_TRUE(absl::IsNotFound(catalogue_->ReplaceDescriptors(updates).status()));
-  EXPECT_EQ(catalogue_->GetView(Name("0"))->descriptors_size(), 1);
+  const std::vector<DescriptorUpdate> old = {{Name("9"), "digest 1", {}},
+                                             {Name("1"), "digest of another cloud", {}}};
+  EXPECT_EQ(*catalogue_->ReplaceDescriptors(old), before);
   EXPECT_EQ(*catalogue_->ReplaceDescriptors({}), before);
-  EXPECT_EQ(catalogue_->revision(), before);
+  EXPECT_EQ(catalogue_->revision(), before) << "no change without an update";
+  const std::vector<DescriptorUpdate> some = {old[0], {Name("0"), "digest 1", {}}, old[1]};
+  EXPECT_EQ(*catalogue_->ReplaceDescriptors(some), before + 1);
+  EXPECT_EQ(catalogue_->GetView(Name("0"))->descriptors_size(), 0);
+  EXPECT_EQ(catalogue_->GetView(Name("1"))->descriptors_size(), 1);
 }
 
 TEST_F(CatalogueViewsTest, ForEachSeesOneRevisionInOrderOfNames) {

@@ -244,7 +244,8 @@ TEST_F(DiskFullTest, UploadsAndBackupsGoOnAfterwards) {
   ASSERT_TRUE(uploads.Stage(*upload, View(1)).ok());
   disk_->SetSpace(100);
   EXPECT_TRUE(absl::IsResourceExhausted(uploads.Stage(*upload, View(2)).status()));
-  EXPECT_TRUE(absl::IsResourceExhausted(uploads.Commit("uploads/bulk", false).status()));
+  EXPECT_TRUE(
+      absl::IsResourceExhausted(uploads.Commit(*uploads.Get("uploads/bulk"), false).status()));
   std::filesystem::create_directory(directory_ / "backups");
   Backups backups(directory_ / "backups");
   EXPECT_FALSE(backups.Create(*catalogue).ok()) << "the log may have a rejected write";
@@ -252,7 +253,7 @@ TEST_F(DiskFullTest, UploadsAndBackupsGoOnAfterwards) {
   disk_->SetSpace(FaultyDisk::kMuchSpace);
   const absl::Status staged = Repeat([&] { return uploads.Stage(*upload, View(2)).status(); });
   ASSERT_TRUE(staged.ok()) << staged;
-  ASSERT_TRUE(uploads.Commit("uploads/bulk", false).ok());
+  ASSERT_TRUE(uploads.Commit(*uploads.Get("uploads/bulk"), false).ok());
   EXPECT_EQ(catalogue->counts().views, 2);
   const auto made = backups.Create(*catalogue);
   ASSERT_TRUE(made.ok()) << made.status();

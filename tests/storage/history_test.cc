@@ -159,7 +159,11 @@ TEST_F(HistoryTest, ALargeChangeIsListedAsOneAndRestoredAsAWhole) {
 TEST_F(HistoryTest, DescriptorsOutcomesAndCellsAreNotInIt) {
   const auto before = RevisionsOf(kMug);
   Pick(1);
-  ASSERT_TRUE(catalogue_->ReplaceDescriptors(std::vector<DescriptorUpdate>{{MugView(0), {}}}).ok());
+  const std::string digest = catalogue_->GetView(MugView(0))->content_digest();
+  const std::int64_t revision = catalogue_->revision();
+  EXPECT_GT(
+      *catalogue_->ReplaceDescriptors(std::vector<DescriptorUpdate>{{MugView(0), digest, {}}}),
+      revision);
   ASSERT_TRUE(catalogue_->CreateCell(MakeCell("mug")).ok());
   EXPECT_EQ(RevisionsOf(kMug), before);
 }
@@ -173,7 +177,8 @@ TEST_F(HistoryTest, AViewThatAnUploadReplacedComesBack) {
   ASSERT_TRUE(upload.ok()) << upload.status();
   ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(0), 5, 700)).ok());
   ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(8), 6, 700)).ok());
-  ASSERT_TRUE(catalogue_->uploads().Commit("uploads/monday", false).ok());
+  ASSERT_TRUE(
+      catalogue_->uploads().Commit(*catalogue_->uploads().Get("uploads/monday"), false).ok());
   EXPECT_NE(Take().clouds, before.clouds);
   ASSERT_TRUE(history().Restore(kMug, before.revision, "").ok());
   EXPECT_EQ(ContentOf(Take()), ContentOf(before));
@@ -187,9 +192,12 @@ TEST_F(HistoryTest, AnUploadIntoADeletedObjectDropsItsViews) {
   ASSERT_TRUE(upload.ok()) << upload.status();
   ASSERT_TRUE(catalogue_->uploads().Stage(*upload, MakeView(MugView(8), 6, 700)).ok());
   DeleteMug();
-  EXPECT_TRUE(
-      absl::IsFailedPrecondition(catalogue_->uploads().Commit("uploads/monday", false).status()));
-  EXPECT_EQ(catalogue_->uploads().Commit("uploads/monday", true)->failed_count(), 1);
+  EXPECT_TRUE(absl::IsFailedPrecondition(
+      catalogue_->uploads().Commit(*catalogue_->uploads().Get("uploads/monday"), false).status()));
+  EXPECT_EQ(catalogue_->uploads()
+                .Commit(*catalogue_->uploads().Get("uploads/monday"), true)
+                ->failed_count(),
+            1);
   ASSERT_TRUE(history().Undelete(kMug).ok());
   EXPECT_EQ(catalogue_->counts().views, 3);
 }

@@ -33,7 +33,7 @@ class StagedViewsTest : public ::testing::Test {
   static DescriptorUpdate UpdateOf(int i) {
     DescriptorRecord descriptor;
     descriptor.set_parameters("other parameters");
-    return {ViewNameOf(i), {descriptor}};
+    return {ViewNameOf(i), "", {descriptor}};
   }
   absl::Status Replace(const std::vector<DescriptorUpdate>& updates) {
     return uploads().ReplaceDescriptors(upload_, updates);
@@ -52,22 +52,22 @@ TEST_F(StagedViewsTest, ACommitThatIsCancelledChangesNothingAndMayBeRepeated) {
   const Picture before = *TakePicture(*catalogue_);
   for (const int calls : {1, 2}) {  // at the first view, and before the write
     int left = calls;
-    const auto cancelled = uploads().Commit(upload_.name(), false, [&left] { return --left == 0; });
+    const auto cancelled = uploads().Commit(upload_, false, [&left] { return --left == 0; });
     EXPECT_TRUE(absl::IsCancelled(cancelled.status())) << cancelled.status();
     EXPECT_EQ(left, 0);
     EXPECT_EQ(*TakePicture(*catalogue_), before);
     EXPECT_EQ(uploads().CountsOf(*uploads().Get(upload_.name()))->views, 3);
   }
   ASSERT_TRUE(uploads().Stage(upload_, MakeView(ViewNameOf(3), 3)).ok());
-  const auto committed = uploads().Commit(upload_.name(), false, [] { return false; });
+  const auto committed = uploads().Commit(upload_, false, [] { return false; });
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->created_count(), 4);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }
 
 TEST_F(StagedViewsTest, ACommittedUploadIsNotCancelled) {
-  ASSERT_TRUE(uploads().Commit(upload_.name(), false).ok());
-  EXPECT_TRUE(uploads().Commit(upload_.name(), false, [] { return true; }).ok());
+  ASSERT_TRUE(uploads().Commit(upload_, false).ok());
+  EXPECT_TRUE(uploads().Commit(upload_, false, [] { return true; }).ok());
 }
 
 TEST_F(StagedViewsTest, ReplacedDescriptorsAreNoChangeAndArePublished) {
@@ -81,7 +81,7 @@ TEST_F(StagedViewsTest, ReplacedDescriptorsAreNoChangeAndArePublished) {
   EXPECT_TRUE(IsReplaced(staged->record));
   EXPECT_EQ(staged->packed_cloud, MakeView(ViewNameOf(2), 2).packed_cloud);
 
-  ASSERT_TRUE(uploads().Commit(upload_.name(), false).ok());
+  ASSERT_TRUE(uploads().Commit(upload_, false).ok());
   for (const int i : {0, 1, 2}) EXPECT_EQ(IsReplaced(*catalogue_->GetView(ViewNameOf(i))), i != 1);
   EXPECT_EQ(*catalogue_->GetPackedCloud(ViewNameOf(2)), staged->packed_cloud);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
@@ -104,7 +104,7 @@ TEST_F(StagedViewsTest, OnlyStagedViewsAreVisitedReadAndReplaced) {
   EXPECT_FALSE(IsReplaced(uploads().GetStaged(upload_, ViewNameOf(0))->record));
   EXPECT_TRUE(Replace({}).ok());
 
-  ASSERT_TRUE(uploads().Commit(upload_.name(), true).ok());
+  ASSERT_TRUE(uploads().Commit(upload_, true).ok());
   EXPECT_TRUE(absl::IsFailedPrecondition(Replace({UpdateOf(0)})));
   EXPECT_TRUE(absl::IsNotFound(uploads().GetStaged(upload_, ViewNameOf(0)).status()));
 }

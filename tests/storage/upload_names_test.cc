@@ -54,7 +54,7 @@ TEST_F(UploadNamesTest, WhatWasBegunWithADeletedUploadIsNoPartOfTheNextOneOfItsN
   EXPECT_TRUE(absl::IsAborted(StageError(deleted, 1)));
   ASSERT_TRUE(Stage(next, 2).ok());
   EXPECT_TRUE(absl::IsAborted(uploads().DigestOf(deleted, ViewNameOf(2)).status()));
-  const auto committed = uploads().Commit("uploads/monday", false);
+  const auto committed = uploads().Commit(*uploads().Get("uploads/monday"), false);
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->created_count(), 1);
 }
@@ -87,7 +87,7 @@ TEST_F(UploadNamesTest, ViewsOfAllOpenUploadsAreLimited) {
   EXPECT_TRUE(Stage(second, 1).ok());
   EXPECT_TRUE(Stage(second, 2).ok());
   EXPECT_TRUE(absl::IsResourceExhausted(Stage(second, 3)));
-  ASSERT_TRUE(uploads().Commit("uploads/second", false).ok());
+  ASSERT_TRUE(uploads().Commit(*uploads().Get("uploads/second"), false).ok());
   const UploadRecord third = Create("uploads/third");
   for (int i = 3; i < 6; ++i) EXPECT_TRUE(Stage(third, i).ok());
 }

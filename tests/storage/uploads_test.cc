@@ -52,12 +52,30 @@ class UploadsTest : public ::testing::Test {
   void StageAll(int count) {
     for (int i = 0; i < count; ++i) ASSERT_TRUE(Stage(i, i).ok());
   }
+  absl::StatusOr<UploadRecord> Commit(bool skip_failed) {
+    const auto upload = uploads().Get(kUpload);
+    return upload.ok() ? uploads().Commit(*upload, skip_failed) : upload;
+  }
   StagedCounts Counts() { return *uploads().CountsOf(*uploads().Get(kUpload)); }
   Uploads& uploads() { return catalogue_->uploads(); }
 
   TemporaryDirectory directory_;
   std::unique_ptr<Catalogue> catalogue_;
 };
+
+TEST_F(UploadsTest, ACommitIsOfTheUploadAndNotOfItsName) {
+  Create();
+  StageAll(2);
+  const UploadRecord first = *uploads().Get(kUpload);
+  ASSERT_TRUE(uploads().Delete(kUpload).ok());
+  EXPECT_TRUE(absl::IsNotFound(uploads().Commit(first, false).status()));
+  Create();
+  StageAll(1);
+  EXPECT_TRUE(absl::IsAborted(uploads().Commit(first, false).status()));
+  EXPECT_EQ(Counts().views, 1) << "the other one is open";
+  ASSERT_TRUE(Commit(false).ok());
+  EXPECT_TRUE(absl::IsAborted(uploads().Commit(first, false).status()));
+}
 
 TEST_F(UploadsTest, StagedViewsAreNoPartOfTheCatalogue) {
   const Picture before = *TakePicture(*catalogue_);
@@ -76,7 +94,7 @@ TEST_F(UploadsTest, ACommitPublishesAllViewsInOneRevision) {
   std::vector<ChangeRecord> notified;
   ASSERT_TRUE(
       catalogue_->Subscribe([&](const ChangeRecord& change) { notified.push_back(change); }).ok());
-  const auto committed = uploads().Commit(kUpload, false);
+  const auto committed = Commit(false);
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->commit_revision(), before + 1);
   EXPECT_EQ(committed->created_count(), 5);
@@ -94,13 +112,13 @@ TEST_F(UploadsTest, ACommitPublishesAllViewsInOneRevision) {
 TEST_F(UploadsTest, ACommitMayBeRepeated) {
   Create();
   StageAll(2);
-  const auto first = uploads().Commit(kUpload, false);
-  const auto second = uploads().Commit(kUpload, false);
+  const auto first = Commit(false);
+  const auto second = Commit(false);
   ASSERT_TRUE(first.ok() && second.ok());
   EXPECT_EQ(first->SerializeAsString(), second->SerializeAsString());
   EXPECT_TRUE(absl::IsFailedPrecondition(Stage(7).status()));
   Open();
-  EXPECT_EQ(uploads().Commit(kUpload, false)->SerializeAsString(), first->SerializeAsString());
+  EXPECT_EQ(Commit(false)->SerializeAsString(), first->SerializeAsString());
 }
 
 TEST_F(UploadsTest, StagedViewsSurviveARestart) {
@@ -128,7 +146,7 @@ TEST_F(UploadsTest, ACrashDuringAnUploadLosesNoStagedView) {
     EXPECT_EQ(copy->uploads().CountsOf(*copy->uploads().Get(kUpload))->views, i + 1);
     EXPECT_EQ(copy->counts().views, 0);
   }
-  ASSERT_TRUE(uploads().Commit(kUpload, false).ok());
+  ASSERT_TRUE(Commit(false).ok());
   CopyDatabase(directory_ / "db", directory_ / "copy");
   EXPECT_EQ(*TakePicture(*OpenOrDie(directory_ / "copy")), *TakePicture(*catalogue_));
 }
@@ -138,11 +156,11 @@ TEST_F(UploadsTest, AViewThatCannotBeTaughtStopsTheCommitUnlessItIsSkipped) {
   StageAll(2);
   ASSERT_TRUE(StageError(9).ok());
   const std::int64_t before = catalogue_->revision();
-  const absl::Status whole = uploads().Commit(kUpload, false).status();
+  const absl::Status whole = Commit(false).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(whole)) << whole;
   EXPECT_NE(whole.message().find("views/9: no points"), std::string::npos) << whole;
   EXPECT_EQ(catalogue_->revision(), before);
-  const auto rest = uploads().Commit(kUpload, true);
+  const auto rest = Commit(true);
   ASSERT_TRUE(rest.ok()) << rest.status();
   EXPECT_EQ(rest->created_count(), 2);
   EXPECT_EQ(rest->failed_count(), 1);
@@ -162,14 +180,14 @@ TEST_F(UploadsTest, ATakenNameIsAConflictOrReplaced) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(ViewNameOf(1), 1, 6000)).ok());
   Create();
   StageAll(3);
-  const absl::Status conflict = uploads().Commit(kUpload, false).status();
+  const absl::Status conflict = Commit(false).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(conflict)) << conflict;
   EXPECT_NE(conflict.message().find("views/0"), std::string::npos) << conflict;
   ASSERT_TRUE(uploads().Delete(kUpload).ok());
 
   Create(kUpload, true);
   StageAll(3);
-  const auto committed = uploads().Commit(kUpload, false);
+  const auto committed = Commit(false);
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->replaced_count(), 2);
   EXPECT_EQ(committed->created_count(), 1);
@@ -184,7 +202,7 @@ TEST_F(UploadsTest, WhatTheCatalogueHasIsNotPublishedAgain) {
   const std::int64_t before = catalogue_->revision();
   Create();
   ASSERT_TRUE(Stage(1, 1).ok());
-  const auto committed = uploads().Commit(kUpload, false);
+  const auto committed = Commit(false);
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->existing_count(), 1);
   EXPECT_EQ(catalogue_->revision(), before);
@@ -195,8 +213,8 @@ TEST_F(UploadsTest, AViewWhoseStablePoseIsGoneIsAConflict) {
   Create();
   StageAll(2);
   ASSERT_TRUE(catalogue_->DeleteObject("objects/mug", true, "").ok());
-  EXPECT_TRUE(absl::IsFailedPrecondition(uploads().Commit(kUpload, false).status()));
-  const auto committed = uploads().Commit(kUpload, true);
+  EXPECT_TRUE(absl::IsFailedPrecondition(Commit(false).status()));
+  const auto committed = Commit(true);
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->failed_count(), 2);
   EXPECT_EQ(catalogue_->counts().views, 0);
@@ -207,7 +225,7 @@ TEST_F(UploadsTest, AViewWhoseStablePoseIsGoneIsAConflict) {
 TEST_F(UploadsTest, PublishedViewsCanBeDeletedAndTaughtAgain) {
   Create();
   StageAll(3);
-  ASSERT_TRUE(uploads().Commit(kUpload, false).ok());
+  ASSERT_TRUE(Commit(false).ok());
   // The id of an upload may be used again, while the clouds of the first one are in use.
   ASSERT_TRUE(uploads().Delete(kUpload).ok());
   Create();
@@ -235,7 +253,7 @@ TEST_F(UploadsTest, SeveralThreadsSendAtTheSameTime) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(Counts().views, 100);
-  EXPECT_EQ(uploads().Commit(kUpload, false)->created_count(), 100);
+  EXPECT_EQ(Commit(false)->created_count(), 100);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
 }
 
@@ -250,7 +268,7 @@ TEST_F(UploadsTest, ALargeCommitKeepsNoValuesInItsChangeRecord) {
     }
   };
   ASSERT_TRUE(catalogue_->Subscribe(count_values).ok());
-  ASSERT_TRUE(uploads().Commit(kUpload, false).ok());
+  ASSERT_TRUE(Commit(false).ok());
   EXPECT_EQ(notified, static_cast<std::size_t>(count));  // but in memory
   const auto changes = catalogue_->ReadChanges(catalogue_->revision() - 1, 1);
   ASSERT_TRUE(changes.ok()) << changes.status();
@@ -264,7 +282,7 @@ TEST_F(UploadsTest, OldUploadsAreDeleted) {
   Create("uploads/forgotten");
   Create();
   StageAll(1);
-  ASSERT_TRUE(uploads().Commit(kUpload, false).ok());
+  ASSERT_TRUE(Commit(false).ok());
   EXPECT_TRUE(uploads().DeleteOlderThan(kNow, kNow)->empty());
   const absl::Time later = kNow + absl::Seconds(1);
   EXPECT_EQ(*uploads().DeleteOlderThan(later, kNow), std::vector<std::string>{"uploads/forgotten"});
@@ -276,7 +294,7 @@ TEST_F(UploadsTest, OldUploadsAreDeleted) {
 
 TEST_F(UploadsTest, UnknownUploadsAndInvalidNamesAreErrors) {
   EXPECT_TRUE(absl::IsNotFound(Stage(0).status()));
-  EXPECT_TRUE(absl::IsNotFound(uploads().Commit(kUpload, false).status()));
+  EXPECT_TRUE(absl::IsNotFound(Commit(false).status()));
   EXPECT_TRUE(absl::IsNotFound(uploads().Delete(kUpload)));
   EXPECT_TRUE(absl::IsInvalidArgument(uploads().Get("uploads/a/b").status()));
   Create();
