@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # words_test.sh SOURCE: the project uses the terms of docs/glossary.md; fails where a tracked file has one of the
-# words that those terms replaced, or one of persons for a program.
+# words that those terms replaced, one of persons for a program, or a placeholder.
 set -euo pipefail
 cd "$1"
 if ! git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
@@ -19,7 +19,15 @@ found=$(git grep -n -w -I -E "$pattern" -- . ':!LICENSE' ':!CHANGELOG.md' ':!doc
   ':!tests/layout/words_test.sh' | grep -v '"asked"' || true)
 sight=$(git grep -n -w -I -E 'sights?' -- . ':!CHANGELOG.md' ':!tests/layout/words_test.sh' |
   grep -v 'lines\? of sight' || true)
-[ -z "$found$sight" ] && exit 0
-printf '%s\n' "$found" "$sight"
-echo "docs/glossary.md has the terms to use instead"
-exit 1
+failed=0
+if [ -n "$found$sight" ]; then
+  printf '%s\n' "$found" "$sight"
+  echo "docs/glossary.md has the terms to use instead"
+  failed=1
+fi
+# Text that was to be filled in later.
+if git grep -n -I -E '@@[A-Z]+@@' -- .; then
+  echo "replace the placeholder, or delete it"
+  failed=1
+fi
+exit $failed
