@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # words_test.sh SOURCE: the project uses the terms of docs/glossary.md; fails where a tracked file has one of the
-# words that those terms replaced, one of persons for a program, or a placeholder.
+# words that those terms replaced, one of persons for a program, or a placeholder, or where the
+# glossary has more than 40 terms.
 set -euo pipefail
 cd "$1"
 if ! git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
@@ -28,6 +29,12 @@ fi
 # Text that was to be filled in later.
 if git grep -n -I -E '@@[A-Z]+@@' -- .; then
   echo "replace the placeholder, or delete it"
+  failed=1
+fi
+terms=$(grep -c '^| ' docs/glossary.md) || terms=0
+terms=$((terms - 2)) # without the two lines of the header
+if [ "$terms" -lt 1 ] || [ "$terms" -gt 40 ]; then
+  echo "docs/glossary.md has $terms terms instead of at most 40; explain the others where they are used"
   failed=1
 fi
 exit $failed
