@@ -70,22 +70,9 @@ void ProposeAndCheck(v1::RecognitionService::Stub& stub,
   RequireAnswer(stream->Finish());
 }
 
-}  // namespace
-
-void RequireAnswer(const grpc::Status& status) {
-  const bool fault = status.error_code() == grpc::StatusCode::INTERNAL ||
-                     status.error_code() == grpc::StatusCode::UNKNOWN ||
-                     status.error_code() == grpc::StatusCode::UNAVAILABLE ||
-                     status.error_code() == grpc::StatusCode::DATA_LOSS;
-  if (fault) std::fprintf(stderr, "%s\n", status.error_message().c_str());
-  Require(!fault, "an answer or a refusal");
-}
-
-void Calls::Do(const Operation& o) {
-  Catalog& catalog = server_.catalog();
-  CellStub& cells = server_.cells();
-  UploadStub& uploads = server_.uploads();
-  HistoryStub& history = server_.history();
+// A call of the catalogue's service, or none.
+void CallCatalog(FuzzServer& server, const Operation& o) {
+  Catalog& catalog = server.catalog();
   v1::UploadViewsResponse uploaded;
   switch (o.request_case()) {
     case Operation::kCreateObject:
@@ -115,11 +102,32 @@ void Calls::Do(const Operation& o) {
     case Operation::kDeleteView:
       return CallAndCheck(catalog, &Catalog::DeleteView, o.delete_view());
     case Operation::kUploadViews:
-      return RequireAnswer(server_.Upload(o.upload_views().views(), &uploaded));
+      return RequireAnswer(server.Upload(o.upload_views().views(), &uploaded));
     case Operation::kReportGraspOutcome:
       return CallAndCheck(catalog, &Catalog::ReportGraspOutcome, o.report_grasp_outcome());
     case Operation::kGetCatalogStatus:
       return CallAndCheck(catalog, &Catalog::GetCatalogStatus, o.get_catalog_status());
+    default:
+      Require(o.request_case() == Operation::REQUEST_NOT_SET, "each operation is called");
+  }
+}
+
+}  // namespace
+
+void RequireAnswer(const grpc::Status& status) {
+  const bool fault = status.error_code() == grpc::StatusCode::INTERNAL ||
+                     status.error_code() == grpc::StatusCode::UNKNOWN ||
+                     status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                     status.error_code() == grpc::StatusCode::DATA_LOSS;
+  if (fault) std::fprintf(stderr, "%s\n", status.error_message().c_str());
+  Require(!fault, "an answer or a refusal");
+}
+
+void Calls::Do(const Operation& o) {
+  CellStub& cells = server_.cells();
+  UploadStub& uploads = server_.uploads();
+  HistoryStub& history = server_.history();
+  switch (o.request_case()) {
     case Operation::kCreateCell:
       return CallAndCheck(cells, &CellStub::CreateCell, o.create_cell());
     case Operation::kGetCell:
@@ -166,8 +174,8 @@ void Calls::Do(const Operation& o) {
       return CallAndCheck(history, &HistoryStub::ListObjectRevisions, o.list_object_revisions());
     case Operation::kRestoreObject:
       return CallAndCheck(history, &HistoryStub::RestoreObject, o.restore_object());
-    case Operation::REQUEST_NOT_SET:
-      return;
+    default:
+      return CallCatalog(server_, o);
   }
 }
 
