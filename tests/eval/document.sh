@@ -30,7 +30,7 @@ trap 'rm -f "$block"' EXIT
   picture unknown-precision-and-recall-over-the-minimum-score \
     "Precision and recall over the score, objects that were never taught among them"
   picture unknown-share-of-right-answers-by-score \
-    "What a score is worth: share of right answers by score, with objects that were never taught"
+    "Reliability: share of right answers by score"
 } >"$block"
 # First, so that a document without the markers keeps its pictures.
 "$tests/document/renew_block.sh" "$docs/experiment.md" "./run eval" "$block"
