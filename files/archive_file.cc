@@ -25,7 +25,7 @@ constexpr std::size_t kMaxBytesBesidePoints = 1U << 20;
 
 absl::Status NoArchive(const std::filesystem::path& path) {
   return absl::InvalidArgumentError(
-      absl::StrCat(path.string(), " is no archive; give a file that `graspdb export FILE",
+      absl::StrCat(path.string(), " is not an archive; give a file that `graspdb export FILE",
                    std::string(kArchiveSuffix), "` made, or the folder of a capture set"));
 }
 

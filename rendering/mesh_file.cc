@@ -123,7 +123,7 @@ absl::Status CheckFaces(const aiScene& scene) {
       const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
       if (corners.empty()) return absl::InvalidArgumentError("a face has no corners");
       if (*std::ranges::max_element(corners) >= mesh.mNumVertices) {
-        return absl::InvalidArgumentError("a face has a corner that is no vertex");
+        return absl::InvalidArgumentError("a face has a corner that is not a vertex");
       }
     }
   }

@@ -30,7 +30,7 @@ absl::Status ApplyUpdate(const Resource& from, const google::protobuf::FieldMask
     if (path.ends_with('.') || std::ranges::find(mutable_fields, top) == mutable_fields.end() ||
         !FieldMaskUtil::IsValidPath<Resource>(path)) {
       return InvalidField("update_mask",
-                          absl::StrCat("\"", path, "\" is no field that can be changed"));
+                          absl::StrCat("\"", path, "\" is not a field that can be changed"));
     }
   }
   FieldMaskUtil::MergeOptions options;

@@ -14,12 +14,12 @@ namespace {
 constexpr char kEvalDescription[] =
     "Measure the recognition rate on meshes with a simulated Kinect, on a capture set or on frames "
     "of real cameras.\n"
-    "Each mesh is taught on a turntable in its most probable resting orientation and recognized in "
+    "Each mesh is taught on a turntable in its most probable resting orientation and recognised in "
     "new scenes. Of a capture set, the TEACH captures are taught and the QUERY captures "
-    "recognized; the options for cases, seeds and meshes do not apply. graspdb-bigbird makes a "
+    "recognised; the options for cases, seeds and meshes do not apply. graspdb-bigbird makes a "
     "capture set of BigBIRD, which repeats the paper's experiment. Of a folder with "
     "frames of real cameras and frames.json, the meshes in that file are taught and the frames "
-    "recognized; for each object that is not found, the step that lost it is printed. No server "
+    "recognised; for each object that is not found, the step that lost it is printed. No server "
     "is needed.";
 
 constexpr char kEvalFooter[] =
@@ -43,7 +43,7 @@ std::vector<std::string> CaseNames() {
 
 void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
   command->add_flag("--leave-one-out", arguments->leave_one_out,
-                    "Capture sets: recognize each TEACH capture without its own view, instead of "
+                    "Capture sets: recognise each TEACH capture without its own view, instead of "
                     "the QUERY captures");
 }
 

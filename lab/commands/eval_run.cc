@@ -160,8 +160,8 @@ absl::Status RunCaptureSet(const EvalArguments& arguments) {
   const std::string settings = absl::StrFormat(
       "Capture set %s: %d captures taught, %s.", arguments.inputs.front(),
       loaded->trials.teaching.count,
-      arguments.leave_one_out ? "each recognized without its own view"
-                              : absl::StrCat(loaded->trials.queries.count, " recognized"));
+      arguments.leave_one_out ? "each recognised without its own view"
+                              : absl::StrCat(loaded->trials.queries.count, " recognised"));
   auto runner = Runner::Create(arguments);
   if (!runner.ok()) return runner.status();
   absl::Status status = (*runner)->Run({.name = kCaptureSetCase, .settings = settings}, loaded->set,

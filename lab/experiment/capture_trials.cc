@@ -119,7 +119,7 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
   }
   if (taught.empty() || (queried.empty() && !leave_one_out)) {
     return absl::FailedPreconditionError(absl::StrCat(
-        folder.string(), " has no captures ", taught.empty() ? "to teach" : "to recognize",
+        folder.string(), " has no captures ", taught.empty() ? "to teach" : "to recognise",
         taught.empty() ? "; give some an object and the split TEACH"
                        : "; give some the split QUERY, or use --leave-one-out"));
   }

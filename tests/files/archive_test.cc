@@ -164,7 +164,7 @@ TEST_F(ArchiveFileTest, EveryDamagedByteIsAnError) {
 
 TEST_F(ArchiveFileTest, ForeignFilesAndOtherFormatsAreErrors) {
   EXPECT_THAT(IndexOf("{ \"objects\": [] }"),
-              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is no archive")));
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is not an archive")));
   EXPECT_THAT(Index(folder_.path()), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(Index(folder_.path() / "missing"),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("check the path")));

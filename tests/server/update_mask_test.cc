@@ -65,7 +65,7 @@ TEST(UpdateMask, OtherPathsAreRejectedAndNothingIsCopied) {
     v1::Cell cell = CellOf("old", 0.1);
     const absl::Status status = Apply(CellOf("new", 0.2), {"display_name", path}, &cell);
     testing::ExpectBadField(ToGrpcStatus(status), "update_mask",
-                            "\"" + std::string(path) + "\" is no field that can be changed");
+                            "\"" + std::string(path) + "\" is not a field that can be changed");
     EXPECT_EQ(cell.display_name(), "old");
   }
 }

@@ -124,7 +124,7 @@ absl::Status CheckTurns(const Equations& equations) {
   const double turn = SecondTurn(equations);
   if (turn >= kMinTurnRad) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
-      "the poses are too alike: the robot turned by %.1f degrees about a second axis, at least "
+      "the poses are too similar: the robot turned by %.1f degrees about a second axis, at least "
       "%.0f are needed; tilt the tool to different sides",
       turn / recognition::kRadiansPerDegree, kMinTurnRad / recognition::kRadiansPerDegree));
 }

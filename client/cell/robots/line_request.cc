@@ -123,7 +123,8 @@ absl::StatusOr<LineRequest> ParseCommand(Words words, std::optional<int> format)
   const std::string name = absl::AsciiStrToUpper(words.front());
   const auto* const command = std::ranges::find(kCommands, absl::string_view(name), &Command::word);
   if (command == kCommands.end()) {
-    return absl::UnimplementedError(absl::StrCat("'", words.front(), "' is no command; send HELP"));
+    return absl::UnimplementedError(
+        absl::StrCat("'", words.front(), "' is not a command; send HELP"));
   }
   LineRequest out = {.command = command->command};
   words = words.subspan(1);

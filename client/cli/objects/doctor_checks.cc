@@ -79,13 +79,13 @@ void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& st
                  Findings* out) {
   if (!stable_poses.empty()) return;
   Add(Severity::kWarning, object.name(),
-      "has no stable pose, so it is never recognized; teach it or delete it", out);
+      "has no stable pose, so it is never recognised; teach it or delete it", out);
 }
 
 void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views, Findings* out) {
   if (views == 0) {
     Add(Severity::kWarning, stable_pose.name(),
-        "has no views, so it is never recognized; teach it or delete it", out);
+        "has no views, so it is never recognised; teach it or delete it", out);
   } else if (views < EnoughViewsOf(stable_pose)) {
     Add(Severity::kAdvice, stable_pose.name(),
         absl::StrCat("has only ", views, views == 1 ? " view" : " views",

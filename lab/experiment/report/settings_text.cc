@@ -37,7 +37,7 @@ std::string SettingsText(const CaseResult& result) {
   if (e.between_taught_azimuths) {
     absl::StrAppend(&out, "at the centre, at azimuths between the taught ones.");
   } else {
-    absl::StrAppendFormat(&out, "anywhere within ±%.2g m, turned anyhow, %d scenes for each part.",
+    absl::StrAppendFormat(&out, "anywhere within ±%.2g m, at any azimuth, %d scenes for each part.",
                           e.area_half_width_m, e.trials_per_part);
   }
   if (e.objects_per_scene > 1) {

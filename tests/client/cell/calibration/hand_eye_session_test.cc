@@ -146,7 +146,8 @@ TEST_P(HandEyeSessionTest, SimilarPosesAreRejectedAndTheCellIsUnchanged) {
                  : 0;
     }
     ASSERT_GE(set, 6);
-    EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("too alike")));
+    EXPECT_THAT(session.Calibrate(),
+                StatusIs(absl::StatusCode::kNotFound, HasSubstr("too similar")));
   }
   EXPECT_EQ(client().GetCell(kSessionCell)->etag(), before->etag());
 }

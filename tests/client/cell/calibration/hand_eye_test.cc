@@ -152,7 +152,7 @@ TEST_P(HandEyeTest, SimilarPosesAreRejected) {
   Cell cell(GetParam(), 1);
   // Turns about the vertical alone leave the camera's height undetermined.
   EXPECT_THAT(SolveHandEye(cell.Drive(12, 0), GetParam()),
-              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("too alike")));
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("too similar")));
   EXPECT_THAT(SolveHandEye(cell.Drive(12, 3 * recognition::kRadiansPerDegree), GetParam()),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("tilt")));
   const std::vector<HandEyeSample> one(12, cell.Drive(1, 0.5).front());
