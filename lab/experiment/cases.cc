@@ -135,11 +135,11 @@ std::vector<ExperimentCase> ExperimentCases() {
 }
 
 bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b) {
-  const auto attitudes_of = [](PartChoice parts) {
+  const auto orientations_of = [](PartChoice parts) {
     return parts == PartChoice::kStrangers ? PartChoice::kMain : parts;
   };
   return a.taught == b.taught && a.teach_step_deg == b.teach_step_deg && a.seed == b.seed &&
-         attitudes_of(a.parts) == attitudes_of(b.parts);
+         orientations_of(a.parts) == orientations_of(b.parts);
 }
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,

@@ -53,7 +53,7 @@ void AddFalls(const Mesh& mesh, std::uint64_t number, const DropPoseSelection& s
     out->queried_parts.push_back(found->second);
     if (!is_new) continue;
     Workpiece part = mesh.as_it_lies;
-    part.stable_pose_id = absl::StrCat("fallen-", of_facet.size());
+    part.stable_pose_id = absl::StrCat("drop-", of_facet.size());
     part.grasps.clear();
     const recognition::Pose pose = PutDown(part.mesh, facet.down);
     part.mesh = Transformed(part.mesh, pose);

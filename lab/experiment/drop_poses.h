@@ -21,7 +21,7 @@ struct DropPoseSelection {
 // The mesh files `paths` (one unit is `unit_scale_m` metres). The taught stable poses and
 // symmetries are those that `graspdb teach --mesh` proposes. The queries show each mesh on a facet
 // on which it comes to rest, drawn by its probability among all of them (RestingFacets), including
-// rare ones and those that were grouped under another one; these are called "fallen-1", "fallen-2",
+// rare ones and those that were grouped under another one; these are called "drop-1", "drop-2",
 // … FAILED_PRECONDITION when no mesh is left; errors as LoadPartMesh and ProposeCadPart.
 absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& paths,
                                   double unit_scale_m, const DropPoseSelection& selection);

@@ -181,9 +181,9 @@ TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
 
 TEST(StablePoses, UprightPosesAreKeptWhateverTheirProbability) {
   const TriangleMesh bottle = BoxSolid({0, 0, 0}, {0.035F, 0.075F, 0.19F});
-  const auto fallen = FindStablePoses(bottle, {.min_probability = 0.05});
-  ASSERT_THAT(fallen, IsOk());
-  EXPECT_EQ(fallen->poses.size(), 2U);
+  const auto probable = FindStablePoses(bottle, {.min_probability = 0.05});
+  ASSERT_THAT(probable, IsOk());
+  EXPECT_EQ(probable->poses.size(), 2U);
   const auto upright = FindStablePoses(bottle, {.min_probability = 0.05, .stands_rad = 0.087});
   ASSERT_THAT(upright, IsOk());
   ASSERT_EQ(upright->poses.size(), 3U);
