@@ -104,7 +104,7 @@ class LeaveOutEvaluation {
     const auto answer = Best(*view, Without(catalogue_, std::span(&view, 1)));
     if (!answer.ok()) return answer.status();
     Scores& its = scores_.at(view->stable_pose);
-    ++its.proposal.asked_views;
+    ++its.proposal.query_views;
     if (answer->view && answer->view->stable_pose == view->stable_pose) {
       ++its.proposal.right_views;
       its.right.push_back(answer->score);
@@ -127,7 +127,7 @@ class LeaveOutEvaluation {
     std::vector<ThresholdProposal> out;
     for (auto& [name, its] : scores_) {
       ThresholdProposal& proposal = its.proposal;
-      if (proposal.asked_views == 0) continue;
+      if (proposal.query_views == 0) continue;
       if (!its.right.empty()) {
         std::ranges::sort(its.right);
         proposal.right_score = its.right[its.right.size() / kLowOneOf];

@@ -14,7 +14,7 @@ namespace graspdb::recognition {
 
 struct ThresholdProposal {
   std::string stable_pose;  // resource name
-  int asked_views = 0;      // recognised, each while it was left out of the catalogue
+  int query_views = 0;      // recognised, each while it was left out of the catalogue
   int right_views = 0;      // with the right stable pose
   // Seven of eight of those score at least this; absent without any.
   std::optional<double> right_score;

@@ -41,7 +41,7 @@ v1::FindLookAlikesResponse ToProto(const recognition::CatalogueSimilarity& found
 v1::ThresholdProposal ToProto(const recognition::ThresholdProposal& proposal) {
   v1::ThresholdProposal out;
   out.set_stable_pose(proposal.stable_pose);
-  out.set_asked_view_count(proposal.asked_views);
+  out.set_asked_view_count(proposal.query_views);
   out.set_right_view_count(proposal.right_views);
   if (proposal.right_score) out.set_right_score(*proposal.right_score);
   if (proposal.wrong_score) out.set_wrong_score(*proposal.wrong_score);

@@ -64,8 +64,8 @@ TEST_F(ProposeThresholdsTest, DifferentObjectsNeedNoThresholdOfTheirOwn) {
   ASSERT_THAT(all, IsOk());
   ASSERT_THAT(*all, SizeIs(3));
   for (const ThresholdProposal& p : *all) {
-    EXPECT_EQ(p.right_views, p.asked_views) << p.stable_pose;
-    EXPECT_EQ(p.asked_views, 8) << p.stable_pose;
+    EXPECT_EQ(p.right_views, p.query_views) << p.stable_pose;
+    EXPECT_EQ(p.query_views, 8) << p.stable_pose;
     EXPECT_GT(p.right_score.value_or(0), 0.8) << p.stable_pose;
     // A slab cut out of a scan may resemble half a bracket.
     EXPECT_LT(p.wrong_score.value_or(0), p.right_score.value_or(0) - 0.1) << p.stable_pose;
