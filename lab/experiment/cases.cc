@@ -151,8 +151,8 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& e
                                 .seed = experiment.seed});
 }
 
-absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
-                                                          const PartSet& set) {
+absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
+                                                        const PartSet& set) {
   if (experiment.between_taught_azimuths) return PlanBetween(experiment, set);
   const int count = experiment.trials_per_part * static_cast<int>(set.parts.size());
   const std::uint64_t seed = experiment.seed + 1;
@@ -178,11 +178,11 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& 
   return plan;
 }
 
-Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question) {
-  return {.hidden_share = experiment.hidden_share,
-          .direction_rad =
-              2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, question),
-          .cut_out = experiment.cut_out};
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query) {
+  return {
+      .hidden_share = experiment.hidden_share,
+      .direction_rad = 2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, query),
+      .cut_out = experiment.cut_out};
 }
 
 }  // namespace graspdb::client

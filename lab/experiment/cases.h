@@ -47,10 +47,10 @@ bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b);
 // The captures to teach and the queries. Errors as PlanTurntable and PlanCloseScenes.
 absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
                                                          const PartSet& set);
-absl::StatusOr<std::vector<PlannedCapture>> PlanQuestions(const ExperimentCase& experiment,
-                                                          const PartSet& set);
+absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
+                                                        const PartSet& set);
 
 // The obstacle of a query; none unless the case hides something.
-Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t question);
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query);
 
 }  // namespace graspdb::client

@@ -112,13 +112,13 @@ struct NearestSamples {
   double other_distance = 1e9;
 };
 
-NearestSamples NearestTo(const Sample& question, const std::vector<Sample>& views,
+NearestSamples NearestTo(const Sample& query, const std::vector<Sample>& views,
                          const Sample* left_out, std::size_t kind, const Distance& distance) {
   NearestSamples out;
   for (const Sample& view : views) {
     if (&view == left_out) continue;
-    const double d = DistanceOf(question, view, kind, distance);
-    if (view.part != question.part) {
+    const double d = DistanceOf(query, view, kind, distance);
+    if (view.part != query.part) {
       out.other_distance = std::min(out.other_distance, d);
     } else if (d < out.own_distance) {
       out.own_distance = d;
@@ -128,24 +128,24 @@ NearestSamples NearestTo(const Sample& question, const std::vector<Sample>& view
   return out;
 }
 
-DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& questions,
+DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& queries,
                           bool leave_one_out, std::size_t kind, const Distance& distance,
                           const PartSet& set) {
   DescriptorFigures out{.descriptor = kKinds[kind].shown, .distance = distance.name};
-  std::map<std::string, double> queries;
-  for (std::size_t i = 0; i < questions.size(); ++i) {
-    const Sample& question = questions[i];
-    if (question.part >= set.taught_count) continue;
+  std::map<std::string, double> query_counts;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Sample& query = queries[i];
+    if (query.part >= set.taught_count) continue;
     const NearestSamples nearest =
-        NearestTo(question, views, leave_one_out ? &views[i] : nullptr, kind, distance);
+        NearestTo(query, views, leave_one_out ? &views[i] : nullptr, kind, distance);
     ++out.query_count;
     out.object_wrong += nearest.other_distance < nearest.own_distance;
-    if (!question.posed || (nearest.own != nullptr && !nearest.own->posed)) continue;
-    const std::string& object = set.parts[question.part].object_id;
-    queries[object] += 1;
-    out.false_recognition[object] += nearest.own == nullptr || IsFalse(question, *nearest.own, set);
+    if (!query.posed || (nearest.own != nullptr && !nearest.own->posed)) continue;
+    const std::string& object = set.parts[query.part].object_id;
+    query_counts[object] += 1;
+    out.false_recognition[object] += nearest.own == nullptr || IsFalse(query, *nearest.own, set);
   }
-  for (auto& [object, share] : out.false_recognition) share /= queries[object];
+  for (auto& [object, share] : out.false_recognition) share /= query_counts[object];
   out.object_wrong /= std::max(1.0, static_cast<double>(out.query_count));
   return out;
 }
@@ -163,12 +163,12 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
                                                                   const ExperimentRun& run) {
   const auto views = Samples(trials.teaching, "descriptors: teaching", run);
   if (!views.ok()) return views.status();
-  const auto questions =
+  const auto queries =
       trials.leave_one_out ? views : Samples(trials.queries, "descriptors: queries", run);
-  if (!questions.ok()) return questions.status();
+  if (!queries.ok()) return queries.status();
   std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
-    out[i] = Figures(*views, *questions, trials.leave_one_out, i / kDistances.size(),
+    out[i] = Figures(*views, *queries, trials.leave_one_out, i / kDistances.size(),
                      kDistances[i % kDistances.size()], set);
     return absl::OkStatus();
   });

@@ -47,13 +47,13 @@ void JudgeTruth(const recognition::Scan& scan, const PartSet& set, const Experim
   }
 }
 
-absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std::size_t question,
+absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std::size_t query,
                                              const recognition::CatalogueSnapshot& taught,
                                              const PartSet& set, const ExperimentRun& run,
                                              Gallery* gallery) {
-  auto trial = trials.queries.make(question);
+  auto trial = trials.queries.make(query);
   if (!trial.ok()) return trial.status();
-  const auto known = trials.leave_one_out ? Known(gallery->Snapshot(question), "", run, gallery)
+  const auto known = trials.leave_one_out ? Known(gallery->Snapshot(query), "", run, gallery)
                                           : absl::StatusOr<recognition::CatalogueSnapshot>(taught);
   if (!known.ok()) return known.status();
   const auto start = std::chrono::steady_clock::now();
@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std
   std::vector<Answer> out;
   for (std::size_t which = 0; which < trial->truth.size(); ++which) {
     out.push_back(JudgeAnswer(*recognition, *trial, which, set));
-    out.back().scene = question;
+    out.back().scene = query;
     out.back().milliseconds = took.count();
   }
   if (run.judge_truth && !std::ranges::all_of(out, &Answer::strictly_right)) {

@@ -55,13 +55,13 @@ std::vector<std::size_t> WorstFirst(const CaseResult& result) {
   return order;
 }
 
-absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result) {
+absl::Status KeepScans(std::size_t count, const TrialSource& queries, CaseResult* result) {
   if (count == 0) return absl::OkStatus();
   std::vector<std::size_t> worst = WorstFirst(*result);
   worst.resize(std::min(worst.size(), count));
   for (const std::size_t i : worst) {
     const Answer& answer = result->answers[i];
-    const auto trial = questions.make(answer.scene);
+    const auto trial = queries.make(answer.scene);
     if (!trial.ok()) return trial.status();
     const MeasuredShape& shape = *result->set.shapes[answer.part];
     const Vector3d center = answer.truth * CenterOf(shape).cast<double>();

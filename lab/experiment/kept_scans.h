@@ -14,7 +14,7 @@ namespace graspdb::client {
 std::vector<std::size_t> WorstFirst(const CaseResult& result);
 
 // Fills `result->scans` for the `count` worst answers: the points above the table around the
-// object, at most 500; all points of a segmented scan. Errors as those of `questions`.
-absl::Status KeepScans(std::size_t count, const TrialSource& questions, CaseResult* result);
+// object, at most 500; all points of a segmented scan. Errors as those of `queries`.
+absl::Status KeepScans(std::size_t count, const TrialSource& queries, CaseResult* result);
 
 }  // namespace graspdb::client

@@ -7,10 +7,10 @@
 namespace graspdb::client {
 namespace {
 
-// With the obstacles of `questions` if it is not null.
+// With the obstacles of `query_case` if it is not null.
 absl::StatusOr<TrialSource> Rendered(std::vector<PlannedCapture> plan, const PartSet& set,
                                      const DepthCameraModel& camera,
-                                     const ExperimentCase* questions) {
+                                     const ExperimentCase* query_case) {
   auto made = TrialRenderer::Create(set.parts, camera);
   if (!made.ok()) return made.status();
   struct Shared {
@@ -19,11 +19,11 @@ absl::StatusOr<TrialSource> Rendered(std::vector<PlannedCapture> plan, const Par
   };
   auto shared = std::make_shared<const Shared>(Shared{*std::move(made), std::move(plan)});
   const std::size_t count = shared->plan.size();
-  if (questions == nullptr) {
+  if (query_case == nullptr) {
     return TrialSource{
         count, [shared](std::size_t i) { return shared->renderer.Render(shared->plan[i]); }};
   }
-  return TrialSource{count, [shared, experiment = *questions](std::size_t i) {
+  return TrialSource{count, [shared, experiment = *query_case](std::size_t i) {
                        return shared->renderer.Render(shared->plan[i], ObstacleOf(experiment, i));
                      }};
 }
@@ -34,11 +34,11 @@ absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment
                                                 const PartSet& set) {
   auto teaching = PlanTeaching(experiment, set);
   if (!teaching.ok()) return teaching.status();
-  auto questions = PlanQuestions(experiment, set);
-  if (!questions.ok()) return questions.status();
+  auto planned = PlanQueries(experiment, set);
+  if (!planned.ok()) return planned.status();
   auto taught = Rendered(*std::move(teaching), set, experiment.taught.camera, nullptr);
   if (!taught.ok()) return taught.status();
-  auto queries = Rendered(*std::move(questions), set, experiment.queried.camera, &experiment);
+  auto queries = Rendered(*std::move(planned), set, experiment.queried.camera, &experiment);
   if (!queries.ok()) return queries.status();
   return ExperimentTrials{*std::move(taught), *std::move(queries), false};
 }

@@ -26,7 +26,7 @@ struct ExperimentTrials {
   bool leave_one_out = false;
 };
 
-// Rendered trials of a case; `set` outlives them. Errors as PlanTeaching, PlanQuestions and
+// Rendered trials of a case; `set` outlives them. Errors as PlanTeaching, PlanQueries and
 // TrialRenderer::Create.
 absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
                                                 const PartSet& set);

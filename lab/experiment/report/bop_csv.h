@@ -15,7 +15,7 @@ namespace graspdb::client {
 std::string BopFileName(const ExperimentCase& experiment);
 
 // "scene_id,im_id,obj_id,score,R,t,time" and a line for each answer that names a stable pose.
-// scene_id is 1, im_id the number of the question. R (row by row) and t (mm) are T_camera_object,
+// scene_id is 1, im_id the number of the query. R (row by row) and t (mm) are T_camera_object,
 // camera: x right, y down, z forward; object: the frame of the workpiece's mesh as it rests. time:
 // seconds for the whole image, so that all its lines have the same.
 std::string BopCsv(const CaseResult& result);

@@ -17,12 +17,12 @@ std::string ObjectOf(const std::string& stable_pose);
 // named.
 std::optional<std::size_t> PartOfFound(const Answer& answer, const PartSet& set);
 
-// What came of the questions about one object.
+// What came of the queries about one object.
 struct ObjectFigures {
   std::string object;  // id
   bool known = true;   // it was taught
   std::size_t query_count = 0;
-  // Shares of the questions, 0 to 1. Known: another object or none was named. Not known: any was.
+  // Shares of the queries, 0 to 1. Known: another object or none was named. Not known: any was.
   double falsely_named = 0;
   double pose_wrong = 0;  // known: these, and those with a wrong pose
   // Means over the right poses, modulo symmetry.

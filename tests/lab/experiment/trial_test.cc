@@ -89,14 +89,14 @@ TEST(Cases, OfThePaperQueryBetweenTheTaughtAzimuths) {
   for (const ExperimentCase& experiment : ExperimentCases()) {
     if (!experiment.between_taught_azimuths) continue;
     const auto taught = PlanTeaching(experiment, set);
-    const auto questions = PlanQuestions(experiment, set);
+    const auto queries = PlanQueries(experiment, set);
     ASSERT_THAT(taught, IsOk());
-    ASSERT_THAT(questions, IsOk());
+    ASSERT_THAT(queries, IsOk());
     EXPECT_EQ(taught->size(), 24U);
-    EXPECT_EQ(questions->size(), 96U);
-    for (const PlannedCapture& question : *questions) {
+    EXPECT_EQ(queries->size(), 96U);
+    for (const PlannedCapture& query : *queries) {
       for (const PlannedCapture& view : *taught) {
-        EXPECT_FALSE(question.placements[0].world_object.isApprox(view.placements[0].world_object));
+        EXPECT_FALSE(query.placements[0].world_object.isApprox(view.placements[0].world_object));
       }
     }
     return;
