@@ -31,10 +31,10 @@ def samples(path):
     for case in report.get("cases", []):
         for a in case["answers"]:
             named = a["stable_pose_answered"].split("/")[1] if a["stable_pose_answered"] else ""
-            if not named or (not a["known"] and {named, a["object_asked"]} <= BRICKS):
+            if not named or (not a["known"] and {named, a["object_query"]} <= BRICKS):
                 continue
             right = a["known"] and a["pose_right"]
-            yield case["name"], a["object_asked"], right, a["score"], features_of(a["evidence"])
+            yield case["name"], a["object_query"], right, a["score"], features_of(a["evidence"])
     for frame in report.get("frames", []):
         for d in frame["detections"]:
             if not d["pose_unknown"] and not d["again"]:

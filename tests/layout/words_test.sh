@@ -15,9 +15,9 @@ replaced=(
   'asks?' 'asked' 'tells?' 'told' 'said' 'believes?' 'believed' 'hears?' 'heard' 'nobody' 'somebody' 'anybody' 'lest'
 )
 pattern=$(IFS='|'; echo "${replaced[*]}")
-# Released changes keep their words; "asked" is a key of report.json.
+# Released changes keep their words.
 found=$(git grep -n -w -I -E "$pattern" -- . ':!LICENSE' ':!CHANGELOG.md' ':!docs/pictures' \
-  ':!tests/layout/words_test.sh' | grep -v '"asked"' || true)
+  ':!tests/layout/words_test.sh' || true)
 sight=$(git grep -n -w -I -E 'sights?' -- . ':!CHANGELOG.md' ':!tests/layout/words_test.sh' |
   grep -v 'lines\? of sight' || true)
 failed=0

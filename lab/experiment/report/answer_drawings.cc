@@ -71,7 +71,7 @@ void FillPixels(const std::vector<ImagePoint>& points, JsonObject out) {
 }
 
 std::string Caption(const Answer& a, const PartSet& set) {
-  std::string out = absl::StrCat("Question ", a.scene, ", ", set.parts[a.part].object_id, ": ",
+  std::string out = absl::StrCat("Query ", a.scene, ", ", set.parts[a.part].object_id, ": ",
                                  a.stable_pose.empty() ? "nothing" : ObjectOf(a.stable_pose));
   if (!a.stable_pose.empty()) absl::StrAppendFormat(&out, ", score %.3f", a.score);
   if (a.known && a.object_right && a.posed) {
@@ -125,7 +125,7 @@ void FillFirstMatches(const CaseResult& result, Value* value) {
   if (answer == nullptr) return;
   JsonObject out(value);
   out.Set(Json("scene", answer->scene),
-          Json("stable_pose_asked", StablePoseName(result.set.parts[answer->part])),
+          Json("stable_pose_query", StablePoseName(result.set.parts[answer->part])),
           Json("answered", !answer->view.empty()));
   const std::span<const Candidate> all = answer->candidates;
   out.List("views", all.first(std::min(all.size(), kFirstMatches)),

@@ -15,7 +15,7 @@ inline constexpr std::size_t kDrawnAnswers = 8;
 // and at the estimated one ("match"). Points on the far side are left out.
 void FillDrawings(const CaseResult& result, JsonObject* out);
 
-// The ten nearest views of the worst answer that has candidates: "scene", "stable_pose_asked",
+// The ten nearest views of the worst answer that has candidates: "scene", "stable_pose_query",
 // "answered" and the "views" with "object", "descriptor_distance", "verification_score" (null: not
 // verified) and "chosen". Null where no answer has candidates.
 void FillFirstMatches(const CaseResult& result, google::protobuf::Value* value);

@@ -48,7 +48,7 @@ void FillStand(const Stand& stand, JsonObject out) {
 void FillSettings(const CaseResult& result, JsonObject out) {
   const ExperimentCase& e = result.experiment;
   FillStand(e.taught, out.Object("taught"));
-  FillStand(e.queried, out.Object("asked"));
+  FillStand(e.queried, out.Object("queried"));
   out.Set(Json("teach_step_deg", e.teach_step_deg),
           Json("between_taught_azimuths", e.between_taught_azimuths),
           Json("area_half_width_m", e.area_half_width_m), Json("hidden_share", e.hidden_share),
@@ -74,7 +74,7 @@ void FillTime(const TimeFigures& times, JsonObject out) {
 }
 
 void FillObject(const ObjectFigures& f, JsonObject out) {
-  out.Set(Json("object", f.object), Json("known", f.known), Json("asked", f.query_count),
+  out.Set(Json("object", f.object), Json("known", f.known), Json("query_count", f.query_count),
           Json("falsely_named", f.falsely_named), Json("pose_wrong", f.pose_wrong),
           Json("right_poses", f.right_poses),
           Json("mean_rotation_deg", f.right_poses > 0 ? f.mean_rotation_deg : std::nan("")),
@@ -85,7 +85,7 @@ void FillObject(const ObjectFigures& f, JsonObject out) {
 void FillEvidence(const recognition::Evidence& evidence,
                   const recognition::ConfidenceFeatures& features, JsonObject out) {
   out.Set(Json("scan_explained", evidence.scan_explained), Json("model_seen", evidence.model_seen),
-          Json("in_sight", evidence.unoccluded), Json("rms_mm", evidence.rms_m * 1e3),
+          Json("unoccluded", evidence.unoccluded), Json("rms_mm", evidence.rms_m * 1e3),
           Json("score", evidence.score), Json("confirmed", evidence.confirmed),
           Json("contradicted", evidence.contradicted), Json("unmeasured", evidence.unmeasured));
   out.Object("features")
@@ -96,8 +96,8 @@ void FillEvidence(const recognition::Evidence& evidence,
 
 void FillAnswer(const Answer& a, const PartSet& set, JsonObject out) {
   const Workpiece& part = set.parts[a.part];
-  out.Set(Json("scene", a.scene), Json("object_asked", part.object_id),
-          Json("stable_pose_asked", StablePoseName(part)),
+  out.Set(Json("scene", a.scene), Json("object_query", part.object_id),
+          Json("stable_pose_query", StablePoseName(part)),
           Json("stable_pose_answered", a.stable_pose),
           Json("object_answered", ObjectOf(a.stable_pose)), Json("known", a.known),
           Json("outcome", OutcomeName(a.outcome)), Json("object_right", a.object_right),
@@ -138,7 +138,7 @@ void FillFrame(const FrameResult& result, JsonObject out) {
 
 void FillDescriptor(const DescriptorFigures& f, JsonObject out) {
   out.Set(Json("descriptor", f.descriptor), Json("distance", f.distance),
-          Json("asked", f.query_count), Json("object_wrong", f.object_wrong));
+          Json("query_count", f.query_count), Json("object_wrong", f.object_wrong));
   JsonObject objects = out.Object("false_recognition");
   for (const auto& [object, share] : f.false_recognition) objects.Set(Json(object, share));
 }

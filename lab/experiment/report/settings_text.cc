@@ -31,9 +31,10 @@ std::string CameraName(const DepthCameraModel& camera) {
 std::string SettingsText(const CaseResult& result) {
   const ExperimentCase& e = result.experiment;
   if (!e.settings.empty()) return e.settings;
-  std::string out = absl::StrFormat(
-      "Taught: %d of %d parts at the centre, every %.3g°; %s. Asked: %s; ", result.set.taught_count,
-      result.set.parts.size(), e.teach_step_deg, StandText(e.taught), StandText(e.queried));
+  std::string out =
+      absl::StrFormat("Taught: %d of %d parts at the centre, every %.3g°; %s. Queried: %s; ",
+                      result.set.taught_count, result.set.parts.size(), e.teach_step_deg,
+                      StandText(e.taught), StandText(e.queried));
   if (e.between_taught_azimuths) {
     absl::StrAppend(&out, "at the centre, at azimuths between the taught ones.");
   } else {

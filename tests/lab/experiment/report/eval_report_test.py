@@ -17,7 +17,7 @@ loader.exec_module(eval_report)
 
 
 def answer(query, answered, score, known=True, right=True, add_s_share=0.01):
-    return {"object_asked": query, "object_answered": answered, "known": known, "score": score,
+    return {"object_query": query, "object_answered": answered, "known": known, "score": score,
             "stable_pose_answered": f"objects/{answered}/stablePoses/p" if answered else "",
             "object_right": right, "pose_right": right, "add_s_share": add_s_share if right else None}
 
@@ -32,14 +32,14 @@ def case(name="hidden-20", answers=ANSWERS):
                              "mean_translation_mm", "unknown_rejected"], 0.5)
     objects = [{"object": o, "known": o != "bolt", "falsely_named": 0.5, "pose_wrong": 0.5,
                 "mean_rotation_deg": 1 if o == "cup" else None, "mean_translation_mm": 2 if o == "cup" else None}
-               for o in sorted({a["object_asked"] for a in answers})]
+               for o in sorted({a["object_query"] for a in answers})]
     view = {"object": "cup", "descriptor_distance": 0.1, "verification_score": None, "chosen": True}
     pixels = {"u": [1, 2], "v": [3, 4]}
     return {"name": name, "description": "A Kinect", "answers": answers, "objects": objects,
             "summary": dict(numbers, known=4, unknown=1),
             "time": dict.fromkeys(["scenes", "mean_ms", "median_ms", "p95_ms", "longest_ms"], 5),
-            "first_matches": {"scene": 2, "stable_pose_asked": "cup", "answered": True, "views": [view]},
-            "drawings": [{"title": "Question 2", "scan": pixels, "truth": pixels}]}
+            "first_matches": {"scene": 2, "stable_pose_query": "cup", "answered": True, "views": [view]},
+            "drawings": [{"title": "Query 2", "scan": pixels, "truth": pixels}]}
 
 
 class Curves(unittest.TestCase):
@@ -57,7 +57,7 @@ class Curves(unittest.TestCase):
     def test_reliability_counts_by_tenths_of_the_score(self):
         self.assertEqual(eval_report.reliability(ANSWERS), {6: [False], 9: [True, True]})
 
-    def test_confusions_count_questions_without_an_answer(self):
+    def test_confusions_count_queries_without_an_answer(self):
         self.assertEqual(eval_report.confusions(ANSWERS)["can", ""], 1)
 
 
@@ -72,13 +72,13 @@ class Page(unittest.TestCase):
                 return file.read()
 
     def test_shows_cases_and_descriptors_and_is_the_same_each_time(self):
-        descriptor = {"descriptor": "MVFH-300", "distance": "L1", "asked": 96, "object_wrong": 0.125,
+        descriptor = {"descriptor": "MVFH-300", "distance": "L1", "query_count": 96, "object_wrong": 0.125,
                       "false_recognition": {"cup": 0.5, "can": 0.25}}
         report = {"command": "graspdb eval", "descriptors": [descriptor], "cases": [case(), case("empty", [])]}
         page = self.page(report)
         self.assertIn('id="case-hidden-20"', page)
         self.assertIn("<td>MVFH-300</td><td>L1</td><td>37.5</td><td>12.5</td>", page)
-        self.assertIn("There were no questions", page)
+        self.assertIn("There were no queries", page)
         self.assertIn("hidden-20-mean-absolute-rotation-error-for-each-object.svg", self.figures)
         self.assertEqual(page, self.page(report))
 

@@ -89,7 +89,8 @@ TEST_F(ReportFolder, JsonHoldsTheNumbersOfTheCase) {
   const auto& fields = cases.values(0).struct_value().fields();
   const auto& settings = fields.at("settings").struct_value().fields();
   EXPECT_EQ(settings.at("hidden_share").number_value(), 0.2);
-  EXPECT_EQ(settings.at("asked").struct_value().fields().at("camera").string_value(), "Kinect v2");
+  EXPECT_EQ(settings.at("queried").struct_value().fields().at("camera").string_value(),
+            "Kinect v2");
   const auto& summary = fields.at("summary").struct_value().fields();
   EXPECT_EQ(summary.at("known").number_value(), 4);
   EXPECT_EQ(summary.at("object_right").number_value(), 0.5);
