@@ -161,7 +161,8 @@ void AddFlags(CLI::App* command, RobotOptions* options) {
       ->add_option("--missed-job", options->run.missed_job, "Job to trigger after any other pick")
       ->check(jobs);
   command
-      ->add_option("--least", options->min_percent, "Fail below this percentage of picks that hold")
+      ->add_option("--min-percent,--least", options->min_percent,
+                   "Fail below this percentage of picks that hold")
       ->check(CLI::Range(0, 100));
 }
 

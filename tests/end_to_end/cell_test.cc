@@ -123,7 +123,7 @@ TEST_F(CellProgramsTest, SimulatedRobotJudgesTheGrasps) {
   StartAgent();
   const Finished picks =
       Graspdb({"robot", "--cell", "press-3", "--agent", gri_, "--scene", Path(scene_), "--parts",
-               "l-bracket,flange,handle", "--picks", "6", "--least", "80"});
+               "l-bracket,flange,handle", "--picks", "6", "--min-percent", "80"});
   EXPECT_EQ(picks.exit_status, 0) << picks.out << picks.err;
   EXPECT_THAT(picks.out, HasSubstr(" of 6 picks would have held"));
 }

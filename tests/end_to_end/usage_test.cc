@@ -38,6 +38,7 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"simulate", "--parts", "spoon", "--out", "x"}, "spoon"},
       {{"robot", "--scene", "x", "--job", "65536"}, "--job"},
       {{"robot", "--scene", "x", "--picked-job", "-1"}, "--picked-job"},
+      {{"robot", "--scene", "x", "--least", "101"}, "--min-percent"},  // its name of before
       {{"bench"}, "--simulate"},
       {{"bench", cloud, "--simulate"}, "either"},
       {{"bench", cloud, "--camera", "v1"}, "--simulate"},
