@@ -24,7 +24,7 @@ constexpr double kMaxGapM = 0.03;
 constexpr std::size_t kMaxUnions = 6;
 // A union with less confidence is rejected, since each piece may still be explained better on its
 // own.
-constexpr double kSureUnion = 0.9;
+constexpr double kMinUnionConfidence = 0.9;
 
 }  // namespace
 
@@ -158,7 +158,7 @@ absl::StatusOr<AnsweredSegment> SegmentAnswers::TryUnion(const Segment& a, const
   absl::StatusOr<Detection> detection = SearchIn(out.segment, log)->Answer(none);
   if (!detection.ok()) return detection.status();
   const double reach = parameters_.matching.support_distance_m;
-  if (detection->view && detection->score >= kSureUnion && LiesOn(a, *detection, reach) &&
+  if (detection->view && detection->score >= kMinUnionConfidence && LiesOn(a, *detection, reach) &&
       LiesOn(b, *detection, reach)) {
     out.detection = *std::move(detection);
   }

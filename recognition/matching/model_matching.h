@@ -42,7 +42,7 @@ class ModelSearch {
   // Tries the nearest views only, all of them screened, in place of both: as many as the budget
   // allows.
   absl::Status TryScreened(SearchBudget& budget) {
-    matcher_.SeekBeginning();
+    matcher_.LimitToInitialPose();
     return matcher_.ProposeBest(nearest_, hidden_, budget);
   }
 

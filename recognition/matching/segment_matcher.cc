@@ -21,14 +21,14 @@ constexpr std::size_t kFullPoints = 20'000;
 // Hypotheses that are refined in full. Doubled, the answers of docs/experiment.md are the same, as
 // for the constants below that say nothing else.
 constexpr std::size_t kFinalists = 8;
-// And where only a beginning is needed: of 288 touching objects as many are right as with all of
-// them, polished.
-constexpr std::size_t kBeginnings = 2;
-// With a hypothesis of this score and of confidence kSure no other view is tried.
+// And where the answer is only an initial pose: of 288 touching objects as many are right as with
+// all of them, polished.
+constexpr std::size_t kInitialPoseFinalists = 2;
+// With a hypothesis of this score and of confidence kMinEndConfidence no other view is tried.
 constexpr double kExplained = 0.94;
-constexpr double kSure = 0.9;
+constexpr double kMinEndConfidence = 0.9;
 // Visible share of an unoccluded object's surface; the rest is the sensor's noise at edges.
-constexpr double kWhole = 0.97;
+constexpr double kMinUnoccluded = 0.97;
 // Where no first look scores higher, nothing is refined in full before further views are tried: of
 // 2,130 such searches, simulated and real, these views ended 14. With 0.7 it is 22 of 2,650.
 constexpr double kWorthFinishing = 0.6;
@@ -42,12 +42,12 @@ constexpr int kPolishRounds = 5;
 constexpr double kPolished = 2e-4;
 // A first look that scores lower than the best refined hypothesis by more than this does not become
 // the best.
-constexpr double kCatchesUp = 0.25;
+constexpr double kMaxScoreGapRough = 0.25;
+// The same after a refinement with thinned edges.
+constexpr double kMaxScoreGapFirst = 0.1;
 // Hypotheses that score lower after a first look are finished only where none scores higher: in 96
 // scenes with 40 % hidden the final best had at least 0.76.
-constexpr double kHopeless = 0.5;
-// The same after a refinement with thinned edges.
-constexpr double kCatchesUpClosely = 0.1;
+constexpr double kMinRoughScore = 0.5;
 // A first look: place and turn on the table.
 constexpr RefinementOptions kRoughSteps = {.iterations = 6,
                                            .first_reach_m = 0.02,
@@ -101,11 +101,11 @@ absl::Status SegmentMatcher::Propose(std::span<const Views::value_type> views,
 
 bool SegmentMatcher::IsExplained() const {
   return !hypotheses_.empty() && hypotheses_.front().evidence.score >= kExplained &&
-         ConfidenceOfBest() >= kSure;
+         ConfidenceOfBest() >= kMinEndConfidence;
 }
 
 bool SegmentMatcher::IsExplainedWhole() const {
-  return IsExplained() && hypotheses_.front().evidence.unoccluded >= kWhole;
+  return IsExplained() && hypotheses_.front().evidence.unoccluded >= kMinUnoccluded;
 }
 
 bool SegmentMatcher::ExplainsNothing() const {
@@ -158,10 +158,10 @@ absl::Status SegmentMatcher::FinishBest() {
       hypotheses_.front().evidence.score < kExplainsLittle) {
     return CheckNotCancelled();
   }
-  if (only_beginning_) KeepBest(kBeginnings, &hypotheses_);
+  if (only_initial_pose_) KeepBest(kInitialPoseFinalists, &hypotheses_);
   if (absl::Status status = FinishAll(); !status.ok()) return status;
   KeepBest(kFinalists, &hypotheses_);
-  if (!only_beginning_) Polish();
+  if (!only_initial_pose_) Polish();
   return CheckNotCancelled();
 }
 
@@ -190,9 +190,9 @@ absl::Status SegmentMatcher::FinishAll() {
   for (PoseHypothesis& h : hypotheses_) {
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
     if (!h.finished) {
-      if (h.evidence.score < kHopeless && !finished.empty()) continue;
-      if (h.evidence.score < best - kCatchesUp || !Approach(finished, &h)) continue;
-      if (h.evidence.score < best - kCatchesUpClosely) continue;
+      if (h.evidence.score < kMinRoughScore && !finished.empty()) continue;
+      if (h.evidence.score < best - kMaxScoreGapRough || !Approach(finished, &h)) continue;
+      if (h.evidence.score < best - kMaxScoreGapFirst) continue;
       Finish(kLastSteps, &h);
     }
     best = std::max(best, h.evidence.score);

@@ -64,7 +64,7 @@ class SegmentMatcher {
   bool ExplainsNothing() const;
 
   // From now on refines fewer hypotheses in full: the answer only initialises another search.
-  void SeekBeginning() { only_beginning_ = true; }
+  void LimitToInitialPose() { only_initial_pose_ = true; }
 
   void Forget() { hypotheses_.clear(); }
 
@@ -110,7 +110,7 @@ class SegmentMatcher {
                                               const DepthBuffer::Sides& hidden);
   absl::StatusOr<Model> ModelOf(const TaughtView& view, const TaughtStablePose& stable_pose);
   // Drops those whose initial pose explains much less than the best of `best` and these.
-  void DropHopeless(std::vector<Start>* starts, double* best) const;
+  void DropUnlikely(std::vector<Start>* starts, double* best) const;
   double Glance(const Start& start, double min_score) const;
   absl::Status TryAll(const std::vector<Start>& starts);
   PoseHypothesis Tried(const Start& start) const;
@@ -138,7 +138,7 @@ class SegmentMatcher {
   const SoaCloud columns_;
   const SoaCloud rough_columns_;    // some of them
   const ReachableShare reachable_;  // of the same
-  bool only_beginning_ = false;
+  bool only_initial_pose_ = false;
   std::optional<LookUps> look_ups_;
   std::unordered_map<const void*, Model> models_;  // by stable pose, or by view
   std::vector<PoseHypothesis> hypotheses_;

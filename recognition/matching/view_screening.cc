@@ -56,7 +56,7 @@ absl::Status SegmentMatcher::ProposeBest(std::span<const Views::value_type> view
     left = left.subspan(block.size());
     auto starts = StartsOf(block, hidden);
     if (!starts.ok()) return starts.status();
-    DropHopeless(&*starts, &best_unrefined);
+    DropUnlikely(&*starts, &best_unrefined);
     ForEachIndex(starts->size(), [&, min = min_score()](std::size_t i) {
       (*starts)[i].score = Glance((*starts)[i], min);
     });
@@ -164,7 +164,7 @@ absl::StatusOr<SegmentMatcher::Model> SegmentMatcher::ModelOf(const TaughtView& 
   return model;
 }
 
-void SegmentMatcher::DropHopeless(std::vector<Start>* starts, double* best) const {
+void SegmentMatcher::DropUnlikely(std::vector<Start>* starts, double* best) const {
   ForEachIndex(starts->size(), [&, min = kUnrefinedShare * *best](std::size_t i) {
     Start& start = (*starts)[i];
     start.score = Verify(*start.model, start.rough, rough_columns_, depth_buffer_,

@@ -26,11 +26,11 @@ constexpr std::size_t kMaxVoxels = 480'000;
 constexpr double kKnown = 0.1;
 // One object of several needs a higher score than one alone: parts of unknown objects resemble
 // known ones with scores up to 0.7, touching objects have 0.95 and more (ADR 12).
-constexpr double kSure = 0.9;
+constexpr double kMinSplitConfidence = 0.9;
 // Parts separated by gaps are accepted where their answers explain this share of all; with less, an
 // object between them may have been left out.
 constexpr double kNearlyAll = 0.9;
-// Minimum score of the answer for a half as a beginning.
+// Minimum score of an answer that a split begins with.
 constexpr double kPromising = 0.02;
 // Recognitions of the object that is taken first.
 constexpr int kRounds = 2;
@@ -96,11 +96,11 @@ class ClusterSplitter {
 
   // Whether an answer for `count` voxels at `segment` can score as high as one object of several
   // needs.
-  bool MayBeSure(const Segment& segment, std::size_t count) const {
-    return MaxConfidence(count, NoiseAt(input_.segmentation, segment)) >= kSure;
+  bool MayReachConfidence(const Segment& segment, std::size_t count) const {
+    return MaxConfidence(count, NoiseAt(input_.segmentation, segment)) >= kMinSplitConfidence;
   }
-  bool MayBeSure(const Segment& segment) const {
-    return MayBeSure(segment, segment.cloud.points.size());
+  bool MayReachConfidence(const Segment& segment) const {
+    return MayReachConfidence(segment, segment.cloud.points.size());
   }
 
   static bool Scores(const Detection& detection, double min_score) {
@@ -137,23 +137,22 @@ class ClusterSplitter {
   absl::StatusOr<bool> TakeUnknown(AnsweredSegment whole, Answers* out) {
     // The smaller of two parts has half of the voxels at the most.
     const std::size_t half = whole.segment.cloud.points.size() / 2;
-    if (half < min_count_ || IsAtLimit() || !MayBeSure(whole.segment, half)) return false;
-    auto beginnings = Halves(whole.segment);
-    if (!beginnings.ok()) return beginnings.status();
-    beginnings->push_back(std::move(whole.detection));
-    std::ranges::stable_sort(*beginnings, std::greater(), &Detection::score);
-    for (Detection& beginning : *beginnings) {
-      if (beginning.model == nullptr || beginning.score < kPromising) continue;
-      auto known = TakeWith(whole.segment, std::move(beginning), kDepth, out);
+    if (half < min_count_ || IsAtLimit() || !MayReachConfidence(whole.segment, half)) return false;
+    auto initial_answers = Halves(whole.segment);
+    if (!initial_answers.ok()) return initial_answers.status();
+    initial_answers->push_back(std::move(whole.detection));
+    std::ranges::stable_sort(*initial_answers, std::greater(), &Detection::score);
+    for (Detection& initial : *initial_answers) {
+      if (initial.model == nullptr || initial.score < kPromising) continue;
+      auto known = TakeWith(whole.segment, std::move(initial), kDepth, out);
       if (!known.ok() || *known) return known;
     }
     return false;
   }
 
-  // `beginning` is an answer for a part of `whole`.
-  absl::StatusOr<bool> TakeWith(const Segment& whole, Detection beginning, int depth,
-                                Answers* out) {
-    AnsweredSegment object{{}, std::move(beginning)};
+  // `initial` is an answer for a part of `whole`.
+  absl::StatusOr<bool> TakeWith(const Segment& whole, Detection initial, int depth, Answers* out) {
+    AnsweredSegment object{{}, std::move(initial)};
     std::vector<Segment> rest;
     // The answer for a half does not explain all of the object, which is recognised once more.
     for (int round = 0; round < kRounds; ++round) {
@@ -163,14 +162,15 @@ class ClusterSplitter {
       if (object.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
       // Segments that will be rejected for their size are not recognised; `rest` is final in the
       // last round only.
-      if (!MayBeSure(object.segment)) return false;
+      if (!MayReachConfidence(object.segment)) return false;
       const bool is_last = round + 1 == kRounds;
-      if (is_last && !std::ranges::all_of(rest, [&](const Segment& s) { return MayBeSure(s); })) {
+      if (is_last &&
+          !std::ranges::all_of(rest, [&](const Segment& s) { return MayReachConfidence(s); })) {
         return false;
       }
       auto again = RecognizeWithinLimits(object.segment);
       if (!again.ok()) return again.status();
-      if (!Scores(*again, kSure)) return false;
+      if (!Scores(*again, kMinSplitConfidence)) return false;
       object.detection = *std::move(again);
     }
     const std::size_t before = out->size();
@@ -178,7 +178,8 @@ class ClusterSplitter {
     for (Segment& piece : rest) {
       auto answer = RecognizeWithinLimits(piece);
       if (!answer.ok()) return answer.status();
-      auto known = Take({std::move(piece), *std::move(answer)}, kSure, depth - 1, out);
+      auto known =
+          Take({std::move(piece), *std::move(answer)}, kMinSplitConfidence, depth - 1, out);
       if (known.ok() && *known) continue;
       out->erase(out->begin() + static_cast<std::ptrdiff_t>(before), out->end());
       return known;
@@ -207,7 +208,7 @@ class ClusterSplitter {
     recognitions_ += static_cast<int>(halves.size());
     recognized_voxels_ += whole.cloud.points.size();
     ForEachIndex(halves.size(), [&](std::size_t i) {
-      // Only a beginning: not worth a long search.
+      // Only an initial answer: not worth a long search.
       if (halves[i].cloud.points.size() >= min_count_) answers[i] = glance_(halves[i]);
     });
     std::vector<Detection> out;
