@@ -13,7 +13,7 @@
 namespace graspdb::server {
 namespace {
 
-bool Knows(const TaughtPoses& poses, const std::string& view_name) {
+bool IsTaughtView(const TaughtPoses& poses, const std::string& view_name) {
   const auto pose = poses.find(PoseOfView(view_name));
   if (pose == poses.end()) return false;
   const auto name = [](const auto& view) -> const std::string& { return view->name; };
@@ -43,7 +43,7 @@ absl::StatusOr<recognition::IndexedView> ViewOf(
 void AddViewEffect(const storage::Mutation& mutation, const TaughtPoses& known,
                    const recognition::DescriptorParameters& parameters, Effects* out) {
   out->touched.push_back(mutation.key());
-  if (Knows(known, mutation.key())) out->removed.insert(mutation.key());
+  if (IsTaughtView(known, mutation.key())) out->removed.insert(mutation.key());
   if (!IsPut(mutation)) return;
   absl::StatusOr<recognition::IndexedView> view = ViewOf(mutation, parameters);
   if (view.ok()) {

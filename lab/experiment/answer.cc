@@ -64,7 +64,7 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
                    std::size_t which, const PartSet& set) {
   const Placement& truth = trial.truth[which];
   Answer seen{.part = truth.part,
-              .known = set.Knows(truth.part),
+              .known = set.IsTaught(truth.part),
               .posed = trial.posed,
               .outcome = recognition.outcome,
               .world_sensor = recognition.world_sensor,

@@ -40,7 +40,7 @@ void PartSet::Add(Workpiece part, const recognition::Pose& mesh_pose) {
   object_mesh.push_back(mesh_pose);
 }
 
-bool PartSet::Knows(std::size_t position) const {
+bool PartSet::IsTaught(std::size_t position) const {
   const auto taught = parts.begin() + static_cast<std::ptrdiff_t>(taught_count);
   return std::find_if(parts.begin(), taught, [&](const Workpiece& part) {
            return part.object_id == parts[position].object_id;

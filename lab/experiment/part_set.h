@@ -28,7 +28,7 @@ struct PartSet {
   // Measures the part by its mesh, if it has one.
   void Add(Workpiece part, const recognition::Pose& mesh_pose);
   // Whether the part's object was taught, in any stable pose.
-  bool Knows(std::size_t position) const;
+  bool IsTaught(std::size_t position) const;
 };
 
 // Meshes and orientations of an experiment.

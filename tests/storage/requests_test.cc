@@ -175,7 +175,7 @@ class KeptRequestsTest : public ::testing::Test {
     ASSERT_TRUE(database_->Write(batch).ok());
   }
 
-  bool Knows(std::uint64_t number) {
+  bool IsKept(std::uint64_t number) {
     const auto found = FindRequest(*database_, std::to_string(number), "", now_);
     EXPECT_TRUE(found.ok()) << found.status();
     return found->has_value();
@@ -203,25 +203,25 @@ class KeptRequestsTest : public ::testing::Test {
 TEST_F(KeptRequestsTest, OnlyTheNewestAreKept) {
   Keep(1);
   Keep(kKeptRequests - 1);
-  EXPECT_TRUE(Knows(1));
+  EXPECT_TRUE(IsKept(1));
   EXPECT_EQ(Rows(), 2 * kKeptRequests);
   for (int i = 0; i < 3; ++i) Keep(1);
-  EXPECT_FALSE(Knows(3));
-  EXPECT_TRUE(Knows(4));
-  EXPECT_TRUE(Knows(kKeptRequests + 3));
+  EXPECT_FALSE(IsKept(3));
+  EXPECT_TRUE(IsKept(4));
+  EXPECT_TRUE(IsKept(kKeptRequests + 3));
   EXPECT_EQ(Rows(), 2 * kKeptRequests);
 }
 
 TEST_F(KeptRequestsTest, OldOnesAreDeletedTwoAtATime) {
   for (int i = 0; i < 6; ++i) Keep(1);
   now_.set_seconds(absl::ToInt64Seconds(kKeptRequestTime) + 1);
-  EXPECT_FALSE(Knows(1));
+  EXPECT_FALSE(IsKept(1));
   EXPECT_EQ(Rows(), 12U);
   Keep(1);
   EXPECT_EQ(Rows(), 10U);
   for (int i = 0; i < 4; ++i) Keep(1);
   EXPECT_EQ(Rows(), 10U) << "five new ones";
-  EXPECT_TRUE(Knows(7));
+  EXPECT_TRUE(IsKept(7));
 }
 
 TEST_F(KeptRequestsTest, DamageIsReported) {

@@ -34,7 +34,7 @@ TEST_F(DropPosesTest, AreQueriedByTheirProbability) {
   EXPECT_EQ(set->queried_parts.size(), 400U);
   std::size_t flat = 0;
   for (const std::size_t part : set->queried_parts) {
-    EXPECT_TRUE(set->Knows(part));
+    EXPECT_TRUE(set->IsTaught(part));
     flat += BoundsOf(set->parts[part].mesh).max.z() < 0.031 ? 1 : 0;
   }
   // Both large faces: 4 atan(...) / 4 pi each.
