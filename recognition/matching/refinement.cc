@@ -18,7 +18,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // weighted.
 constexpr double kPointDeviationM = 0.0012;
 // Errors of scan points are correlated: this many count as one against a prior.
-constexpr double kPointsThatErrTogether = 30;
+constexpr double kCorrelatedPoints = 30;
 // Surfaces that face each other less than this do not correspond.
 constexpr float kMinAgreement = 0.5F;
 // Weight of the distance along a surface that has ended, against that across it.
@@ -48,7 +48,7 @@ class Step {
 
   void AddPrior(int parameter, double value, double deviation) {
     const double ratio = kPointDeviationM / deviation;
-    const double weight = ratio * ratio * std::max(1.0, weight_ / kPointsThatErrTogether);
+    const double weight = ratio * ratio * std::max(1.0, weight_ / kCorrelatedPoints);
     hessian_(parameter, parameter) += weight;
     gradient_(parameter) += weight * value;
   }

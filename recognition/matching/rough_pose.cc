@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double kMinClimb = 0.2;
 // A part up to this multiple of the removed height may have been removed with the table, because of
 // noise. Where the mean of the rest is this far from that of all, m, it gives a pose of its own.
-constexpr double kGoneWithTable = 1.5;
+constexpr double kRemovedWithTable = 1.5;
 constexpr float kStandsElsewhereM = 0.015F;
 // Initial poses that are nearer, m, lead to the same place: correspondences reach 0.02 m.
 constexpr double kSameStartM = 0.006;
@@ -148,7 +148,7 @@ InitialPoses RoughPoses(const TaughtView& view, const SurfaceModel& model,
   for (const DepthBuffer::Sides& sides : SidesToTry(hidden)) add(shifted(*whole, sides));
   if (segment.table_reach_m <= 0) return out;
   // Without parts that may have been removed with the table.
-  const std::optional<Extent> above_table = extent_above(kGoneWithTable * segment.table_reach_m);
+  const std::optional<Extent> above_table = extent_above(kRemovedWithTable * segment.table_reach_m);
   if (above_table && (above_table->mean - whole->mean).norm() > kStandsElsewhereM) {
     add(shifted(*above_table, {}));
   }
