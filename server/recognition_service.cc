@@ -34,8 +34,8 @@ absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, 
 }
 
 // Retries while the queue is full, for long work.
-absl::Status EnterPatiently(Admission& admission, const std::function<bool()>& is_cancelled,
-                            std::optional<Admission::Ticket>* ticket) {
+absl::Status EnterWithRetries(Admission& admission, const std::function<bool()>& is_cancelled,
+                              std::optional<Admission::Ticket>* ticket) {
   for (;;) {
     absl::StatusOr<Admission::Ticket> next = admission.Enter(is_cancelled);
     if (next.ok()) {
@@ -108,7 +108,7 @@ grpc::Status RecognitionService::ProposeThresholds(
       message.set_done_view_count(static_cast<int>(done));
       message.set_view_count(static_cast<int>(count));
       if (!stream->Write(message)) return absl::CancelledError("the stream was cancelled");
-      return EnterPatiently(admission_, is_cancelled, &ticket);
+      return EnterWithRetries(admission_, is_cancelled, &ticket);
     };
     const auto answer = check_.ProposeThresholds(*request, is_cancelled, progress);
     if (!answer.ok()) return answer.status();

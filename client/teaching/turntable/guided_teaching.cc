@@ -69,7 +69,7 @@ GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingProm
               .region = RegionOf(options_),
               .plate_height_m = options_.plate_height_m,
               .frames = options_.frames,
-              .patience = options_.patience}) {}
+              .frame_timeout = options_.frame_timeout}) {}
 
 absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
   if (absl::Status begun = Begin(); !begun.ok()) return begun;

@@ -31,7 +31,7 @@ struct GuidedOptions {
   double step_deg = 20;       // as the paper's turntable
   bool clockwise = false;     // how it turns, seen from above
   int frames = 5;             // averaged for a view
-  absl::Duration patience = absl::Seconds(10);
+  absl::Duration frame_timeout = absl::Seconds(10);
 };
 
 struct GuidedCounts {

@@ -60,7 +60,7 @@ struct ViewTaker::Shot {
 };
 
 absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
-  const MonotonicTime deadline = MonotonicTime::Now() + how_.patience;
+  const MonotonicTime deadline = MonotonicTime::Now() + how_.frame_timeout;
   AwaitFrames(sensor_, deadline);
   absl::StatusOr<std::vector<SensorFrame>> taken = TakeFrames(sensor_, frames, deadline);
   if (!taken.ok()) return taken.status();

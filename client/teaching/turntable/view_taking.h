@@ -23,8 +23,8 @@ struct ViewTaking {
   // Of the plate under the object above the table z = 0, m. The views are stored in a world whose
   // table is the plate: equivalent to a camera that is lower by this height.
   double plate_height_m = 0;
-  int frames = 5;                               // averaged for a view
-  absl::Duration patience = absl::Seconds(10);  // for the frames of a view
+  int frames = 5;                                    // averaged for a view
+  absl::Duration frame_timeout = absl::Seconds(10);  // for the frames of a view
 };
 
 struct TakenView {

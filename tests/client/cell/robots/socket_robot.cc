@@ -21,8 +21,8 @@ SocketRobot::SocketRobot(std::uint16_t port, const char* from)
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const timeval patience = {.tv_sec = 10, .tv_usec = 0};
-  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const timeval timeout = {.tv_sec = 10, .tv_usec = 0};
+  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
   if (bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof(own)) != 0 ||
       connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     ADD_FAILURE() << "cannot connect to port " << port;
