@@ -74,12 +74,12 @@ absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
   for (Eigen::Vector3f& v : mesh->vertices) v = (v.cast<double>() - origin).cast<float>();
   const double closing_rad = sides.x() <= sides.y() ? 0 : std::numbers::pi / 2;
   const double opening = std::min(sides.x(), sides.y()) + kClearanceM;
-  const Eigen::Vector3d hold(0, 0, sides.z() / 2);
+  const Eigen::Vector3d tcp(0, 0, sides.z() / 2);
   return Workpiece{.object_id = ObjectIdOf(path),
                    .display_name = path.stem().string(),
                    .stable_pose_id = "resting",
                    .symmetry_order = 1,
-                   .grasps = {TopGrasp("top", hold, closing_rad, opening)},
+                   .grasps = {TopGrasp("top", tcp, closing_rad, opening)},
                    .mesh = *std::move(mesh)};
 }
 

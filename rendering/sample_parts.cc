@@ -15,7 +15,7 @@ namespace {
 using Vec3 = Eigen::Vector3f;
 
 // Top grasp of a part, in the millimetres of its drawing.
-struct Hold {
+struct GraspSpec {
   const char* grasp_id;
   Eigen::Vector3d at_mm;
   double closing_deg;
@@ -29,7 +29,7 @@ struct Drawing {
   const char* display_name;
   const char* stable_pose_id;
   int symmetry_order;
-  std::vector<Hold> holds;
+  std::vector<GraspSpec> grasp_specs;
   TriangleMesh solid_mm;
 };
 
@@ -114,9 +114,9 @@ Drawing BracketRight() {
   part.object_id = "bracket-right";
   part.display_name = "Bracket, right hand";
   part.solid_mm = MirroredX(part.solid_mm);
-  for (Hold& hold : part.holds) {
-    hold.at_mm.x() = -hold.at_mm.x();
-    hold.closing_deg = -hold.closing_deg;
+  for (GraspSpec& spec : part.grasp_specs) {
+    spec.at_mm.x() = -spec.at_mm.x();
+    spec.closing_deg = -spec.closing_deg;
   }
   return part;
 }
@@ -210,13 +210,13 @@ Workpiece Finish(Drawing drawing) {
                     .symmetry_order = drawing.symmetry_order,
                     .grasps = {},
                     .mesh = std::move(mesh)};
-  auto priority = static_cast<int>(drawing.holds.size());
-  for (const Hold& hold : drawing.holds) {
+  auto priority = static_cast<int>(drawing.grasp_specs.size());
+  for (const GraspSpec& spec : drawing.grasp_specs) {
     v1::Grasp grasp =
-        TopGrasp(hold.grasp_id, (hold.at_mm - origin) / 1000,
-                 hold.closing_deg * std::numbers::pi / 180, (hold.width_mm + kClearanceMm) / 1000);
+        TopGrasp(spec.grasp_id, (spec.at_mm - origin) / 1000,
+                 spec.closing_deg * std::numbers::pi / 180, (spec.width_mm + kClearanceMm) / 1000);
     grasp.set_priority(priority--);
-    if (hold.any_turn) {
+    if (spec.any_turn) {
       grasp.mutable_free_turn()->set_min_deg(-180);
       grasp.mutable_free_turn()->set_max_deg(180);
     }

@@ -114,8 +114,8 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
   Database& database = *catalogue.database_;
   const auto engine = OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv());
   if (!engine.ok()) return engine.status();
-  // Both before changes are held, since they take longer; the logs of later changes become part of
-  // the backup.
+  // Both before changes are paused, since they take longer; the logs of later changes become part
+  // of the backup.
   if (auto deleted = DeleteUnfinished(**engine, directory_); !deleted.ok()) return deleted;
   if (auto flushed = database.Flush(); !flushed.ok()) return flushed;
 
@@ -144,7 +144,7 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
     }
     return FromBackupEngine(made, "make a backup", directory_);
   };
-  if (auto copied = catalogue.log_->HoldChanges(copy); !copied.ok()) return copied;
+  if (auto copied = catalogue.log_->PauseChanges(copy); !copied.ok()) return copied;
   const auto info = FindBackup(**engine, id, directory_);
   if (!info.ok()) return info.status();
   return DescribeBackup(*info, directory_);

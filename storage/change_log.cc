@@ -81,7 +81,7 @@ absl::Status ChangeLog::CheckNotInListener() const {
       "after the listener has returned");
 }
 
-absl::Status ChangeLog::HoldChanges(
+absl::Status ChangeLog::PauseChanges(
     absl::FunctionRef<absl::Status(const MetaRecord&, absl::FunctionRef<void()>)> work) {
   if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
   absl::ReleasableMutexLock lock(&writer_mutex_);

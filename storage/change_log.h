@@ -43,11 +43,11 @@ class ChangeLog {
   // Runs `work` while no change begins, until it calls `release` (once) or returns; it gets the
   // MetaRecord, which is the one on the disk. FAILED_PRECONDITION from within the listener,
   // RESOURCE_EXHAUSTED or UNAVAILABLE after a failed write.
-  absl::Status HoldChanges(
+  absl::Status PauseChanges(
       absl::FunctionRef<absl::Status(const MetaRecord& meta, absl::FunctionRef<void()> release)>
           work) ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
-  // The time of the clock. For the work of HoldChanges() before it releases, as for a writer.
+  // The time of the clock. For the work of PauseChanges() before it releases, as for a writer.
   absl::Time Now() const { return clock_(); }
 
   // Sets the listener (empty: none) and returns the last revision before its first change.

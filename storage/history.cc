@@ -139,7 +139,7 @@ absl::StatusOr<v1::Object> History::Restore(std::string_view name, std::int64_t 
 }
 
 absl::Status History::Purge(std::string_view name) {
-  return log_.HoldChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
+  return log_.PauseChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
     const auto deleted = GetDeleted(name);
     if (!deleted.ok()) return deleted.status();
     rocksdb::WriteBatch batch;
@@ -156,7 +156,7 @@ absl::StatusOr<std::vector<std::string>> History::PurgeOlderThan(absl::Time limi
   for (const std::string& name : *objects) {
     // One after the other: writers wait for one object.
     const absl::Status status =
-        log_.HoldChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
+        log_.PauseChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
           rocksdb::WriteBatch batch;
           const auto gone = AddPurgeOlderThan(database_, name, limit, batch);
           if (!gone.ok()) return gone.status();

@@ -79,14 +79,14 @@ TEST_F(BackupFaultsTest, AKilledBackupIsNotListedAndTheNextOneIsComplete) {
   }
 }
 
-TEST_F(BackupFaultsTest, WhatAKilledBackupLeftIsDeletedBeforeChangesAreHeld) {
+TEST_F(BackupFaultsTest, WhatAKilledBackupLeftIsDeletedBeforeChangesArePaused) {
   const std::filesystem::path left = directory_ / "backups/private/2";
   std::filesystem::create_directory(left);
   WriteBytes(left / "MANIFEST-000005", "half");
   const auto catalogue = OpenOrDie(database_);
   bool was_there = true;
   BackupProgress progress;
-  progress.is_cancelled = [&] {  // first called with changes held, before anything is copied
+  progress.is_cancelled = [&] {  // first called with changes paused, before anything is copied
     was_there = std::filesystem::exists(left);
     return true;
   };

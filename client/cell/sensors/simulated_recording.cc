@@ -9,7 +9,8 @@ namespace graspdb::client {
 
 absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
                                      const std::vector<Workpiece>& parts,
-                                     const std::vector<PlannedCapture>& plan, absl::Duration hold) {
+                                     const std::vector<PlannedCapture>& plan,
+                                     absl::Duration duration) {
   if (plan.empty()) return absl::InvalidArgumentError("no scenes are planned; plan at least one");
   const absl::StatusOr<DepthCamera> camera = DepthCamera::Create(SimulatedKinectV1());
   if (!camera.ok()) return camera.status();
@@ -20,7 +21,7 @@ absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
     const absl::StatusOr<DepthFrame> frame =
         camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
     if (!frame.ok()) return frame.status();
-    if (absl::Status shown = recording->Show(*frame, hold); !shown.ok()) return shown;
+    if (absl::Status shown = recording->Show(*frame, duration); !shown.ok()) return shown;
   }
   if (absl::Status truth = WriteScenes(folder, parts, plan); !truth.ok()) return truth;
   return recording->Finish();
