@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # layers_test.sh SOURCE: whether each folder of sources has its row in the table of docs/architecture.md,
-# which lists folders from the bottom up, and includes headers of rows above its own only.
+# which lists folders from the bottom up, and includes headers of rows above its own only; and whether any
+# includes what docs/architecture.md and CONTRIBUTING.md rule out besides.
 set -euo pipefail
 cd "$1"
 
@@ -27,4 +28,21 @@ while IFS=: read -r file header; do
     failed=1
   fi
 done < <(includes)
+
+# forbid HEADERS FOLDER...: no source there includes a header whose path begins with HEADERS (a Perl pattern).
+forbid() {
+  local found
+  found=$(grep -rnP "^\s*#\s*include\s*[\"<](?:$1)" --include='*.h' --include='*.cc' "${@:2}") || [ $? = 1 ] || failed=1
+  [ -n "$found" ] || return 0
+  printf '%s\n' "$found"
+  echo "${*:2} may not include $1: see docs/architecture.md and CONTRIBUTING.md"
+  failed=1
+}
+forbid '(server|storage)/' client lab
+forbid '(storage|server|files|graspdb|google|grpc|grpcpp)/|\S+\.pb\.h' recognition
+forbid 'recognition/' storage
+forbid 'program/(?!uuid\.h)' storage
+forbid 'storage/(?!(crc32c|little_endian|folder_sync)\.h)' files
+forbid 'lab/' recognition program storage server files rendering pictures client
+forbid 'pcl/' recognition program storage server files rendering pictures client lab
 exit $failed
