@@ -93,16 +93,16 @@ struct Server::Parts {
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
         backups(std::move(backups_in)),
-        approximate_keeper(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
-                                                          *catalogue, *live, parameters.descriptor)
-                                                    : nullptr),
+        approximate_builder(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
+                                                           *catalogue, *live, parameters.descriptor)
+                                                     : nullptr),
         expiry(absl::Seconds(options.deleted_objects_kept_s)),
         idle_task(*live,
                   {.always = [this] { expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now()); },
                    .when_idle =
                        [this] {
-                         if (approximate_keeper == nullptr) return;
-                         approximate_keeper->RebuildIfOutdated();
+                         if (approximate_builder == nullptr) return;
+                         approximate_builder->RebuildIfOutdated();
                        }}),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
@@ -136,10 +136,10 @@ struct Server::Parts {
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
-  std::unique_ptr<CatalogueBackups> backups;                    // null: no folder for them
-  std::unique_ptr<ApproximateIndexBuilder> approximate_keeper;  // null: searches are exact
-  Expiry expiry;                                                // on the thread of idle_task
-  IdleTask idle_task;                                           // uses the members above
+  std::unique_ptr<CatalogueBackups> backups;                     // null: no folder for them
+  std::unique_ptr<ApproximateIndexBuilder> approximate_builder;  // null: searches are exact
+  Expiry expiry;                                                 // on the thread of idle_task
+  IdleTask idle_task;                                            // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
   Admission recognizing;

@@ -18,7 +18,7 @@ enum ObstacleStream : std::uint64_t { kObstacleSide = 100 };
 constexpr double kTouchingGapM = 0.002;
 
 // The step of BigBIRD's turntable.
-constexpr double kAskStepDeg = 3;
+constexpr double kQueryStepDeg = 3;
 
 CameraStand StandOf(const Stand& stand) {
   return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
@@ -65,12 +65,12 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
 absl::StatusOr<std::vector<PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
                                                         const PartSet& set) {
   auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
-                                        .azimuth_step_deg = kAskStepDeg,
+                                        .azimuth_step_deg = kQueryStepDeg,
                                         .seed = experiment.seed + 1});
   if (!plan.ok()) return plan.status();
-  const auto steps = static_cast<std::size_t>(std::lround(360 / kAskStepDeg));
+  const auto steps = static_cast<std::size_t>(std::lround(360 / kQueryStepDeg));
   const auto taught_every =
-      static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kAskStepDeg));
+      static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kQueryStepDeg));
   std::vector<PlannedCapture> between;
   for (std::size_t i = 0; i < plan->size(); ++i) {
     if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));

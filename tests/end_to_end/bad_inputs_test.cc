@@ -30,7 +30,7 @@ TEST_P(BadInputTest, FailsWithOneSentenceAndChangesNothing) {
   StartServer("db", {"--max-points", "1000"});
   const Finished outcome = Graspdb(GetParam().make(folder_));
   EXPECT_THAT(outcome, EndsWith(1));
-  EXPECT_THAT(outcome, SaysOnly("graspdb", GetParam().words));
+  EXPECT_THAT(outcome, PrintsOnly("graspdb", GetParam().words));
   EXPECT_EQ(outcome.out.find("OK"), std::string::npos) << outcome.out;
   EXPECT_EQ(Status().catalog_revision(), 0);
 }

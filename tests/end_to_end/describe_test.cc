@@ -80,7 +80,7 @@ TEST_F(DescribeTest, RequiresTenPoints) {
   const std::string nine = folder_.Write("nine.pcd", AsciiPcd(CurvedPatch(9))).string();
   const Finished outcome = Graspdb({"describe", nine});
   EXPECT_THAT(outcome, EndsWith(1));
-  EXPECT_THAT(outcome, SaysOnly("graspdb", "nine.pcd"));
+  EXPECT_THAT(outcome, PrintsOnly("graspdb", "nine.pcd"));
   EXPECT_EQ(outcome.out, "");
 }
 

@@ -93,7 +93,7 @@ TEST_F(ExportTest, ADamagedArchiveIsRejectedBeforeAnythingIsWritten) {
   StartServer("fresh");
   const Finished done = Graspdb({"import", Path("damaged.graspdb")});
   EXPECT_THAT(done, EndsWith(1));
-  EXPECT_THAT(done, SaysOnly("graspdb", "copy the file again, or export it again"));
+  EXPECT_THAT(done, PrintsOnly("graspdb", "copy the file again, or export it again"));
   EXPECT_EQ(Status().catalog_revision(), 0);
 }
 
@@ -136,12 +136,12 @@ TEST_F(ExportTest, AKilledImportIsContinued) {
 TEST_F(ExportTest, FlagsOfTheOtherFormatAreErrors) {
   Succeed({"export", Path("all.graspdb")});
   EXPECT_THAT(Graspdb({"import", Path("all.graspdb"), "--replace"}),
-              SaysOnly("graspdb", "--replace is for capture sets"));
+              PrintsOnly("graspdb", "--replace is for capture sets"));
   EXPECT_THAT(Graspdb({"import", Path("set"), "--on-conflict", "keep"}),
-              SaysOnly("graspdb", "--on-conflict is for archives"));
+              PrintsOnly("graspdb", "--on-conflict is for archives"));
   const Finished again = Graspdb({"export", Path("all.graspdb")});
   EXPECT_THAT(again, EndsWith(1));
-  EXPECT_THAT(again, SaysOnly("graspdb", "choose another file"));
+  EXPECT_THAT(again, PrintsOnly("graspdb", "choose another file"));
 }
 
 TEST_F(ExportTest, PrintsAndAppliesProposedThresholds) {
@@ -181,7 +181,7 @@ TEST_F(ExportTest, DoesNotOverwriteAnExistingSet) {
   const std::string before = client::BytesOf(Path("set/captures.json"));
   const Finished done = Graspdb({"export", Path("set")});
   EXPECT_THAT(done, EndsWith(1));
-  EXPECT_THAT(done, SaysOnly("graspdb", "choose another folder"));
+  EXPECT_THAT(done, PrintsOnly("graspdb", "choose another folder"));
   EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
 }
 

@@ -48,7 +48,7 @@ TEST_F(GraspsTest, ListsAndSumsOutcomesAlsoAfterARestart) {
 TEST_F(GraspsTest, ExitsWith1ForWrongReportsAnd2ForWrongUsage) {
   const Finished none = Graspdb({"grasps", "report", pose_, "no-such-grasp", "picked"});
   EXPECT_THAT(none, EndsWith(1));
-  EXPECT_THAT(none, SaysOnly("graspdb", "no-such-grasp"));
+  EXPECT_THAT(none, PrintsOnly("graspdb", "no-such-grasp"));
   EXPECT_THAT(Graspdb({"grasps", "report", pose_, grasp_, "dropped"}), EndsWith(2));
   EXPECT_THAT(Graspdb({"grasps", "report", pose_, grasp_, "picked", "--count", "0"}), EndsWith(1));
 }

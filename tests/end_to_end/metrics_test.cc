@@ -98,7 +98,7 @@ TEST_F(ProgramMetricsTest, ARequestIdIsInBothLogsAndInTheBundle) {
 
 TEST_F(ProgramMetricsTest, TheCommandLinePrintsTheRequestIdOfAnErrorIfVerbose) {
   StartServer();
-  EXPECT_THAT(Graspdb({"objects", "show", "none"}), SaysOnly("graspdb", "none"));
+  EXPECT_THAT(Graspdb({"objects", "show", "none"}), PrintsOnly("graspdb", "none"));
   const Finished verbose = Graspdb({"--verbose", "objects", "show", "none"});
   std::smatch id;
   ASSERT_TRUE(std::regex_search(verbose.err, id, std::regex("graspdb: request id ([0-9a-f]+)\n")))
@@ -114,7 +114,7 @@ TEST_F(ProgramMetricsTest, NoPortIsOpenByDefaultAndOtherAddressesNeedAFlag) {
       RunProgram(folder_.path(), {GRASPDB_SERVER_PROGRAM, "--db", Path("db"), "--listen",
                                   "127.0.0.1:0", "--metrics-listen", "0.0.0.0:0"});
   EXPECT_THAT(remote, EndsWith(1));
-  EXPECT_THAT(remote, SaysOnly("graspdb-server", "--allow-remote-metrics"));
+  EXPECT_THAT(remote, PrintsOnly("graspdb-server", "--allow-remote-metrics"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ MATCHER_P(EndsWith, status, "ends with exit status " + std::to_string(status)) {
 }
 
 // stderr is one line, from the named program, that contains `words`.
-MATCHER_P2(SaysOnly, program, words, "is one sentence with the given words") {
+MATCHER_P2(PrintsOnly, program, words, "is one sentence with the given words") {
   *result_listener << "which wrote: " << arg.err;
   return arg.err.starts_with(std::string(program) + ": ") && arg.err.size() > 20 &&
          arg.err.find('\n') == arg.err.size() - 1 &&

@@ -69,7 +69,7 @@ TEST_F(ReplayTest, ReportsDifferencesWithExitStatus1) {
   }
   const Finished text = Replay();
   EXPECT_THAT(text, EndsWith(1));
-  EXPECT_THAT(text, SaysOnly("graspdb", "0 same, 3 different"));
+  EXPECT_THAT(text, PrintsOnly("graspdb", "0 same, 3 different"));
   EXPECT_THAT(text.out, AllOf(HasSubstr("different   "), HasSubstr("(revision "),
                               HasSubstr(", now something unknown")));
   const Finished json = Replay({"--json"});
@@ -82,7 +82,7 @@ TEST_F(ReplayTest, ReportsUnreadableBundlesAndReplaysTheOthers) {
   folder_.Write("bundles/0000000000-x.bundle", "no bundle");
   const Finished done = Replay();
   EXPECT_THAT(done, EndsWith(1));
-  EXPECT_THAT(done, SaysOnly("graspdb", "3 same, 0 different, 1 unreadable of 4"));
+  EXPECT_THAT(done, PrintsOnly("graspdb", "3 same, 0 different, 1 unreadable of 4"));
   EXPECT_THAT(done.out, HasSubstr("unreadable"));
 }
 

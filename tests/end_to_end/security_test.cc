@@ -90,16 +90,16 @@ TEST_F(SecurityTest, MutualTls) {
               EndsWith(0));
   const Finished expired = As("expired", {"status"});
   EXPECT_THAT(expired, EndsWith(1));
-  EXPECT_THAT(expired, SaysOnly("graspdb", "expired.pem expired on"));
+  EXPECT_THAT(expired, PrintsOnly("graspdb", "expired.pem expired on"));
   const Finished alien = As("alien", {"status"});
   EXPECT_THAT(alien, EndsWith(3));
-  EXPECT_THAT(alien, SaysOnly("graspdb", "does not accept --cert"));
-  EXPECT_THAT(As("engineer", {"status"}, "other"), SaysOnly("graspdb", "authority of --ca"));
+  EXPECT_THAT(alien, PrintsOnly("graspdb", "does not accept --cert"));
+  EXPECT_THAT(As("engineer", {"status"}, "other"), PrintsOnly("graspdb", "authority of --ca"));
   EXPECT_THAT(Graspdb({"--ca", Path("plant.pem"), "status"}),
-              SaysOnly("graspdb", "give --cert and --key"));
-  EXPECT_THAT(Graspdb({"status"}), SaysOnly("graspdb", "give --ca if it uses TLS"));
+              PrintsOnly("graspdb", "give --cert and --key"));
+  EXPECT_THAT(Graspdb({"status"}), PrintsOnly("graspdb", "give --ca if it uses TLS"));
   EXPECT_THAT(Graspdb({"--ca", Path("none.pem"), "status"}),
-              SaysOnly("graspdb", "none.pem cannot be read"));
+              PrintsOnly("graspdb", "none.pem cannot be read"));
 
   // Both refused handshakes, of clients that may have tried again.
   std::string errors;
@@ -139,7 +139,7 @@ TEST_F(SecurityTest, TokensRolesAndTheAuditLog) {
   EXPECT_THAT(as_reader({"status"}), EndsWith(0));
   const Finished refused = as_reader({"objects", "delete", "mug"});
   EXPECT_THAT(refused, EndsWith(1));
-  EXPECT_THAT(refused, SaysOnly("graspdb", "identity reader lacks the role teach"));
+  EXPECT_THAT(refused, PrintsOnly("graspdb", "identity reader lacks the role teach"));
   EXPECT_THAT(As("engineer", {"objects", "delete", "mug"}), EndsWith(1));  // there is none
 
   ASSERT_EQ(Audited().size(), 2U);
@@ -155,7 +155,7 @@ TEST_F(SecurityTest, TokensRolesAndTheAuditLog) {
   std::getline(std::ifstream(Path("identities.jsonl")), first);
   folder_.Write("identities.jsonl", first + "\n");
   while (as_reader({"status"}).exit_status == 0) absl::SleepFor(absl::Milliseconds(50));
-  EXPECT_THAT(as_reader({"status"}), SaysOnly("graspdb", "the token is unknown"));
+  EXPECT_THAT(as_reader({"status"}), PrintsOnly("graspdb", "the token is unknown"));
   server_->Signal(SIGTERM);
   const Finished server = server_->Wait();
   EXPECT_THAT(server.err + server.out + client::BytesOf(Path("audit.jsonl")),
@@ -183,7 +183,7 @@ TEST_F(SecurityTest, TokenPrintsItOnce) {
   folder_.Write("old.token", "old");
   const Finished kept = run({"a", "--role", "read", "--out", Path("old.token")});
   EXPECT_THAT(kept, EndsWith(1));
-  EXPECT_THAT(kept, SaysOnly("graspdb-server", "old.token"));
+  EXPECT_THAT(kept, PrintsOnly("graspdb-server", "old.token"));
   EXPECT_EQ(client::BytesOf(Path("old.token")), "old");
 }
 
@@ -196,11 +196,11 @@ TEST_F(SecurityTest, FilesThatCannotBeUsedEndTheStart) {
   const Finished expired =
       serve({"--tls-cert", Path("expired.pem"), "--tls-key", Path("expired.key")});
   EXPECT_THAT(expired, EndsWith(1));
-  EXPECT_THAT(expired, SaysOnly("graspdb-server", "expired on"));
+  EXPECT_THAT(expired, PrintsOnly("graspdb-server", "expired on"));
   folder_.Write("bad.jsonl", "{}\n");
   const Finished bad = serve({"--identities", Path("bad.jsonl")});
   EXPECT_THAT(bad, EndsWith(1));
-  EXPECT_THAT(bad, SaysOnly("graspdb-server", "bad.jsonl: line 1"));
+  EXPECT_THAT(bad, PrintsOnly("graspdb-server", "bad.jsonl: line 1"));
   EXPECT_THAT(serve({"--tls-cert", Path("server.pem")}), EndsWith(2));
 }
 

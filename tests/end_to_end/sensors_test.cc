@@ -70,13 +70,13 @@ TEST_F(CalibrationProgramsTest, ReportsFailedChecks) {
   Succeed({"cells", "set", "press"});
   const Finished fresh = Graspdb({"cells", "check", "press", "--sensor", "simulated"});
   EXPECT_THAT(fresh, EndsWith(1));
-  EXPECT_THAT(fresh, SaysOnly("graspdb", "cells level"));
+  EXPECT_THAT(fresh, PrintsOnly("graspdb", "cells level"));
   Succeed({"cells", "set", "arm", "--flange-sensor-pose", "0,0,0.1,0,0,0,1"});
   const Finished flange = Graspdb({"cells", "check", "arm", "--sensor", "simulated"});
   EXPECT_THAT(flange, EndsWith(1));
-  EXPECT_THAT(flange, SaysOnly("graspdb", "--poses"));
+  EXPECT_THAT(flange, PrintsOnly("graspdb", "--poses"));
   EXPECT_THAT(flange.err, Not(HasSubstr("cells level")));
-  EXPECT_THAT(Graspdb({"cells", "check", "press"}), SaysOnly("graspdb", "--frame"));
+  EXPECT_THAT(Graspdb({"cells", "check", "press"}), PrintsOnly("graspdb", "--frame"));
 }
 
 TEST_F(SensorsTest, ListsKinds) {
@@ -109,7 +109,7 @@ TEST_F(SensorsTest, EndsAtTheEndOfARecording) {
       {"sensors", "grab", WriteFrame(), "--frames", "2", "--wait", "3600", "--out", Path("look")});
   EXPECT_THAT(grabbed, EndsWith(1));
   EXPECT_EQ(CountLines(grabbed.out), 1);
-  EXPECT_THAT(grabbed, SaysOnly("graspdb", "add ?loop"));
+  EXPECT_THAT(grabbed, PrintsOnly("graspdb", "add ?loop"));
 }
 
 TEST_F(SensorsTest, FailsAnInterruptedGrab) {
@@ -121,7 +121,7 @@ TEST_F(SensorsTest, FailsAnInterruptedGrab) {
   grab->Signal(SIGINT);
   const Finished ended = grab->Wait();
   EXPECT_THAT(ended, EndsWith(1));
-  EXPECT_THAT(ended, SaysOnly("graspdb", "of 1000000 frames"));
+  EXPECT_THAT(ended, PrintsOnly("graspdb", "of 1000000 frames"));
 }
 
 TEST_F(SensorsTest, DoesNotReportAMissingCameraAsAMissingServer) {
@@ -129,7 +129,7 @@ TEST_F(SensorsTest, DoesNotReportAMissingCameraAsAMissingServer) {
       Graspdb({"sensors", "grab", kNoCamera, "--wait", "0.1", "--out", Path("look")});
   EXPECT_THAT(grab, EndsWith(1));
   EXPECT_THAT(grab.out, IsEmpty());
-  EXPECT_THAT(grab, SaysOnly("graspdb", "no. 77"));
+  EXPECT_THAT(grab, PrintsOnly("graspdb", "no. 77"));
 
   StartServer();
   Succeed({"cells", "set", "press", "--sensor-pose", "0,-0.5,0.6,-0.891,0,0,0.454", "--region",

@@ -67,22 +67,22 @@ TEST_F(ServerProcessTest, AnswersItsOwnHealthCheck) {
   server_->Wait();
   const Finished down = Serve({"health", address_, "--timeout", "0.5"});
   EXPECT_THAT(down, EndsWith(1));
-  EXPECT_THAT(down, SaysOnly(kServer, address_));
+  EXPECT_THAT(down, PrintsOnly(kServer, address_));
   EXPECT_THAT(Serve({"health", address_, "--cert", "server.pem"}), EndsWith(2));
 }
 
 TEST_F(ServerProcessTest, ReportsErrorsInOneSentence) {
   StartServer();
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "127.0.0.1:0"}),
-              SaysOnly(kServer, "in use by another process"));
+              PrintsOnly(kServer, "in use by another process"));
   EXPECT_THAT(Serve({"--db", Path("other"), "--listen", address_}),
-              SaysOnly(kServer, "cannot listen on " + address_));
+              PrintsOnly(kServer, "cannot listen on " + address_));
 }
 
 TEST_F(ServerProcessTest, ListensOnLocalhostByDefault) {
   const Finished outcome = Serve({"--db", Path("db"), "--listen", "0.0.0.0:0"});
   EXPECT_THAT(outcome, EndsWith(1));
-  EXPECT_THAT(outcome, SaysOnly(kServer, "--allow-remote-without-tls"));
+  EXPECT_THAT(outcome, PrintsOnly(kServer, "--allow-remote-without-tls"));
   EXPECT_THAT(Serve({"--db", Path("db"), "--listen", "here"}), EndsWith(2));
 }
 
@@ -90,7 +90,7 @@ TEST_F(ServerProcessTest, DoesNotUseAFolderWithOtherFiles) {
   folder_.Write("diary.txt", "Dear diary");
   const Finished outcome = Serve({"--db", folder_.path().string(), "--listen", "127.0.0.1:0"});
   EXPECT_THAT(outcome, EndsWith(1));
-  EXPECT_THAT(outcome, SaysOnly(kServer, folder_.path().string()));
+  EXPECT_THAT(outcome, PrintsOnly(kServer, folder_.path().string()));
 }
 
 TEST_F(ServerProcessTest, ExitsWithTwoForWrongUsage) {

@@ -74,7 +74,7 @@ TEST_F(UsageTest, ExitsWithThreeWithoutAServer) {
         Words{"export", (folder_.path() / "out").string()}}) {
     const Finished outcome = Graspdb(arguments);
     EXPECT_THAT(outcome, EndsWith(3)) << arguments[0];
-    EXPECT_THAT(outcome, SaysOnly("graspdb", "start graspdb-server or give --server"));
+    EXPECT_THAT(outcome, PrintsOnly("graspdb", "start graspdb-server or give --server"));
   }
 }
 
@@ -140,7 +140,7 @@ TEST_F(UsageTest, PrintsARejectedScanAsALineOfJson) {
   EXPECT_THAT(one, EndsWith(1));
   EXPECT_THAT(one.out, HasSubstr("{\"path\":\"" + bad + "\",\"error\":{"));
   EXPECT_THAT(one.out, HasSubstr("\"code\":\"INVALID_ARGUMENT\""));
-  EXPECT_THAT(one, SaysOnly("graspdb", "--max-points"));
+  EXPECT_THAT(one, PrintsOnly("graspdb", "--max-points"));
 }
 
 }  // namespace

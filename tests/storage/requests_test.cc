@@ -121,7 +121,7 @@ TEST_F(RequestsTest, AnIdIsForgottenAfterADay) {
   EXPECT_TRUE(Report(kId, "other digest").is_repeated) << "the clock was set back";
 }
 
-TEST_F(RequestsTest, ACopyTakenAfterTheAnswerKnowsTheId) {
+TEST_F(RequestsTest, ACopyTakenAfterTheAnswerHasTheId) {
   const std::string copy = directory_ / "copy";
   const AddedOutcomes first = Report(kId);
   CopyDatabase(database_, copy);

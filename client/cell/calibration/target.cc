@@ -88,7 +88,7 @@ absl::StatusOr<recognition::PosedCloud> CloudOf(Client& client, const std::strin
 }
 
 // Whether `detection` is the target, at an unambiguous pose.
-bool IsSure(const v1::Detection& detection, const std::string& stable_pose) {
+bool IsUnambiguous(const v1::Detection& detection, const std::string& stable_pose) {
   if (detection.stable_pose() != stable_pose) return false;
   return detection.status() != v1::AMBIGUOUS || detection.equivalent_poses().empty();
 }
@@ -160,7 +160,7 @@ absl::StatusOr<DetectedTarget> FindTargetOnTable(Client& client, const Target& t
   if (!response.ok()) return response.status();
   const v1::Detection* found = nullptr;
   for (const v1::Detection& detection : response->detections()) {
-    if (!IsSure(detection, target.stable_pose)) continue;
+    if (!IsUnambiguous(detection, target.stable_pose)) continue;
     if (found != nullptr && IsApart(*found, detection)) {
       return absl::NotFoundError(
           absl::StrCat(target.stable_pose, " is detected more than once; leave one on the table"));

@@ -175,19 +175,19 @@ TEST(BusyDelayTest, IsThatOfTheRetryInfo) {
 }
 
 TEST(BackoffTest, ClientsThatWereRefusedTogetherComeBackAtDifferentTimes) {
-  constexpr absl::Duration kTold = absl::Milliseconds(100);
+  constexpr absl::Duration kDelay = absl::Milliseconds(100);
   constexpr int kCells = 100;
   std::set<absl::Duration> firsts;
   for (std::uint64_t seed = 0; seed < kCells; ++seed) {
-    firsts.insert(Backoff(kTold, absl::Seconds(1), seed).Next(kTold));
+    firsts.insert(Backoff(kDelay, absl::Seconds(1), seed).Next(kDelay));
   }
   EXPECT_EQ(firsts.size(), kCells);
-  EXPECT_GE(*firsts.begin(), kTold);
-  EXPECT_LT(*firsts.rbegin(), 2 * kTold);
+  EXPECT_GE(*firsts.begin(), kDelay);
+  EXPECT_LT(*firsts.rbegin(), 2 * kDelay);
   // No tenth of the span has more than a third of them.
-  for (absl::Duration from = kTold; from < 2 * kTold; from += kTold / 10) {
+  for (absl::Duration from = kDelay; from < 2 * kDelay; from += kDelay / 10) {
     const auto count =
-        std::distance(firsts.lower_bound(from), firsts.lower_bound(from + kTold / 10));
+        std::distance(firsts.lower_bound(from), firsts.lower_bound(from + kDelay / 10));
     EXPECT_LT(count, kCells / 3) << from;
   }
 }

@@ -114,7 +114,7 @@ TEST_F(CaptureAndRecognizeTest, RetriesABusyServerWithANewFrame) {
   EXPECT_EQ(given_, 3);
 }
 
-TEST_F(CaptureAndRecognizeTest, WaitsAsLongAsABusyServerTells) {
+TEST_F(CaptureAndRecognizeTest, WaitsAsLongAsABusyServerRequires) {
   failures_ = 1000000;
   refusal_ = testing::BusyFor(absl::Seconds(20));
   EXPECT_THAT(Run(absl::Seconds(15)),

@@ -98,7 +98,7 @@ TEST(Command, AnErrorWithAnotherTextKeepsItsDetails) {
   EXPECT_EQ(named.GetPayload(kErrorDetails), absl::Cord("details"));
 }
 
-TEST(Command, CallsAreSentAgainToABusyServerAsOftenAsTheFlagSays) {
+TEST(Command, CallsAreSentAgainToABusyServerAsOftenAsTheFlagAllows) {
   const RefusingServer server(graspdb::testing::BusyFor(absl::Milliseconds(1)));
   CLI::App app;
   GlobalOptions global;

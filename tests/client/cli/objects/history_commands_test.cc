@@ -10,7 +10,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(RevisionText, SaysWhatChangedAndByWhom) {
+TEST(RevisionText, PrintsWhatChangedAndByWhom) {
   v1::ObjectRevision revision;
   revision.set_revision(17);
   revision.set_method("UpdateObject");

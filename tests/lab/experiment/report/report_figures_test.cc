@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-TEST(BopCsv, TellsPosesInTheCameraFrameInMillimetres) {
+TEST(BopCsv, PrintsPosesInTheCameraFrameInMillimetres) {
   CaseResult result{.experiment = {.name = "anywhere"}, .set = HandMadeParts()};
   Answer answer = RightAnswer(result.set, 1, 7);
   answer.world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
