@@ -8,7 +8,9 @@
 namespace graspdb::recognition {
 namespace {
 
-// Poses nearer than this are one.
+// Poses of a model that are nearer than both, m at its centre and rad, are one. Chosen; not
+// measured alone. Doubled, fewer hypotheses are refined; the worse of two minima that are 4 to 8 mm
+// or 4 to 8 degrees apart is dropped, and is missing where it is the right one.
 constexpr double kSamePlaceM = 0.004;
 constexpr double kSameTurnRad = 4 * std::numbers::pi / 180;
 

@@ -12,13 +12,19 @@ using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+// All are chosen, for the single-view baseline; none is measured alone.
+//
+// A smaller step is the last one. Doubled, the alignment ends as early or earlier.
 constexpr double kNegligibleTurn = 1e-5;   // rad
 constexpr double kNegligibleShift = 1e-6;  // m
+// One for each of a pose's parameters. Doubled, alignments with 6 to 11 end at the pose so far.
 constexpr std::size_t kMinCorrespondences = 6;
 // Reach of the next correspondences as a multiple of the median distance: parts without a
-// counterpart are far away and must not extend their own reach.
+// counterpart are far away and must not extend their own reach. Doubled, such parts take part in
+// the alignment up to twice as far away.
 constexpr double kTrim = 4.0;
-// ... but never less than this, m: neighbouring voxels are 3 mm apart.
+// ... but never less than this, m: neighbouring voxels are 3 mm apart. Doubled, points up to 12 mm
+// away are inliers, so that fewer alignments are rejected.
 constexpr double kSmallestReach = 0.006;
 
 struct Correspondence {
