@@ -1,6 +1,8 @@
 #include "server/records.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
@@ -17,6 +19,14 @@ recognition::Points PointsOf(std::span<const storage::CloudPoint> unpacked) {
   points.reserve(unpacked.size());
   for (const storage::CloudPoint& p : unpacked) points.emplace_back(p[0], p[1], p[2]);
   return points;
+}
+
+// Of points in the sensor frame.
+recognition::OrientedCloud CloudFromPoints(recognition::Points points,
+                                           const recognition::Pose& world_sensor,
+                                           const recognition::DescriptorParameters& parameters) {
+  return recognition::PrepareCloud(recognition::Transform(world_sensor, std::move(points)),
+                                   world_sensor.translation(), parameters);
 }
 
 }  // namespace
@@ -91,16 +101,17 @@ absl::StatusOr<recognition::Points> PointsFromPacked(std::string_view packed) {
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<std::vector<storage::CloudPoint>> unpacked = storage::UnpackCloud(packed);
-  if (!unpacked.ok()) return unpacked.status();
-  return CloudFromUnpacked(*unpacked, world_sensor, parameters);
+  absl::StatusOr<recognition::Points> points = PointsFromPacked(packed);
+  if (!points.ok()) return points.status();
+  return CloudFromPoints(*std::move(points), world_sensor, parameters);
 }
 
-recognition::OrientedCloud CloudFromUnpacked(std::span<const storage::CloudPoint> unpacked,
+recognition::OrientedCloud CloudFromUnpacked(std::vector<storage::CloudPoint> unpacked,
                                              const recognition::Pose& world_sensor,
                                              const recognition::DescriptorParameters& parameters) {
-  return recognition::PrepareCloud(recognition::Transform(world_sensor, PointsOf(unpacked)),
-                                   world_sensor.translation(), parameters);
+  // Frees the unpacked cloud; the voxels of a large one take several times its memory.
+  recognition::Points points = PointsOf(std::exchange(unpacked, {}));
+  return CloudFromPoints(std::move(points), world_sensor, parameters);
 }
 
 absl::StatusOr<storage::DescriptorRecord> MakeDescriptorRecord(

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <span>
+#include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
@@ -33,13 +34,13 @@ absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters);
 
 // A view's packed cloud prepared for matching: voxels and normals in the world frame
-// of its capture.
+// of its capture. The unpacked cloud is freed before the voxels are made.
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters);
 
-// The same of a cloud that is unpacked already.
-recognition::OrientedCloud CloudFromUnpacked(std::span<const storage::CloudPoint> unpacked,
+// The same of a cloud that is unpacked already; move it in, so that it is freed too.
+recognition::OrientedCloud CloudFromUnpacked(std::vector<storage::CloudPoint> unpacked,
                                              const recognition::Pose& world_sensor,
                                              const recognition::DescriptorParameters& parameters);
 

@@ -1,6 +1,7 @@
 #include "server/teacher.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
@@ -191,8 +192,9 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
   // As it will be read, as the points are.
   absl::StatusOr<Pose> sensor = PoseFromProto(stored_sensor, "view.sensor_pose");
   if (!sensor.ok()) return sensor.status();
-  absl::StatusOr<storage::DescriptorRecord> descriptor = MakeDescriptorRecord(
-      CloudFromUnpacked(stored, *sensor, parameters.descriptor), *sensor, parameters.descriptor);
+  absl::StatusOr<storage::DescriptorRecord> descriptor =
+      MakeDescriptorRecord(CloudFromUnpacked(std::move(stored), *sensor, parameters.descriptor),
+                           *sensor, parameters.descriptor);
   if (!descriptor.ok()) return descriptor.status();
 
   *out.record.mutable_sensor_pose() = stored_sensor;

@@ -243,11 +243,9 @@ Eigen::Vector3d Centroid(const Points& points) {
   return points.empty() ? sum : Vector3d(sum / static_cast<double>(points.size()));
 }
 
-Points Transform(const Pose& a_b, const Points& points) {
-  Points out;
-  out.reserve(points.size());
-  for (const auto& p : points) out.emplace_back((a_b * p.cast<double>()).cast<float>());
-  return out;
+Points Transform(const Pose& a_b, Points points) {
+  for (auto& p : points) p = (a_b * p.cast<double>()).cast<float>();
+  return points;
 }
 
 OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoint,

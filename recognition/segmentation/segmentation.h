@@ -79,7 +79,7 @@ OrientedCloud PrepareCloud(const Points& points, const Eigen::Vector3d& viewpoin
 // Mean of the points, in their frame; zero without points.
 Eigen::Vector3d Centroid(const Points& points);
 
-// The points moved by T_a_b from frame b to frame a.
-Points Transform(const Pose& a_b, const Points& points);
+// The points moved by T_a_b from frame b to frame a; those of a vector that is moved in, in place.
+Points Transform(const Pose& a_b, Points points);
 
 }  // namespace graspdb::recognition

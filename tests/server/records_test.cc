@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+#include <vector>
+
+#include "recognition/segmentation/segmentation.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::server {
@@ -54,6 +58,37 @@ TEST(Records, OnlyADescriptorOfTheSameParametersIsFound) {
   EXPECT_EQ(FindDescriptor(record, coarser), descriptor);
   descriptor->mutable_bins()->RemoveLast();
   EXPECT_EQ(FindDescriptor(record, coarser), nullptr);
+}
+
+// To the last bit: a descriptor that is computed again is that which was stored.
+TEST(Records, PackedAndUnpackedCloudsAreTheSameInTheWorldFrame) {
+  std::vector<storage::CloudPoint> measured;
+  measured.reserve(900);
+  for (int i = 0; i < 900; ++i) {
+    const auto x = static_cast<float>(i % 30);
+    const auto y = static_cast<float>(i / 30);
+    measured.push_back({0.0013F * x, 0.0017F * y, 0.6F + 0.00003F * x * y});
+  }
+  std::vector<storage::CloudPoint> unpacked;
+  const auto packed = storage::PackCloud(measured, &unpacked);
+  ASSERT_THAT(packed, IsOk());
+  recognition::Pose sensor(Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, 3).normalized()));
+  sensor.translation() = Eigen::Vector3d(0.1, -0.2, 0.3);
+  recognition::Points moved;
+  moved.reserve(unpacked.size());
+  for (const storage::CloudPoint& p : unpacked) {
+    const Eigen::Vector3d point = Eigen::Vector3f(p[0], p[1], p[2]).cast<double>();
+    moved.emplace_back((sensor * point).cast<float>());
+  }
+  const auto expected = recognition::PrepareCloud(moved, sensor.translation(), {});
+  EXPECT_GT(expected.points.size(), 100U);
+  const auto from_packed = CloudFromPacked(*packed, sensor, {});
+  ASSERT_THAT(from_packed, IsOk());
+  EXPECT_EQ(from_packed->points, expected.points);
+  EXPECT_EQ(from_packed->normals, expected.normals);
+  const auto from_unpacked = CloudFromUnpacked(std::move(unpacked), sensor, {});
+  EXPECT_EQ(from_unpacked.points, expected.points);
+  EXPECT_EQ(from_unpacked.normals, expected.normals);
 }
 
 }  // namespace
