@@ -22,9 +22,9 @@ enum class Existing { kReplace, kKeep };
 // those of WriteFileAtomically. Not thread-safe.
 class AtomicFile {
  public:
-  // Missing folders are created. With kPowerFailure their names are on the disk when this returns,
-  // and that of the file when Commit() does, where the file system can do that and the folder above
-  // may be read, not only written.
+  // Missing folders are created. With kPowerFailure their names, or that of the folder that is
+  // there already, are on the disk when this returns, and that of the file when Commit() does,
+  // where the file system can do that and the folder above may be read, not only written.
   static absl::StatusOr<std::unique_ptr<AtomicFile>> Create(const std::filesystem::path& path,
                                                             Durability durability);
   // Removes what was written, unless it was committed.

@@ -7,6 +7,22 @@
 #include <vector>
 
 namespace graspdb::storage {
+namespace {
+
+// Flushes the name of a folder that exists: its maker may have been killed before. Whoever made it
+// in a folder that cannot be read could not do more.
+std::error_code SyncNameOf(const std::filesystem::path& folder) {
+  std::error_code error;
+  // Without links, "." and a slash at the end, so that the folder above has the name.
+  const std::filesystem::path real = std::filesystem::canonical(folder, error);
+  if (error) return error;
+  if (!std::filesystem::is_directory(real, error)) {
+    return error ? error : std::make_error_code(std::errc::not_a_directory);
+  }
+  return SyncFolder(real.parent_path(), Unreadable::kIsAccepted);
+}
+
+}  // namespace
 
 std::error_code SyncFolder(const std::filesystem::path& folder, Unreadable unreadable) {
   const char* path = folder.empty() ? "." : folder.c_str();
@@ -24,18 +40,21 @@ std::error_code SyncFolder(const std::filesystem::path& folder, Unreadable unrea
 std::error_code MakeFolders(const std::filesystem::path& folder, Unreadable unreadable) {
   std::error_code error;
   std::vector<std::filesystem::path> missing;
-  std::filesystem::path next = std::filesystem::absolute(folder, error);
-  while (!error && !std::filesystem::exists(next, error)) {
-    missing.push_back(next);
-    next = next.parent_path();
+  std::filesystem::path found = std::filesystem::absolute(folder, error);
+  while (!error && !std::filesystem::exists(found, error)) {
+    missing.push_back(found);
+    found = found.parent_path();
   }
-  if (!error) std::filesystem::create_directories(folder, error);
-  for (const std::filesystem::path& made : missing) {
-    if (!error) error = SyncFolder(made.parent_path(), unreadable);
+  if (!error) error = SyncNameOf(found);
+  // Each is flushed before the next is made: of those that exist after a kill only the lowest may
+  // not be, and that is the one that the next call flushes.
+  std::vector<std::filesystem::path> made;
+  for (auto next = missing.rbegin(); !error && next != missing.rend(); ++next) {
+    if (std::filesystem::create_directory(*next, error)) made.push_back(*next);
+    if (!error) error = SyncFolder(next->parent_path(), unreadable);
   }
-  for (const std::filesystem::path& made : missing) {
-    if (error) rmdir(made.c_str());  // the next call would not flush those that stay
-  }
+  // The next call would accept a folder above that cannot be read.
+  for (auto last = made.rbegin(); error && last != made.rend(); ++last) rmdir(last->c_str());
   return error;
 }
 

@@ -15,8 +15,10 @@ enum class Unreadable { kIsError, kIsAccepted };
 std::error_code SyncFolder(const std::filesystem::path& folder,
                            Unreadable unreadable = Unreadable::kIsError);
 
-// Makes `folder` and the missing ones above it; returns when they are on the disk. After an error
-// none of them stays, unless something was put into it meanwhile.
+// Makes `folder` and the missing ones above it; returns when they are on the disk. The lowest that
+// exists already is flushed too, for it may be left of a call that was killed; for that one a
+// folder above it that cannot be read is no error. After an error none that was made stays, unless
+// something was put into it meanwhile. Costs a flush for each folder made, and one.
 std::error_code MakeFolders(const std::filesystem::path& folder,
                             Unreadable unreadable = Unreadable::kIsError);
 

@@ -60,16 +60,30 @@ TEST(AtomicFile, NamesAreFlushedIfTheFileMustSurviveAPowerFailure) {
   EXPECT_FALSE(syncs.Flushed(folder.path() / "c"));
 }
 
+TEST(AtomicFile, TheNameOfAFolderThatExistsIsFlushedToo) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "a" / "b");
+  const WatchedSyncs syncs;
+  const auto path = folder.path() / "a" / "b" / "file";
+  ASSERT_TRUE(WriteFileAtomically(path, "new", Durability::kPowerFailure).ok());
+  EXPECT_TRUE(syncs.Flushed(folder.path() / "a"));
+}
+
 TEST(AtomicFile, AFolderThatCannotBeFlushedIsAnErrorIfTheFileMustSurviveAPowerFailure) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "file";
+  const auto file = AtomicFile::Create(path, Durability::kPowerFailure);
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_TRUE((*file)->Append("new").ok());
   WatchedSyncs syncs;
   syncs.FailFolders(EIO);
-  const absl::Status failed = WriteFileAtomically(path, "new", Durability::kPowerFailure);
+  const absl::Status failed = (*file)->Commit();
   EXPECT_EQ(failed.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(failed.message()),
               testing::StartsWith(path.string() + " is written, but"));
   EXPECT_EQ(BytesOf(path), "new");
+  EXPECT_FALSE(WriteFileAtomically(path, "newer", Durability::kPowerFailure).ok());
+  EXPECT_EQ(BytesOf(path), "new") << "the name of its folder is flushed first";
   const auto below = folder.path() / "new" / "file";
   EXPECT_FALSE(WriteFileAtomically(below, "new", Durability::kPowerFailure).ok());
   EXPECT_FALSE(std::filesystem::exists(below)) << "its folder was made first";

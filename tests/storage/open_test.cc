@@ -1,4 +1,5 @@
 // Opening databases, and the errors.
+#include <cerrno>
 #include <filesystem>
 #include <string>
 
@@ -53,6 +54,36 @@ TEST_F(OpenTest, ANewDatabaseIsRefusedWhereItsNameCannotBeFlushed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr(database_), HasSubstr("permissions")));
   EXPECT_EQ(TryOpen(), status) << "a server that is started again";
+}
+
+// A start that was killed may have made the folder without flushing its name.
+TEST_F(OpenTest, ANewDatabaseInAFolderThatExistsHasADurableName) {
+  for (const char* path : {"empty", "slash", "some/where"}) {
+    std::filesystem::create_directories(directory_ / path);
+  }
+  std::filesystem::create_directory_symlink(directory_ / "some/where", directory_ / "link");
+  const auto flushes = [this](const char* database, const char* above) {
+    const WatchedSyncs syncs;
+    OpenOrDie(directory_ / database);
+    return syncs.Flushed(directory_ / above);
+  };
+  EXPECT_TRUE(flushes("empty", ""));
+  EXPECT_TRUE(flushes("slash/", ""));
+  EXPECT_TRUE(flushes("link", "some"));
+}
+
+TEST_F(OpenTest, ANewDatabaseMayBeInAFolderThatExistsBelowOneThatCannotBeRead) {
+  std::filesystem::create_directory(database_);
+  const UnreadableFolder unreadable(directory_.path());
+  EXPECT_EQ(TryOpen(), absl::OkStatus());
+}
+
+TEST_F(OpenTest, ANewDatabaseIsRefusedWhereTheNameOfItsFolderFailsToBeFlushed) {
+  std::filesystem::create_directory(database_);
+  WatchedSyncs syncs;
+  syncs.FailFolders(EIO);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(std::filesystem::is_empty(database_));
 }
 
 TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
