@@ -30,6 +30,14 @@ absl::Status Failed(const std::filesystem::path& path, int error) {
                                       "; choose another folder or make this one writable"));
 }
 
+absl::Status FolderFailed(const std::filesystem::path& folder, const char* what,
+                          const std::error_code& error) {
+  return StatusOf(
+      error.value(),
+      absl::StrCat("cannot ", what, " the folder ", folder.string(), ": ", error.message(),
+                   "; choose another folder, or check its permissions and the disk"));
+}
+
 absl::Status NotDurable(const std::filesystem::path& path, int error) {
   return StatusOf(error, absl::StrCat(path.string(),
                                       " is written, but its folder cannot be flushed to the disk: ",
@@ -102,7 +110,7 @@ absl::Status AtomicFile::Append(std::string_view bytes) {
 
 absl::Status AtomicFile::Commit(Existing existing) {
   int error = 0;
-  if (durability_ == Durability::kPowerFailure && fsync(file_) != 0) error = errno;
+  if (durability_ != Durability::kProcessCrash && fsync(file_) != 0) error = errno;
   if (close(std::exchange(file_, -1)) != 0 && error == 0) error = errno;
   if (error == 0 && existing == Existing::kKeep) {
     error = RenameNew(temporary_.c_str(), path_.c_str());
@@ -114,7 +122,7 @@ absl::Status AtomicFile::Commit(Existing existing) {
   }
   if (error != 0) return Failed(path_, error);
   temporary_.clear();
-  if (durability_ == Durability::kProcessCrash) return absl::OkStatus();
+  if (durability_ != Durability::kPowerFailure) return absl::OkStatus();
   const std::error_code unflushed =
       storage::SyncFolder(path_.parent_path(), storage::Unreadable::kIsAccepted);
   return unflushed ? NotDurable(path_, unflushed.value()) : absl::OkStatus();
@@ -126,6 +134,16 @@ absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_
   if (!file.ok()) return file.status();
   if (absl::Status written = (*file)->Append(bytes); !written.ok()) return written;
   return (*file)->Commit();
+}
+
+absl::Status MakeDurableFolder(const std::filesystem::path& folder) {
+  const std::error_code error = storage::MakeFolders(folder, storage::Unreadable::kIsAccepted);
+  return error ? FolderFailed(folder, "make", error) : absl::OkStatus();
+}
+
+absl::Status FlushNames(const std::filesystem::path& folder) {
+  const std::error_code error = storage::SyncFolder(folder, storage::Unreadable::kIsAccepted);
+  return error ? FolderFailed(folder, "flush", error) : absl::OkStatus();
 }
 
 }  // namespace graspdb::client

@@ -13,7 +13,13 @@ namespace graspdb::client {
 
 // Whether a file must survive a power failure right after it was written. Waiting
 // for the disk takes milliseconds, on a busy one far longer.
-enum class Durability { kProcessCrash, kPowerFailure };
+enum class Durability {
+  kProcessCrash,
+  // The bytes do, the name after FlushNames() of a folder that MakeDurableFolder() made: many files
+  // wait for their names once.
+  kBytes,
+  kPowerFailure,
+};
 
 // What is done with a file that is at the path already.
 enum class Existing { kReplace, kKeep };
@@ -58,5 +64,14 @@ class AtomicFile {
 // not be flushed.
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability);
+
+// Makes `folder` and the missing ones above it; they are on the disk when it returns, as far as
+// AtomicFile::Create() puts them there. Errors of WriteFileAtomically. Thread-safe.
+absl::Status MakeDurableFolder(const std::filesystem::path& folder);
+
+// Returns when the names of the files in `folder` are on the disk, where it may be read and the
+// file system can do that. PERMISSION_DENIED, RESOURCE_EXHAUSTED or FAILED_PRECONDITION, with the
+// path; the files are there even so. Thread-safe.
+absl::Status FlushNames(const std::filesystem::path& folder);
 
 }  // namespace graspdb::client

@@ -7,7 +7,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "files/atomic_file.h"
 #include "files/pcd_body.h"
 #include "files/pcd_header.h"
 #include "files/pcd_points.h"
@@ -75,7 +74,7 @@ absl::StatusOr<PointFile> ReadPointFile(const fs::path& path) {
   return file;
 }
 
-absl::Status WritePcd(const fs::path& path, const PointFile& file) {
+absl::Status WritePcd(const fs::path& path, const PointFile& file, Durability durability) {
   const std::size_t count = file.points.size();
   if (count == 0 || count > kMaxPoints) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -92,7 +91,7 @@ absl::Status WritePcd(const fs::path& path, const PointFile& file) {
                                                    file.normals.size(), " normals for ", count,
                                                    " points; give one each or none"));
   }
-  return WriteFileAtomically(path, EncodePcd(file), Durability::kProcessCrash);
+  return WriteFileAtomically(path, EncodePcd(file), durability);
 }
 
 }  // namespace graspdb::client

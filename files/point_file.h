@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "files/atomic_file.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -41,7 +42,7 @@ struct PointFile {
 // or damaged, each with the path, the error and advice. Thread-safe.
 absl::StatusOr<PointFile> ReadPointFile(const std::filesystem::path& path);
 
-// Writes a binary_compressed PCD file atomically (without waiting for the disk).
+// Writes a binary_compressed PCD file atomically; by default without waiting for the disk.
 // `file.points` must have width * height points and `file.normals` none or as many;
 // points without measurement are written as NaN, and without `sensor_pose` the
 // VIEWPOINT line is the identity. Single precision, the pose too. The same file gives
@@ -49,6 +50,7 @@ absl::StatusOr<PointFile> ReadPointFile(const std::filesystem::path& path);
 //
 // INVALID_ARGUMENT for other counts, no points, or more than kMaxPoints;
 // otherwise the errors of WriteFileAtomically.
-absl::Status WritePcd(const std::filesystem::path& path, const PointFile& file);
+absl::Status WritePcd(const std::filesystem::path& path, const PointFile& file,
+                      Durability durability = Durability::kProcessCrash);
 
 }  // namespace graspdb::client

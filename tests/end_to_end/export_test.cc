@@ -185,6 +185,15 @@ TEST_F(ExportTest, DoesNotOverwriteAnExistingSet) {
   EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
 }
 
+TEST_F(ExportTest, AFolderThatCannotBeMadeIsNamed) {
+  const std::string before = client::BytesOf(Path("set/captures.json"));
+  const Finished done = Graspdb({"export", Path("set/captures.json/below")});
+  EXPECT_THAT(done, EndsWith(1));
+  EXPECT_THAT(done,
+              SaysOnly("graspdb", "cannot make the folder " + Path("set/captures.json/below")));
+  EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
+}
+
 TEST_F(ExportTest, ReplaceTeachesAllViewsAgainUnderTheirNames) {
   const std::set<std::string> names = ViewNames(address_);
   EXPECT_THAT(Succeed({"import", Path("set"), "--replace"}).out,

@@ -6,6 +6,7 @@
 #include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
 #include "files/capture_set.h"
+#include "files/capture_set_writer.h"
 #include "files/cloud_message.h"
 #include "files/point_file.h"
 #include "files/pose_message.h"
@@ -51,7 +52,7 @@ absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet
   return absl::OkStatus();
 }
 
-absl::Status WriteView(Client& client, const std::string& folder, const Entry& entry,
+absl::Status WriteView(Client& client, const Entry& entry, CaptureSetWriter* writer,
                        v1::Capture* capture) {
   absl::StatusOr<v1::View> view = client.GetView(entry.view);
   if (!view.ok()) return view.status();
@@ -72,14 +73,7 @@ absl::Status WriteView(Client& client, const std::string& folder, const Entry& e
   *capture->mutable_sensor_pose() = view->sensor_pose();
   capture->set_segmented(true);
   capture->set_view_id(IdOf(entry.view));
-  std::error_code error;
-  const std::filesystem::path full = std::filesystem::path(folder) / path;
-  std::filesystem::create_directories(full.parent_path(), error);
-  if (error) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "cannot make the folder ", full.parent_path().string(), ": ", error.message()));
-  }
-  return WritePcd(full, file);
+  return writer->AddCloud(path, file);
 }
 
 absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options) {
@@ -105,14 +99,15 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
     absl::Status status = ListObject(client, object, &set, &entries);
     if (!status.ok()) return status;
   }
+  CaptureSetWriter writer(options.folder);
   ProgressLine progress;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (Interrupted()) return absl::CancelledError("interrupted; captures.json was not written");
-    absl::Status status = WriteView(client, options.folder, entries[i], set.add_captures());
+    absl::Status status = WriteView(client, entries[i], &writer, set.add_captures());
     if (!status.ok()) return status;
     progress.Report(static_cast<int>(i + 1), static_cast<int>(entries.size()));
   }
-  if (absl::Status status = SaveCaptureSet(options.folder, set); !status.ok()) return status;
+  if (absl::Status status = writer.Finish(set); !status.ok()) return status;
   std::printf("wrote %zu views of %zu objects to %s\n", entries.size(), objects.size(),
               options.folder.c_str());
   return absl::OkStatus();

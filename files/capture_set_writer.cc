@@ -1,0 +1,25 @@
+#include "files/capture_set_writer.h"
+
+#include "files/atomic_file.h"
+#include "files/capture_set.h"
+
+namespace graspdb::client {
+
+absl::Status CaptureSetWriter::AddCloud(const std::string& path, const PointFile& cloud) {
+  const std::filesystem::path file = folder_ / path;
+  if (const auto folder = file.parent_path(); !cloud_folders_.contains(folder)) {
+    if (absl::Status made = MakeDurableFolder(folder); !made.ok()) return made;
+    cloud_folders_.insert(folder);
+  }
+  return WritePcd(file, cloud, Durability::kBytes);
+}
+
+absl::Status CaptureSetWriter::Finish(const v1::CaptureSet& set) {
+  // First, so that no description on the disk lacks its clouds.
+  for (const std::filesystem::path& folder : cloud_folders_) {
+    if (absl::Status flushed = FlushNames(folder); !flushed.ok()) return flushed;
+  }
+  return SaveCaptureSet(folder_, set);
+}
+
+}  // namespace graspdb::client
