@@ -1,10 +1,7 @@
 #include "storage/approximate_file.h"
 
-#include <filesystem>
-#include <fstream>
-#include <system_error>
-
 #include "storage/crc32c.h"
+#include "storage/file_reading.h"
 #include "storage/file_replacement.h"
 #include "storage/little_endian.h"
 
@@ -40,17 +37,14 @@ absl::Status WriteApproximateFile(const std::string& directory,
 }
 
 absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(ApproximatePath(directory), error);
-  if (error == std::errc::no_such_file_or_directory) {
+  const absl::StatusOr<std::string> bytes = ReadWholeFile(ApproximatePath(directory));
+  if (absl::IsNotFound(bytes.status())) {
     return absl::NotFoundError("there is no approximate index file");
   }
-  if (error || size < kStartBytes) return DamagedApproximate();
-  std::ifstream file(ApproximatePath(directory), std::ios::binary);
-  std::string bytes(size, '\0');
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return DamagedApproximate();
-  const std::string_view record = std::string_view(bytes).substr(kStartBytes);
-  if (bytes.substr(0, kStartBytes) != StartOf(record)) return DamagedApproximate();
+  if (!bytes.ok()) return bytes.status();
+  if (bytes->size() < kStartBytes) return DamagedApproximate();
+  const std::string_view record = std::string_view(*bytes).substr(kStartBytes);
+  if (bytes->substr(0, kStartBytes) != StartOf(record)) return DamagedApproximate();
   ApproximateIndexRecord out;
   if (!out.ParseFromArray(record.data(), static_cast<int>(record.size())))
     return DamagedApproximate();

@@ -17,8 +17,8 @@ inline constexpr std::string_view kApproximateFile = "INDEX.flann";
 absl::Status WriteApproximateFile(const std::string& directory,
                                   const ApproximateIndexRecord& record);
 
-// NOT_FOUND when there is no file; DATA_LOSS for any bytes that WriteApproximateFile did not write:
-// a CRC-32C is checked before parsing.
+// NOT_FOUND when there is no file; UNAVAILABLE when it cannot be read; DATA_LOSS for any bytes that
+// WriteApproximateFile did not write: a CRC-32C is checked before parsing.
 absl::StatusOr<ApproximateIndexRecord> ReadApproximateFile(const std::string& directory);
 
 }  // namespace graspdb::storage

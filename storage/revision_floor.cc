@@ -1,12 +1,8 @@
 #include "storage/revision_floor.h"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
-
 #include "absl/strings/numbers.h"
 #include "storage/crc32c.h"
+#include "storage/file_reading.h"
 #include "storage/file_replacement.h"
 #include "storage/restore_advice.h"
 
@@ -31,13 +27,12 @@ absl::Status WriteRevisionFloor(const std::string& directory, std::int64_t revis
 
 absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string& directory) {
   const std::string path = FloorPath(directory);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error) && !error) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const absl::StatusOr<std::string> text = ReadWholeFile(path);
+  if (absl::IsNotFound(text.status())) return std::nullopt;
+  if (!text.ok()) return text.status();
   std::int64_t revision = 0;
-  if (absl::SimpleAtoi(text.substr(0, text.find(' ')), &revision) && revision >= 0 &&
-      text == Encode(revision)) {
+  if (absl::SimpleAtoi(text->substr(0, text->find(' ')), &revision) && revision >= 0 &&
+      *text == Encode(revision)) {
     return revision;
   }
   return absl::DataLossError("the file " + path + " is damaged; " + std::string(kRestoreAdvice));

@@ -24,7 +24,7 @@ inline constexpr std::string_view kRevisionFloorFile = "REVISION";
 absl::Status WriteRevisionFloor(const std::string& directory, std::int64_t revision);
 
 // The floor; nullopt when there is none, as in a new or a restored database. DATA_LOSS
-// when the file is invalid.
+// when the file is invalid, UNAVAILABLE when it cannot be read.
 absl::StatusOr<std::optional<std::int64_t>> ReadRevisionFloor(const std::string& directory);
 
 }  // namespace graspdb::storage

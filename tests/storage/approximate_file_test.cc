@@ -64,6 +64,12 @@ TEST_F(ApproximateFileTest, AllDamageIsDetected) {
   EXPECT_THAT(ReadOf(bytes + "x"), StatusIs(absl::StatusCode::kDataLoss));
 }
 
+TEST_F(ApproximateFileTest, AFileThatCannotBeReadIsNotDamaged) {
+  std::filesystem::create_symlink(Path(), Path());
+  EXPECT_THAT(ReadApproximateFile(Folder()),
+              StatusIs(absl::StatusCode::kUnavailable, ::testing::HasSubstr(Path())));
+}
+
 TEST_F(ApproximateFileTest, RemainsOfACrashAreOverwritten) {
   std::ofstream(Path() + ".dbtmp", std::ios::binary) << std::string(10'000, 'x');
   ASSERT_THAT(WriteApproximateFile(Folder(), record_), IsOk());

@@ -86,6 +86,24 @@ TEST_F(OpenTest, ANewDatabaseIsRefusedWhereTheNameOfItsFolderFailsToBeFlushed) {
   EXPECT_TRUE(std::filesystem::is_empty(database_));
 }
 
+TEST_F(OpenTest, ADatabaseThatMayNotBeReadIsNotDamaged) {
+  MakeDatabase();
+  const std::string floor = database_ + "/" + std::string(kRevisionFloorFile);
+  {
+    const UnreadableFolder unreadable(database_, std::filesystem::perms::none);
+    const absl::Status status = TryOpen();
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+    EXPECT_THAT(std::string(status.message()),
+                HasSubstr(floor + " cannot be read (Permission denied); check its permissions"));
+  }
+  EXPECT_TRUE(TryOpen().ok());
+  std::filesystem::remove(floor);
+  std::filesystem::create_symlink(floor, floor);
+  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kUnavailable);
+  std::filesystem::remove(floor);
+  EXPECT_TRUE(TryOpen().ok()) << "as after a restore";
+}
+
 TEST_F(OpenTest, MissingDatabaseIsCreatedOnlyIfRequested) {
   CatalogueOptions options;
   options.create_if_missing = false;

@@ -1,4 +1,4 @@
-// A folder that may be written and traversed, but not read.
+// A folder that may not be read; by default it may be written and traversed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,13 +13,16 @@
 
 namespace graspdb {
 
-// Makes an existing folder one until the destructor, for the thread that made this. Modes do not
-// apply to root, so that the thread also gives up the capabilities that pass over them.
+// Gives an existing folder these permissions until the destructor, for the thread that made this.
+// Modes do not apply to root, so that the thread also gives up the capabilities that pass over
+// them.
 class UnreadableFolder {
  public:
-  explicit UnreadableFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
-    using std::filesystem::perms;
-    std::filesystem::permissions(folder_, perms::owner_write | perms::owner_exec);
+  explicit UnreadableFolder(std::filesystem::path folder,
+                            std::filesystem::perms left = std::filesystem::perms::owner_write |
+                                                          std::filesystem::perms::owner_exec)
+      : folder_(std::move(folder)) {
+    std::filesystem::permissions(folder_, left);
     EXPECT_EQ(syscall(SYS_capget, &header_, capabilities_.data()), 0);
     auto fewer = capabilities_;
     fewer[0].effective &= ~((1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH));
