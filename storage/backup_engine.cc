@@ -20,6 +20,30 @@ rocksdb::BackupEngineOptions MakeOptions(const std::string& directory) {
   return options;
 }
 
+// For RocksDB a folder that may not be read is a missing one, so that there would be no backups, or
+// damaged ones.
+absl::Status CheckFoldersReadable(const std::string& directory) {
+  using Entries = std::filesystem::directory_iterator;
+  const auto check = [](const std::filesystem::path& folder) {
+    std::error_code error;
+    const Entries entries(folder, error);
+    const bool is_missing = error == std::errc::no_such_file_or_directory ||
+                            error == std::errc::not_a_directory;  // perhaps deleted meanwhile
+    return error && !is_missing ? CannotReadFolder(folder.string(), error) : absl::OkStatus();
+  };
+  const std::filesystem::path root = directory;
+  absl::Status status = check(root);
+  for (const char* name : {"meta", "shared", "shared_checksum", "private"}) {
+    if (status.ok()) status = check(root / name);
+  }
+  std::error_code ended;
+  for (Entries entry(root / "private", ended), end; status.ok() && !ended && entry != end;
+       entry.increment(ended)) {
+    status = check(entry->path());
+  }
+  return status;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngine>> OpenToWrite(const std::string& directory,
@@ -52,6 +76,7 @@ absl::Status DeleteUnfinished(rocksdb::BackupEngine& engine, const std::string& 
 
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngineReadOnly>> OpenToRead(
     const std::string& directory, rocksdb::Env* env) {
+  if (absl::Status readable = CheckFoldersReadable(directory); !readable.ok()) return readable;
   rocksdb::BackupEngineOptions options = MakeOptions(directory);
   options.backup_env = env;
   rocksdb::BackupEngineReadOnly* engine = nullptr;
@@ -74,6 +99,11 @@ absl::Status FromBackupEngine(const rocksdb::Status& status, const std::string& 
   }
   if (status.IsCorruption()) return absl::DataLossError(what);
   return absl::UnavailableError(what + "; check the disk and the permissions of the folder");
+}
+
+absl::Status CannotReadFolder(const std::string& directory, const std::error_code& error) {
+  return absl::UnavailableError("the folder " + directory + " cannot be read (" + error.message() +
+                                "); check its permissions");
 }
 
 absl::Status DamagedBackup(BackupId id, const std::string& directory, std::string_view reason) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -27,13 +28,16 @@ absl::StatusOr<std::unique_ptr<rocksdb::BackupEngine>> OpenToWrite(const std::st
 absl::Status DeleteUnfinished(rocksdb::BackupEngine& engine, const std::string& directory);
 
 // An engine that reads backups through `env`, which must outlive it (null: the default one).
-// NOT_FOUND if the folder has no backups.
+// NOT_FOUND if the folder has no backups, UNAVAILABLE if it or one of its folders cannot be read.
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngineReadOnly>> OpenToRead(
     const std::string& directory, rocksdb::Env* env);
 
 // The status of an operation on the folder. `action` describes it, e.g. "delete backup 3".
 absl::Status FromBackupEngine(const rocksdb::Status& status, const std::string& action,
                               const std::string& directory);
+
+// UNAVAILABLE with the reason and advice.
+absl::Status CannotReadFolder(const std::string& directory, const std::error_code& error);
 
 // DATA_LOSS that names the backup.
 absl::Status DamagedBackup(BackupId id, const std::string& directory, std::string_view reason);

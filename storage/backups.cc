@@ -38,9 +38,7 @@ absl::Status CheckFolder(const std::string& directory) {
                                                       " has other files (", name,
                                                       "); give an empty folder for the backups"));
   }
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError("the folder " + directory + " cannot be read (" + error.message() +
-                                "); check its permissions");
+  return error ? CannotReadFolder(directory, error) : absl::OkStatus();
 }
 
 // Forwards everything to a database that it does not own; calls `captured` when the files and
@@ -75,7 +73,11 @@ Backups::~Backups() {
 absl::Status Backups::Claim() {
   absl::MutexLock lock(&claim_mutex_);
   std::error_code error;
-  if (!std::filesystem::is_directory(directory_, error)) {
+  const auto type = std::filesystem::status(directory_, error).type();
+  if (error && type != std::filesystem::file_type::not_found) {
+    return CannotReadFolder(directory_, error);
+  }
+  if (type != std::filesystem::file_type::directory) {
     return absl::UnavailableError("there is no folder " + directory_ +
                                   " for backups; make it, or mount its disk");
   }

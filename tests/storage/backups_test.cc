@@ -14,6 +14,7 @@
 #include "storage/watched_reads.h"
 #include "tests/storage/backup_fixture.h"
 #include "tests/storage/catalogue_fixture.h"
+#include "tests/testing/unreadable_folder.h"
 
 namespace graspdb::storage {
 namespace {
@@ -68,6 +69,35 @@ TEST_F(BackupsTest, ARelativeFolderIsTheSame) {
   EXPECT_TRUE(verified.ok()) << verified.status();
   ASSERT_TRUE(relative.Restore(1, restored_).ok());
   EXPECT_EQ(*TakePicture(*OpenOrDie(restored_)), *TakePicture(*catalogue));
+}
+
+// A thread of RocksDB has the capabilities of the one that started it.
+TEST_F(BackupsTest, AFolderThatMayNotBeReadIsNeitherEmptyNorDamaged) {
+  using std::filesystem::perms;
+  ASSERT_TRUE(backups_.Create(*OpenOrDie(database_)).ok());
+  for (const char* name : {"", "/meta", "/shared_checksum", "/private", "/private/1"}) {
+    const std::string folder = folder_ + name;
+    const UnreadableFolder unreadable(folder, perms::none);
+    for (const absl::Status& status : {backups_.List().status(), backups_.Verify(1).status(),
+                                       backups_.Restore(1, restored_).status()}) {
+      EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable) << folder << " " << status;
+      EXPECT_THAT(std::string(status.message()),
+                  HasSubstr(" cannot be read (Permission denied); check its permissions"));
+    }
+  }
+  EXPECT_THAT(Ids(), ElementsAre(1));
+  EXPECT_TRUE(backups_.Verify(1).ok());
+}
+
+TEST_F(BackupsTest, AFolderThatMayNotBeReachedIsNotReportedAsMissing) {
+  Backups backups(folder_);
+  {
+    const UnreadableFolder unreadable(directory_.path(), std::filesystem::perms::none);
+    const absl::Status status = backups.Claim();
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("Permission denied"));
+  }
+  EXPECT_TRUE(backups.Claim().ok());
 }
 
 TEST_F(BackupsTest, RestoredCatalogueGoesOnWithTheNextRevision) {
