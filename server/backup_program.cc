@@ -89,9 +89,20 @@ absl::Status VerifyOne(const BackupProgramOptions& options) {
   return verified.ok() ? Print(*verified, options.json, "intact: ") : verified.status();
 }
 
-bool IsMissingOrEmpty(const std::string& folder) {
+// Whether a restore to `folder` would find nothing there.
+absl::StatusOr<bool> IsMissingOrEmpty(const std::string& folder) {
   std::error_code error;
-  return !std::filesystem::exists(folder, error) || std::filesystem::is_empty(folder, error);
+  const auto type = std::filesystem::status(folder, error).type();
+  if (type == std::filesystem::file_type::not_found) return true;
+  if (!error && type != std::filesystem::file_type::directory) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(folder, " is not a folder; give a new folder as --to"));
+  }
+  const bool is_empty = !error && std::filesystem::is_empty(folder, error);
+  if (!error) return is_empty;
+  return absl::UnavailableError(absl::StrCat("the folder ", folder, " cannot be read (",
+                                             error.message(),
+                                             "); check its permissions, or give another --to"));
 }
 
 // Prints what a restore would change in the database at `options.to`.
@@ -120,8 +131,10 @@ absl::Status RestoreOne(const BackupProgramOptions& options) {
   const storage::Backups backups(options.from);
   const auto id = ChooseId(backups, options);
   if (!id.ok()) return id.status();
-  if (options.dry_run && !IsMissingOrEmpty(options.to)) return DryRun(options, backups, *id);
   if (options.dry_run) {
+    const absl::StatusOr<bool> is_new = IsMissingOrEmpty(options.to);
+    if (!is_new.ok()) return is_new.status();
+    if (!*is_new) return DryRun(options, backups, *id);
     const auto verified = backups.Verify(*id, OnTerminal());
     return verified.ok() ? Print(*verified, options.json, "would restore ") : verified.status();
   }

@@ -25,9 +25,13 @@ absl::Status CannotRestore(const std::filesystem::path& database, const std::str
 
 absl::Status CheckEmpty(const std::filesystem::path& database) {
   std::error_code error;
-  if (!std::filesystem::exists(database, error) && !error) return absl::OkStatus();
-  const bool is_empty =
-      std::filesystem::is_directory(database, error) && std::filesystem::is_empty(database, error);
+  const auto type = std::filesystem::status(database, error).type();
+  if (type == std::filesystem::file_type::not_found) return absl::OkStatus();
+  if (!error && type != std::filesystem::file_type::directory) {
+    return absl::FailedPreconditionError(database.string() +
+                                         " is not a folder; restore to a new folder");
+  }
+  const bool is_empty = !error && std::filesystem::is_empty(database, error);
   if (error) return CannotRestore(database, error.message());
   if (is_empty) return absl::OkStatus();
   return absl::FailedPreconditionError(database.string() +

@@ -125,6 +125,15 @@ TEST_F(BackupProgramsTest, DryRunPrintsTheDifferenceToAnExistingDatabaseAndChang
   words.back() = "7";
   EXPECT_THAT(Graspdb(words).err, HasSubstr("there is no backup 7"));
   EXPECT_THAT(Graspdb({"backup", "restore", "--to", Path("new")}), EndsWith(2));
+
+  folder_.Write("file", "");
+  words = RestoreTo("file");
+  for (const bool dry_run : {false, true}) {
+    if (dry_run) words.emplace_back("--dry-run");
+    const Finished refused = Graspdb(words);
+    EXPECT_THAT(refused, EndsWith(1));
+    EXPECT_THAT(refused, SaysOnly("graspdb-server", "is not a folder"));
+  }
 }
 
 }  // namespace

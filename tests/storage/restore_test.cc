@@ -156,7 +156,10 @@ TEST_F(RestoreTest, RestoresToMissingAndEmptyFoldersOnly) {
   std::filesystem::create_directory(restored_);
   EXPECT_EQ(Restored(1), original_);
   WriteBytes(restored_, "a file");
-  EXPECT_EQ(backups_.Restore(1, restored_).status().code(), absl::StatusCode::kFailedPrecondition);
+  const absl::Status file = backups_.Restore(1, restored_).status();
+  EXPECT_EQ(file.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(file.message()), HasSubstr("is not a folder"));
+  EXPECT_EQ(ReadBytes(restored_), "a file");
 }
 
 TEST_F(RestoreTest, ALinkOfTheTemporaryNameIsNotFollowed) {
