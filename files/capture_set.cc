@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -18,14 +19,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// As for archives.
+absl::Status CannotReadSet(const fs::path& path, const std::string& reason) {
+  return absl::NotFoundError(absl::StrCat("cannot read ", path.string(), ": ", reason,
+                                          "; check the path and its permissions"));
+}
+
 absl::StatusOr<std::string> ReadText(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) {
+  const auto type = fs::status(path, error).type();
+  if (error && type != fs::file_type::not_found) return CannotReadSet(path, error.message());
+  if (type == fs::file_type::not_found) {
     return absl::NotFoundError(
         absl::StrCat(path.string(), " does not exist; name the folder of a capture set"));
   }
   const std::uintmax_t size = fs::file_size(path, error);  // fails for a folder
   std::ifstream in(path, std::ios::binary);
+  if (!error && !in.is_open()) return CannotReadSet(path, std::generic_category().message(errno));
   std::string text(error ? 0 : static_cast<std::size_t>(size), '\0');
   if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     return absl::InvalidArgumentError(

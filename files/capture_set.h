@@ -17,7 +17,7 @@ inline constexpr char kCaptureSetFile[] = "captures.json";
 // Reads and checks `folder`/captures.json; unknown fields are ignored. The clouds
 // are not read.
 //
-// NOT_FOUND when the file is missing; INVALID_ARGUMENT when it is not JSON (with
+// NOT_FOUND when the file is missing or may not be read; INVALID_ARGUMENT when it is not JSON (with
 // line and column) or CheckCaptureSet rejects it.
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const std::filesystem::path& folder);
 

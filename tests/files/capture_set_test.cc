@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/files/temporary_folder.h"
+#include "tests/testing/unreadable_folder.h"
 
 namespace graspdb::client {
 namespace {
@@ -79,6 +80,25 @@ TEST(CaptureSet, MissingFileAndBadJsonErrorsNameThePlace) {
   std::filesystem::remove(folder.path() / "captures.json");
   std::filesystem::create_directories(folder.path() / "captures.json");
   EXPECT_EQ(LoadCaptureSet(folder.path()).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(CaptureSet, AFolderOrFileThatMayNotBeReadIsNotReportedAsMissing) {
+  using std::filesystem::perms;
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.Write("captures.json", "{}");
+  const auto expect_denied = [&] {
+    EXPECT_THAT(std::string(LoadCaptureSet(folder.path()).status().message()),
+                HasSubstr("captures.json: Permission denied; check the path and its permissions"));
+  };
+  {
+    const UnreadableFolder unreadable(folder.path(), perms::none);
+    expect_denied();
+  }
+  std::filesystem::permissions(file, perms::none);
+  std::filesystem::create_directory(folder.path() / "other");
+  folder.Write("other/any", "");
+  const UnreadableFolder without_capabilities(folder.path() / "other");
+  expect_denied();
 }
 
 struct Broken {
