@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "program/log_field.h"
 #include "program/request_id.h"
 #include "server/access/method_role.h"
@@ -93,6 +94,11 @@ std::vector<CertificateName> CertificateNames(const grpc::ServerContextBase& con
   return out;
 }
 
+// TimeUtil::GetCurrentTime() has whole seconds, too few to order calls or to find them in the log.
+google::protobuf::Timestamp AuditTime() {
+  return google::protobuf::util::TimeUtil::MillisecondsToTimestamp(absl::ToUnixMillis(absl::Now()));
+}
+
 }  // namespace
 
 absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
@@ -123,7 +129,7 @@ void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refuse
   spdlog::warn("event=handshake_refused error={}", LogField(error));
   if (rules.audit == nullptr) return;
   v1::AuditRecord record;
-  *record.mutable_time() = google::protobuf::util::TimeUtil::GetCurrentTime();
+  *record.mutable_time() = AuditTime();
   record.set_method("TLS handshake");
   record.set_catalog_revision(rules.revision());
   record.set_code(absl::StatusCodeToString(refused.code()));
@@ -252,7 +258,7 @@ void CallGuard::Audit(const grpc::Status& status) const {
                           status.error_code() == grpc::StatusCode::UNAUTHENTICATED;
   if (rules_.audit == nullptr || method_ == nullptr || !(is_refused || IsAudited(*method_))) return;
   v1::AuditRecord record;
-  *record.mutable_time() = google::protobuf::util::TimeUtil::GetCurrentTime();
+  *record.mutable_time() = AuditTime();
   record.set_identity(identity_);
   record.set_peer(context_.peer());
   record.set_method(method_->full_name());

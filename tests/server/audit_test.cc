@@ -67,6 +67,16 @@ TEST_F(AuditTest, ReadsAreNotRecordedButTheirRefusalsAre) {
   EXPECT_EQ(records[0].method(), "graspdb.v1.CatalogService.GetCatalogStatus");
 }
 
+TEST_F(AuditTest, TimesHaveMilliseconds) {
+  bool has_fraction = false;
+  // One call may be made at a whole second; a hundred take longer than its first millisecond.
+  for (int i = 0; i < 100 && !has_fraction; ++i) {
+    EXPECT_FALSE(StatusAs("graspdb_wrong").ok());
+    has_fraction = Audited().back().time().nanos() != 0;
+  }
+  EXPECT_TRUE(has_fraction);
+}
+
 TEST_F(AuditTest, TheOutcomesOfGraspsAreRecorded) {
   Declare("flange");
   const std::size_t before = Audited().size();
