@@ -72,9 +72,10 @@ absl::StatusOr<std::unique_ptr<MetricsServer>> MetricsServer::Start(const Metric
     out->Listen(absl::StrCat(host, ":", listen->port));
     out->address_ = absl::StrCat(listen->host, ":", out->exposer_->GetListeningPorts().at(0));
   } catch (const std::exception& e) {
+    spdlog::debug("event=metrics_not_served error={}", LogField(e.what()));
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,
-                                               " for metrics (", e.what(),
-                                               "); is the port in use? Choose another "
+                                               " for metrics; is the port in use, or the address "
+                                               "another machine's? Choose another "
                                                "--metrics-listen"));
   }
   return out;

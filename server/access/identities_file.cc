@@ -20,8 +20,9 @@ absl::StatusOr<std::string> ReadBounded(const std::string& path) {
   std::string out(kMaxIdentitiesBytes + 1, '\0');
   file.read(out.data(), static_cast<std::streamsize>(out.size()));
   if (!file.is_open() || file.bad()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("cannot read --identities ", path, " (", std::strerror(errno), ")"));
+    return absl::FailedPreconditionError(absl::StrCat("cannot read --identities ", path, " (",
+                                                      std::strerror(errno),
+                                                      "); check the path and its permissions"));
   }
   out.resize(static_cast<std::size_t>(file.gcount()));
   return out;

@@ -53,8 +53,11 @@ absl::Status WriteSecret(const std::string& path, const std::string& secret) {
   }
   if (!error) return absl::OkStatus();
   if (is_new) unlink(path.c_str());
+  const char* const advice = error == std::errc::file_exists
+                                 ? "choose another file, or move this one away"
+                                 : "check the disk and the permissions of its folder";
   return absl::FailedPreconditionError(
-      absl::StrCat("cannot write --out ", path, " (", error.message(), ")"));
+      absl::StrCat("cannot write --out ", path, " (", error.message(), "); ", advice));
 }
 
 absl::Status MakeToken(v1::Identity identity, const std::string& out) {

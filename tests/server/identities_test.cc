@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "program/stop_flag.h"
+#include "server/access/identities_file.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
 #include "server/access/watched_files.h"
@@ -89,6 +90,13 @@ TEST(Identities, ATokenInThePlaceOfItsHashIsNotRepeatedInTheError) {
   const auto parsed = Identities::Parse(Line("a", R"(,"tokenSha256":[")" + token + "!\"]"));
   EXPECT_THAT(parsed,
               StatusIs(absl::StatusCode::kInvalidArgument, ::testing::Not(HasSubstr(token))));
+}
+
+TEST(IdentitiesFile, AMissingOneIsAnErrorWithAdvice) {
+  EXPECT_THAT(IdentitiesFile::Open("/nonexistent/identities.jsonl").status(),
+              StatusIs(absl::StatusCode::kFailedPrecondition,
+                       ::testing::EndsWith(
+                           "(No such file or directory); check the path and its permissions")));
 }
 
 TEST(WatchedFiles, AFileThatCouldNotBeUsedIsTriedAgain) {

@@ -42,6 +42,15 @@ TEST_F(TokenCommandTest, TheFolderMayBeWrittenButNotRead) {
   EXPECT_THAT(client::BytesOf(path_), ::testing::StartsWith("graspdb_"));
 }
 
+TEST_F(TokenCommandTest, AnExistingFileIsKeptAndTheErrorHasAdvice) {
+  folder_.Write("press-3.token", "kept");
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              ::testing::EndsWith(" (File exists); choose another file, or move this one away\n"));
+  EXPECT_EQ(client::BytesOf(path_), "kept");
+}
+
 TEST_F(TokenCommandTest, AFailingDiskIsAnErrorAndLeavesNoFile) {
   {
     WatchedSyncs syncs;
