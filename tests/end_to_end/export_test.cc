@@ -107,6 +107,15 @@ TEST_F(ExportTest, AConflictIsRejectedBeforeAnythingIsWritten) {
   renamed.mutable_object()->set_display_name("Another flange");
   ASSERT_TRUE(client.UpdateObject(renamed).ok());
   const std::int64_t revision = Status().catalog_revision();
+  for (const bool json : {false, true}) {
+    std::vector<std::string> words = {"import", Path("all.graspdb"), "--dry-run"};
+    if (json) words.emplace_back("--json");
+    const Finished dry = Graspdb(words);
+    EXPECT_THAT(dry, EndsWith(1)) << "as the import itself";
+    EXPECT_THAT(dry.out, HasSubstr("undecided"));
+    EXPECT_THAT(dry, SaysOnly("graspdb", "an import would write nothing; choose --on-conflict"));
+  }
+  Succeed({"import", Path("all.graspdb"), "--dry-run", "--on-conflict", "keep"});
   const Finished failed = Graspdb({"import", Path("all.graspdb")});
   EXPECT_THAT(failed, EndsWith(1));
   EXPECT_THAT(failed.err,

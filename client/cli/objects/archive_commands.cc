@@ -95,22 +95,33 @@ class ArchiveCommand {
   }
 
   absl::Status PrintComparison(const ArchiveComparison& comparison) const {
-    if (global_.json) return PrintJson(ComparisonDocument(archive_.index, comparison));
-    std::fputs(ComparisonText(archive_.index, comparison).c_str(), stdout);
-    return absl::OkStatus();
+    if (global_.json) {
+      absl::Status printed = PrintJson(ComparisonDocument(archive_.index, comparison));
+      if (!printed.ok()) return printed;
+    } else {
+      std::fputs(ComparisonText(archive_.index, comparison).c_str(), stdout);
+    }
+    return HasUndecided(comparison) ? Undecided(comparison, "an import would write nothing")
+                                    : absl::OkStatus();
+  }
+
+  bool HasUndecided(const ArchiveComparison& comparison) const {
+    return comparison.CountOf(ArchiveState::kConflict) > 0 &&
+           OnConflictOf(flags_.on_conflict) == OnConflict::kFail;
+  }
+
+  static absl::Status Undecided(const ArchiveComparison& comparison, const char* consequence) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(comparison.CountOf(ArchiveState::kConflict),
+                     " records differ from those of the server, so ", consequence,
+                     "; choose --on-conflict keep, replace or later, or give the archive from "
+                     "which both began as --base"));
   }
 
   absl::Status CheckConflicts(const ArchiveComparison& comparison) const {
-    const std::int64_t conflicts = comparison.CountOf(ArchiveState::kConflict);
-    if (conflicts == 0 || OnConflictOf(flags_.on_conflict) != OnConflict::kFail) {
-      return absl::OkStatus();
-    }
+    if (!HasUndecided(comparison)) return absl::OkStatus();
     std::fputs(DifferencesText(archive_.index, comparison).c_str(), stderr);
-    return absl::FailedPreconditionError(
-        absl::StrCat(conflicts,
-                     " records differ from those of the server, so nothing was imported; choose "
-                     "--on-conflict keep, replace or later, or give the archive from which both "
-                     "began as --base"));
+    return Undecided(comparison, "nothing was imported");
   }
 
   absl::Status CheckResume(const ArchiveComparison& comparison) {

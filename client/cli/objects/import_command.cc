@@ -165,10 +165,11 @@ meanwhile. Captures that cannot be taught are listed, and the others taught.
 An archive: the whole file is checked first. Each object, stable pose and view is then the same as
 the server's, new, or different. Same ones are left alone, new ones created; views become part of
 the catalogue together, in one revision, or none does. A difference is a conflict, since the
-server's own may be the newer one: nothing is imported before you choose --on-conflict. With --base,
-the archive from which both began, only what both sides changed is a conflict: what only the file
-changed is replaced (newer), what only the server changed stays (older). Nothing is ever deleted.
-Importing a file twice changes nothing the second time.
+server's own may be the newer one: nothing is imported before you choose --on-conflict, and the exit
+status is 1, with --dry-run too. With --base, the archive from which both began, only what both
+sides changed is a conflict: what only the file changed is replaced (newer), what only the server
+changed stays (older). Nothing is ever deleted. Importing a file twice changes nothing the second
+time.
 
 Run an interrupted import again to continue it: what was sent is not sent again. `graspdb uploads`
 lists and drops interrupted imports.
