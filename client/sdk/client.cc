@@ -45,7 +45,9 @@ constexpr int kReconnectMs = 100;
 // Buffer of a call for its retries, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
-std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
+// A channel on which every call fails, if the options cannot be used.
+std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool usable) {
+  if (!usable) return grpc::CreateChannel("", nullptr);
   grpc::ChannelArguments arguments;
   if (options.retry) {
     arguments.SetServiceConfigJSON(absl::StrCat(R"({"methodConfig": [{"name": [)",
@@ -64,7 +66,11 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options) {
 
 }  // namespace
 
-Client::Client(const ConnectionOptions& options) : Client(Connect(options), options) {}
+Client::Client(const ConnectionOptions& options) : Client(options, CheckOptions(options)) {}
+Client::Client(const ConnectionOptions& options, const absl::Status& usable)
+    : Client(Connect(options, usable.ok()), options) {
+  stubs_->usable = usable;
+}
 Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options)
     : options_(std::move(options)), stubs_(std::make_unique<Stubs>(channel)) {}
 Client::~Client() = default;
@@ -78,6 +84,7 @@ std::string RequestIdOf(const absl::Status& status) {
 
 absl::Status Client::ToStatus(const grpc::Status& status,
                               const grpc::ClientContext& context) const {
+  if (!status.ok() && !stubs_->usable.ok()) return stubs_->usable;
   absl::Status out = Explain(status, options_);
   const auto& trailing = context.GetServerTrailingMetadata();
   const auto id = trailing.find(kRequestIdKey);

@@ -72,7 +72,9 @@ std::string RequestIdOf(const absl::Status& status);
 // lost; calls are retried as the options say. Thread-safe.
 //
 // All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice
-// in the text, when no server can be reached.
+// in the text, when no server can be reached. Options that cannot be used are found by the
+// constructor, and the error of every call: INVALID_ARGUMENT for `cert` without `key` or reversed,
+// FAILED_PRECONDITION for files of TLS that are folders or empty.
 class Client {
  public:
   explicit Client(const ConnectionOptions& options);
@@ -189,6 +191,8 @@ class Client {
     std::string request_id = {};  // empty: the server's
     bool retry = true;            // unless the options disable it
   };
+  // `usable`: whether the options can be used.
+  Client(const ConnectionOptions& options, const absl::Status& usable);
   // `context` is that of the call, which has ended.
   absl::Status ToStatus(const grpc::Status& status, const grpc::ClientContext& context) const;
   template <typename Stub, typename Request, typename Response>

@@ -43,7 +43,8 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
-  StopFlag stopped;  // of StopRetries()
+  StopFlag stopped;     // of StopRetries()
+  absl::Status usable;  // of the options: the error of every call
 };
 
 template <typename Stub, typename Request, typename Response>

@@ -4,9 +4,11 @@
 #include <grpcpp/security/tls_credentials_options.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -35,6 +37,21 @@ bool UsesTls(const SecurityOptions& options) {
 bool IsTokenSafe(const ConnectionOptions& options) {
   const std::string_view server = options.server;
   return UsesTls(options.security) || IsLoopback(server.substr(0, server.rfind(':')));
+}
+
+// gRPC aborts on a folder or a pipe, whose size it does not find, and on an empty certificate or
+// key. A file that is missing may appear later: gRPC reads it again.
+absl::Status CheckPemFile(const char* flag, const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status file = std::filesystem::status(path, error);
+  if (path.empty() || !std::filesystem::exists(file)) return absl::OkStatus();
+  if (!std::filesystem::is_regular_file(file)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(flag, " ", path, " is not a regular file; give one in PEM format"));
+  }
+  if (std::filesystem::file_size(path, error) != 0) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat(flag, " ", path, " is empty; give a file in PEM format"));
 }
 
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
@@ -112,6 +129,21 @@ absl::Status NoServer(const std::string& text, const ConnectionOptions& options)
 }
 
 }  // namespace
+
+absl::Status CheckUsage(const ConnectionOptions& options) {
+  if (options.security.cert.empty() != options.security.key.empty()) {
+    return absl::InvalidArgumentError("--cert and --key belong together; give both");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckOptions(const ConnectionOptions& options) {
+  absl::Status status = CheckUsage(options);
+  status.Update(CheckPemFile("--ca", options.security.ca));
+  status.Update(CheckPemFile("--cert", options.security.cert));
+  status.Update(CheckPemFile("--key", options.security.key));
+  return status;
+}
 
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options) {
   if (!UsesTls(options)) return grpc::InsecureChannelCredentials();

@@ -1,4 +1,4 @@
-// TLS and tokens; internal to the client library.
+// TLS and tokens; internal to the project. All functions are thread-safe.
 #pragma once
 
 #include <grpcpp/security/credentials.h>
@@ -13,6 +13,14 @@
 
 namespace graspdb::client {
 
+// INVALID_ARGUMENT for options that no connection can have, whatever the files.
+absl::Status CheckUsage(const ConnectionOptions& options);
+
+// Why no client can connect with these options: that of CheckUsage, or FAILED_PRECONDITION for
+// files on which gRPC aborts. Reads the status of each file.
+absl::Status CheckOptions(const ConnectionOptions& options);
+
+// For options that pass CheckOptions.
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options);
 
 // Adds the token to every call of a channel, also without TLS, for which gRPC's own call

@@ -48,6 +48,8 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"bench", cloud, "--requests", "-1"}, "--requests"},
       {{"bench", cloud, "--duration", "long"}, "--duration"},
       {{"--config", "/nonexistent/file", "status"}, "/nonexistent/file"},
+      {{"--cert", "a.pem", "status"}, "--cert and --key belong together"},
+      {{"--key", "a.key", "bench", cloud}, "--cert and --key belong together"},
   };
   for (const auto& [arguments, words] : cases) {
     const Finished outcome = Graspdb(arguments);

@@ -8,6 +8,7 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "client/sdk/security.h"
 #include "program/client_flags.h"
 #include "program/log.h"
 #include "program/settings_file.h"
@@ -21,6 +22,13 @@ enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoServer = 3 };
 // A server's own UNAVAILABLE, as of one whose disk failed, has details.
 bool HasNoServer(const absl::Status& status) {
   return absl::IsUnavailable(status) && !status.GetPayload(kErrorDetails);
+}
+
+// Whether the client has refused flags of the connection; other INVALID_ARGUMENT errors are those
+// of the server or of files.
+bool IsWrongUsage(const absl::Status& status, const GlobalOptions& global) {
+  return absl::IsInvalidArgument(status) && !status.GetPayload(kErrorDetails) &&
+         !CheckUsage({.server = global.server, .security = global.security}).ok();
 }
 
 int Execute(const GlobalOptions& global, const Action& action) {
@@ -40,6 +48,7 @@ int Execute(const GlobalOptions& global, const Action& action) {
   if (const std::string id = RequestIdOf(status); global.verbose && !id.empty()) {
     std::fprintf(stderr, "graspdb: request id %s\n", id.c_str());
   }
+  if (IsWrongUsage(status, global)) return kWrongUsage;
   return HasNoServer(status) ? kNoServer : kFailed;
 }
 

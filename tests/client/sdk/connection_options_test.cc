@@ -1,0 +1,61 @@
+// Options with which no client can connect.
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "client/sdk/client.h"
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using graspdb::testing::StatusIs;
+using ::testing::HasSubstr;
+
+constexpr auto kWrongFile = absl::StatusCode::kFailedPrecondition;
+// No server listens here.
+constexpr char kNoServer[] = "127.0.0.1:1";
+
+class ConnectionOptionsTest : public ::testing::Test {
+ protected:
+  static absl::Status Call(const SecurityOptions& security, const std::string& server = kNoServer) {
+    return Client({.server = server, .retry = false, .security = security})
+        .GetCatalogStatus()
+        .status();
+  }
+
+  const TemporaryFolder folder_;
+  const std::string pem_ = folder_.Write("some.pem", "-----BEGIN\n").string();
+};
+
+TEST_F(ConnectionOptionsTest, HalfAPairIsTheErrorOfEveryCall) {
+  for (const SecurityOptions& half :
+       {SecurityOptions{.ca = pem_, .cert = pem_}, SecurityOptions{.cert = pem_},
+        SecurityOptions{.key = pem_}}) {
+    Client client({.server = kNoServer, .security = half});
+    const auto refuses = StatusIs(absl::StatusCode::kInvalidArgument,
+                                  HasSubstr("--cert and --key belong together; give both"));
+    EXPECT_THAT(client.GetCatalogStatus(), refuses);
+    EXPECT_THAT(client.WatchCatalog({}, [](const auto&) { return absl::OkStatus(); }), refuses);
+    EXPECT_THAT(client.UploadViews([](auto*) -> absl::StatusOr<bool> { return false; }), refuses);
+    EXPECT_THAT(client.WriteUploadViews([](auto*) -> absl::StatusOr<bool> { return false; },
+                                        [](const auto&) {}),
+                refuses);
+  }
+}
+
+TEST_F(ConnectionOptionsTest, FoldersAndEmptyFilesAreReported) {
+  const std::string empty = folder_.Write("empty", "").string();
+  for (const std::string& file : {empty, folder_.path().string()}) {
+    const auto refuses = [&](const std::string& flag) {
+      return StatusIs(kWrongFile, HasSubstr(flag + " " + file + " is "));
+    };
+    EXPECT_THAT(Call({.ca = file}), refuses("--ca"));
+    EXPECT_THAT(Call({.ca = pem_, .cert = file, .key = pem_}), refuses("--cert"));
+    EXPECT_THAT(Call({.ca = pem_, .cert = pem_, .key = file}), refuses("--key"));
+  }
+}
+
+}  // namespace
+}  // namespace graspdb::client
