@@ -4,6 +4,7 @@
 #include <grpcpp/security/tls_credentials_options.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -56,8 +57,12 @@ absl::Status CheckPemFile(const char* flag, const std::string& path) {
 
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
   std::string out;
-  if (!std::getline(std::ifstream(path), out)) {
-    return absl::FailedPreconditionError(absl::StrCat("cannot read --token-file ", path));
+  errno = 0;
+  std::ifstream file(path);
+  if (!std::getline(file, out) && errno != 0) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "cannot read --token-file ", path, " (", std::generic_category().message(errno),
+        "); give a file of `graspdb-server token --out`, or leave it out"));
   }
   absl::StripAsciiWhitespace(&out);
   if (out.empty() || out.size() > kMaxTokenBytes ||
@@ -142,6 +147,8 @@ absl::Status CheckOptions(const ConnectionOptions& options) {
   status.Update(CheckPemFile("--ca", options.security.ca));
   status.Update(CheckPemFile("--cert", options.security.cert));
   status.Update(CheckPemFile("--key", options.security.key));
+  const std::string& token_file = options.security.token_file;
+  if (!token_file.empty()) status.Update(ReadToken(token_file).status());
   return status;
 }
 

@@ -17,7 +17,8 @@ namespace graspdb::client {
 absl::Status CheckUsage(const ConnectionOptions& options);
 
 // Why no client can connect with these options: that of CheckUsage, or FAILED_PRECONDITION for
-// files on which gRPC aborts. Reads the status of each file.
+// files on which gRPC aborts and for a file without token. Reads the token, and the sizes of the
+// others.
 absl::Status CheckOptions(const ConnectionOptions& options);
 
 // For options that pass CheckOptions.

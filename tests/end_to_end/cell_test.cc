@@ -231,6 +231,10 @@ TEST_F(CellProgramsTest, ReportsWrongSettings) {
   const Finished sensor = run({"--cell", "c", "--sensor", "polaroid"});
   EXPECT_NE(sensor.exit_status, 0);
   EXPECT_THAT(sensor.err, HasSubstr("freenect"));
+  const Finished token =
+      run({"--cell", "c", "--sensor", "simulated", "--token-file", Path("none")});
+  EXPECT_EQ(token.exit_status, 1);
+  EXPECT_THAT(token.err, HasSubstr("none (No such file or directory)"));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "client/cell/robots/line_protocol.h"
 #include "client/cell/robots/robot_server.h"
 #include "client/sdk/resource_name.h"
+#include "client/sdk/security.h"
 #include "program/client_flags.h"
 #include "program/listen_address.h"
 
@@ -161,6 +162,7 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   if (absl::Status status = CheckSecurityFiles(options.security); !status.ok()) return status;
+  if (absl::Status status = CheckOptions(ConnectionTo(options)); !status.ok()) return status;
   absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
   if (!jobs.ok()) return jobs.status();
   const auto calibrations =

@@ -57,5 +57,18 @@ TEST_F(ConnectionOptionsTest, FoldersAndEmptyFilesAreReported) {
   }
 }
 
+// Also where the server is open to all, which would not miss the token.
+TEST_F(ConnectionOptionsTest, AFileWithoutTokenIsReportedAtOnce) {
+  const std::string missing = (folder_.path() / "missing").string();
+  EXPECT_THAT(Call({.token_file = missing}),
+              StatusIs(kWrongFile, HasSubstr("cannot read --token-file " + missing +
+                                             " (No such file or directory); give")));
+  EXPECT_THAT(Call({.token_file = folder_.path().string()}),
+              StatusIs(kWrongFile, HasSubstr("(Is a directory)")));
+  const std::string empty = folder_.Write("empty", "").string();
+  EXPECT_THAT(Call({.token_file = empty}),
+              StatusIs(kWrongFile, HasSubstr(empty + " has no token in its first line")));
+}
+
 }  // namespace
 }  // namespace graspdb::client
