@@ -73,8 +73,9 @@ std::string RequestIdOf(const absl::Status& status);
 //
 // All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice
 // in the text, when no server can be reached. Options that cannot be used are found by the
-// constructor, and the error of every call: INVALID_ARGUMENT for `cert` without `key` or reversed,
-// FAILED_PRECONDITION for files of TLS that are folders or empty, and for a file without token.
+// constructor, and the error of every call: INVALID_ARGUMENT for a `server` without port, and for
+// `cert` without `key` or reversed; FAILED_PRECONDITION for files of TLS that are folders or empty,
+// and for a file without token.
 class Client {
  public:
   explicit Client(const ConnectionOptions& options);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -16,6 +17,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/cord.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "program/loopback.h"
 
@@ -38,6 +40,19 @@ bool UsesTls(const SecurityOptions& options) {
 bool IsTokenSafe(const ConnectionOptions& options) {
   const std::string_view server = options.server;
   return UsesTls(options.security) || IsLoopback(server.substr(0, server.rfind(':')));
+}
+
+// Whether gRPC finds a port in it: without one it takes 443, or 0.
+bool IsServerAddress(const std::string& server) {
+  if (server.starts_with("unix:") || server.starts_with("unix-abstract:")) return true;
+  const std::size_t colon = server.rfind(':');
+  if (colon == std::string::npos) return false;
+  const std::string host = server.substr(0, colon);
+  const bool is_cut =
+      host.ends_with(':') || (absl::StrContains(host, "::") && !host.ends_with(']'));
+  int port = 0;
+  return !host.empty() && !is_cut && absl::SimpleAtoi(server.substr(colon + 1), &port) &&
+         port > 0 && port <= 65535;
 }
 
 // gRPC aborts on a folder or a pipe, whose size it does not find, and on an empty certificate or
@@ -138,6 +153,11 @@ absl::Status NoServer(const std::string& text, const ConnectionOptions& options)
 absl::Status CheckUsage(const ConnectionOptions& options) {
   if (options.security.cert.empty() != options.security.key.empty()) {
     return absl::InvalidArgumentError("--cert and --key belong together; give both");
+  }
+  if (!IsServerAddress(options.server)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--server ", options.server.empty() ? "\"\"" : options.server,
+                     " is not HOST:PORT; give one such as 127.0.0.1:50051"));
   }
   return absl::OkStatus();
 }

@@ -231,6 +231,9 @@ TEST_F(CellProgramsTest, ReportsWrongSettings) {
   const Finished sensor = run({"--cell", "c", "--sensor", "polaroid"});
   EXPECT_NE(sensor.exit_status, 0);
   EXPECT_THAT(sensor.err, HasSubstr("freenect"));
+  const Finished server = run({"--cell", "c", "--sensor", "simulated", "--server", "localhost"});
+  EXPECT_EQ(server.exit_status, 2);
+  EXPECT_THAT(server.err, HasSubstr("--server localhost is not HOST:PORT"));
   const Finished token =
       run({"--cell", "c", "--sensor", "simulated", "--token-file", Path("none")});
   EXPECT_EQ(token.exit_status, 1);

@@ -48,6 +48,7 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"bench", cloud, "--requests", "-1"}, "--requests"},
       {{"bench", cloud, "--duration", "long"}, "--duration"},
       {{"--config", "/nonexistent/file", "status"}, "/nonexistent/file"},
+      {{"status"}, "--server \"\" is not HOST:PORT"},  // the address of no server
       {{"--cert", "a.pem", "status"}, "--cert and --key belong together"},
       {{"--key", "a.key", "bench", cloud}, "--cert and --key belong together"},
   };

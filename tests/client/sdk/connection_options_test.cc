@@ -45,6 +45,19 @@ TEST_F(ConnectionOptionsTest, HalfAPairIsTheErrorOfEveryCall) {
   }
 }
 
+TEST_F(ConnectionOptionsTest, AServerNeedsAPort) {
+  for (const char* server : {"", "127.0.0.1", "localhost", "localhost:", ":50051", "[::1]", "::1",
+                             "fe80::1:50051", "127.0.0.1:0", "127.0.0.1:65536", "localhost:x"}) {
+    EXPECT_THAT(Call({}, server),
+                StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is not HOST:PORT; give")))
+        << server;
+  }
+  for (const char* server : {"127.0.0.1:1", "[::1]:1", "localhost:1", "ipv4:127.0.0.1:1",
+                             "dns:///localhost:1", "unix:/none/socket"}) {
+    EXPECT_THAT(Call({}, server), StatusIs(absl::StatusCode::kUnavailable)) << server;
+  }
+}
+
 TEST_F(ConnectionOptionsTest, FoldersAndEmptyFilesAreReported) {
   const std::string empty = folder_.Write("empty", "").string();
   for (const std::string& file : {empty, folder_.path().string()}) {
