@@ -88,6 +88,7 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
   std::ofstream(bad) << "no cloud";
   const Finished atomic = Graspdb({"import", Path("set"), "--atomic"});
   EXPECT_EQ(atomic.exit_status, 1);
+  EXPECT_THAT(atomic.err, HasSubstr("(clouds/flange_0001.pcd: "));
   EXPECT_THAT(atomic.err, HasSubstr("--skip-failed"));
   EXPECT_EQ(Status().view_count(), 0);
 

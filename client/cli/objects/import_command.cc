@@ -78,7 +78,8 @@ class Import {
                     [this](std::size_t i, v1::UploadViewsRequest* request) {
                       return ReadView(options_.folder, set_, *captures_[i], request);
                     },
-                .replace = options.replace}),
+                .replace = options.replace,
+                .name_of = [this](std::size_t i) { return captures_[i]->path(); }}),
         watch_({.report =
                     [this](std::size_t done) {
                       progress_.Report(static_cast<int>(done), static_cast<int>(captures_.size()));
