@@ -211,7 +211,16 @@ class BulkUpload {
     request.mutable_upload()->set_expected_view_count(static_cast<std::int64_t>(views_.count));
     const auto created = client_.CreateUpload(request);
     is_created_ = created.ok();
+    // There was none a moment ago: FindStaged.
+    if (absl::IsAlreadyExists(created.status())) return RunsElsewhere();
     return created.status();
+  }
+
+  absl::Status RunsElsewhere() const {
+    return absl::AlreadyExistsError(absl::StrCat(
+        "another import of the same views has just begun; wait for its end, and then run the same "
+        "command again if views are missing (`graspdb uploads show ",
+        options_.upload_id, "` prints its progress)"));
   }
 
   void Done(std::size_t i, const absl::Status& error, bool existing) {

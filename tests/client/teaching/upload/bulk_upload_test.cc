@@ -24,6 +24,7 @@ namespace {
 using graspdb::testing::BusyFor;
 using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // Refuses streams of views, as a server whose memory is full. For streams of a few views: the
@@ -46,7 +47,7 @@ class BusyUploads : public v1::UploadService::Service {
   }
   grpc::Status CreateUpload(grpc::ServerContext*, const v1::CreateUploadRequest*,
                             v1::Upload*) override {
-    return grpc::Status::OK;
+    return created;
   }
   grpc::Status WriteUploadViews(
       grpc::ServerContext*,
@@ -84,6 +85,7 @@ class BusyUploads : public v1::UploadService::Service {
   std::size_t answers = 0;  // of a stream before it is refused
   int refusals = 0;         // of all streams
   absl::Duration delay = absl::Milliseconds(1);
+  grpc::Status created = grpc::Status::OK;
 
  private:
   int port_ = 0;
@@ -145,6 +147,14 @@ TEST_F(BulkUploadTest, AnInterruptEndsTheWaitForABusyServer) {
   EXPECT_THAT(Teach(/*count=*/1, /*streams=*/1, /*busy_retries=*/7, watch),
               StatusIs(absl::StatusCode::kCancelled, HasSubstr("interrupted after 0 of 1 views")));
   EXPECT_EQ(server_.refused(), 1);
+}
+
+TEST_F(BulkUploadTest, AnUploadThatAnotherProcessCreatedMeanwhileIsNamed) {
+  server_.created = {grpc::StatusCode::ALREADY_EXISTS, "exists"};
+  EXPECT_THAT(Teach(/*count=*/1, /*streams=*/1, /*busy_retries=*/0),
+              StatusIs(absl::StatusCode::kAlreadyExists,
+                       AllOf(HasSubstr("another import of the same views has just begun; wait"),
+                             HasSubstr("graspdb uploads show import-1"))));
 }
 
 }  // namespace
