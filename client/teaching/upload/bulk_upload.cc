@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
@@ -23,6 +24,17 @@ namespace {
 // Between checks for an interrupt while it waits for a busy server. Doubled, an interrupt takes up
 // to 0.1 s.
 constexpr absl::Duration kWatchPeriod = absl::Milliseconds(50);
+
+// With advice where the server was lost after views were sent. A commit may have been made then,
+// which leaves no upload to resume.
+absl::Status AfterViews(const absl::Status& status, const char* flag) {
+  if (!absl::IsUnavailable(status)) return status;
+  absl::Status out = absl::UnavailableError(absl::StrCat(
+      status.message(), "; the views sent are safe, run the same command", flag, " to go on"));
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { out.SetPayload(url, payload); });
+  return out;
+}
 
 class BulkUpload {
  public:
@@ -59,7 +71,7 @@ class BulkUpload {
     }
     for (std::thread& thread : threads) thread.join();
     absl::MutexLock lock(&mutex_);
-    if (!stopped_.ok()) return stopped_;
+    if (!stopped_.ok()) return is_created_ ? AfterViews(stopped_, " with --resume") : stopped_;
     std::ranges::sort(result_.failed, {}, &FailedView::index);
     if (options_.atomic && !result_.failed.empty()) return NotAll();
     if (is_created_) {
@@ -67,7 +79,7 @@ class BulkUpload {
       request.set_name(name_);
       request.set_skip_failed(!options_.atomic);
       const auto committed = client_.CommitUpload(request);
-      if (!committed.ok()) return committed.status();
+      if (!committed.ok()) return AfterViews(committed.status(), "");
       result_.counts.created +=
           static_cast<int>(committed->created_count() + committed->replaced_count());
       result_.counts.existing += static_cast<int>(committed->existing_count());
@@ -211,13 +223,8 @@ class BulkUpload {
     request.mutable_upload()->set_expected_view_count(static_cast<std::int64_t>(views_.count));
     const auto created = client_.CreateUpload(request);
     is_created_ = created.ok();
-    // There was none a moment ago: FindStaged.
-    if (absl::IsAlreadyExists(created.status())) return RunsElsewhere();
-    return created.status();
-  }
-
-  absl::Status RunsElsewhere() const {
-    return absl::AlreadyExistsError(absl::StrCat(
+    if (!absl::IsAlreadyExists(created.status())) return created.status();
+    return absl::AlreadyExistsError(absl::StrCat(  // there was none a moment ago: FindStaged
         "another import of the same views has just begun; wait for its end, and then run the same "
         "command again if views are missing (`graspdb uploads show ",
         options_.upload_id, "` prints its progress)"));

@@ -62,7 +62,7 @@ class BusyUploads : public v1::UploadService::Service {
     for (std::size_t i = 0; i < received.size(); ++i) {
       if (i == answers && refused_ < refusals) {
         ++refused_;
-        return BusyFor(delay);
+        return refusal.ok() ? BusyFor(delay) : refusal;
       }
       views_.insert(received[i]);
       stream->Write(v1::WriteUploadViewsResponse());
@@ -71,6 +71,7 @@ class BusyUploads : public v1::UploadService::Service {
   }
   grpc::Status CommitUpload(grpc::ServerContext*, const v1::CommitUploadRequest*,
                             v1::Upload* response) override {
+    if (!committed.ok()) return committed;
     absl::MutexLock lock(&mutex_);
     response->set_created_count(static_cast<std::int64_t>(views_.size()));
     return grpc::Status::OK;
@@ -85,7 +86,9 @@ class BusyUploads : public v1::UploadService::Service {
   std::size_t answers = 0;  // of a stream before it is refused
   int refusals = 0;         // of all streams
   absl::Duration delay = absl::Milliseconds(1);
+  grpc::Status refusal = grpc::Status::OK;  // of streams; OK: busy for `delay`
   grpc::Status created = grpc::Status::OK;
+  grpc::Status committed = grpc::Status::OK;
 
  private:
   int port_ = 0;
@@ -155,6 +158,24 @@ TEST_F(BulkUploadTest, AnUploadThatAnotherProcessCreatedMeanwhileIsNamed) {
               StatusIs(absl::StatusCode::kAlreadyExists,
                        AllOf(HasSubstr("another import of the same views has just begun; wait"),
                              HasSubstr("graspdb uploads show import-1"))));
+}
+
+TEST_F(BulkUploadTest, AServerThatIsLostLeavesTheViewsThatWereSent) {
+  server_.refusal = {grpc::StatusCode::UNAVAILABLE, "gone", "details"};
+  server_.refusals = 1000;
+  server_.answers = 2;
+  const auto lost = Teach(/*count=*/5, /*streams=*/1, /*busy_retries=*/0);
+  EXPECT_THAT(lost, StatusIs(absl::StatusCode::kUnavailable,
+                             AllOf(HasSubstr("gone; the views sent are safe"),
+                                   HasSubstr("run the same command with --resume to go on"))));
+  EXPECT_EQ(lost.status().GetPayload(kErrorDetails), "details");
+}
+
+// It may have been made, after which there is no upload to resume.
+TEST_F(BulkUploadTest, ACommitThatIsLostNeedsNoResume) {
+  server_.committed = {grpc::StatusCode::UNAVAILABLE, "gone", "details"};
+  EXPECT_THAT(Teach(/*count=*/5, /*streams=*/1, /*busy_retries=*/0),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("run the same command to go on")));
 }
 
 }  // namespace
