@@ -137,7 +137,7 @@ void AddBackupCommands(CLI::App& app, const GlobalOptions& global, Action* actio
   };
   const auto add_id = [&](CLI::App* command) {
     command->add_option("ID", options->id, "Number of the backup; default: the newest")
-        ->check(CLI::PositiveNumber);
+        ->check(WholeNumberFrom(1));
   };
   const auto add_from = [&](CLI::App* command) {
     command->add_option("--from", options->from,
@@ -155,7 +155,8 @@ void AddBackupCommands(CLI::App& app, const GlobalOptions& global, Action* actio
              Diff));
   add("delete", "Delete backups", Delete)
       ->add_option("ID", options->ids, "Numbers of the backups")
-      ->required();
+      ->required()
+      ->check(WholeNumberFrom(1));
   AddRestoreCommand(*backup, global, action);
 }
 

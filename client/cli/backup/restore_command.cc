@@ -41,7 +41,7 @@ void AddRestoreCommand(CLI::App& backup, const GlobalOptions& global, Action* ac
   command->add_option("--to", options->to, "Directory of the database to make: missing or empty")
       ->required();
   command->add_option("--id", options->id, "Number of the backup; default: the newest")
-      ->check(CLI::PositiveNumber);
+      ->check(WholeNumberFrom(1));
   command->add_flag(
       "--dry-run", options->dry_run,
       "Change nothing: verify the backup, and print what a restore would change in an "

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "absl/strings/cord.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "files/json_object.h"
 
@@ -30,6 +31,15 @@ CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::strin
   CLI::App* command = parent.add_subcommand(name, description);
   command->fallthrough();
   return command;
+}
+
+CLI::Validator WholeNumberFrom(std::int64_t least) {
+  const auto error = [least](const std::string& text) -> std::string {
+    std::int64_t number = 0;
+    if (absl::SimpleAtoi(text, &number) && number >= least) return "";
+    return absl::StrCat("give a whole number of ", least, " or more, not ", text);
+  };
+  return {error, absl::StrCat(">= ", least)};
 }
 
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {

@@ -4,6 +4,7 @@
 #include <google/protobuf/struct.pb.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -31,6 +32,9 @@ Client Connect(const GlobalOptions& options);
 
 // A command with the given name under `parent`; global flags may follow it.
 CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description);
+
+// Accepts whole numbers that are not smaller; CLI11's PositiveNumber prints the largest double.
+CLI::Validator WholeNumberFrom(std::int64_t least);
 
 // Prints a message as one line of canonical JSON on stdout.
 absl::Status PrintJson(const google::protobuf::Message& message);

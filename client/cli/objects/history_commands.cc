@@ -146,7 +146,7 @@ void AddHistoryCommands(CLI::App& objects, const GlobalOptions& global, Action* 
   restore->add_option("OBJECT", options->id, "Id, e.g. mug")->required();
   restore->add_option("--revision", options->revision, "As in `graspdb objects history`")
       ->required()
-      ->check(CLI::PositiveNumber);
+      ->check(WholeNumberFrom(1));
   restore->callback([=, &global] { *action = [=, &global] { return Restore(global, *options); }; });
 }
 

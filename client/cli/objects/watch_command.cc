@@ -48,7 +48,7 @@ void AddWatchCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   command
       ->add_option("--after", options->after,
                    "Begin after this revision, 0 for all that are kept; default: new changes")
-      ->check(CLI::NonNegativeNumber);
+      ->check(WholeNumberFrom(0));
   command->add_option(
       "--catalog-id", options->catalog_id,
       "Id of the catalogue that --after is a revision of (graspdb status); fails if the "
