@@ -42,9 +42,9 @@ absl::StatusOr<Parent> Kind<UploadRecord>::ParentOf(std::string_view name) {
   return Parent{};
 }
 
-absl::Status NotFound(std::string_view word, std::string_view name) {
-  return absl::NotFoundError("there is no " + std::string(word) + " " + std::string(name) +
-                             "; list the existing ones, or create it first");
+absl::Status NotFound(std::string_view word, std::string_view name, std::string_view advice) {
+  return absl::NotFoundError("there is no " + std::string(word) + " " + std::string(name) + "; " +
+                             std::string(advice));
 }
 
 absl::Status AlreadyExists(std::string_view word, std::string_view name) {
@@ -63,7 +63,7 @@ absl::Status CheckParent(const Database& database, const Parent& parent) {
   if (!there.ok()) return there.status();
   if (*there) return absl::OkStatus();
   const bool is_object = parent.family == Family::kObjects;
-  return NotFound(is_object ? Kind<v1::Object>::kWord : Kind<v1::StablePose>::kWord, parent.name);
+  return is_object ? NotFound<v1::Object>(parent.name) : NotFound<v1::StablePose>(parent.name);
 }
 
 }  // namespace graspdb::storage

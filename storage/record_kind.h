@@ -78,7 +78,21 @@ struct Kind<DeletedObjectRecord> {
   static absl::StatusOr<Parent> ParentOf(std::string_view name);
 };
 
-absl::Status NotFound(std::string_view word, std::string_view name);
+// What to do where there is no record of that name.
+template <typename Record>
+inline constexpr std::string_view kMissingAdvice = "list the existing ones, or create it first";
+template <>
+inline constexpr std::string_view kMissingAdvice<UploadRecord> = "list the existing ones";
+template <>
+inline constexpr std::string_view kMissingAdvice<DeletedObjectRecord> =
+    "graspdb objects list --deleted lists those that are kept, graspdb objects history what became "
+    "of an object";
+
+absl::Status NotFound(std::string_view word, std::string_view name, std::string_view advice);
+template <typename Record>
+absl::Status NotFound(std::string_view name) {
+  return NotFound(Kind<Record>::kWord, name, kMissingAdvice<Record>);
+}
 absl::Status AlreadyExists(std::string_view word, std::string_view name);
 absl::Status DamagedRecord(std::string_view name);
 
@@ -101,7 +115,7 @@ template <typename Record>
 absl::StatusOr<Record> ReadRecord(const Database& database, std::string_view name) {
   if (auto parent = Kind<Record>::ParentOf(name); !parent.ok()) return parent.status();
   const auto bytes = database.Get(Kind<Record>::kFamily, name);
-  if (absl::IsNotFound(bytes.status())) return NotFound(Kind<Record>::kWord, name);
+  if (absl::IsNotFound(bytes.status())) return NotFound<Record>(name);
   if (!bytes.ok()) return bytes.status();
   return ParseRecord<Record>(name, *bytes);
 }

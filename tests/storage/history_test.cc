@@ -13,6 +13,7 @@ namespace graspdb::storage {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST_F(HistoryTest, ADeletedObjectComesBackAsItWas) {
@@ -42,7 +43,10 @@ TEST_F(HistoryTest, ADeletedObjectComesBackAsItWas) {
   EXPECT_EQ(after.clouds, before.clouds);
   EXPECT_EQ(catalogue_->GetGraspOutcomes(kMugUpright)->counts(0).picked_count(), 3);
   EXPECT_TRUE(history().ListDeleted(10, "")->records.empty());
-  EXPECT_TRUE(absl::IsNotFound(history().Undelete(kMug).status()));
+  const absl::Status again = history().Undelete(kMug).status();
+  EXPECT_TRUE(absl::IsNotFound(again));
+  EXPECT_THAT(std::string(again.message()),
+              HasSubstr("no deleted object objects/mug; graspdb objects list --deleted"));
   EXPECT_TRUE(absl::IsInvalidArgument(history().Undelete("mug").status()));
 }
 

@@ -288,7 +288,10 @@ TEST_F(UploadsTest, OldUploadsAreDeleted) {
   EXPECT_EQ(*uploads().DeleteOlderThan(later, kNow), std::vector<std::string>{"uploads/forgotten"});
   EXPECT_TRUE(uploads().Get(kUpload).ok());
   EXPECT_TRUE(uploads().DeleteOlderThan(later, later)->empty());
-  EXPECT_TRUE(absl::IsNotFound(uploads().Get(kUpload).status()));
+  const absl::Status missing = uploads().Get(kUpload).status();
+  EXPECT_TRUE(absl::IsNotFound(missing));
+  EXPECT_EQ(missing.message(),
+            std::string("there is no upload ") + kUpload + "; list the existing ones");
   EXPECT_EQ(catalogue_->counts().views, 1);
 }
 
