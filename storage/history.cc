@@ -17,6 +17,7 @@
 namespace graspdb::storage {
 namespace {
 
+constexpr std::int64_t kFirstRevision = 1;
 constexpr std::uint32_t kLastPart = std::numeric_limits<std::uint32_t>::max();
 
 // The first part of the next change of the object after the key `after`; nothing at the end.
@@ -123,9 +124,10 @@ absl::StatusOr<v1::Object> History::Restore(std::string_view name, std::int64_t 
     const auto horizon = ReadHorizon(database_);
     if (!horizon.ok()) return horizon.status();
     if (revision < *horizon || revision > batch.meta().revision()) {
-      return absl::OutOfRangeError("revisions " + std::to_string(*horizon) + " to " +
-                                   std::to_string(batch.meta().revision()) +
-                                   " are kept; choose one of them");
+      // After revision 0 there was no object.
+      return absl::OutOfRangeError(
+          "revisions " + std::to_string(std::max(*horizon, kFirstRevision)) + " to " +
+          std::to_string(batch.meta().revision()) + " are kept; choose one of them");
     }
     const auto now = ReadRecord<v1::Object>(database_, name);
     if (!now.ok() && !absl::IsNotFound(now.status())) return now.status();

@@ -96,7 +96,9 @@ TEST_F(HistoryTest, ARestoreWithoutADifferenceIsNoChange) {
 
 TEST_F(HistoryTest, RestoreChecksItsArguments) {
   const std::int64_t revision = catalogue_->revision();
-  EXPECT_TRUE(absl::IsOutOfRange(history().Restore(kMug, revision + 1, "").status()));
+  const absl::Status late = history().Restore(kMug, revision + 1, "").status();
+  EXPECT_TRUE(absl::IsOutOfRange(late));
+  EXPECT_THAT(std::string(late.message()), HasSubstr("revisions 1 to"));
   EXPECT_TRUE(absl::IsOutOfRange(history().Restore(kMug, -1, "").status()));
   EXPECT_TRUE(absl::IsNotFound(history().Restore("objects/mugs", 3, "").status()));
   EXPECT_TRUE(absl::IsNotFound(history().Restore("objects/none", 3, "").status()));
