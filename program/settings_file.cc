@@ -26,17 +26,43 @@ std::string Variable(const std::string& flag) {
   return value == nullptr ? "" : value;
 }
 
+bool HasSetting(const CLI::App& app, const CLI::ConfigItem& item) {
+  const CLI::App* command = &app;
+  for (const std::string& parent : item.parents) {
+    const auto found = command->get_subcommands(
+        [&](const CLI::App* other) { return other->get_name() == parent; });
+    if (found.empty()) return false;
+    command = found.front();
+  }
+  if (item.name == "++" || item.name == "--") return true;  // begin and end of a section
+  return command->get_option_no_throw("--" + item.name) != nullptr ||
+         command->get_option_no_throw("-" + item.name) != nullptr ||
+         command->get_option_no_throw(item.name) != nullptr;
+}
+
+// CLI11's own error has neither the file nor what is wrong.
+void CheckSetting(const CLI::App& app, const CLI::ConfigItem& item) {
+  if (HasSetting(app, item)) return;
+  const auto files = app.get_config_ptr()->as<std::vector<std::string>>();
+  const bool is_section = item.name == "++" || item.name == "--";
+  const std::string name = is_section ? "section [" + CLI::detail::join(item.parents, ".") + "]"
+                                      : "setting " + item.fullname();
+  throw CLI::ConfigError((files.empty() ? "--config" : files.front()) + ": there is no " + name +
+                         "; settings are flags without dashes, sections are commands");
+}
+
 // CLI11 gives the file precedence over the variables; here variables override it.
 class FileAfterVariables : public CLI::ConfigBase {
  public:
-  explicit FileAfterVariables(std::vector<std::string> other_commands)
-      : other_commands_(std::move(other_commands)) {}
+  FileAfterVariables(const CLI::App& app, std::vector<std::string> other_commands)
+      : app_(app), other_commands_(std::move(other_commands)) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(in);
     std::erase_if(given, [this](const CLI::ConfigItem& item) {
       return !Variable(item.name).empty() || IsOfOtherCommand(item);
     });
+    for (const CLI::ConfigItem& item : given) CheckSetting(app_, item);
     return given;
   }
 
@@ -46,6 +72,7 @@ class FileAfterVariables : public CLI::ConfigBase {
     return std::ranges::find(other_commands_, section) != other_commands_.end();
   }
 
+  const CLI::App& app_;
   std::vector<std::string> other_commands_;
 };
 
@@ -65,7 +92,7 @@ void NameVariables(CLI::App& app) {
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
   const std::string path = Variable("config");
   app.set_config("--config", path, "File with settings, one KEY=VALUE per line", !path.empty());
-  app.config_formatter(std::make_shared<FileAfterVariables>(std::move(other_commands)));
+  app.config_formatter(std::make_shared<FileAfterVariables>(app, std::move(other_commands)));
   app.allow_config_extras(CLI::config_extras_mode::error);
   NameVariables(app);
 }

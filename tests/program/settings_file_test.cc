@@ -84,5 +84,22 @@ TEST_F(SettingsFileTest, UnknownKeyIsAnError) {
   EXPECT_THROW(Parse("--config " + typo + " import"), CLI::ParseError);
 }
 
+TEST_F(SettingsFileTest, TheErrorOfAnUnknownKeyNamesTheFile) {
+  const auto error_of = [&](const std::string& text) -> std::string {
+    const std::string typo = folder_.Write("typo.conf", text).string();
+    try {
+      Parse("--config " + typo + " import");
+    } catch (const CLI::ParseError& e) {
+      const std::string error = e.what();
+      return error.starts_with(typo) ? error.substr(typo.size(), error.find(';') - typo.size())
+                                     : error;
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of("sever=file\n"), ": there is no setting sever");
+  EXPECT_EQ(error_of("[import]\nspilt=ALL\n"), ": there is no setting import.spilt");
+  EXPECT_EQ(error_of("[impot]\nsplit=ALL\n"), ": there is no section [impot]");
+}
+
 }  // namespace
 }  // namespace graspdb
