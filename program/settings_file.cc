@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <istream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "program/unknown_command.h"
 
 namespace graspdb {
 namespace {
@@ -101,7 +104,11 @@ std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    const bool is_help = e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+    const std::string unknown = is_help ? "" : UnknownCommandError(app);
+    if (unknown.empty()) return app.exit(e) == 0 ? 0 : 2;
+    std::fprintf(stderr, "%s\n", unknown.c_str());
+    return 2;
   }
   return std::nullopt;
 }

@@ -23,7 +23,9 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
   const std::string cloud = folder_.Write("a.pcd", AsciiPcd(CurvedPatch(100))).string();
   const std::vector<std::pair<Words, std::string>> cases = {
       {{}, "subcommand"},
-      {{"paint"}, "paint"},
+      {{"paint"}, "there is no command paint; see graspdb --help"},
+      {{"impot", "a.graspdb"}, "there is no command impot; the nearest one is import"},
+      {{"objects", "lst"}, "there is no command lst; the nearest one is list"},
       {{"status", "--colour"}, "--colour"},
       {{"recognize"}, "INPUT"},
       {{"describe", cloud, "--descriptor", "sift"}, "sift"},
