@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -28,12 +30,21 @@ constexpr char kTokenFooter[] =
   graspdb-server token press-3 --role read --role recognise --cell press-3 \
     --out press-3.token >> identities.jsonl)";
 
-std::map<std::string, v1::Role> Roles() {
-  std::map<std::string, v1::Role> out;
+// In the order of the contract, which begins with the least.
+std::vector<std::string> RoleNames() {
+  std::vector<std::string> out;
+  out.reserve(static_cast<std::size_t>(v1::Role_MAX));
   for (int role = v1::ROLE_READ; role <= v1::Role_MAX; ++role) {
-    out[RoleName(static_cast<v1::Role>(role))] = static_cast<v1::Role>(role);
+    out.push_back(RoleName(static_cast<v1::Role>(role)));
   }
   return out;
+}
+
+// Of one of RoleNames().
+v1::Role RoleNamed(const std::string& name) {
+  int role = v1::ROLE_READ;
+  while (RoleName(static_cast<v1::Role>(role)) != name) ++role;
+  return static_cast<v1::Role>(role);
 }
 
 // A new file that only its owner can read, on the disk: nothing else has the secret. No file stays
@@ -87,19 +98,19 @@ int RunTokenCommand(int argc, char** argv) {
   std::string name;
   std::string cell;
   std::string out;
-  std::vector<v1::Role> roles;
+  std::vector<std::string> roles;
   app.add_option("NAME", name, "Name of the caller: a program or a person")->required();
   app.add_option("--role", roles,
                  "A role: read, recognise, teach, operate or admin; may be repeated")
       ->required()
-      ->transform(CLI::CheckedTransformer(Roles()))
+      ->check(CLI::IsMember(RoleNames()))
       ->type_name("ROLE");
   app.add_option("--cell", cell, "Id of the only cell that the caller may use");
   app.add_option("--out", out, "New file for the token, instead of the first line of the output");
   if (const std::optional<int> end = ParseArguments(app, argc, argv)) return *end;
   v1::Identity identity;
   identity.set_name(name);
-  for (const v1::Role role : roles) identity.add_roles(role);
+  for (const std::string& role : roles) identity.add_roles(RoleNamed(role));
   if (!cell.empty()) identity.set_cell(storage::MakeCellName(cell));
   const absl::Status status = MakeToken(std::move(identity), out);
   if (status.ok()) return 0;

@@ -178,7 +178,11 @@ TEST_F(SecurityTest, TokenPrintsItOnce) {
     return RunProgram(folder_.path(), command);
   };
   EXPECT_THAT(run({}), EndsWith(2));
-  EXPECT_THAT(run({"a", "--role", "king"}), EndsWith(2));
+  for (const char* role : {"king", "1", "ROLE_READ"}) {
+    const Finished refused = run({"a", "--role", role});
+    EXPECT_THAT(refused, EndsWith(2));
+    EXPECT_THAT(refused.err, HasSubstr("{read,recognise,teach,operate,admin}"));
+  }
   EXPECT_THAT(run({"a b", "--role", "read"}), EndsWith(2));
   folder_.Write("old.token", "old");
   const Finished kept = run({"a", "--role", "read", "--out", Path("old.token")});
