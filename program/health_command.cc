@@ -12,8 +12,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/match.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "program/pem_files.h"
 #include "program/settings_file.h"
 
 namespace graspdb {
@@ -28,25 +30,35 @@ struct TlsFiles {
   std::string key;
 };
 
-// The file's text; "" for no file.
-absl::StatusOr<std::string> Read(const std::string& path) {
-  if (path.empty()) return "";
+std::string TextOf(const std::string& path) {
   std::ifstream file(path);
   std::string out(std::istreambuf_iterator<char>(file), {});
-  if (!file || out.empty()) return absl::FailedPreconditionError("cannot read " + path);
   return out;
 }
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFrom(const TlsFiles& files) {
   if (files.ca.empty()) return grpc::InsecureChannelCredentials();
-  const auto ca = Read(files.ca);
-  if (!ca.ok()) return ca.status();
-  const auto cert = Read(files.cert);
-  if (!cert.ok()) return cert.status();
-  const auto key = Read(files.key);
-  if (!key.ok()) return key.status();
-  return grpc::SslCredentials(
-      {.pem_root_certs = *ca, .pem_private_key = *key, .pem_cert_chain = *cert});
+  absl::Status status = CheckCertificates({"--ca", files.ca});
+  if (!files.cert.empty()) {
+    status.Update(CheckKeyPair({"--cert", files.cert}, {"--key", files.key}));
+  }
+  if (!status.ok()) return status;
+  return grpc::SslCredentials({.pem_root_certs = TextOf(files.ca),
+                               .pem_private_key = files.key.empty() ? "" : TextOf(files.key),
+                               .pem_cert_chain = files.cert.empty() ? "" : TextOf(files.cert)});
+}
+
+// What gRPC's text of a failed connection means; the text itself if that is unknown.
+std::string ReasonOf(const std::string& text, const TlsFiles& files) {
+  const auto has = [&](const char* part) { return absl::StrContains(text, part); };
+  if (has("wrong version number")) return "it does not use TLS; leave out --ca";
+  if (has("certificate verify failed")) {
+    return "its certificate has expired or is not signed by an authority of --ca " + files.ca;
+  }
+  if (!has("Socket closed")) return text;
+  if (files.ca.empty()) return "it closed the connection; give --ca if it uses TLS";
+  return files.cert.empty() ? "it needs a client certificate; give --cert and --key"
+                            : "it does not accept --cert " + files.cert;
 }
 
 absl::Status Check(const std::string& address, const TlsFiles& files, absl::Duration timeout) {
@@ -66,7 +78,9 @@ absl::Status Check(const std::string& address, const TlsFiles& files, absl::Dura
   void* tag = nullptr;
   bool is_done = false;
   queue.Next(&tag, &is_done);
-  if (!status.ok()) return absl::UnavailableError(address + ": " + status.error_message());
+  if (!status.ok()) {
+    return absl::UnavailableError(address + ": " + ReasonOf(status.error_message(), files));
+  }
   grpc::Slice bytes;
   if (!response.TrySingleSlice(&bytes).ok() ||
       kServing != std::string_view(reinterpret_cast<const char*>(bytes.begin()), bytes.size())) {

@@ -4,8 +4,10 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
+#include <cerrno>
 #include <ctime>
 #include <memory>
+#include <system_error>
 
 #include "absl/strings/str_cat.h"
 
@@ -28,8 +30,12 @@ absl::Status Failed(const PemFile& file, const std::string& description) {
 }
 
 absl::StatusOr<Bio> OpenFile(const PemFile& file) {
+  errno = 0;
   Bio out(BIO_new_file(file.path.c_str(), "r"));
-  if (out == nullptr) return Failed(file, "cannot be read; check the path and its permissions");
+  if (out == nullptr) {
+    return Failed(file, absl::StrCat("cannot be read (", std::generic_category().message(errno),
+                                     "); check the path and its permissions"));
+  }
   return out;
 }
 

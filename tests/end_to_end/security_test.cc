@@ -88,6 +88,16 @@ TEST_F(SecurityTest, MutualTls) {
                          {GRASPDB_SERVER_PROGRAM, "health", address_, "--ca", Path("plant.pem"),
                           "--cert", Path("server.pem"), "--key", Path("server.key")}),
               EndsWith(0));
+  const auto health = [&](const Words& words) {
+    Words command = {GRASPDB_SERVER_PROGRAM, "health", address_};
+    command.insert(command.end(), words.begin(), words.end());
+    return RunProgram(folder_.path(), command);
+  };
+  EXPECT_THAT(health({}).err, HasSubstr("give --ca if it uses TLS"));
+  EXPECT_THAT(health({"--ca", Path("none")}).err, HasSubstr("none cannot be read (No such file"));
+  const Finished of_folder = health({"--ca", folder_.path().string()});
+  EXPECT_THAT(of_folder, EndsWith(1));
+  EXPECT_THAT(of_folder.err, HasSubstr("has no certificate in PEM format"));
   const Finished expired = As("expired", {"status"});
   EXPECT_THAT(expired, EndsWith(1));
   EXPECT_THAT(expired, PrintsOnly("graspdb", "expired.pem expired on"));

@@ -52,8 +52,9 @@ TEST_F(PemFilesTest, FilesWithoutCertificateOrKeyAreRejected) {
   const testing::KeyPair pair = authority_.IssueForLoopback();
   EXPECT_THAT(Check({"", pair.key}), StatusIs(kFailed, HasSubstr("has no certificate")));
   EXPECT_THAT(Check({pair.certificate, pair.certificate}), StatusIs(kFailed, HasSubstr("--key")));
-  EXPECT_THAT(CheckCertificates({"--ca", "/nonexistent"}),
-              StatusIs(kFailed, HasSubstr("--ca /nonexistent cannot be read")));
+  EXPECT_THAT(
+      CheckCertificates({"--ca", "/nonexistent"}),
+      StatusIs(kFailed, HasSubstr("--ca /nonexistent cannot be read (No such file or directory)")));
 }
 
 }  // namespace
