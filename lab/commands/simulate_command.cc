@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/commands.h"
 #include "rendering/length_unit.h"
@@ -59,11 +62,23 @@ void ListParts() {
   }
 }
 
+// The error of a mesh, which may be meant as one of --parts: CLI11 ends these at a space.
+absl::Status MeshError(const absl::Status& status, const std::string& path,
+                       const std::vector<std::string>& parts) {
+  const std::vector<std::string> ids = SamplePartIds();
+  if (!absl::IsNotFound(status) || std::ranges::find(ids, path) == ids.end()) return status;
+  return absl::NotFoundError(absl::StrCat("there is no mesh ", path,
+                                          ", which is the id of a sample part; separate ids by "
+                                          "commas: --parts ",
+                                          absl::StrJoin(parts, ","), parts.empty() ? "" : ",",
+                                          path));
+}
+
 absl::StatusOr<std::vector<Workpiece>> PartsOf(const Arguments& arguments) {
   std::vector<Workpiece> parts;
   for (const std::string& path : arguments.meshes) {
     absl::StatusOr<Workpiece> part = WorkpieceFromMesh(path, MetresOf(arguments.unit).value_or(1));
-    if (!part.ok()) return part.status();
+    if (!part.ok()) return MeshError(part.status(), path, arguments.parts);
     parts.push_back(*std::move(part));
   }
   if (!arguments.meshes.empty() && arguments.parts.empty()) return parts;
