@@ -81,6 +81,7 @@ TEST_F(AnswersTest, ListsShowsAndDeletesObjects) {
 
 TEST_F(AnswersTest, SetsShowsAndAppliesCells) {
   StartServer();
+  EXPECT_THAT(Succeed({"cells", "list"}).out, HasSubstr("there are no cells"));
   Succeed({"cells", "set", "press", "--sensor-pose", "0,-0.5,0.6,-0.8,0,0,0.6", "--region",
            "-0.3,-0.3,-0.02,0.3,0.3,0.4", "--display-name", "Press 3"});
   const std::string shown = Succeed({"cells", "show", "press", "--json"}).out;

@@ -105,7 +105,7 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
 
   std::ofstream(bad) << good;
   EXPECT_THAT(Succeed({"import", Path("set"), "--atomic"}).out,
-              HasSubstr("taught 1 views, 17 were there already"));
+              HasSubstr("taught 1 view, 17 were there already"));
 }
 
 TEST_F(FailureTest, RejectsASecondServerOnADatabase) {

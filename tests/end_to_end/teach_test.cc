@@ -164,7 +164,7 @@ TEST_F(TeachTest, RunsUnattended) {
       "--cell", "press",     "--step",   "60",
       "--yes",  "--settle",  "0.01"};
   const Finished taught = Succeed(teach);
-  EXPECT_THAT(taught.out, HasSubstr("taught 6 views; the catalogue has 6 views of 1 objects\n"));
+  EXPECT_THAT(taught.out, HasSubstr("taught 6 views; the catalogue has 6 views of 1 object\n"));
   // Again with another stable pose, for which the recording ends after five views.
   std::filesystem::remove(Path("frames/130.pcd"));
   const Finished broken = Graspdb(teach);

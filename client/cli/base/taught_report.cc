@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/base/counted.h"
 
 namespace graspdb::client {
 
@@ -20,9 +21,9 @@ absl::StatusOr<v1::CatalogStatus> ReportTaught(const GlobalOptions& global, Clie
   }
   const std::string existing =
       views.existing ? absl::StrCat(", ", *views.existing, " were there already") : "";
-  std::printf("taught %d views%s; the catalogue has %lld views of %lld objects%s\n", views.created,
-              existing.c_str(), static_cast<long long>(status->view_count()),
-              static_cast<long long>(status->object_count()), rest.c_str());
+  std::printf("taught %s%s; the catalogue has %s of %s%s\n", Counted(views.created, "view").c_str(),
+              existing.c_str(), Counted(status->view_count(), "view").c_str(),
+              Counted(status->object_count(), "object").c_str(), rest.c_str());
   return status;
 }
 

@@ -132,6 +132,9 @@ absl::Status ListCells(const GlobalOptions& global) {
                   cell.display_name().empty() ? "" : (", " + cell.display_name()).c_str());
     }
   }
+  if (cells->empty() && !global.json) {
+    std::printf("there are no cells; create one with: graspdb cells set NAME\n");
+  }
   return absl::OkStatus();
 }
 

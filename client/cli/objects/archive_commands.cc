@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/archive/archive_export.h"
 #include "client/archive/archive_import.h"
+#include "client/cli/base/counted.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/archive_text.h"
 #include "client/cli/objects/look_alike_notes.h"
@@ -199,8 +200,8 @@ absl::Status RunArchiveExport(const GlobalOptions& global, const std::string& pa
                  static_cast<long long>(end.catalog_revision()), path.c_str());
   }
   if (global.json) return PrintJson(end);
-  std::printf("wrote %lld views of %lld objects at revision %lld to %s\n",
-              static_cast<long long>(end.view_count()), static_cast<long long>(end.object_count()),
+  std::printf("wrote %s of %s at revision %lld to %s\n", Counted(end.view_count(), "view").c_str(),
+              Counted(end.object_count(), "object").c_str(),
               static_cast<long long>(end.catalog_revision()), path.c_str());
   return absl::OkStatus();
 }

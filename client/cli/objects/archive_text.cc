@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/base/counted.h"
 #include "files/json_object.h"
 
 namespace graspdb::client {
@@ -54,22 +55,21 @@ std::string NotesText(const ArchiveComparison& comparison) {
   const auto undecided = std::ranges::count(comparison.actions, ArchiveAction::kUndecided);
   if (undecided > 0) {
     absl::StrAppend(
-        &out, undecided,
-        " records are undecided, so that an import writes nothing; choose --on-conflict "
+        &out, Counted(undecided, "record"), undecided == 1 ? " is" : " are",
+        " undecided, so that an import writes nothing; choose --on-conflict "
         "keep, replace or later, or give the archive from which both began as --base\n");
   }
   if (comparison.left_out_count > 0) {
-    absl::StrAppend(&out, comparison.left_out_count,
-                    " new views of stable poses in conflict, which stay as they are on the server, "
-                    "are left out\n");
+    absl::StrAppend(&out, Counted(comparison.left_out_count, "new view"),
+                    " of stable poses in conflict, which stay as they are on the server, ",
+                    comparison.left_out_count == 1 ? "is" : "are", " left out\n");
   }
   const std::size_t joined = comparison.joined_stable_poses.size();
   if (joined > 0) {
-    absl::StrAppend(
-        &out, joined,
-        " stable poses get grasps or views of the file beside others of the server, as ",
-        comparison.joined_stable_poses.front(),
-        ": right if both were taught in the same frame of the object\n");
+    absl::StrAppend(&out, Counted(joined, "stable pose"), joined == 1 ? " gets" : " get",
+                    " grasps or views of the file beside others of the server, as ",
+                    comparison.joined_stable_poses.front(),
+                    ": right if both were taught in the same frame of the object\n");
   }
   return out;
 }
@@ -98,7 +98,7 @@ std::string DifferencesText(const ArchiveIndex& index, const ArchiveComparison& 
                           std::string(LaterText(difference.later)));
   }
   if (count > kMaxPrintedDifferences) {
-    absl::StrAppend(&out, "and ", count - kMaxPrintedDifferences, " others\n");
+    absl::StrAppend(&out, "and ", Counted(count - kMaxPrintedDifferences, "other"), "\n");
   }
   return out;
 }
@@ -129,18 +129,18 @@ google::protobuf::Struct ComparisonDocument(const ArchiveIndex& index,
 std::string ResultText(const ArchiveComparison& comparison, const ArchiveImportCounts& counts,
                        const v1::CatalogStatus& status) {
   std::string out = absl::StrFormat(
-      "created %d objects, %d stable poses and %d views, replaced %d records; %d were the same, %d "
-      "stay as they are on the server\n",
-      counts.created_objects, counts.created_stable_poses, counts.created_views, counts.replaced,
-      comparison.CountOf(ArchiveState::kSame),
+      "created %s, %s and %s, replaced %s; %d were the same, %d stay as they are on the server\n",
+      Counted(counts.created_objects, "object"),
+      Counted(counts.created_stable_poses, "stable pose"), Counted(counts.created_views, "view"),
+      Counted(counts.replaced, "record"), comparison.CountOf(ArchiveState::kSame),
       std::ranges::count(comparison.actions, ArchiveAction::kKeep));
   out += NotesText(comparison);
   if (counts.raised_outcomes > 0) {
-    absl::StrAppend(&out, "raised the counts of picks of ", counts.raised_outcomes,
-                    " stable poses\n");
+    absl::StrAppend(&out, "raised the counts of picks of ",
+                    Counted(counts.raised_outcomes, "stable pose"), "\n");
   }
-  return out + absl::StrFormat("the catalogue has %d views of %d objects\n", status.view_count(),
-                               status.object_count());
+  return out + absl::StrCat("the catalogue has ", Counted(status.view_count(), "view"), " of ",
+                            Counted(status.object_count(), "object"), "\n");
 }
 
 google::protobuf::Struct ResultDocument(const ArchiveIndex& index,

@@ -5,6 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/base/cache_text.h"
+#include "client/cli/base/counted.h"
 #include "client/cli/objects/commands.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 
@@ -44,7 +45,7 @@ absl::Status ListObjects(const GlobalOptions& global, bool deleted) {
 
 void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   const int order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
-  std::printf("  %s: %zu views, symmetry %s%s\n", pose.name().c_str(), views,
+  std::printf("  %s: %s, symmetry %s%s\n", pose.name().c_str(), Counted(views, "view").c_str(),
               order == 0 ? "any turn" : (std::to_string(order) + "-fold").c_str(),
               pose.release() == v1::RELEASE_STATE_DRAFT ? " (draft)" : "");
   if (pose.has_min_score()) std::printf("    minimum score %.2f\n", pose.min_score());
@@ -168,10 +169,9 @@ absl::Status ShowStatus(const GlobalOptions& global) {
   if (global.json) return PrintJson(*status);
   std::printf("server      %s, version %s, up %.0f s\n", global.server.c_str(),
               status->server_version().c_str(), status->uptime_s());
-  std::printf("catalogue   %lld objects, %lld stable poses, %lld views\n",
-              static_cast<long long>(status->object_count()),
-              static_cast<long long>(status->stable_pose_count()),
-              static_cast<long long>(status->view_count()));
+  std::printf("catalogue   %s, %s, %s\n", Counted(status->object_count(), "object").c_str(),
+              Counted(status->stable_pose_count(), "stable pose").c_str(),
+              Counted(status->view_count(), "view").c_str());
   std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
   if (!status->catalog_id().empty()) {
     std::printf("catalog id  %s\n", status->catalog_id().c_str());

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/base/counted.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
@@ -108,8 +109,8 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
     progress.Report(static_cast<int>(i + 1), static_cast<int>(entries.size()));
   }
   if (absl::Status status = writer.Finish(set); !status.ok()) return status;
-  std::printf("wrote %zu views of %zu objects to %s\n", entries.size(), objects.size(),
-              options.folder.c_str());
+  std::printf("wrote %s of %s to %s\n", Counted(entries.size(), "view").c_str(),
+              Counted(objects.size(), "object").c_str(), options.folder.c_str());
   return absl::OkStatus();
 }
 

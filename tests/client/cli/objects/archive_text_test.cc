@@ -52,7 +52,7 @@ TEST(ArchiveText, ConflictsWithoutADecisionAreNeitherKeptNorReplaced) {
   comparison.differences.back().action = ArchiveAction::kUndecided;
   EXPECT_THAT(ComparisonText(index, comparison),
               AllOf(HasSubstr("conflict undecided objects/mug/stablePoses/0, "),
-                    HasSubstr("1 records are undecided, so that an import writes nothing")));
+                    HasSubstr("1 record is undecided, so that an import writes nothing")));
 }
 
 TEST(ArchiveText, ListsTheFirstDifferencesAndJsonAllOfThem) {
