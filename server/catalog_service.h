@@ -1,6 +1,8 @@
 // CatalogService over the storage.
 #pragma once
 
+#include <functional>
+
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "recognition/recognizer.h"
 #include "server/admission.h"
@@ -24,7 +26,8 @@ struct CatalogContext {
   RequestMemory& request_memory;
   recognition::RecognitionParameters parameters;
   TeachLimits limits;
-  const CatalogueBackups* backups = nullptr;  // null: the server has no folder for them
+  const CatalogueBackups* backups = nullptr;           // null: the server has no folder for them
+  std::function<v1::ServerState()> server_state = {};  // thread-safe; empty: it is not reported
 };
 
 // Thread-safe.

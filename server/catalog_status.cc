@@ -67,6 +67,7 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     *response->mutable_memory() = MemoryToProto(context_);
     SetApproximate(context_.live.snapshot()->index, response);
     if (context_.backups != nullptr) *response->mutable_backup() = context_.backups->Status();
+    if (context_.server_state) *response->mutable_server_state() = context_.server_state();
     return SumGraspOutcomes(context_.catalogue, response);
   });
 }

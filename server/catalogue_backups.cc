@@ -51,6 +51,7 @@ absl::StatusOr<std::unique_ptr<CatalogueBackups>> CatalogueBackups::Open(
 
 CatalogueBackups::CatalogueBackups(const ServerOptions& options, storage::Catalogue& catalogue)
     : interval_s_(options.backup_every_s),
+      folder_(options.backup_dir),
       catalogue_(catalogue),
       backups_(options.backup_dir, static_cast<std::int64_t>(options.backup_rate_mib * (1 << 20))) {
 }
@@ -64,7 +65,10 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupPr
     if (auto intact = CheckSharedFiles(made->id, until_stop); !intact.ok()) made = intact;
   }
   NoteFailure(made.status(), "create");
-  if (!made.ok()) return made;
+  if (!made.ok()) {
+    ReadDisk();
+    return made;
+  }
   Refresh();
   {
     absl::MutexLock lock(&mutex_);
@@ -153,7 +157,16 @@ storage::BackupProgress CatalogueBackups::UntilStop(const storage::BackupProgres
   return out;
 }
 
+void CatalogueBackups::ReadDisk() {
+  std::error_code error;
+  const std::filesystem::space_info disk = std::filesystem::space(folder_, error);
+  absl::MutexLock lock(&mutex_);
+  disk_.reset();
+  if (!error) disk_ = disk;
+}
+
 void CatalogueBackups::Refresh() {
+  ReadDisk();
   const auto listed = backups_.List();
   if (!listed.ok()) return;  // the operation before has reported it
   absl::MutexLock lock(&mutex_);
@@ -193,6 +206,10 @@ v1::BackupStatus CatalogueBackups::Status() const {
   if (last_good_) {
     *out.mutable_last_good_backup() = BackupToProto(*last_good_);
     out.set_last_good_age_s(absl::ToDoubleSeconds(absl::Now() - TimeOf(*last_good_)));
+  }
+  if (disk_) {
+    out.mutable_disk()->set_available_byte_count(static_cast<std::int64_t>(disk_->available));
+    out.mutable_disk()->set_byte_count(static_cast<std::int64_t>(disk_->capacity));
   }
   if (!last_error_.empty()) {
     out.set_last_error(last_error_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -58,15 +59,18 @@ class CatalogueBackups {
       ABSL_LOCKS_EXCLUDED(mutex_);
   storage::BackupProgress UntilStop(const storage::BackupProgress& progress) const;
   void Refresh() ABSL_LOCKS_EXCLUDED(mutex_);
+  void ReadDisk() ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteFailure(const absl::Status& status, std::string_view action) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const double interval_s_;
+  const std::filesystem::path folder_;
   storage::Catalogue& catalogue_;
   storage::Backups backups_;
   std::atomic<bool> stopped_ = false;
 
   mutable absl::Mutex mutex_;
   int count_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::optional<std::filesystem::space_info> disk_ ABSL_GUARDED_BY(mutex_);  // of the last use
   std::optional<storage::Backup> last_good_ ABSL_GUARDED_BY(mutex_);
   std::set<storage::BackupId> damaged_ ABSL_GUARDED_BY(mutex_);  // found by Verify()
   std::string last_error_ ABSL_GUARDED_BY(mutex_);

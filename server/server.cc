@@ -34,6 +34,7 @@
 #include "server/memory_budget.h"
 #include "server/object_history_service.h"
 #include "server/recognition_service.h"
+#include "server/server_state.h"
 #include "server/status_metrics.h"
 #include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
@@ -110,15 +111,19 @@ struct Server::Parts {
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
         recognition_service(recognizer, check, recognizing, request_memory),
-        catalog_service({*catalogue,
-                         *live,
-                         teaching,
-                         clouds,
-                         memory,
-                         request_memory,
-                         parameters,
-                         {max_points},
-                         backups.get()}),
+        catalog_service(
+            {*catalogue,
+             *live,
+             teaching,
+             clouds,
+             memory,
+             request_memory,
+             parameters,
+             {max_points},
+             backups.get(),
+             [this, certificate = options.tls.cert] {
+               return ServerStateOf({*catalogue, *live, access, tls_state, certificate});
+             }}),
         uploading(WorkersOf(options), kTeachQueue),
         upload_service({*catalogue, uploading, request_memory, parameters, {max_points}}),
         history_service(*catalogue, parameters.descriptor, expiry.history_kept()),
@@ -128,8 +133,8 @@ struct Server::Parts {
         backup_schedule(ScheduleBackups(options, backups.get())) {}
 
   StatusSources StatusSourcesOf(const ServerOptions& options, const MemoryShares& memory) {
-    return {*catalogue,  *live,    clouds,    request_memory, memory,
-            recognizing, teaching, uploading, backups.get(),  options.tls.cert};
+    return {*catalogue, *live,     clouds,        request_memory, memory,    recognizing,
+            teaching,   uploading, backups.get(), access,         tls_state, options.tls.cert};
   }
 
   recognition::RecognitionParameters parameters;
@@ -159,6 +164,7 @@ struct Server::Parts {
       &cell_service,    &change_service,      &backup_service};
   std::unique_ptr<BackupSchedule> backup_schedule;  // null: none are scheduled
   AccessRules access = {};
+  FileState tls_state{"--tls-cert"};
   std::unique_ptr<WatchedFiles> tls_files;
   std::unique_ptr<MetricsServer> metrics;  // null: none
 };
@@ -189,7 +195,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   out->parts_->access.revision = [parts = out->parts_.get()] {
     return parts->catalogue->revision();
   };
-  out->parts_->tls_files = WatchTlsFiles(options.tls);
+  out->parts_->tls_files = WatchTlsFiles(options.tls, out->parts_->tls_state);
   auto metrics = ServeMetrics(options.metrics, out->parts_->StatusSourcesOf(options, memory),
                               out->parts_->access.metrics.get());
   if (!metrics.ok()) return metrics.status();

@@ -1,6 +1,7 @@
 #include "server/status_metrics.h"
 
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "absl/time/time.h"
@@ -206,6 +207,28 @@ prometheus::MetricFamily CertificateMetric(const std::string& certificate) {
                  std::move(end));
 }
 
+MetricFamilies FileMetrics(const StatusSources& from) {
+  std::vector<Sample> failed;
+  std::vector<Sample> lost;
+  const auto add = [&](const char* name, const std::optional<FileFault>& fault) {
+    failed.push_back(Labelled("file", name, fault.has_value()));
+  };
+  if (from.access.identities != nullptr) add("identities", from.access.identities->fault());
+  if (!from.certificate.empty()) add("tls", from.tls_files.fault());
+  if (from.access.audit != nullptr) {
+    add("audit", from.access.audit->fault());
+    lost.push_back(Number(from.access.audit->lost_count()));
+  }
+  return {
+      GaugeOf("graspdb_file_failed",
+              "1 while a file of the settings cannot be used as it is, else 0; none without its "
+              "flag.",
+              std::move(failed)),
+      CounterOf("graspdb_audit_lost_records_total",
+                "Audit records that could not be written; none without --audit-log.",
+                std::move(lost))};
+}
+
 MetricFamilies StatusMetrics(const StatusSources& from) {
   MetricFamilies out;
   const auto add = [&](MetricFamilies families) {
@@ -219,6 +242,7 @@ MetricFamilies StatusMetrics(const StatusSources& from) {
   add(BackupMetrics(from.backups));
   add(UploadMetrics(from.catalogue.uploads()));
   add({CertificateMetric(from.certificate)});
+  add(FileMetrics(from));
   return out;
 }
 

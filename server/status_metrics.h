@@ -9,7 +9,9 @@
 #include "absl/time/time.h"
 #include "program/metrics/families.h"
 #include "program/metrics/metrics_server.h"
+#include "server/access/file_state.h"
 #include "server/admission.h"
+#include "server/call_guard.h"
 #include "server/call_metrics.h"
 #include "server/catalogue_backups.h"
 #include "server/live_catalogue.h"
@@ -29,8 +31,10 @@ struct StatusSources {
   const Admission& teaching;
   const Admission& uploading;
   const CatalogueBackups* backups;  // null: there is no folder for them
-  std::string certificate;          // file; empty: no TLS
-  absl::Time start = absl::Now();   // of the server
+  const AccessRules& access;
+  const FileState& tls_files;
+  std::string certificate;         // file; empty: no TLS
+  absl::Time start = absl::Now();  // of the server
 };
 
 // Serves the metrics of `sources`, without waiting for a change of the catalogue, and of `calls`,

@@ -85,10 +85,18 @@ int AuditLog::Rotate() {
   return 0;
 }
 
+void AuditLog::NoteLoss(const v1::AuditRecord& record, const std::string& reason) {
+  ++lost_count_;
+  state_.Note(absl::UnavailableError(
+      absl::StrCat("cannot write --audit-log ", path_.string(), " (", reason, ")")));
+  spdlog::error("event=audit_not_written method={} error={}", LogField(record.method()),
+                LogField(reason));
+}
+
 void AuditLog::Write(const v1::AuditRecord& record) {
   std::string line;
   if (!google::protobuf::util::MessageToJsonString(record, &line).ok()) {
-    spdlog::error("event=audit_not_written method={}", LogField(record.method()));
+    NoteLoss(record, "the record is not text");
     return;
   }
   line += '\n';
@@ -104,11 +112,14 @@ void AuditLog::Write(const v1::AuditRecord& record) {
     bytes = BytesOfFile(file_);
   }
   const int error = AppendAll(file_, line);
-  if (error == 0) return;
+  if (error == 0) {
+    state_.Note(absl::OkStatus());
+    return;
+  }
   // The next line must not continue a half of this one.
   const bool is_cut = ftruncate(file_, static_cast<off_t>(bytes)) == 0;
-  spdlog::error("event=audit_not_written error={} cut={}",
-                LogField(std::generic_category().message(error)), is_cut);
+  NoteLoss(record, absl::StrCat(std::generic_category().message(error),
+                                is_cut ? "" : ", and a part of its line stays"));
 }
 
 }  // namespace graspdb::server

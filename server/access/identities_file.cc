@@ -37,6 +37,7 @@ absl::StatusOr<std::unique_ptr<IdentitiesFile>> IdentitiesFile::Open(const std::
   if (absl::Status status = out->Load(); !status.ok()) return status;
   out->file_.Start([file = out.get(), last_error = std::string()]() mutable {
     const absl::Status status = file->Load();
+    file->state_.Note(status);
     const std::string error(status.message());
     if (status.ok()) {
       spdlog::info("event=identities_read file={} count={}", LogField(file->path_),

@@ -4,6 +4,7 @@
 #include <grpcpp/security/tls_credentials_options.h>
 #include <spdlog/spdlog.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,19 +56,23 @@ std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
   return grpc::experimental::TlsServerCredentials(options);
 }
 
-std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files) {
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files, FileState& state) {
   if (files.cert.empty()) return nullptr;
   std::vector<std::string> paths = {files.cert, files.key};
   if (!files.client_ca.empty()) paths.push_back(files.client_ca);
   auto out = std::make_unique<WatchedFiles>(std::move(paths));
-  out->Start([files] {
+  out->Start([files, &state, last_error = std::string()]() mutable {
     const absl::Status status = CheckTlsFiles(files);
+    state.Note(status);
+    const std::string error(status.message());
     if (status.ok()) {
       spdlog::info("event=tls_files_changed cert={}", LogField(files.cert));
-    } else {
-      spdlog::error("event=tls_files_invalid error={}", LogField(std::string(status.message())));
+    } else if (error != last_error) {
+      spdlog::error("event=tls_files_invalid error={}", LogField(error));
     }
-    return true;
+    last_error = error;
+    // A certificate that is not valid yet becomes valid without a change of its file.
+    return status.ok();
   });
   return out;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "absl/status/status.h"
+#include "server/access/file_state.h"
 #include "server/access/tls_files.h"
 #include "server/access/watched_files.h"
 
@@ -22,7 +23,8 @@ absl::Status CheckTlsFiles(const TlsFiles& files);
 std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
     const TlsFiles& files, std::function<void(const absl::Status&)> on_refused);
 
-// Logs whether changed files can be used. Null without TLS.
-std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files);
+// Logs whether changed files can be used, and notes it in `state`, which must outlive the result.
+// Null without TLS.
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files, FileState& state);
 
 }  // namespace graspdb::server

@@ -36,6 +36,16 @@ TEST_F(BackupServiceTest, StatusHasTheLastGoodBackupAndTheLastError) {
   EXPECT_EQ(state.last_error(), "");
 }
 
+TEST_F(BackupServiceTest, StatusHasTheDiskOfTheFolder) {
+  const v1::DiskSpace disk = Status().backup().disk();
+  EXPECT_GT(disk.available_byte_count(), 0);
+  EXPECT_GE(disk.byte_count(), disk.available_byte_count());
+  options_.backup_dir += ".gone";
+  Restart();
+  EXPECT_TRUE(Status().has_backup());
+  EXPECT_FALSE(Status().backup().has_disk());
+}
+
 TEST_F(BackupServiceTest, ABackupWithTheNumberOfADeletedDamagedOneIsGood) {
   Create();
   Create();

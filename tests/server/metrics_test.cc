@@ -147,6 +147,17 @@ TEST_F(MetricsTest, ReadsWhenTheCertificateExpires) {
   EXPECT_LE(end, now + 1001);
 }
 
+TEST_F(MetricsTest, CountsAuditRecordsThatAreLost) {
+  EXPECT_EQ(Value("graspdb_file_failed{file=\"audit\"}"), -1);
+  options_.audit_log = "/dev/full";
+  Restart();
+  EXPECT_EQ(Value("graspdb_file_failed{file=\"audit\"}"), 0);
+  EXPECT_EQ(Value("graspdb_audit_lost_records_total"), 0);
+  ASSERT_THAT(CreateObject("mug"), IsGrpcOk());
+  EXPECT_EQ(Value("graspdb_file_failed{file=\"audit\"}"), 1);
+  EXPECT_EQ(Value("graspdb_audit_lost_records_total"), 1);
+}
+
 TEST_F(MetricsTest, ASilentClientDoesNotBlockOthers) {
   asio::io_context context;
   asio::ip::tcp::socket silent(context);

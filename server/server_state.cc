@@ -1,0 +1,75 @@
+#include "server/server_state.h"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "program/pem_files.h"
+#include "server/bounded_text.h"
+#include "server/errors.h"
+
+namespace graspdb::server {
+namespace {
+
+google::protobuf::Timestamp TimestampOf(absl::Time time) {
+  return google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(time));
+}
+
+// Of the files in the folder, without those of folders in it.
+std::int64_t FileBytesIn(const std::filesystem::path& folder) {
+  std::int64_t out = 0;
+  std::error_code error;
+  auto file = std::filesystem::directory_iterator(folder, error);
+  while (!error && file != std::filesystem::directory_iterator()) {
+    std::error_code deleted;  // meanwhile
+    const std::uintmax_t bytes = file->file_size(deleted);
+    if (!deleted) out += static_cast<std::int64_t>(bytes);
+    file.increment(error);
+  }
+  return out;
+}
+
+void AddFault(const std::optional<FileFault>& fault, v1::ServerState* state) {
+  if (!fault) return;
+  v1::FileFault* out = state->add_file_faults();
+  out->set_flag(fault->flag);
+  out->set_error(BoundedText(fault->error, kMaxMessageBytes));
+  *out->mutable_time() = TimestampOf(fault->begin);
+}
+
+void SetFiles(const ServerStateSources& from, v1::ServerState* state) {
+  if (!from.certificate.empty()) {
+    const auto end = CertificateEnd({"--tls-cert", from.certificate});
+    if (end.ok()) *state->mutable_certificate_expire_time() = TimestampOf(*end);
+  }
+  if (from.access.identities != nullptr) AddFault(from.access.identities->fault(), state);
+  AddFault(from.tls_files.fault(), state);
+  if (from.access.audit == nullptr) return;
+  AddFault(from.access.audit->fault(), state);
+  state->set_lost_audit_record_count(from.access.audit->lost_count());
+}
+
+}  // namespace
+
+v1::ServerState ServerStateOf(const ServerStateSources& from) {
+  v1::ServerState out;
+  *out.mutable_time() = TimestampOf(absl::Now());
+  out.set_index_revision(from.live.snapshot()->revision);
+  out.set_serving(from.live.agrees());
+  const storage::DatabaseStatus database = from.catalogue.database_status();
+  if (database.disk_bytes > 0) {
+    v1::DiskSpace* disk = out.mutable_database_disk();
+    disk->set_available_byte_count(static_cast<std::int64_t>(database.disk_available_bytes));
+    disk->set_byte_count(static_cast<std::int64_t>(database.disk_bytes));
+  }
+  out.set_database_byte_count(FileBytesIn(from.catalogue.directory()));
+  SetFiles(from, &out);
+  return out;
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,26 @@
+// The state of a server beside its catalogue, for status requests.
+#pragma once
+
+#include <string>
+
+#include "graspdb/v1/server_state.pb.h"
+#include "server/access/file_state.h"
+#include "server/call_guard.h"
+#include "server/live_catalogue.h"
+#include "storage/catalogue.h"
+
+namespace graspdb::server {
+
+struct ServerStateSources {
+  const storage::Catalogue& catalogue;
+  const LiveCatalogue& live;
+  const AccessRules& access;
+  const FileState& tls_files;
+  std::string certificate;  // file; empty: no TLS
+};
+
+// Reads the sizes of the database's files and its file system, and the certificate, from the disk:
+// some 0.1 ms. Thread-safe.
+v1::ServerState ServerStateOf(const ServerStateSources& from);
+
+}  // namespace graspdb::server

@@ -1,0 +1,86 @@
+// CatalogStatus.server_state: clock, index, disk and files of a server.
+#include <gmock/gmock.h>
+
+#include <cstdint>
+#include <cstdlib>
+
+#include "absl/time/clock.h"
+#include "tests/server/access_fixture.h"
+#include "tests/testing/certificates.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ServerStateTest : public AccessTest {
+ protected:
+  v1::ServerState State() { return Status().server_state(); }
+
+  // Waits until this many files cannot be used.
+  v1::ServerState AwaitFaults(int count) {
+    v1::ServerState state = State();
+    while (state.file_faults_size() != count) {
+      absl::SleepFor(absl::Milliseconds(20));
+      state = State();
+    }
+    return state;
+  }
+};
+
+TEST_F(ServerStateTest, HasClockIndexAndDisk) {
+  Teach("wedge", 2);
+  const v1::CatalogStatus status = Status();
+  const v1::ServerState& state = status.server_state();
+  EXPECT_LT(std::abs(state.time().seconds() - absl::ToUnixSeconds(absl::Now())), 600);
+  EXPECT_EQ(state.index_revision(), status.catalog_revision());
+  EXPECT_TRUE(state.serving());
+  EXPECT_GT(state.database_disk().available_byte_count(), 0);
+  EXPECT_GE(state.database_disk().byte_count(), state.database_disk().available_byte_count());
+  EXPECT_GT(state.database_byte_count(), 0);
+  EXPECT_FALSE(state.has_certificate_expire_time());
+  EXPECT_EQ(state.file_faults_size(), 0);
+}
+
+TEST_F(ServerStateTest, AWrongFileOfIdentitiesIsReportedUntilItIsRepaired) {
+  WriteIdentities("{\"name\":\"reader\"}\n");
+  const v1::ServerState state = AwaitFaults(1);
+  EXPECT_EQ(state.file_faults(0).flag(), "--identities");
+  EXPECT_THAT(state.file_faults(0).error(), HasSubstr("line 1: roles"));
+  EXPECT_GT(state.file_faults(0).time().seconds(), 1'700'000'000);
+  Add("reader", {v1::ROLE_READ});
+  AwaitFaults(0);
+}
+
+TEST_F(ServerStateTest, FilesOfTlsThatDoNotFitAreReportedUntilTheyDo) {
+  const Authority plant("plant");
+  const KeyPair pair = plant.IssueForLoopback(1000);
+  options_.tls.cert = folder_.Write("server.pem", pair.certificate).string();
+  options_.tls.key = folder_.Write("server.key", pair.key).string();
+  Restart();
+  const std::int64_t end = State().certificate_expire_time().seconds();
+  EXPECT_LE(end, absl::ToUnixSeconds(absl::Now()) + 1001);
+  EXPECT_GT(end, absl::ToUnixSeconds(absl::Now()));
+  folder_.Write("server.key", plant.IssueForLoopback().key);
+  const v1::ServerState state = AwaitFaults(1);
+  EXPECT_EQ(state.file_faults(0).flag(), "--tls-cert");
+  EXPECT_THAT(state.file_faults(0).error(), HasSubstr("is not the key of --tls-cert"));
+  folder_.Write("server.key", pair.key);
+  AwaitFaults(0);
+}
+
+TEST_F(ServerStateTest, AnAuditRecordThatCannotBeWrittenIsReported) {
+  options_.audit_log = "/dev/full";
+  Restart();
+  EXPECT_EQ(State().file_faults_size(), 0);
+  ASSERT_THAT(CreateObject("mug"), IsGrpcOk());
+  const v1::ServerState state = State();
+  ASSERT_EQ(state.file_faults_size(), 1);
+  EXPECT_EQ(state.file_faults(0).flag(), "--audit-log");
+  EXPECT_THAT(state.file_faults(0).error(), HasSubstr("cannot write --audit-log /dev/full"));
+  EXPECT_EQ(state.lost_audit_record_count(), 1);
+}
+
+}  // namespace
+}  // namespace graspdb::testing
