@@ -34,6 +34,14 @@ class BackupProgramsTest : public ProgramsTest {
   }
 };
 
+TEST_F(BackupProgramsTest, DoctorReportsBackupsThatFail) {
+  StartServer("db", {"--backup-dir", Path("gone"), "--backup-every", "24h"});
+  const Finished doctor = Graspdb({"doctor"});
+  EXPECT_THAT(doctor, EndsWith(1));
+  EXPECT_THAT(doctor.out, HasSubstr("there is no folder " + Path("gone")));
+  EXPECT_THAT(doctor.out, HasSubstr("has no good backup"));
+}
+
 TEST_F(BackupProgramsTest, RestoredCatalogueGivesTheSameAnswersAsTheOriginalAtThatRevision) {
   StartWithBackups("db");
   Simulate("set", 30, 6);

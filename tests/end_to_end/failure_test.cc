@@ -92,6 +92,10 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
   EXPECT_THAT(atomic.err, HasSubstr("--skip-failed"));
   EXPECT_EQ(Status().view_count(), 0);
 
+  const std::string findings = Graspdb({"doctor"}).out;
+  EXPECT_THAT(findings, HasSubstr("has no views yet: they are in uploads/import-"));
+  EXPECT_THAT(findings, Not(HasSubstr("delete it")));
+
   const Finished dry = Graspdb({"import", Path("set"), "--dry-run"});
   EXPECT_EQ(dry.exit_status, 1);
   EXPECT_THAT(dry.out, HasSubstr("17 were sent before"));

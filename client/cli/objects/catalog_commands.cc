@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 
@@ -163,6 +164,19 @@ std::string BackupsText(const v1::BackupStatus& status) {
   return text;
 }
 
+void PrintServerState(const v1::ServerState& state) {
+  const auto gib = [](std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 30); };
+  std::printf("disk        %.1f of %.1f GiB free, database %.1f GiB\n",
+              gib(state.database_disk().available_byte_count()),
+              gib(state.database_disk().byte_count()), gib(state.database_byte_count()));
+  if (state.has_certificate_expire_time()) {
+    std::printf("certificate until %s\n", LocalTimeText(state.certificate_expire_time()).c_str());
+  }
+  for (const v1::FileFault& fault : state.file_faults()) {
+    std::printf("unusable    %s\n", fault.error().c_str());
+  }
+}
+
 absl::Status ShowStatus(const GlobalOptions& global) {
   absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
   if (!status.ok()) return status.status();
@@ -184,6 +198,7 @@ absl::Status ShowStatus(const GlobalOptions& global) {
   std::printf("index       %s\n", IndexText(*status).c_str());
   std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
   if (status->has_backup()) std::printf("backups     %s\n", BackupsText(status->backup()).c_str());
+  if (status->has_server_state()) PrintServerState(status->server_state());
   std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
   std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
   const std::string advice = CacheAdvice(status->model_cache());

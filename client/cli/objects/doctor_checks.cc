@@ -3,9 +3,12 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client/cli/base/cache_text.h"
+#include "client/cli/base/counted.h"
 
 namespace graspdb::client {
 namespace {
@@ -17,10 +20,8 @@ constexpr std::size_t kEnoughViews = 6;
 constexpr absl::Duration kForgotten = absl::Hours(24);
 // A tabletop's region is smaller, m; a larger one is mostly a mistake of units.
 constexpr double kMaxRegionM = 5;
-
-void Add(Severity severity, std::string_view subject, std::string text, Findings* out) {
-  out->push_back({severity, std::string(subject), std::move(text)});
-}
+// Minimum scores are printed with two digits.
+constexpr double kSameScore = 0.005;
 
 // Those of an n-fold symmetric pose repeat n times around it; of any turn one shows all.
 std::size_t EnoughViewsOf(const v1::StablePose& pose) {
@@ -33,6 +34,10 @@ std::size_t EnoughViewsOf(const v1::StablePose& pose) {
 double LongestSide(const v1::AxisAlignedBox& box) {
   return std::max({box.max().x() - box.min().x(), box.max().y() - box.min().y(),
                    box.max().z() - box.min().z()});
+}
+
+std::string ObjectOf(const v1::StablePose& pose) {
+  return pose.name().substr(0, pose.name().find("/stablePoses/"));
 }
 
 bool Overlap(const v1::AxisAlignedBox& a, const v1::AxisAlignedBox& b) {
@@ -48,83 +53,136 @@ bool Overlap(const v1::AxisAlignedBox& a, const v1::AxisAlignedBox& b) {
 
 void CheckServer(const v1::CatalogStatus& status, std::string_view client_version, Findings* out) {
   if (status.server_version() != client_version) {
-    Add(Severity::kWarning, "server",
-        absl::StrCat("has version ", status.server_version(), ", this program ",
-                     std::string(client_version), "; install the same version on both"),
-        out);
+    AddFinding(Severity::kWarning, "server",
+               absl::StrCat("has version ", status.server_version(), ", this program ",
+                            std::string(client_version), "; install the same version on both"),
+               out);
   }
   if (status.left_out_record_count() > 0) {
-    Add(Severity::kError, "server",
-        absl::StrCat(status.left_out_record_count(),
-                     " records cannot be used; its log names them (event=record_left_out): teach "
-                     "them again or delete them"),
+    AddFinding(
+        Severity::kError, "server",
+        absl::StrCat(Counted(status.left_out_record_count(), "record"),
+                     " cannot be used, named in its log (event=record_left_out): teach the views "
+                     "again or delete them"),
         out);
   }
   if (status.memory().refused_request_count() > 0) {
-    Add(Severity::kWarning, "server",
-        absl::StrCat(status.memory().refused_request_count(),
-                     " requests were rejected for lack of memory since its start; raise "
-                     "--memory-mib, or send depth images in place of clouds"),
+    AddFinding(
+        Severity::kWarning, "server",
+        absl::StrCat("rejected ", Counted(status.memory().refused_request_count(), "request"),
+                     " for lack of memory since its start; raise --memory-mib, or send depth "
+                     "images in place of clouds"),
         out);
   }
   const std::string advice = CacheAdvice(status.model_cache());
-  if (!advice.empty()) Add(Severity::kAdvice, "server", advice, out);
+  if (!advice.empty()) AddFinding(Severity::kAdvice, "server", advice, out);
   if (status.view_count() == 0) {
-    Add(Severity::kWarning, "server", "the catalogue is empty; teach it with: graspdb import SET",
-        out);
+    AddFinding(Severity::kWarning, "server",
+               "the catalogue is empty; teach it with: graspdb import SET", out);
   }
 }
 
 void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& stable_poses,
                  Findings* out) {
   if (!stable_poses.empty()) return;
-  Add(Severity::kWarning, object.name(),
-      "has no stable pose, so it is never recognised; teach it or delete it", out);
+  AddFinding(Severity::kWarning, object.name(),
+             "has no stable pose, so it is never recognised; teach it or delete it", out);
 }
 
-void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views, Findings* out) {
-  if (views == 0) {
-    Add(Severity::kWarning, stable_pose.name(),
-        "has no views, so it is never recognised; teach it or delete it", out);
-  } else if (views < EnoughViewsOf(stable_pose)) {
-    Add(Severity::kAdvice, stable_pose.name(),
-        absl::StrCat("has only ", views, views == 1 ? " view" : " views",
-                     "; teach it every 30 degrees, or from CAD"),
+void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views,
+                     const std::string& open_upload, Findings* out) {
+  if (views == 0 && !open_upload.empty()) {
+    AddFinding(
+        Severity::kAdvice, stable_pose.name(),
+        absl::StrCat("has no views yet: they are in ", open_upload,
+                     ", which is open; run its import again, or use what was sent: graspdb uploads "
+                     "commit ",
+                     open_upload),
         out);
+  } else if (views == 0) {
+    AddFinding(Severity::kWarning, stable_pose.name(),
+               "has no views, so it is never recognised; teach it or delete it", out);
+  } else if (views < EnoughViewsOf(stable_pose)) {
+    AddFinding(Severity::kAdvice, stable_pose.name(),
+               absl::StrCat("has only ", Counted(views, "view"),
+                            "; teach it every 30 degrees, or from CAD"),
+               out);
   }
   if (stable_pose.grasps().empty()) {
-    Add(Severity::kAdvice, stable_pose.name(),
-        "has no grasps, so robots get its pose only; add some with: graspdb grasps", out);
+    AddFinding(Severity::kAdvice, stable_pose.name(),
+               "has no grasps, so robots get its pose only; add some with: graspdb grasps", out);
   }
   for (const v1::Grasp& grasp : stable_pose.grasps()) {
     if (grasp.gripper_opening_m() > 0) continue;
-    Add(Severity::kAdvice, stable_pose.name(),
-        absl::StrCat("its grasp ", grasp.grasp_id(), " has no gripper opening"), out);
+    AddFinding(Severity::kAdvice, stable_pose.name(),
+               absl::StrCat("its grasp ", grasp.grasp_id(), " has no gripper opening"), out);
   }
+}
+
+void CheckThreshold(const v1::StablePose& stable_pose, const std::vector<v1::View>& views,
+                    Findings* out) {
+  if (!stable_pose.has_min_score()) return;
+  const auto newer = std::ranges::count_if(
+      views, [&](const v1::View& view) { return view.create_time() > stable_pose.update_time(); });
+  if (newer == 0) return;
+  AddFinding(
+      Severity::kAdvice, stable_pose.name(),
+      absl::StrCat(Counted(newer, "view"), newer == 1 ? " is" : " are",
+                   " newer than its minimum score; check it with: graspdb objects thresholds ",
+                   ObjectOf(stable_pose)),
+      out);
+}
+
+void CheckProposal(const v1::StablePose& stable_pose, const v1::ThresholdProposal& proposal,
+                   Findings* out) {
+  const bool is_set = stable_pose.has_min_score();
+  if (!is_set && !proposal.has_min_score()) return;
+  const std::string apply =
+      absl::StrCat("; set it with: graspdb objects thresholds ", ObjectOf(stable_pose), " --apply");
+  if (!proposal.has_min_score()) {
+    AddFinding(
+        Severity::kAdvice, stable_pose.name(),
+        absl::StrFormat("has a minimum score of %.2f, where its views call for the default%s",
+                        stable_pose.min_score(), apply),
+        out);
+    return;
+  }
+  const double excess = stable_pose.min_score() - proposal.min_score();
+  if (is_set && std::abs(excess) < kSameScore) return;
+  // A lower one lets more wrong detections pass; a higher one loses correct ones.
+  AddFinding(
+      is_set && excess < 0 ? Severity::kAdvice : Severity::kWarning, stable_pose.name(),
+      absl::StrFormat("has %s, where its views call for %.2f%s",
+                      is_set ? absl::StrFormat("a minimum score of %.2f", stable_pose.min_score())
+                             : "the default minimum score",
+                      proposal.min_score(), apply),
+      out);
 }
 
 void CheckCell(const v1::Cell& cell, Findings* out) {
   if (!cell.has_sensor_pose() && !cell.has_flange_sensor_pose()) {
-    Add(Severity::kWarning, cell.name(),
+    AddFinding(
+        Severity::kWarning, cell.name(),
         "has no calibration, so poses are relative to the table under the camera; run: graspdb "
         "cells level or cells calibrate",
         out);
   }
   if (!cell.has_region_of_interest()) {
-    Add(Severity::kWarning, cell.name(),
-        "has no region of interest, so all that the camera sees is searched; set --region", out);
+    AddFinding(Severity::kWarning, cell.name(),
+               "has no region of interest, so all that the camera sees is searched; set --region",
+               out);
   } else if (LongestSide(cell.region_of_interest()) > kMaxRegionM) {
-    Add(Severity::kError, cell.name(),
-        absl::StrCat("its region is ", LongestSide(cell.region_of_interest()),
-                     " m long; regions are in metres, not millimetres"),
-        out);
+    AddFinding(Severity::kError, cell.name(),
+               absl::StrCat("its region is ", LongestSide(cell.region_of_interest()),
+                            " m long; regions are in metres, not millimetres"),
+               out);
   }
   if (cell.has_workspace() && cell.has_region_of_interest() &&
       !Overlap(cell.workspace(), cell.region_of_interest())) {
-    Add(Severity::kError, cell.name(),
+    AddFinding(
+        Severity::kError, cell.name(),
         "its workspace and its region do not overlap, so no grasp is ever proposed; both are in "
-        "the "
-        "world frame",
+        "the world frame",
         out);
   }
 }
@@ -134,11 +192,11 @@ void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {
   const absl::Time created = absl::FromUnixNanos(
       google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
   if (now - created < kForgotten) return;
-  Add(Severity::kAdvice, upload.name(),
-      absl::StrCat("is open since ",
-                   absl::FormatTime("%Y-%m-%d %H:%M", created, absl::LocalTimeZone()),
-                   "; run its import again, or delete it with: graspdb uploads delete"),
-      out);
+  AddFinding(Severity::kAdvice, upload.name(),
+             absl::StrCat("is open since ",
+                          absl::FormatTime("%Y-%m-%d %H:%M", created, absl::LocalTimeZone()),
+                          "; run its import again, or delete it with: graspdb uploads delete"),
+             out);
 }
 
 }  // namespace graspdb::client

@@ -1,11 +1,18 @@
 #include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client/cli/base/progress_line.h"
 #include "client/cli/objects/commands.h"
 #include "client/cli/objects/doctor_checks.h"
+#include "client/cli/objects/doctor_server_checks.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 #include "files/json_object.h"
+#include "program/pem_files.h"
 #include "program/version.h"
 
 namespace graspdb::client {
@@ -23,40 +30,146 @@ const char* NameOf(Severity severity) {
   return "";
 }
 
-absl::Status CheckObjects(Client& client, Findings* out) {
-  const auto objects = client.ListObjects();
-  if (!objects.ok()) return objects.status();
-  for (const v1::Object& object : *objects) {
-    const auto poses = client.ListStablePoses(object.name());
-    if (!poses.ok()) return poses.status();
-    CheckObject(object, *poses, out);
-    for (const v1::StablePose& pose : *poses) {
-      const auto views = client.ListViews(pose.name());
+struct DoctorOptions {
+  bool thresholds = false;
+};
+
+// Reads the state of a server and checks it.
+class Doctor {
+ public:
+  Doctor(Client& client, const GlobalOptions& global, const DoctorOptions& options)
+      : client_(client), global_(global), options_(options) {}
+
+  absl::StatusOr<Findings> CheckAll();
+
+ private:
+  absl::Status CheckState(const v1::CatalogStatus& status, absl::Time before);
+  absl::Status CheckObjects();
+  absl::Status CheckPoses(const v1::Object& object);
+  absl::Status CheckProposals();
+  // An open upload with views of the stable pose; "" for none.
+  absl::StatusOr<std::string> OpenUploadOf(const std::string& stable_pose);
+
+  Client& client_;
+  const GlobalOptions& global_;
+  const DoctorOptions& options_;
+  Findings out_;
+  std::vector<v1::Upload> uploads_;
+  // Open uploads by the stable poses of their views; absent: not read yet.
+  std::optional<std::map<std::string, std::string>> open_uploads_;
+  std::map<std::string, v1::StablePose> poses_;  // those with views
+};
+
+absl::StatusOr<std::string> Doctor::OpenUploadOf(const std::string& stable_pose) {
+  if (!open_uploads_) {
+    open_uploads_.emplace();
+    for (const v1::Upload& upload : uploads_) {
+      if (upload.state() != v1::UPLOAD_STATE_OPEN) continue;
+      const auto views = client_.ListUploadViews(upload.name());
+      // Committed or deleted meanwhile.
+      if (absl::IsFailedPrecondition(views.status()) || absl::IsNotFound(views.status())) continue;
       if (!views.ok()) return views.status();
-      CheckStablePose(pose, views->size(), out);
+      for (const v1::UploadView& view : *views) {
+        open_uploads_->emplace(view.name().substr(0, view.name().find("/views/")), upload.name());
+      }
     }
   }
-  const auto alike = client.FindLookAlikes("");
-  if (!alike.ok()) return alike.status();
-  for (std::string& text : LookAlikesText(*alike, /*nearly_too=*/false)) {
-    out->push_back({Severity::kWarning, "catalogue", std::move(text)});
+  const auto found = open_uploads_->find(stable_pose);
+  return found == open_uploads_->end() ? "" : found->second;
+}
+
+absl::Status Doctor::CheckPoses(const v1::Object& object) {
+  const auto poses = client_.ListStablePoses(object.name());
+  if (!poses.ok()) return poses.status();
+  CheckObject(object, *poses, &out_);
+  for (const v1::StablePose& pose : *poses) {
+    const auto views = client_.ListViews(pose.name());
+    if (!views.ok()) return views.status();
+    absl::StatusOr<std::string> upload = std::string();
+    if (views->empty()) {
+      upload = OpenUploadOf(pose.name());
+      if (!upload.ok()) return upload.status();
+    } else {
+      poses_[pose.name()] = pose;
+    }
+    CheckStablePose(pose, views->size(), *upload, &out_);
+    CheckThreshold(pose, *views, &out_);
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<Findings> CheckAll(Client& client) {
-  Findings out;
-  const auto status = client.GetCatalogStatus();
+absl::Status Doctor::CheckObjects() {
+  const auto objects = client_.ListObjects();
+  if (!objects.ok()) return objects.status();
+  for (const v1::Object& object : *objects) {
+    if (absl::Status checked = CheckPoses(object); !checked.ok()) return checked;
+  }
+  const auto alike = client_.FindLookAlikes("");
+  if (!alike.ok()) return alike.status();
+  for (std::string& text : LookAlikesText(*alike, /*nearly_too=*/false)) {
+    out_.push_back({Severity::kWarning, "catalogue", std::move(text)});
+  }
+  return options_.thresholds ? CheckProposals() : absl::OkStatus();
+}
+
+absl::Status Doctor::CheckProposals() {
+  ProgressLine progress;
+  const auto found =
+      client_.ProposeThresholds("", [&](const v1::ProposeThresholdsResponse& response) {
+        if (Interrupted()) return absl::CancelledError("interrupted");
+        if (response.view_count() > 0) {
+          progress.Report(response.done_view_count(), response.view_count());
+        }
+        return absl::OkStatus();
+      });
+  if (!found.ok()) return found.status();
+  for (const v1::ThresholdProposal& proposal : found->proposals()) {
+    const auto pose = poses_.find(proposal.stable_pose());
+    if (pose != poses_.end()) CheckProposal(pose->second, proposal, &out_);
+  }
+  return absl::OkStatus();
+}
+
+// `before` is the time of this machine before the call that got the status.
+absl::Status Doctor::CheckState(const v1::CatalogStatus& status, absl::Time before) {
+  const absl::Time now = absl::Now();
+  CheckServer(status, kVersion, &out_);
+  CheckBackups(status, &out_);
+  CheckDisks(status, &out_);
+  if (const std::string& cert = global_.security.cert; !cert.empty()) {
+    const auto end = CertificateEnd({"--cert", cert});
+    if (!end.ok()) return end.status();
+    CheckCertificate("client", "--cert", *end, now, &out_);
+  }
+  if (!status.has_server_state()) return absl::OkStatus();  // an older server
+  const v1::ServerState& state = status.server_state();
+  CheckClock(state, before, now, &out_);
+  CheckFiles(state, &out_);
+  if (state.has_certificate_expire_time()) {
+    CheckCertificate("server", "--tls-cert",
+                     absl::FromUnixSeconds(state.certificate_expire_time().seconds()), now, &out_);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Findings> Doctor::CheckAll() {
+  const absl::Time before = absl::Now();
+  const auto status = client_.GetCatalogStatus();
   if (!status.ok()) return status.status();
-  CheckServer(*status, kVersion, &out);
-  if (absl::Status checked = CheckObjects(client, &out); !checked.ok()) return checked;
-  const auto cells = client.ListCells();
-  if (!cells.ok()) return cells.status();
-  for (const v1::Cell& cell : *cells) CheckCell(cell, &out);
-  const auto uploads = client.ListUploads();
+  if (absl::Status checked = CheckState(*status, before); !checked.ok()) return checked;
+  auto uploads = client_.ListUploads();
   if (!uploads.ok()) return uploads.status();
-  for (const v1::Upload& upload : *uploads) CheckUpload(upload, absl::Now(), &out);
-  return out;
+  uploads_ = *std::move(uploads);
+  if (absl::Status checked = CheckObjects(); !checked.ok()) return checked;
+  const auto cells = client_.ListCells();
+  if (!cells.ok()) return cells.status();
+  for (const v1::Cell& cell : *cells) CheckCell(cell, &out_);
+  for (const v1::Upload& upload : uploads_) CheckUpload(upload, absl::Now(), &out_);
+  if (!status->has_server_state()) return out_;
+  const auto later = client_.GetCatalogStatus();
+  if (!later.ok()) return later.status();
+  CheckIndex(*status, *later, &out_);
+  return out_;
 }
 
 absl::Status Print(const GlobalOptions& global, const Finding& finding) {
@@ -71,9 +184,9 @@ absl::Status Print(const GlobalOptions& global, const Finding& finding) {
   return PrintJson(document);
 }
 
-absl::Status RunDoctor(const GlobalOptions& global) {
+absl::Status RunDoctor(const GlobalOptions& global, const DoctorOptions& options) {
   Client client = Connect(global);
-  const absl::StatusOr<Findings> findings = CheckAll(client);
+  const absl::StatusOr<Findings> findings = Doctor(client, global, options).CheckAll();
   if (!findings.ok()) return findings.status();
   std::size_t serious = 0;
   for (const Finding& finding : *findings) {
@@ -82,18 +195,26 @@ absl::Status RunDoctor(const GlobalOptions& global) {
   }
   if (findings->empty() && !global.json) std::printf("no problems found\n");
   if (serious == 0) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(serious, " warnings and errors; see above"));
+  return absl::FailedPreconditionError(absl::StrCat(
+      serious == 1 ? "1 warning or error" : absl::StrCat(serious, " warnings and errors"),
+      "; see above"));
 }
 
 }  // namespace
 
 void AddDoctorCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(
-      app, "doctor", "Check server, catalogue, cells and uploads for mistakes, with advice");
+  CLI::App* command = AddCommand(app, "doctor",
+                                 "Check server, backups, certificates, catalogue, cells and "
+                                 "uploads for mistakes, with advice");
   command->footer(
       "A line for each finding: advice, warning or error. With --json one document a line with\n"
       "severity, subject and text. Exit status: 0 without warnings and errors, 1 with some.");
-  command->callback([=, &global] { *action = [&global] { return RunDoctor(global); }; });
+  auto options = std::make_shared<DoctorOptions>();
+  command->add_flag("--thresholds", options->thresholds,
+                    "Also check the minimum scores of stable poses against their views, as "
+                    "`objects thresholds` does; takes seconds for each object, and the role teach");
+  command->callback(
+      [=, &global] { *action = [=, &global] { return RunDoctor(global, *options); }; });
 }
 
 }  // namespace graspdb::client

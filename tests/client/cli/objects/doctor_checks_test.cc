@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/util/time_util.h>
 
+#include <vector>
+
 #include "absl/time/clock.h"
 
 namespace graspdb::client {
@@ -51,7 +53,9 @@ TEST(DoctorChecks, NothingIsWrongWithAGoodCatalogue) {
   Findings out;
   CheckServer(GoodStatus(), "1.2.3", &out);
   CheckObject(v1::Object(), {GoodPose()}, &out);
-  CheckStablePose(GoodPose(), 12, &out);
+  CheckStablePose(GoodPose(), 12, "", &out);
+  CheckThreshold(GoodPose(), std::vector<v1::View>(12), &out);
+  CheckProposal(GoodPose(), v1::ThresholdProposal(), &out);
   CheckCell(GoodCell(), &out);
   CheckUpload(v1::Upload(), absl::Now(), &out);
   EXPECT_THAT(out, IsEmpty());
@@ -74,19 +78,62 @@ TEST(DoctorChecks, StablePosesThatAreNeverRecognized) {
   CheckObject(v1::Object(), {}, &out);
   v1::StablePose pose = GoodPose();
   pose.clear_grasps();
-  CheckStablePose(pose, 0, &out);
-  CheckStablePose(GoodPose(), 3, &out);
+  CheckStablePose(pose, 0, "", &out);
+  CheckStablePose(GoodPose(), 3, "", &out);
   pose = GoodPose();
   pose.set_symmetry_order(0);
-  CheckStablePose(pose, 1, &out);
+  CheckStablePose(pose, 1, "", &out);
   pose.set_symmetry_order(4);
-  CheckStablePose(pose, 2, &out);
-  CheckStablePose(pose, 1, &out);
+  CheckStablePose(pose, 2, "", &out);
+  CheckStablePose(pose, 1, "", &out);
   EXPECT_THAT(
       out, ElementsAre(Finds(Severity::kWarning, "no stable pose"),
                        Finds(Severity::kWarning, "no views"), Finds(Severity::kAdvice, "no grasps"),
                        Finds(Severity::kAdvice, "only 3 views"),
                        Finds(Severity::kAdvice, "only 1 view;")));
+}
+
+TEST(DoctorChecks, AStablePoseWhoseViewsAreInAnOpenUploadIsNotToBeDeleted) {
+  Findings out;
+  CheckStablePose(GoodPose(), 0, "uploads/import-7", &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kAdvice, "uploads/import-7, which is open")));
+  EXPECT_THAT(out.front().text, ::testing::Not(::testing::HasSubstr("delete")));
+}
+
+TEST(DoctorChecks, ViewsThatAreNewerThanTheMinimumScore) {
+  using google::protobuf::util::TimeUtil;
+  v1::StablePose pose = GoodPose();
+  *pose.mutable_update_time() = TimeUtil::SecondsToTimestamp(1000);
+  std::vector<v1::View> views(2);
+  *views[0].mutable_create_time() = TimeUtil::SecondsToTimestamp(999);
+  *views[1].mutable_create_time() = TimeUtil::SecondsToTimestamp(1001);
+  Findings out;
+  CheckThreshold(pose, views, &out);
+  EXPECT_THAT(out, IsEmpty());
+  pose.set_min_score(0.4);
+  CheckThreshold(pose, views, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kAdvice, "1 view is newer")));
+  EXPECT_THAT(out.front().text, ::testing::HasSubstr("graspdb objects thresholds objects/mug"));
+}
+
+TEST(DoctorChecks, MinimumScoresThatTheViewsDoNotCallFor) {
+  v1::StablePose pose = GoodPose();
+  v1::ThresholdProposal proposal;
+  proposal.set_min_score(0.36);
+  Findings out;
+  CheckProposal(pose, proposal, &out);
+  pose.set_min_score(0.361);
+  CheckProposal(pose, proposal, &out);
+  pose.set_min_score(0.5);
+  CheckProposal(pose, proposal, &out);
+  pose.set_min_score(0.2);
+  CheckProposal(pose, proposal, &out);
+  proposal.clear_min_score();
+  CheckProposal(pose, proposal, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "has the default minimum score"),
+                               Finds(Severity::kWarning, "0.50, where its views call for 0.36"),
+                               Finds(Severity::kAdvice, "0.20, where its views call for 0.36"),
+                               Finds(Severity::kAdvice, "call for the default")));
 }
 
 TEST(DoctorChecks, CellsWithoutCalibrationOrInMillimetres) {
