@@ -204,12 +204,14 @@ absl::StatusOr<const v1::Identity*> CallGuard::Identify(const Identities& identi
 absl::Status CallGuard::Authorize() {
   identity_ = certificates_.empty() ? "" : certificates_.front().text;
   cell_.clear();
-  if (rules_.identities == nullptr) return absl::OkStatus();
+  operates_ = rules_.identities == nullptr;
+  if (operates_) return absl::OkStatus();
   const std::shared_ptr<const Identities> identities = rules_.identities->Get();
   const absl::StatusOr<const v1::Identity*> identity = Identify(*identities);
   if (!identity.ok()) return identity.status();
   identity_ = (*identity)->name();
   cell_ = (*identity)->cell();
+  operates_ = HasRole(**identity, v1::ROLE_OPERATE);
   const v1::Role role = method_ == nullptr ? v1::ROLE_UNSPECIFIED : RoleOf(*method_);
   if (role == v1::ROLE_UNSPECIFIED) return absl::PermissionDeniedError("the method has no role");
   if (HasRole(**identity, role)) return absl::OkStatus();

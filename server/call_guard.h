@@ -87,6 +87,8 @@ class CallGuard final : public grpc::experimental::Interceptor {
 
   // The name of the caller's identity after Authorize(); empty if it is unknown.
   const std::string& identity() const { return identity_; }
+  // Whether the caller has ROLE_OPERATE, after Authorize().
+  bool operates() const { return operates_; }
   // The cell of the caller's identity; empty if it has none.
   const std::string& cell() const { return cell_; }
   // Null: there are none.
@@ -105,6 +107,7 @@ class CallGuard final : public grpc::experimental::Interceptor {
   std::vector<CertificateName> certificates_;
   std::string identity_;  // for the audit log
   std::string cell_;      // the only one that it may use; empty: all
+  bool operates_ = false;
   std::vector<std::string> resources_;
   std::string request_id_;
   std::string notes_;

@@ -68,6 +68,11 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     SetApproximate(context_.live.snapshot()->index, response);
     if (context_.backups != nullptr) *response->mutable_backup() = context_.backups->Status();
     if (context_.server_state) *response->mutable_server_state() = context_.server_state();
+    // When revocations or audit records are without effect is for operators only.
+    if (const CallGuard* guard = CallGuard::Of(*context); guard != nullptr && !guard->operates()) {
+      response->mutable_server_state()->clear_file_faults();
+      response->mutable_server_state()->clear_lost_audit_record_count();
+    }
     return SumGraspOutcomes(context_.catalogue, response);
   });
 }

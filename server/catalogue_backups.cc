@@ -103,7 +103,10 @@ absl::Status CatalogueBackups::CheckSharedFiles(storage::BackupId id,
 absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,
                                                          const storage::BackupProgress& progress) {
   // Reports a missing disk, as reading alone would report a missing backup.
-  if (auto claimed = backups_.Claim(); !claimed.ok()) return claimed;
+  if (auto claimed = backups_.Claim(); !claimed.ok()) {
+    ReadDisk();
+    return claimed;
+  }
   absl::StatusOr<storage::Backup> verified = backups_.Verify(id, UntilStop(progress));
   {
     absl::MutexLock lock(&mutex_);

@@ -3,9 +3,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
-#include <system_error>
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
@@ -18,20 +16,6 @@ namespace {
 
 google::protobuf::Timestamp TimestampOf(absl::Time time) {
   return google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(time));
-}
-
-// Of the files in the folder, without those of folders in it.
-std::int64_t FileBytesIn(const std::filesystem::path& folder) {
-  std::int64_t out = 0;
-  std::error_code error;
-  auto file = std::filesystem::directory_iterator(folder, error);
-  while (!error && file != std::filesystem::directory_iterator()) {
-    std::error_code deleted;  // meanwhile
-    const std::uintmax_t bytes = file->file_size(deleted);
-    if (!deleted) out += static_cast<std::int64_t>(bytes);
-    file.increment(error);
-  }
-  return out;
 }
 
 void AddFault(const std::optional<FileFault>& fault, v1::ServerState* state) {
@@ -67,7 +51,8 @@ v1::ServerState ServerStateOf(const ServerStateSources& from) {
     disk->set_available_byte_count(static_cast<std::int64_t>(database.disk_available_bytes));
     disk->set_byte_count(static_cast<std::int64_t>(database.disk_bytes));
   }
-  out.set_database_byte_count(FileBytesIn(from.catalogue.directory()));
+  out.set_database_byte_count(
+      static_cast<std::int64_t>(database.table_bytes + database.memtable_bytes));
   SetFiles(from, &out);
   return out;
 }

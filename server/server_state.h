@@ -19,8 +19,7 @@ struct ServerStateSources {
   std::string certificate;  // file; empty: no TLS
 };
 
-// Reads the sizes of the database's files and its file system, and the certificate, from the disk:
-// some 0.1 ms. Thread-safe.
+// Reads the certificate and the free space from the disk: some 0.1 ms. Thread-safe.
 v1::ServerState ServerStateOf(const ServerStateSources& from);
 
 }  // namespace graspdb::server

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "absl/time/clock.h"
 #include "program/monotonic_time.h"
 #include "server/background.h"
@@ -125,13 +126,14 @@ absl::Status UploadService::Describe(const storage::UploadRecord& upload,
     }
     is_describing_ = true;
   }
-  absl::Status described = InBackground([&] {
+  const absl::Cleanup end = [this] {  // also where there is no memory for it
+    absl::MutexLock lock(&mutex_);
+    is_describing_ = false;
+    description_ended_.SignalAll();
+  };
+  return InBackground([&] {
     return DescribeStaged(context_.catalogue, upload, context_.parameters.descriptor, is_cancelled);
   });
-  absl::MutexLock lock(&mutex_);
-  is_describing_ = false;
-  description_ended_.SignalAll();
-  return described;
 }
 
 absl::StatusOr<storage::UploadRecord> UploadService::Commit(

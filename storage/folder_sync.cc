@@ -19,7 +19,9 @@ std::error_code SyncNameOf(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(real, error)) {
     return error ? error : std::make_error_code(std::errc::not_a_directory);
   }
-  return SyncFolder(real.parent_path(), Unreadable::kIsAccepted);
+  const std::error_code synced = SyncFolder(real.parent_path(), Unreadable::kIsAccepted);
+  // A file system that is mounted in one that is read-only: the name cannot have been made lately.
+  return synced == std::errc::read_only_file_system ? std::error_code() : synced;
 }
 
 }  // namespace

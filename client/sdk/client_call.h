@@ -14,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
 #include "client/sdk/retry.h"
+#include "client/sdk/security.h"
 #include "graspdb/v1/backup_service.grpc.pb.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/cell_service.grpc.pb.h"
@@ -65,6 +66,8 @@ template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Client::Attempt(Stub& stub, Method<Stub, Request, Response> method,
                                          const Request& request, absl::Duration timeout,
                                          const std::string& request_id) const {
+  // A server that is open to all would not miss it.
+  if (absl::Status token = CheckToken(options_); !token.ok()) return token;
   grpc::ClientContext context;
   if (!request_id.empty()) context.AddMetadata(kRequestIdKey, request_id);
   // gRPC converts it to its monotonic clock at the start of the call.

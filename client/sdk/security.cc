@@ -42,14 +42,19 @@ bool IsTokenSafe(const ConnectionOptions& options) {
   return UsesTls(options.security) || IsLoopback(server.substr(0, server.rfind(':')));
 }
 
-// Whether gRPC finds a port in it: without one it takes 443, or 0.
+// Whether gRPC finds a port in it: without one it takes 443, or 0. Addresses with a resolver's name
+// are left to gRPC.
 bool IsServerAddress(const std::string& server) {
-  if (server.starts_with("unix:") || server.starts_with("unix-abstract:")) return true;
+  if (server.starts_with("unix:") || server.starts_with("unix-abstract:") ||
+      absl::StrContains(server, ":///")) {
+    return true;
+  }
   const std::size_t colon = server.rfind(':');
   if (colon == std::string::npos) return false;
   const std::string host = server.substr(0, colon);
+  // An IPv6 address without brackets, whose last part is no port.
   const bool is_cut =
-      host.ends_with(':') || (absl::StrContains(host, "::") && !host.ends_with(']'));
+      host.ends_with(':') || (!host.ends_with(']') && std::ranges::count(host, ':') > 1);
   int port = 0;
   return !host.empty() && !is_cut && absl::SimpleAtoi(server.substr(colon + 1), &port) &&
          port > 0 && port <= 65535;
@@ -167,9 +172,12 @@ absl::Status CheckOptions(const ConnectionOptions& options) {
   status.Update(CheckPemFile("--ca", options.security.ca));
   status.Update(CheckPemFile("--cert", options.security.cert));
   status.Update(CheckPemFile("--key", options.security.key));
-  const std::string& token_file = options.security.token_file;
-  if (!token_file.empty()) status.Update(ReadToken(token_file).status());
   return status;
+}
+
+absl::Status CheckToken(const ConnectionOptions& options) {
+  const std::string& token_file = options.security.token_file;
+  return token_file.empty() ? absl::OkStatus() : ReadToken(token_file).status();
 }
 
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options) {

@@ -17,9 +17,11 @@ namespace graspdb::client {
 absl::Status CheckUsage(const ConnectionOptions& options);
 
 // Why no client can connect with these options: that of CheckUsage, or FAILED_PRECONDITION for
-// files on which gRPC aborts and for a file without token. Reads the token, and the sizes of the
-// others.
+// files on which gRPC aborts. Reads the sizes of the files.
 absl::Status CheckOptions(const ConnectionOptions& options);
+
+// FAILED_PRECONDITION if there is no token in its file now.
+absl::Status CheckToken(const ConnectionOptions& options);
 
 // For options that pass CheckOptions.
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options);

@@ -140,7 +140,7 @@ TEST_F(BackupProgramsTest, DryRunPrintsTheDifferenceToAnExistingDatabaseAndChang
     if (dry_run) words.emplace_back("--dry-run");
     const Finished refused = Graspdb(words);
     EXPECT_THAT(refused, EndsWith(1));
-    EXPECT_THAT(refused, SaysOnly("graspdb-server", "is not a folder"));
+    EXPECT_THAT(refused, PrintsOnly("graspdb-server", "is not a folder"));
   }
 }
 

@@ -113,7 +113,7 @@ TEST_F(ExportTest, AConflictIsRejectedBeforeAnythingIsWritten) {
     const Finished dry = Graspdb(words);
     EXPECT_THAT(dry, EndsWith(1)) << "as the import itself";
     EXPECT_THAT(dry.out, HasSubstr("undecided"));
-    EXPECT_THAT(dry, SaysOnly("graspdb", "an import would write nothing; choose --on-conflict"));
+    EXPECT_THAT(dry.err, HasSubstr("an import would write nothing; choose --on-conflict"));
   }
   Succeed({"import", Path("all.graspdb"), "--dry-run", "--on-conflict", "keep"});
   const Finished failed = Graspdb({"import", Path("all.graspdb")});
@@ -199,7 +199,7 @@ TEST_F(ExportTest, AFolderThatCannotBeMadeIsNamed) {
   const Finished done = Graspdb({"export", Path("set/captures.json/below")});
   EXPECT_THAT(done, EndsWith(1));
   EXPECT_THAT(done,
-              SaysOnly("graspdb", "cannot make the folder " + Path("set/captures.json/below")));
+              PrintsOnly("graspdb", "cannot make the folder " + Path("set/captures.json/below")));
   EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
 }
 

@@ -72,7 +72,7 @@ TEST_F(UsageTest, SimulateExplainsPartsThatAreSeparatedBySpaces) {
   const Finished outcome =
       Graspdb({"simulate", "--parts", "wedge", "l-bracket", "--out", Path("set")});
   EXPECT_THAT(outcome, EndsWith(1));
-  EXPECT_THAT(outcome, SaysOnly("graspdb", "separate ids by commas: --parts wedge,l-bracket"));
+  EXPECT_THAT(outcome, PrintsOnly("graspdb", "separate ids by commas: --parts wedge,l-bracket"));
 }
 
 TEST_F(UsageTest, PrintsItsVersion) {

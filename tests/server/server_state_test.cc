@@ -15,22 +15,30 @@ namespace {
 
 using ::testing::HasSubstr;
 
+// Of 20 ms: a minute.
+constexpr int kMaxPolls = 3000;
+
 class ServerStateTest : public AccessTest {
  protected:
   v1::ServerState State() { return Status().server_state(); }
 
   // Waits until a file cannot be used for a reason with these words: a half-written one has others.
   v1::FileFault AwaitFault(const std::string& words) {
-    for (;; absl::SleepFor(absl::Milliseconds(20))) {
+    for (int i = 0; i < kMaxPolls; ++i, absl::SleepFor(absl::Milliseconds(20))) {
       const v1::ServerState state = State();
       for (const v1::FileFault& fault : state.file_faults()) {
         if (fault.error().find(words) != std::string::npos) return fault;
       }
     }
+    ADD_FAILURE() << "no fault with: " << words;
+    return {};
   }
   // Waits until all files can be used.
   void AwaitNoFault() {
-    while (State().file_faults_size() > 0) absl::SleepFor(absl::Milliseconds(20));
+    for (int i = 0; i < kMaxPolls; ++i, absl::SleepFor(absl::Milliseconds(20))) {
+      if (State().file_faults_size() == 0) return;
+    }
+    ADD_FAILURE() << State().DebugString();
   }
 };
 

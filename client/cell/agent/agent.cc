@@ -162,7 +162,9 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
   if (absl::Status status = CheckSecurityFiles(options.security); !status.ok()) return status;
-  if (absl::Status status = CheckOptions(ConnectionTo(options)); !status.ok()) return status;
+  absl::Status connection = CheckOptions(ConnectionTo(options));
+  connection.Update(CheckToken(ConnectionTo(options)));
+  if (!connection.ok()) return connection;
   absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
   if (!jobs.ok()) return jobs.status();
   const auto calibrations =

@@ -27,8 +27,8 @@ bool HasNoServer(const absl::Status& status) {
 // Whether the client has refused flags of the connection; other INVALID_ARGUMENT errors are those
 // of the server or of files.
 bool IsWrongUsage(const absl::Status& status, const GlobalOptions& global) {
-  return absl::IsInvalidArgument(status) && !status.GetPayload(kErrorDetails) &&
-         !CheckUsage({.server = global.server, .security = global.security}).ok();
+  const absl::Status usage = CheckUsage({.server = global.server, .security = global.security});
+  return !usage.ok() && status == usage;
 }
 
 int Execute(const GlobalOptions& global, const Action& action) {

@@ -113,8 +113,8 @@ class ArchiveCommand {
 
   static absl::Status Undecided(const ArchiveComparison& comparison, const char* consequence) {
     return absl::FailedPreconditionError(
-        absl::StrCat(comparison.CountOf(ArchiveState::kConflict),
-                     " records differ from those of the server, so ", consequence,
+        absl::StrCat("of the archive's records, ", comparison.CountOf(ArchiveState::kConflict),
+                     " changed on both sides, so ", consequence,
                      "; choose --on-conflict keep, replace or later, or give the archive from "
                      "which both began as --base"));
   }

@@ -177,9 +177,11 @@ void CheckIndex(const v1::CatalogStatus& first, const v1::CatalogStatus& later, 
   } else if (first.catalog_id() == later.catalog_id() &&
              state.index_revision() < first.catalog_revision()) {
     AddFinding(
-        Severity::kError, kServer,
+        Severity::kWarning, kServer,
         absl::StrCat("its index has revision ", state.index_revision(), ", but the catalogue ",
-                     first.catalog_revision(), "; keep its log for a bug report, and restart it"),
+                     first.catalog_revision(),
+                     "; run doctor again: if it stays so after a large import, keep the server's "
+                     "log for a bug report, and restart it"),
         out);
   }
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "client/sdk/client.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
@@ -46,14 +47,15 @@ TEST_F(ConnectionOptionsTest, HalfAPairIsTheErrorOfEveryCall) {
 }
 
 TEST_F(ConnectionOptionsTest, AServerNeedsAPort) {
-  for (const char* server : {"", "127.0.0.1", "localhost", "localhost:", ":50051", "[::1]", "::1",
-                             "fe80::1:50051", "127.0.0.1:0", "127.0.0.1:65536", "localhost:x"}) {
+  for (const char* server :
+       {"", "127.0.0.1", "localhost", "localhost:", ":50051", "[::1]", "::1", "fe80::1:50051",
+        "2001:db8:0:0:0:0:0:1", "127.0.0.1:0", "127.0.0.1:65536", "localhost:x"}) {
     EXPECT_THAT(Call({}, server),
                 StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is not HOST:PORT; give")))
         << server;
   }
-  for (const char* server : {"127.0.0.1:1", "[::1]:1", "localhost:1", "ipv4:127.0.0.1:1",
-                             "dns:///localhost:1", "unix:/none/socket"}) {
+  for (const char* server :
+       {"127.0.0.1:1", "[::1]:1", "ipv4:127.0.0.1:1", "ipv4:///127.0.0.1:1", "unix:/none/socket"}) {
     EXPECT_THAT(Call({}, server), StatusIs(absl::StatusCode::kUnavailable)) << server;
   }
 }
@@ -62,7 +64,7 @@ TEST_F(ConnectionOptionsTest, FoldersAndEmptyFilesAreReported) {
   const std::string empty = folder_.Write("empty", "").string();
   for (const std::string& file : {empty, folder_.path().string()}) {
     const auto refuses = [&](const std::string& flag) {
-      return StatusIs(kWrongFile, HasSubstr(flag + " " + file + " is "));
+      return StatusIs(kWrongFile, HasSubstr(absl::StrCat(flag, " ", file, " is ")));
     };
     EXPECT_THAT(Call({.ca = file}), refuses("--ca"));
     EXPECT_THAT(Call({.ca = pem_, .cert = file, .key = pem_}), refuses("--cert"));
@@ -81,6 +83,14 @@ TEST_F(ConnectionOptionsTest, AFileWithoutTokenIsReportedAtOnce) {
   const std::string empty = folder_.Write("empty", "").string();
   EXPECT_THAT(Call({.token_file = empty}),
               StatusIs(kWrongFile, HasSubstr(empty + " has no token in its first line")));
+}
+
+TEST_F(ConnectionOptionsTest, ATokenThatIsWrittenLaterIsUsed) {
+  const std::string file = folder_.Write("token", "").string();
+  Client client({.server = "127.0.0.1:1", .retry = false, .security = {.token_file = file}});
+  EXPECT_THAT(client.GetCatalogStatus().status(), StatusIs(kWrongFile));
+  folder_.Write("token", "abc\n");
+  EXPECT_THAT(client.GetCatalogStatus().status(), StatusIs(absl::StatusCode::kUnavailable));
 }
 
 }  // namespace

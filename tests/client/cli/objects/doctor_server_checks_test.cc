@@ -185,7 +185,7 @@ TEST(DoctorServerChecks, AnIndexThatLacksChanges) {
   CheckIndex(first, later, &out);
   later.mutable_server_state()->set_serving(false);
   CheckIndex(first, later, &out);
-  EXPECT_THAT(out, ElementsAre(IsFinding(Severity::kError, "has revision 6, but the catalogue 7"),
+  EXPECT_THAT(out, ElementsAre(IsFinding(Severity::kWarning, "has revision 6, but the catalogue 7"),
                                IsFinding(Severity::kError, "an old catalogue")));
 }
 
