@@ -225,14 +225,13 @@ absl::Status Server::Listen(const ServerOptions& options, const MemoryShares& me
   quota.Resize(memory.requests);
   quota.SetMaxThreads(ThreadsFor(memory, options));
   builder.SetResourceQuota(quota);
+  const auto credentials =
+      MakeServerCredentials(options.tls, [access = &parts_->access](const absl::Status& refused) {
+        RecordRefusedHandshake(*access, refused);
+      });
+  if (!credentials.ok()) return credentials.status();
   int port = 0;
-  builder.AddListeningPort(
-      options.listen,
-      MakeServerCredentials(options.tls,
-                            [access = &parts_->access](const absl::Status& refused) {
-                              RecordRefusedHandshake(*access, refused);
-                            }),
-      &port);
+  builder.AddListeningPort(options.listen, *credentials, &port);
   GuardCalls(parts_->access, builder);
   for (grpc::Service* service : parts_->services) builder.RegisterService(service);
   grpc_ = builder.BuildAndStart();

@@ -67,9 +67,11 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool us
 }  // namespace
 
 Client::Client(const ConnectionOptions& options) : Client(options, CheckOptions(options)) {}
-Client::Client(const ConnectionOptions& options, const absl::Status& usable)
-    : Client(Connect(options, usable.ok()), options) {
+Client::Client(const ConnectionOptions& options, const absl::Status& usable) : options_(options) {
+  auto tls_files = usable.ok() ? WatchTlsFiles(options.security) : nullptr;
+  stubs_ = std::make_unique<Stubs>(Connect(options, usable.ok()));
   stubs_->usable = usable;
+  stubs_->tls_files = std::move(tls_files);
 }
 Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options)
     : options_(std::move(options)), stubs_(std::make_unique<Stubs>(channel)) {}

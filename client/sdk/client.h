@@ -30,7 +30,8 @@ class ClientReader;
 namespace graspdb::client {
 
 // Encryption and identity. Files are read again when they change; the first three have PEM format,
-// and each of them enables TLS.
+// and each of them enables TLS. Those three stay in use as they were until the changed ones are
+// complete and fit each other, and take two file descriptors until the process ends.
 struct SecurityOptions {
   std::string ca = {};    // authorities that sign the server's certificate; empty: the system's
   std::string cert = {};  // certificate of this client, with its `key`

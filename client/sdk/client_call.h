@@ -25,6 +25,7 @@
 #include "program/monotonic_time.h"
 #include "program/request_id.h"
 #include "program/stop_flag.h"
+#include "program/watched_files.h"
 
 namespace graspdb::client {
 
@@ -44,8 +45,9 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
-  StopFlag stopped;     // of StopRetries()
-  absl::Status usable;  // of the options: the error of every call
+  StopFlag stopped;                         // of StopRetries()
+  absl::Status usable;                      // of the options: the error of every call
+  std::unique_ptr<WatchedFiles> tls_files;  // null: none
 };
 
 template <typename Stub, typename Request, typename Response>

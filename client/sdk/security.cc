@@ -1,6 +1,5 @@
 #include "client/sdk/security.h"
 
-#include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
 #include <algorithm>
@@ -20,21 +19,24 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "program/loopback.h"
+#include "program/tls_file_set.h"
 
 namespace graspdb::client {
 namespace {
 
-using grpc::experimental::FileWatcherCertificateProvider;
 using grpc::experimental::InterceptionHookPoints;
-
-// Seconds between reads of the files; longer, and a renewed certificate is used later.
-constexpr unsigned kRefreshSeconds = 1;
 
 // Bytes of a token; those of the server have 51. Metadata may have 8 KiB in total.
 constexpr std::size_t kMaxTokenBytes = 1024;
 
 bool UsesTls(const SecurityOptions& options) {
   return !options.ca.empty() || !options.cert.empty() || !options.key.empty();
+}
+
+TlsFileSet& FilesOf(const SecurityOptions& options) {
+  return TlsFileSet::Of({.certificate = {"--cert", options.cert},
+                         .key = {"--key", options.key},
+                         .authorities = {"--ca", options.ca}});
 }
 
 bool IsTokenSafe(const ConnectionOptions& options) {
@@ -60,8 +62,7 @@ bool IsServerAddress(const std::string& server) {
          port > 0 && port <= 65535;
 }
 
-// gRPC aborts on a folder or a pipe, whose size it does not find, and on an empty certificate or
-// key. A file that is missing may appear later: gRPC reads it again.
+// A file that is missing, or that does not fit yet, may be right later: it is read again.
 absl::Status CheckPemFile(const char* flag, const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status file = std::filesystem::status(path, error);
@@ -183,11 +184,20 @@ absl::Status CheckToken(const ConnectionOptions& options) {
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options) {
   if (!UsesTls(options)) return grpc::InsecureChannelCredentials();
   grpc::experimental::TlsChannelCredentialsOptions tls;
-  tls.set_certificate_provider(std::make_shared<FileWatcherCertificateProvider>(
-      options.key, options.cert, options.ca, kRefreshSeconds));
+  TlsFileSet& files = FilesOf(options);
+  files.Refresh().IgnoreError();  // a handshake without the files fails, see HandshakeAdvice()
+  tls.set_certificate_provider(files.MakeProvider());
   if (!options.ca.empty()) tls.watch_root_certs();
   if (!options.cert.empty()) tls.watch_identity_key_cert_pairs();
   return grpc::experimental::TlsCredentials(tls);
+}
+
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const SecurityOptions& options) {
+  if (!UsesTls(options)) return nullptr;
+  TlsFileSet& files = FilesOf(options);
+  auto out = std::make_unique<WatchedFiles>(files.paths());
+  out->Start([&files] { return files.Refresh().ok(); });
+  return out;
 }
 
 std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>>

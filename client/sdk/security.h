@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "client/sdk/client.h"
+#include "program/watched_files.h"
 
 namespace graspdb::client {
 
@@ -17,14 +18,20 @@ namespace graspdb::client {
 absl::Status CheckUsage(const ConnectionOptions& options);
 
 // Why no client can connect with these options: that of CheckUsage, or FAILED_PRECONDITION for
-// files on which gRPC aborts. Reads the sizes of the files.
+// files of TLS that are empty or not regular. Reads the sizes of the files.
 absl::Status CheckOptions(const ConnectionOptions& options);
 
 // FAILED_PRECONDITION if there is no token in its file now.
 absl::Status CheckToken(const ConnectionOptions& options);
 
-// For options that pass CheckOptions.
+// Credentials of the files, and of what WatchTlsFiles() reads later, for new connections. For
+// options that pass CheckOptions.
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const SecurityOptions& options);
+
+// Reads changed files of TLS again while the result lives; those of before stay in use until the
+// changed ones are complete and fit each other. To be called before MakeCredentials, so that no
+// change is missed between. Null without TLS.
+std::unique_ptr<WatchedFiles> WatchTlsFiles(const SecurityOptions& options);
 
 // Adds the token to every call of a channel, also without TLS, for which gRPC's own call
 // credentials are not sent. Empty without a token, or if it would be sent unencrypted to another

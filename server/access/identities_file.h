@@ -8,9 +8,9 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "program/watched_files.h"
 #include "server/access/file_state.h"
 #include "server/access/identities.h"
-#include "server/access/watched_files.h"
 
 namespace graspdb::server {
 

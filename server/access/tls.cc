@@ -1,6 +1,5 @@
 #include "server/access/tls.h"
 
-#include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 #include <spdlog/spdlog.h>
 
@@ -10,13 +9,17 @@
 
 #include "program/log_field.h"
 #include "program/pem_files.h"
+#include "program/tls_file_set.h"
 #include "server/access/client_certificates.h"
 
 namespace graspdb::server {
 namespace {
 
-// Seconds between reads of the files. Longer, and a renewed certificate is used later.
-constexpr unsigned kRefreshSeconds = 1;
+// ClientCertificateVerifier reads the file of authorities.
+TlsFileSet& FileSetOf(const TlsFiles& files) {
+  return TlsFileSet::Of(
+      {.certificate = {"--tls-cert", files.cert}, .key = {"--tls-key", files.key}});
+}
 
 }  // namespace
 
@@ -39,12 +42,12 @@ absl::Status CheckTlsFiles(const TlsFiles& files) {
   return status;
 }
 
-std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeServerCredentials(
     const TlsFiles& files, std::function<void(const absl::Status&)> on_refused) {
   if (files.cert.empty()) return grpc::InsecureServerCredentials();
-  using grpc::experimental::FileWatcherCertificateProvider;
-  grpc::experimental::TlsServerCredentialsOptions options(
-      std::make_shared<FileWatcherCertificateProvider>(files.key, files.cert, kRefreshSeconds));
+  TlsFileSet& set = FileSetOf(files);
+  if (absl::Status status = set.Refresh(); !status.ok()) return status;
+  grpc::experimental::TlsServerCredentialsOptions options(set.MakeProvider());
   options.watch_identity_key_cert_pairs();
   if (!files.client_ca.empty()) {
     // The verifier does what gRPC's AND_VERIFY does, and reports whom it refuses.
@@ -62,7 +65,8 @@ std::unique_ptr<WatchedFiles> WatchTlsFiles(const TlsFiles& files, FileState& st
   if (!files.client_ca.empty()) paths.push_back(files.client_ca);
   auto out = std::make_unique<WatchedFiles>(std::move(paths));
   out->Start([files, &state, last_error = std::string()]() mutable {
-    const absl::Status status = CheckTlsFiles(files);
+    absl::Status status = CheckTlsFiles(files);
+    if (status.ok()) status = FileSetOf(files).Refresh();
     state.Note(status);
     const std::string error(status.message());
     if (status.ok()) {

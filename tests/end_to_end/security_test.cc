@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 
 #include "absl/time/clock.h"
@@ -97,7 +98,7 @@ TEST_F(SecurityTest, MutualTls) {
   EXPECT_THAT(health({"--ca", Path("none")}).err, HasSubstr("none cannot be read (No such file"));
   const Finished of_folder = health({"--ca", folder_.path().string()});
   EXPECT_THAT(of_folder, EndsWith(1));
-  EXPECT_THAT(of_folder.err, HasSubstr("has no certificate in PEM format"));
+  EXPECT_THAT(of_folder.err, HasSubstr("is not a regular file"));
   const Finished expired = As("expired", {"status"});
   EXPECT_THAT(expired, EndsWith(1));
   EXPECT_THAT(expired, PrintsOnly("graspdb", "expired.pem expired on"));
@@ -170,6 +171,29 @@ TEST_F(SecurityTest, TokensRolesAndTheAuditLog) {
   const Finished server = server_->Wait();
   EXPECT_THAT(server.err + server.out + client::BytesOf(Path("audit.jsonl")),
               AllOf(HasSubstr("event=identities_read"), Not(HasSubstr(TokenOf("reader")))));
+}
+
+TEST_F(SecurityTest, TheServerKeepsItsCertificateWhileTheFilesAreEmptied) {
+  StartMutualTls();
+  ASSERT_THAT(As("engineer", {"status"}), EndsWith(0));
+  const auto empty = [&](const std::string& file, const std::string& reason) {
+    std::filesystem::resize_file(Path(file), 0);
+    for (int i = 0; i < 600 && server_->Errors().find(reason) == std::string::npos; ++i) {
+      absl::SleepFor(absl::Milliseconds(50));
+    }
+    EXPECT_THAT(server_->Errors(), HasSubstr(reason));
+    EXPECT_THAT(As("engineer", {"status"}), EndsWith(0));
+  };
+  empty("server.pem", "server.pem has no certificate");
+  const testing::KeyPair next = other_.IssueForLoopback();
+  folder_.Write("server.pem", next.certificate);
+  // A second after the first, in which gRPC reads what it was given.
+  empty("server.key", "server.key has no private key");
+  folder_.Write("server.key", next.key);
+  while (As("engineer", {"status"}, "other").exit_status != 0) {
+    absl::SleepFor(absl::Milliseconds(50));
+  }
+  EXPECT_THAT(As("engineer", {"status"}), PrintsOnly("graspdb", "authority of --ca"));
 }
 
 TEST_F(SecurityTest, TokenPrintsItOnce) {

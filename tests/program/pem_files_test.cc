@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstddef>
+
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/certificates.h"
 #include "tests/testing/status_matchers.h"
@@ -45,6 +47,30 @@ TEST_F(PemFilesTest, AnExpiredCertificateIsRejectedWithItsDate) {
 
 TEST_F(PemFilesTest, AnotherKeyIsRejected) {
   EXPECT_THAT(Check({authority_.IssueForLoopback().certificate, authority_.IssueForLoopback().key}),
+              StatusIs(kFailed, HasSubstr("is not the key of --cert")));
+}
+
+TEST_F(PemFilesTest, AnIncompleteChainIsRejected) {
+  const testing::KeyPair pair = authority_.IssueForLoopback();
+  const std::string chain = pair.certificate + authority_.certificate();
+  EXPECT_THAT(Check({chain, pair.key}), IsOk());
+  for (const std::size_t missing : {30U, 200U}) {
+    EXPECT_THAT(Check({chain.substr(0, chain.size() - missing), pair.key}),
+                StatusIs(kFailed, HasSubstr("--cert")));
+  }
+}
+
+TEST_F(PemFilesTest, ThePairIsReadWithTheKeyFirstAndNothingElse) {
+  const testing::KeyPair pair = authority_.IssueForLoopback();
+  const std::string both = "notes\n" + pair.certificate + pair.key + authority_.certificate();
+  const absl::StatusOr<std::string> read = ReadKeyPair(File("--cert", both), File("--key", both));
+  ASSERT_THAT(read, IsOk());
+  EXPECT_THAT(*read, ::testing::StartsWith("-----BEGIN PRIVATE KEY-----\n"));
+  EXPECT_THAT(*read, ::testing::EndsWith("\n" + pair.certificate + authority_.certificate()));
+  const absl::StatusOr<std::string> certificates = ReadCertificates(File("--ca", both));
+  ASSERT_THAT(certificates, IsOk());
+  EXPECT_EQ(*certificates, pair.certificate + authority_.certificate());
+  EXPECT_THAT(ReadKeyPair(File("--cert", both), File("--key", authority_.IssueForLoopback().key)),
               StatusIs(kFailed, HasSubstr("is not the key of --cert")));
 }
 

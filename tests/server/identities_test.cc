@@ -7,10 +7,10 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "program/stop_flag.h"
+#include "program/watched_files.h"
 #include "server/access/identities_file.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
-#include "server/access/watched_files.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -198,6 +200,21 @@ TEST_F(SecurityTest, AClientUsesItsRenewedCertificate) {
   Client client = Connect(Certified("client", plant_.Issue("press-3", "", -60)));
   EXPECT_THAT(client.GetCatalogStatus(), StatusIs(kUnavailable));
   WritePair("client", plant_.Issue("press-3", ""));
+  while (!client.GetCatalogStatus().ok()) absl::SleepFor(absl::Milliseconds(50));
+}
+
+TEST_F(SecurityTest, AClientKeepsItsCertificateWhileTheFilesAreEmptied) {
+  options_.tls.require_client_cert = true;
+  Start();
+  Client client = Connect(Certified("client", plant_.Issue("press-3", "")));
+  ASSERT_THAT(client.GetCatalogStatus(), IsOk());
+  std::filesystem::resize_file(Path("client.pem"), 0);
+  std::filesystem::resize_file(Path("client.key"), 0);
+  absl::SleepFor(absl::Seconds(3));  // both are read each second
+  options_.listen = server_->address();
+  server_.reset();
+  Start();
+  // Over a new connection.
   while (!client.GetCatalogStatus().ok()) absl::SleepFor(absl::Milliseconds(50));
 }
 

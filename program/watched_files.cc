@@ -1,11 +1,11 @@
-#include "server/access/watched_files.h"
+#include "program/watched_files.h"
 
 #include <sys/stat.h>
 
 #include <chrono>
 #include <utility>
 
-namespace graspdb::server {
+namespace graspdb {
 namespace {
 
 // How long a revoked token is still accepted. Twice as often costs twice as many stat calls.
@@ -49,4 +49,4 @@ std::vector<WatchedFiles::Stamp> WatchedFiles::Stamps() const {
   return out;
 }
 
-}  // namespace graspdb::server
+}  // namespace graspdb

@@ -10,7 +10,7 @@
 
 #include "program/stop_flag.h"
 
-namespace graspdb::server {
+namespace graspdb {
 
 // Polls the files' inode, size and time of change each second; also notices a file that is replaced
 // by another one, or reached by another symbolic link.
@@ -42,4 +42,4 @@ class WatchedFiles {
   std::thread thread_;
 };
 
-}  // namespace graspdb::server
+}  // namespace graspdb
