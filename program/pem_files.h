@@ -3,6 +3,7 @@
 
 #include <compare>
 #include <string>
+#include <tuple>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -14,7 +15,9 @@ namespace graspdb {
 struct PemFile {
   std::string flag = {};
   std::string path = {};
-  auto operator<=>(const PemFile&) const = default;
+  friend bool operator<(const PemFile& a, const PemFile& b) {
+    return std::tie(a.flag, a.path) < std::tie(b.flag, b.path);
+  }
 };
 
 // FAILED_PRECONDITION unless the file has at least one certificate (PEM), e.g. of an authority, and

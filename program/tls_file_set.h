@@ -8,6 +8,7 @@
 #include <compare>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -23,7 +24,10 @@ struct TlsPaths {
   PemFile certificate = {};  // and those between it and the authority
   PemFile key = {};
   PemFile authorities = {};
-  auto operator<=>(const TlsPaths&) const = default;
+  friend bool operator<(const TlsPaths& a, const TlsPaths& b) {
+    return std::tie(a.certificate, a.key, a.authorities) <
+           std::tie(b.certificate, b.key, b.authorities);
+  }
 };
 
 // Thread-safe.

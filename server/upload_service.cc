@@ -138,7 +138,7 @@ absl::Status UploadService::Describe(const storage::UploadRecord& upload,
 
 absl::StatusOr<storage::UploadRecord> UploadService::Commit(
     const v1::CommitUploadRequest& request, const recognition::IsCancelled& is_cancelled) {
-  const auto upload = uploads().Get(request.name());
+  auto upload = uploads().Get(request.name());
   if (!upload.ok() || upload->has_commit_time()) return upload;
   if (!request.skip_failed()) {
     if (auto whole = uploads().CheckNoErrors(*upload); !whole.ok()) return whole;
