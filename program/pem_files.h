@@ -1,7 +1,6 @@
 // Checks of certificates and keys, so that errors name the file: those of a TLS handshake do not.
 #pragma once
 
-#include <compare>
 #include <string>
 #include <tuple>
 

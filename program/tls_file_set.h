@@ -5,7 +5,6 @@
 
 #include <grpcpp/security/tls_certificate_provider.h>
 
-#include <compare>
 #include <memory>
 #include <string>
 #include <tuple>
