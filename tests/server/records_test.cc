@@ -66,7 +66,8 @@ TEST(Records, PackedAndUnpackedCloudsAreTheSameInTheWorldFrame) {
   measured.reserve(900);
   for (int i = 0; i < 900; ++i) {
     const auto x = static_cast<float>(i % 30);
-    const auto y = static_cast<float>(i / 30);
+    const int row = i / 30;
+    const auto y = static_cast<float>(row);
     measured.push_back({0.0013F * x, 0.0017F * y, 0.6F + 0.00003F * x * y});
   }
   std::vector<storage::CloudPoint> unpacked;
