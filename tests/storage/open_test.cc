@@ -1,5 +1,4 @@
 // Opening databases, and the errors.
-#include <cerrno>
 #include <filesystem>
 #include <string>
 
@@ -14,7 +13,6 @@
 #include "tests/storage/child_process.h"
 #include "tests/storage/rocksdb_access.h"
 #include "tests/testing/unreadable_folder.h"
-#include "tests/testing/watched_syncs.h"
 
 namespace graspdb::storage {
 namespace {
@@ -34,57 +32,6 @@ class OpenTest : public ::testing::Test {
   TemporaryDirectory directory_;
   const std::string database_ = directory_ / "db";
 };
-
-TEST_F(OpenTest, ANewDatabaseIsEmpty) {
-  const WatchedSyncs syncs;
-  const auto catalogue = OpenOrDie(directory_ / "some/where/deep");
-  for (const char* durable : {"", "some", "some/where", "some/where/deep"}) {
-    EXPECT_TRUE(syncs.Flushed(directory_ / durable)) << durable;
-  }
-  EXPECT_EQ(catalogue->revision(), 0);
-  EXPECT_EQ(catalogue->schema_version(), kSchemaVersion);
-  const auto picture = TakePicture(*catalogue);
-  ASSERT_TRUE(picture.ok());
-  EXPECT_EQ(*picture, Picture());
-}
-
-TEST_F(OpenTest, ANewDatabaseIsRefusedWhereItsNameCannotBeFlushed) {
-  const UnreadableFolder unreadable(directory_.path());
-  const absl::Status status = TryOpen();
-  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
-  EXPECT_THAT(std::string(status.message()), AllOf(HasSubstr(database_), HasSubstr("permissions")));
-  EXPECT_EQ(TryOpen(), status) << "a server that is started again";
-}
-
-// A start that was killed may have made the folder without flushing its name.
-TEST_F(OpenTest, ANewDatabaseInAFolderThatExistsHasADurableName) {
-  for (const char* path : {"empty", "slash", "some/where"}) {
-    std::filesystem::create_directories(directory_ / path);
-  }
-  std::filesystem::create_directory_symlink(directory_ / "some/where", directory_ / "link");
-  const auto flushes = [this](const char* database, const char* above) {
-    const WatchedSyncs syncs;
-    OpenOrDie(directory_ / database);
-    return syncs.Flushed(directory_ / above);
-  };
-  EXPECT_TRUE(flushes("empty", ""));
-  EXPECT_TRUE(flushes("slash/", ""));
-  EXPECT_TRUE(flushes("link", "some"));
-}
-
-TEST_F(OpenTest, ANewDatabaseMayBeInAFolderThatExistsBelowOneThatCannotBeRead) {
-  std::filesystem::create_directory(database_);
-  const UnreadableFolder unreadable(directory_.path());
-  EXPECT_EQ(TryOpen(), absl::OkStatus());
-}
-
-TEST_F(OpenTest, ANewDatabaseIsRefusedWhereTheNameOfItsFolderFailsToBeFlushed) {
-  std::filesystem::create_directory(database_);
-  WatchedSyncs syncs;
-  syncs.FailFolders(EIO);
-  EXPECT_EQ(TryOpen().code(), absl::StatusCode::kUnavailable);
-  EXPECT_TRUE(std::filesystem::is_empty(database_));
-}
 
 TEST_F(OpenTest, ADatabaseThatMayNotBeReadIsNotDamaged) {
   MakeDatabase();

@@ -1,4 +1,5 @@
-// Staged views that are read and described again, and commits that are cancelled.
+// Staged views that are read and described again, and commits that are cancelled
+// or of an upload that was deleted.
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,6 +64,19 @@ TEST_F(StagedViewsTest, ACommitThatIsCancelledChangesNothingAndMayBeRepeated) {
   ASSERT_TRUE(committed.ok()) << committed.status();
   EXPECT_EQ(committed->created_count(), 4);
   EXPECT_TRUE(TakePicture(*catalogue_).ok());
+}
+
+TEST_F(StagedViewsTest, ACommitIsOfTheUploadAndNotOfItsName) {
+  ASSERT_TRUE(uploads().Delete(upload_.name()).ok());
+  EXPECT_TRUE(absl::IsNotFound(uploads().Commit(upload_, false).status()));
+  UploadRecord wanted;
+  wanted.set_name(upload_.name());
+  const UploadRecord next = *uploads().Create(wanted, kStagedViewsNow);
+  ASSERT_TRUE(uploads().Stage(next, MakeView(ViewNameOf(0), 0)).ok());
+  EXPECT_TRUE(absl::IsAborted(uploads().Commit(upload_, false).status()));
+  EXPECT_EQ(uploads().CountsOf(next)->views, 1) << "the other one is open";
+  ASSERT_TRUE(uploads().Commit(next, false).ok());
+  EXPECT_TRUE(absl::IsAborted(uploads().Commit(upload_, false).status()));
 }
 
 TEST_F(StagedViewsTest, ACommittedUploadIsNotCancelled) {

@@ -63,20 +63,6 @@ class UploadsTest : public ::testing::Test {
   std::unique_ptr<Catalogue> catalogue_;
 };
 
-TEST_F(UploadsTest, ACommitIsOfTheUploadAndNotOfItsName) {
-  Create();
-  StageAll(2);
-  const UploadRecord first = *uploads().Get(kUpload);
-  ASSERT_TRUE(uploads().Delete(kUpload).ok());
-  EXPECT_TRUE(absl::IsNotFound(uploads().Commit(first, false).status()));
-  Create();
-  StageAll(1);
-  EXPECT_TRUE(absl::IsAborted(uploads().Commit(first, false).status()));
-  EXPECT_EQ(Counts().views, 1) << "the other one is open";
-  ASSERT_TRUE(Commit(false).ok());
-  EXPECT_TRUE(absl::IsAborted(uploads().Commit(first, false).status()));
-}
-
 TEST_F(UploadsTest, StagedViewsAreNoPartOfTheCatalogue) {
   const Picture before = *TakePicture(*catalogue_);
   Create();
