@@ -28,6 +28,9 @@ function(graspdb_proto_library target)
   add_library(${target} STATIC ${generated})
   # protoc generates statics of the same names in each file.
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+  # Generated code is protobuf's to check, and its libraries have no sanitizer either. A quarter of the
+  # compiler's time.
+  target_compile_options(${target} PRIVATE "$<$<BOOL:${GRASPDB_SANITIZE}>:-fno-sanitize=all;-O0>")
   target_include_directories(${target} SYSTEM
     PUBLIC $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${target} PUBLIC protobuf::libprotobuf)

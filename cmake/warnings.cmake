@@ -6,6 +6,10 @@ target_compile_options(graspdb_options INTERFACE -Wall -Wextra -Wconversion -Wsh
 # Same input, same bytes: no contraction that differs between machines.
 add_compile_options(-ffp-contract=off)
 
+# g++ collects garbage less often (its default at 24 GB of memory is 128 MB): 10 % less time, at most
+# 1.5 GB for a translation unit.
+add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=500000>")
+
 if(GRASPDB_SANITIZE)
   add_compile_options(-fsanitize=${GRASPDB_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GRASPDB_SANITIZE})
@@ -20,6 +24,8 @@ if(GRASPDB_SANITIZE)
 endif()
 
 if(GRASPDB_SANITIZE MATCHES thread)
+  # The suppressions name inline functions by their scopes, which -g1 leaves out.
+  add_compile_options(-fdebug-info-for-profiling)
   # Debian's libraries are built without it: with the macro, a map in protobuf's headers would have
   # one member more than in libprotobuf.
   add_compile_options(-U__SANITIZE_THREAD__)
