@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# bulk_kills.sh BIN OUT VIEWS: one bulk upload of VIEWS views during which first the client and then the server
+# is killed by SIGKILL, while another program recognises five frames a second. Prints what the catalogue had
+# before, at both kills and after the commit, and the latency of recognition.
+set -euo pipefail
+bin=$(realpath "$1")
+mkdir -p "$2" && out=$(realpath "$2")
+views=$3
+source "$(dirname "$0")/../server_process/server.sh"
+
+# The number KEY of the JSON object on stdin.
+number() { sed -n "s/.*\"$1\":\"\([0-9]*\)\".*/\1/p"; }
+staged() { "$bin/graspdb" uploads list --json 2>/dev/null | number stagedViewCount; }
+catalogue_views() { "$bin/graspdb" status --json | number viewCount; }
+wait_for_staged() {
+  until [ "$(staged || true)" -ge "$1" ] 2>/dev/null; do
+    kill -0 "$upload"
+    sleep 0.2
+  done
+}
+upload() {
+  "$bin/graspdb_bulk" "$out/raw" --server "$GRASPDB_SERVER" --views "$views" --upload-only &
+  upload=$!
+}
+recognize() { "$bin/graspdb" bench "$out/set" --duration "$1" --rate 5 >"$2" 2>&1; }
+
+rm -rf "$out/db" "$out/set"
+"$bin/graspdb" simulate --step 30 --seed 3 --out "$out/set" >/dev/null 2>&1
+start_server "$out/server" "$out/db" --log-level warn
+"$bin/graspdb" import "$out/set" >/dev/null 2>&1
+echo "views before: $(catalogue_views)"
+recognize 30 "$out/quiet.txt"
+
+upload
+recognize 3600 "$out/during.txt" & cell=$!
+wait_for_staged $((views / 3))
+kill -9 "$upload"
+wait "$upload" || true
+echo "client killed: staged $(staged), in the catalogue $(catalogue_views)"
+
+upload
+wait_for_staged $((2 * views / 3))
+kill -9 "$server"
+wait "$server" || true
+address=$GRASPDB_SERVER
+"$bin/graspdb-server" --db "$out/db" --listen "$address" --log-level warn >"$out/server.out" 2>"$out/server.log" &
+server=$!
+until grep -q '^listening on ' "$out/server.out"; do sleep 0.01; done
+echo "server killed and started again: staged $(staged), in the catalogue $(catalogue_views)"
+wait "$upload" || { upload; wait "$upload"; }  # continues, as an integrator would
+echo "committed: in the catalogue $(catalogue_views)"
+kill -INT "$cell"
+wait "$cell" || true
+for run in quiet during; do
+  echo "$run"
+  grep -A2 "min      mean" "$out/$run.txt"
+  grep -E "answered|failed" "$out/$run.txt"
+done
