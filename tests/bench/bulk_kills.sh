@@ -22,26 +22,28 @@ upload() {
   "$bin/graspdb_bulk" "$out/raw" --server "$GRASPDB_SERVER" --views "$views" --upload-only &
   upload=$!
 }
-recognize() { "$bin/graspdb" bench "$out/set" --duration "$1" --rate 5 >"$2" 2>&1; }
+# A program in the background ignores SIGINT unless it is set back.
+recognize=(env --default-signal=INT "$bin/graspdb" bench "$out/set" --rate 5)
 
 rm -rf "$out/db" "$out/set"
 "$bin/graspdb" simulate --step 30 --seed 3 --out "$out/set" >/dev/null 2>&1
 start_server "$out/server" "$out/db" --log-level warn
 "$bin/graspdb" import "$out/set" >/dev/null 2>&1
 echo "views before: $(catalogue_views)"
-recognize 30 "$out/quiet.txt"
+"${recognize[@]}" --duration 30 >"$out/quiet.txt" 2>&1
 
 upload
-recognize 3600 "$out/during.txt" & cell=$!
+"${recognize[@]}" --duration 3600 >"$out/during.txt" 2>&1 &
+cell=$!
 wait_for_staged $((views / 3))
 kill -9 "$upload"
-wait "$upload" || true
+{ wait "$upload" || true; } 2>/dev/null
 echo "client killed: staged $(staged), in the catalogue $(catalogue_views)"
 
 upload
 wait_for_staged $((2 * views / 3))
 kill -9 "$server"
-wait "$server" || true
+{ wait "$server" || true; } 2>/dev/null
 address=$GRASPDB_SERVER
 "$bin/graspdb-server" --db "$out/db" --listen "$address" --log-level warn >"$out/server.out" 2>"$out/server.log" &
 server=$!
