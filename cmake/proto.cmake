@@ -30,7 +30,9 @@ function(graspdb_proto_library target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   # Generated code is protobuf's to check, and its libraries have no sanitizer either. A quarter of the
   # compiler's time.
-  target_compile_options(${target} PRIVATE "$<$<BOOL:${GRASPDB_SANITIZE}>:-fno-sanitize=all;-O0>")
+  if(GRASPDB_SANITIZE)
+    target_compile_options(${target} PRIVATE -fno-sanitize=all -O0)
+  endif()
   target_include_directories(${target} SYSTEM
     PUBLIC $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${target} PUBLIC protobuf::libprotobuf)
