@@ -11,7 +11,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using recognition::Pose;
 
-// Of any size: a quarter of the compiler's time of one type for each size.
+// Of any size: one type to compile for 3 x 3 and 9 x 9.
 using Svd = Eigen::JacobiSVD<Eigen::MatrixXd>;
 
 // The rotation in a singular vector, whose sign is arbitrary.

@@ -14,7 +14,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr int kMaxErrors = 300;  // 3 s: a camera that is plugged in again opens within 0.1 s
+constexpr int kMaxErrors = 300;  // 3 s: a camera that is plugged in again opens within 0.5 s
 constexpr absl::Duration kTimeout = absl::Seconds(30);
 
 absl::Status Keep(const std::string& folder, int number, const SensorFrame& frame) {
