@@ -2,6 +2,7 @@
 
 #include <grpcpp/create_channel.h>
 
+#include <memory>
 #include <utility>
 
 #include "absl/strings/cord.h"
@@ -41,7 +42,15 @@ constexpr char kOthers[] = R"(
     {"service": "graspdb.v1.CellService", "method": "ListCells"}],
   "retryPolicy": {"maxAttempts": 4, "initialBackoff": "0.15s", "maxBackoff": "1s",
                   "backoffMultiplier": 2, "retryableStatusCodes": ["UNAVAILABLE"]}}]})";
-constexpr int kReconnectMs = 100;
+// The first delay between two attempts to connect, and the longest, to which it grows by 1.6 with
+// each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back;
+// doubled, up to 2 s, and half the attempts reach a machine without server.
+constexpr int kFirstReconnectMs = 100;
+constexpr int kLongestReconnectMs = 1'000;
+// For an attempt: TCP, TLS, and the server's first HTTP/2 frame. TCP repeats a lost packet after 1
+// and 3 s, so a cable that is plugged in is noticed after 2 s at the latest; doubled, after 4 s.
+// gRPC calls this the minimum of the delay.
+constexpr int kConnectMs = 5'000;
 // Buffer of a call for its retries, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
@@ -55,8 +64,9 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool us
   }
   arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, options.retry ? 1 : 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, options.own_connection ? 1 : 0);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectMs);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectMs);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
@@ -69,8 +79,10 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool us
 Client::Client(const ConnectionOptions& options) : Client(options, CheckOptions(options)) {}
 Client::Client(const ConnectionOptions& options, const absl::Status& usable) : options_(options) {
   auto tls_files = usable.ok() ? WatchTlsFiles(options.security) : nullptr;
-  stubs_ = std::make_unique<Stubs>(Connect(options, usable.ok()));
+  const std::shared_ptr<grpc::Channel> channel = Connect(options, usable.ok());
+  stubs_ = std::make_unique<Stubs>(channel);
   stubs_->usable = usable;
+  if (usable.ok()) stubs_->reconnection = std::make_unique<Reconnection>(channel);
   stubs_->tls_files = std::move(tls_files);
 }
 Client::Client(const std::shared_ptr<grpc::Channel>& channel, ConnectionOptions options)
@@ -87,6 +99,9 @@ std::string RequestIdOf(const absl::Status& status) {
 absl::Status Client::ToStatus(const grpc::Status& status,
                               const grpc::ClientContext& context) const {
   if (!status.ok() && !stubs_->usable.ok()) return stubs_->usable;
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && stubs_->reconnection != nullptr) {
+    stubs_->reconnection->Begin();
+  }
   absl::Status out = Explain(status, options_);
   const auto& trailing = context.GetServerTrailingMetadata();
   const auto id = trailing.find(kRequestIdKey);

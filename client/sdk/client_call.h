@@ -13,6 +13,7 @@
 
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
+#include "client/sdk/reconnection.h"
 #include "client/sdk/retry.h"
 #include "client/sdk/security.h"
 #include "graspdb/v1/backup_service.grpc.pb.h"
@@ -45,9 +46,10 @@ struct Client::Stubs {
   std::unique_ptr<v1::ObjectHistoryService::Stub> history;
   std::unique_ptr<v1::RecognitionService::Stub> recognition;
   std::unique_ptr<v1::UploadService::Stub> uploads;
-  StopFlag stopped;                         // of StopRetries()
-  absl::Status usable;                      // of the options: the error of every call
-  std::unique_ptr<WatchedFiles> tls_files;  // null: none
+  StopFlag stopped;                            // of StopRetries()
+  absl::Status usable;                         // of the options: the error of every call
+  std::unique_ptr<WatchedFiles> tls_files;     // null: none
+  std::unique_ptr<Reconnection> reconnection;  // null: of a channel of the caller
 };
 
 template <typename Stub, typename Request, typename Response>

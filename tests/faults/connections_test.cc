@@ -164,8 +164,8 @@ TEST_F(ConnectionsTest, IdleAndSilentClientsDoNotKeepOthersFromWorking) {
         address_, kHalfPreface.substr(0, static_cast<std::size_t>(i) % kHalfPreface.size())));
   }
   client::Client client = Connect();
-  ASSERT_TRUE(samples_.Prepare(client).ok());
-  for (int i = 0; i < 10; ++i) ASSERT_TRUE(Teach(client, i).ok());
+  ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(Teach(client, i), absl::OkStatus());
   for (client::Client& other : idle) EXPECT_EQ(other.GetCatalogStatus()->view_count(), 10);
   ExpectDrains();
 }
@@ -184,8 +184,8 @@ class ManyCellsTest : public ConnectionsTest {
     flags.emplace_back("0.5");
     StartServer("db", flags);
     client::Client client = Connect();
-    ASSERT_TRUE(samples_.Prepare(client).ok());
-    ASSERT_TRUE(Teach(client, 0).ok());
+    ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
+    ASSERT_EQ(Teach(client, 0), absl::OkStatus());
     for (int i = 0; i < kManyClients; ++i) {
       v1::CreateCellRequest request;
       request.set_cell_id(absl::StrCat("press-", i));
@@ -221,7 +221,7 @@ class ManyCellsTest : public ConnectionsTest {
       EXPECT_EQ(watching.size(), watchers);
       EXPECT_GE(Descriptors(), before + kManyClients - kOtherFiles);
       constexpr int kTaught = 5;
-      for (int i = 1; i <= kTaught; ++i) ASSERT_TRUE(Teach(teacher, i).ok());
+      for (int i = 1; i <= kTaught; ++i) ASSERT_EQ(Teach(teacher, i), absl::OkStatus());
       for (const auto& cell : watching) EXPECT_TRUE(cell->SeesChangeOf(NameOf(kTaught)));
       for (const Cells* cells : {&watching, &refused}) {
         for (const auto& cell : *cells) EXPECT_TRUE(cell->ReadCell().ok());
@@ -270,7 +270,7 @@ TEST_F(ConnectionsTest, AWatcherThatDoesNotReadDelaysNobody) {
   request.set_after_revision(0);
   const auto unread = stub->WatchCatalog(&context, request);
   client::Client client = Connect();
-  ASSERT_TRUE(samples_.Prepare(client).ok());
+  ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
   v1::UpdateObjectRequest update;
   update.mutable_object()->set_name("objects/ridge-0");
   update.mutable_update_mask()->add_paths("display_name");
@@ -278,7 +278,7 @@ TEST_F(ConnectionsTest, AWatcherThatDoesNotReadDelaysNobody) {
     update.mutable_object()->set_display_name(std::to_string(i) + std::string(250, 'x'));
     ASSERT_TRUE(client.UpdateObject(update).ok());
   }
-  ASSERT_TRUE(Teach(client, 0).ok());
+  ASSERT_EQ(Teach(client, 0), absl::OkStatus());
   ExpectDrains();
 }
 

@@ -24,8 +24,8 @@ class DamageTest : public FaultTest {
     Prepare();
     StartServer();
     client::Client client = Connect();
-    ASSERT_TRUE(samples_.Prepare(client).ok());
-    for (int i = 0; i < samples_.count(); ++i) ASSERT_TRUE(Teach(client, i).ok());
+    ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
+    for (int i = 0; i < samples_.count(); ++i) ASSERT_EQ(Teach(client, i), absl::OkStatus());
     Stop();
     StartServer();  // moves the log into files
     Stop();

@@ -31,11 +31,11 @@ TEST_F(DiskTest, AFullDiskRejectsWritesUntilThereIsRoomWithoutARestart) {
   Prepare();
   StartServer("disk/db");
   client::Client client = Connect();
-  ASSERT_TRUE(samples_.Prepare(client).ok());
+  ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
   int taught = 0;
   for (int round = 0; round < 3; ++round) {
     for (const int more = taught + 5; taught < more; ++taught) {
-      ASSERT_TRUE(Teach(client, taught).ok());
+      ASSERT_EQ(Teach(client, taught), absl::OkStatus());
     }
     disk_.Fill();
     absl::Status full = Teach(client, taught);
@@ -68,7 +68,7 @@ TEST_F(DiskTest, AFullDiskRejectsWritesUntilThereIsRoomWithoutARestart) {
 TEST_F(DiskTest, AFullOrReadOnlyDiskEndsTheStartWithASentence) {
   SKIP_WITHOUT_DISK();
   StartServer("disk/db");
-  ASSERT_TRUE(samples_.Prepare(*std::make_unique<client::Client>(Connect())).ok());
+  ASSERT_EQ(samples_.Prepare(*std::make_unique<client::Client>(Connect())), absl::OkStatus());
   server_->Signal(SIGTERM);
   server_->Wait();
   const std::vector<std::string> start = ServerCommand(Path("disk/db"), "127.0.0.1:0");
@@ -104,14 +104,14 @@ TEST_F(ReadOnlyDiskTest, AFileSystemThatTurnsReadOnlyRejectsWritesAndReadsGoOn) 
   StartServer("disk/db");
   {
     client::Client client = Connect();
-    ASSERT_TRUE(samples_.Prepare(client).ok());
-    for (int i = 0; i < kTaught / 2; ++i) ASSERT_TRUE(Teach(client, i).ok());
+    ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
+    for (int i = 0; i < kTaught / 2; ++i) ASSERT_EQ(Teach(client, i), absl::OkStatus());
   }
   server_->Signal(SIGTERM);
   server_->Wait();
   StartServer("disk/db");  // these views are in files now, and the following ones in the log
   client::Client client = Connect();
-  for (int i = kTaught / 2; i < kTaught; ++i) ASSERT_TRUE(Teach(client, i).ok());
+  for (int i = kTaught / 2; i < kTaught; ++i) ASSERT_EQ(Teach(client, i), absl::OkStatus());
 
   ASSERT_TRUE(disk_.Fail());
   for (int attempt = 0; attempt < 2; ++attempt) {

@@ -29,8 +29,8 @@ class FaultTest : public end_to_end::ProgramsTest {
   void Prepare() {
     StartServer("reference");
     client::Client reference = Connect();
-    ASSERT_TRUE(samples_.Prepare(reference).ok());
-    ASSERT_TRUE(samples_.LearnStored(reference).ok());
+    ASSERT_EQ(samples_.Prepare(reference), absl::OkStatus());
+    ASSERT_EQ(samples_.LearnStored(reference), absl::OkStatus());
   }
   void ExpectView(client::Client& client, int number) const {
     const absl::StatusOr<v1::View> view = client.GetView(NameOf(number));

@@ -98,7 +98,7 @@ TEST_F(KillTest, NothingAcknowledgedIsLost) {
   Start();
   {
     client::Client client = Connect();
-    ASSERT_TRUE(samples_.Prepare(client).ok());
+    ASSERT_EQ(samples_.Prepare(client), absl::OkStatus());
   }
   const int rounds = Rounds();
   for (int round = 0; round < rounds && !HasFailure(); ++round) {

@@ -96,8 +96,8 @@ absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
   absl::Status written =
       WriteFileAtomically(folder_ / first, PgmOf(raw), Durability::kProcessCrash);
   if (!written.ok()) return written;
-  const double count = std::round(absl::ToDoubleSeconds(duration) * kFramesPerSecond);
-  for (double frame = 1; frame < count; ++frame) {
+  const long long count = std::llround(absl::ToDoubleSeconds(duration) * kFramesPerSecond);
+  for (long long frame = 1; frame < count; ++frame) {
     const std::filesystem::path name = folder_ / NextName();
     std::error_code error;
     std::filesystem::remove(name, error);

@@ -1,0 +1,148 @@
+// Connecting to a server that is slow or was away for long.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <grpcpp/server_builder.h>
+#include <grpcpp/server_posix.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "client/sdk/client.h"
+#include "graspdb/v1/catalog_service.grpc.pb.h"
+#include "tests/files/temporary_folder.h"
+#include "tests/testing/certificates.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+// Calls a function, on a thread, with the descriptor of each TCP connection; the function owns it.
+class Listener {
+ public:
+  explicit Listener(std::function<void(int)> accepted)
+      : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(address);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(socket_, SOMAXCONN), 0);
+    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    address_ = absl::StrCat("127.0.0.1:", ntohs(address.sin_port));
+    thread_ = std::thread([this, accepted = std::move(accepted)] {
+      for (int one = 0; (one = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
+        accepted(one);
+      }
+    });
+  }
+  ~Listener() {
+    shutdown(socket_, SHUT_RDWR);
+    thread_.join();
+    close(socket_);
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  const std::string& address() const { return address_; }
+
+ private:
+  const int socket_;
+  std::string address_;
+  std::thread thread_;
+};
+
+// A server whose catalogue is empty.
+class ConnectionTest : public ::testing::Test, public v1::CatalogService::Service {
+ protected:
+  grpc::Status GetCatalogStatus(grpc::ServerContext*, const v1::GetCatalogStatusRequest*,
+                                v1::CatalogStatus*) override {
+    return grpc::Status::OK;
+  }
+  // Listens on the last port again.
+  void Start(const std::shared_ptr<grpc::ServerCredentials>& credentials) {
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(absl::StrCat("127.0.0.1:", port_), credentials, &port_);
+    server_ = builder.RegisterService(this).BuildAndStart();
+    ASSERT_NE(server_, nullptr);
+  }
+  void Stop() { server_->Shutdown(absl::ToChronoTime(absl::Now())); }
+  void TearDown() override { Stop(); }
+  // Calls one after the other, as a cell does: none waits for the server.
+  static bool IsReachedWithin(Client& client, absl::Duration time) {
+    const absl::Time end = absl::Now() + time;
+    while (absl::Now() < end) {
+      if (client.GetCatalogStatus().ok()) return true;
+      absl::SleepFor(absl::Milliseconds(20));
+    }
+    return false;
+  }
+
+  int port_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+TEST_F(ConnectionTest, AServerThatTakesASecondIsReached) {
+  Start(grpc::InsecureServerCredentials());
+  const Listener slow([this](int connection) {
+    absl::SleepFor(absl::Seconds(1));
+    fcntl(connection, F_SETFL, O_NONBLOCK);
+    grpc::AddInsecureChannelFromFd(server_.get(), connection);
+  });
+  EXPECT_THAT(Client({.server = slow.address()}).GetCatalogStatus(), IsOk());
+}
+
+TEST_F(ConnectionTest, AServerWithTlsIsReachedAgain) {
+  const testing::Authority plant("plant");
+  const testing::KeyPair pair = plant.IssueForLoopback();
+  grpc::SslServerCredentialsOptions options;
+  options.pem_key_cert_pairs.push_back({.private_key = pair.key, .cert_chain = pair.certificate});
+  const auto credentials = grpc::SslServerCredentials(options);
+  const TemporaryFolder folder;
+  Start(credentials);
+  Client client({.server = absl::StrCat("127.0.0.1:", port_),
+                 .retry = false,
+                 .security = {.ca = folder.Write("plant.pem", plant.certificate()).string()}});
+  ASSERT_THAT(client.GetCatalogStatus(), IsOk());
+  Stop();
+  EXPECT_FALSE(IsReachedWithin(client, absl::Seconds(2)));
+  Start(credentials);
+  EXPECT_TRUE(IsReachedWithin(client, absl::Seconds(20)));
+}
+
+TEST(ConnectionDelayTest, ServersThatAreAwayForLongAreTriedAsOften) {
+  // gRPC's own delay, which grows by 1.6 with each attempt, is 18 s before the last one.
+  constexpr int kAttempts = 12;
+  absl::Notification last;
+  int attempts = 0;
+  absl::Time before;
+  absl::Duration longest;
+  const Listener absent([&](int connection) {
+    close(connection);
+    const absl::Time now = absl::Now();
+    if (attempts++ > 0) longest = std::max(longest, now - before);
+    before = now;
+    if (attempts == kAttempts) last.Notify();
+  });
+  Client client({.server = absent.address(), .retry = false});
+  while (!last.HasBeenNotified()) {
+    ASSERT_THAT(client.GetCatalogStatus(), StatusIs(absl::StatusCode::kUnavailable));
+    absl::SleepFor(absl::Milliseconds(20));
+  }
+  EXPECT_LT(longest, absl::Seconds(6));
+}
+
+}  // namespace
+}  // namespace graspdb::client
