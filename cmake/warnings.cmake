@@ -25,7 +25,7 @@ endif()
 
 if(GRASPDB_SANITIZE MATCHES thread)
   # The suppressions name inline functions by their scopes, which -g1 leaves out.
-  add_compile_options(-fdebug-info-for-profiling)
+  add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,Clang>:-fdebug-info-for-profiling>")
   # Debian's libraries are built without it: with the macro, a map in protobuf's headers would have
   # one member more than in libprotobuf.
   add_compile_options(-U__SANITIZE_THREAD__)

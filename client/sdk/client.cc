@@ -44,13 +44,19 @@ constexpr char kOthers[] = R"(
                   "backoffMultiplier": 2, "retryableStatusCodes": ["UNAVAILABLE"]}}]})";
 // The first delay between two attempts to connect, and the longest, to which it grows by 1.6 with
 // each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back;
-// doubled, up to 2 s, and half the attempts reach a machine without server.
+// doubled, up to 2 s, and half as many attempts are made meanwhile.
 constexpr int kFirstReconnectMs = 100;
 constexpr int kLongestReconnectMs = 1'000;
 // For an attempt: TCP, TLS, and the server's first HTTP/2 frame. TCP repeats a lost packet after 1
 // and 3 s, so a cable that is plugged in is noticed after 2 s at the latest; doubled, after 4 s.
-// gRPC calls this the minimum of the delay.
-constexpr int kConnectMs = 5'000;
+// In spite of its name the option is not a minimum of the delay.
+constexpr int kConnectMs = 4'000;
+// Milliseconds without a message during a call after which the server gets a ping, at least 10 s
+// (server/dead_connections.cc), and after which the connection is closed if the ping or sent data
+// are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
+// power is back at the server. Doubled, a server without power is noticed after 20 s.
+constexpr int kKeepaliveMs = 20'000;
+constexpr int kKeepaliveTimeoutMs = 10'000;
 // Buffer of a call for its retries, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
@@ -67,6 +73,8 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool us
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
@@ -99,10 +107,16 @@ std::string RequestIdOf(const absl::Status& status) {
 absl::Status Client::ToStatus(const grpc::Status& status,
                               const grpc::ClientContext& context) const {
   if (!status.ok() && !stubs_->usable.ok()) return stubs_->usable;
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && stubs_->reconnection != nullptr) {
-    stubs_->reconnection->Begin();
-  }
   absl::Status out = Explain(status, options_);
+  if ((absl::IsUnavailable(out) || absl::IsDeadlineExceeded(out)) &&
+      stubs_->reconnection != nullptr && !stubs_->reconnection->IsConnected()) {
+    stubs_->reconnection->Begin();
+    // No attempt to connect has ended in the call's time: the server is unreachable and not slow.
+    if (absl::IsDeadlineExceeded(out)) {
+      out =
+          Explain({grpc::StatusCode::UNAVAILABLE, "no answer to the attempt to connect"}, options_);
+    }
+  }
   const auto& trailing = context.GetServerTrailingMetadata();
   const auto id = trailing.find(kRequestIdKey);
   if (!out.ok() && id != trailing.end()) {

@@ -45,9 +45,9 @@ struct ConnectionOptions {
   std::string server = "127.0.0.1:50051";      // HOST:PORT
   absl::Duration timeout = absl::Seconds(30);  // of every call, but not of uploads
   // Whether calls are retried, within their time limit: those that may be repeated without further
-  // effect after the connection is lost (UNAVAILABLE), up to four attempts within about a second;
-  // all but streams while the server is busy (RESOURCE_EXHAUSTED with a RetryInfo: it has not begun
-  // the call).
+  // effect after the connection is lost (UNAVAILABLE), up to four attempts with pauses of about a
+  // second together; all but streams while the server is busy (RESOURCE_EXHAUSTED with a RetryInfo:
+  // it has not begun the call).
   bool retry = true;
   // Whether Recognize is among them; not where the caller takes a new frame for each attempt.
   bool retry_frames = true;
@@ -69,8 +69,9 @@ inline constexpr char kErrorDetails[] = "type.googleapis.com/google.rpc.Status";
 // server was not reached.
 std::string RequestIdOf(const absl::Status& status);
 
-// A connection to a server. Connects with the first call and reconnects when the connection is
-// lost; calls are retried as the options say. Thread-safe.
+// A connection to a server. Connects with the first call, for which it waits up to 4 s; calls are
+// retried as the options say. When a call has failed without a connection, a thread connects again,
+// until that succeeds: about a second after the server is back. Thread-safe.
 //
 // All methods return the server's error, with its text and kErrorDetails; UNAVAILABLE, with advice
 // in the text, when no server can be reached. Options that cannot be used are found by the

@@ -1,13 +1,14 @@
 #include "client/sdk/reconnection.h"
 
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 namespace graspdb::client {
 namespace {
 
-// Between two looks whether the client is destroyed. Doubled, that takes up to 0.2 s.
-constexpr std::chrono::milliseconds kLook(100);
+// Between two checks whether the client is destroyed. Doubled, that takes up to 0.2 s.
+constexpr std::chrono::milliseconds kCheck(100);
 
 }  // namespace
 
@@ -18,20 +19,27 @@ Reconnection::~Reconnection() {
   if (thread_.joinable()) thread_.join();
 }
 
+bool Reconnection::IsConnected() const {
+  return channel_->GetState(/*try_to_connect=*/false) == GRPC_CHANNEL_READY;
+}
+
 void Reconnection::Begin() {
-  if (channel_->GetState(/*try_to_connect=*/false) == GRPC_CHANNEL_READY) return;
   const std::scoped_lock lock(mutex_);
   if (waiting_) return;
   if (thread_.joinable()) thread_.join();
-  waiting_ = true;
-  thread_ = std::thread([this] { Wait(); });
+  try {
+    thread_ = std::thread([this] { Wait(); });
+    waiting_ = true;
+  } catch (const std::system_error&) {
+    // As described: the connection then takes longer, or the next failed call begins.
+  }
 }
 
 void Reconnection::Wait() {
   while (!stopping_) {
     const grpc_connectivity_state state = channel_->GetState(/*try_to_connect=*/true);
     if (state == GRPC_CHANNEL_READY) break;
-    channel_->WaitForStateChange(state, std::chrono::system_clock::now() + kLook);
+    channel_->WaitForStateChange(state, std::chrono::system_clock::now() + kCheck);
   }
   const std::scoped_lock lock(mutex_);
   waiting_ = false;

@@ -12,19 +12,21 @@ namespace graspdb::client {
 
 // A thread that waits for a channel's next connection, as a call does that has to wait for it.
 //
-// gRPC reads from the sockets of a channel in threads that wait for something of that channel, and
-// every 5 s. Calls do not wait once an attempt to connect has failed: they fail until another one
-// succeeds, and this one takes 5 s for each message of the server. With TLS that is longer than
-// attempts last (gRPC's issue 33593). Thread-safe.
+// gRPC reads from the sockets of a channel in threads that wait for an event of that channel, and
+// every 5 s. Once an attempt to connect has failed, calls do not wait but fail until another
+// attempt succeeds; without a waiting thread, each message of the server takes such an attempt 5 s.
+// With TLS it is over before it succeeds (gRPC's issue 33593). Thread-safe.
 class Reconnection {
  public:
   explicit Reconnection(std::shared_ptr<grpc::Channel> channel);
-  // Takes up to 0.1 s.
+  // Takes up to 0.1 s; longer by as much as the wall clock is set back meanwhile (issue 32176).
   ~Reconnection();
   Reconnection(const Reconnection&) = delete;
   Reconnection& operator=(const Reconnection&) = delete;
 
-  // Starts the thread if there is neither a connection nor the thread; it ends with a connection.
+  bool IsConnected() const;
+  // Starts the thread if it does not run; it ends with a connection. Without effect where there are
+  // no more threads, or where the thread is just ending: to be called after each call that fails.
   void Begin();
 
  private:

@@ -7,13 +7,13 @@ stop_server() {
 }
 trap stop_server EXIT
 
-# start_server LOGS DATABASE FLAG...: in place of the previous one, at GRASPDB_SERVER. Its output
-# goes to LOGS.out and LOGS.log.
+# start_server LOGS DATABASE FLAG...: in place of the previous one, at GRASPDB_SERVER, on a free
+# port or at `listen`. Its output goes to LOGS.out and LOGS.log.
 start_server() {
   local logs=$1 database=$2
   stop_server
   : >"$logs.out"
-  "$bin/graspdb-server" --db "$database" --listen 127.0.0.1:0 "${@:3}" \
+  "$bin/graspdb-server" --db "$database" --listen "${listen:-127.0.0.1:0}" "${@:3}" \
     >"$logs.out" 2>"$logs.log" &
   server=$!
   until grep -q '^listening on ' "$logs.out"; do
