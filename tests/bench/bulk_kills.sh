@@ -54,6 +54,7 @@ upload
 wait_for_staged $((2 * views / 3))
 kill -9 "$server"
 { wait "$server" || true; } 2>/dev/null
+server=''
 listen=$GRASPDB_SERVER start_server "$out/server" "$out/db" --log-level warn
 second=$(staged)
 echo "server killed and started again: staged $second, in the catalogue $(catalogue_views)"
