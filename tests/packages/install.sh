@@ -38,7 +38,10 @@ stop() {
   wait "$server"
   server=
 }
-trap '[ -z "$server" ] || stop' EXIT
+# Programs find those beside them by /proc/self/exe.
+own_proc=
+mountpoint -q "$root/proc" || { mount -t proc proc "$root/proc"; own_proc=$root/proc; }
+trap '[ -z "$server" ] || stop; [ -z "$own_proc" ] || umount "$own_proc"' EXIT
 
 here sh -c 'apt-get update -q' >/dev/null
 install_from "$before"
