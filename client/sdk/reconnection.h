@@ -19,7 +19,7 @@ namespace graspdb::client {
 class Reconnection {
  public:
   explicit Reconnection(std::shared_ptr<grpc::Channel> channel);
-  // Takes up to 0.1 s; longer by as much as the wall clock is set back meanwhile (issue 32176).
+  // Takes up to 0.1 s; longer by as much as the wall clock is set back meanwhile (gRPC 32176).
   ~Reconnection();
   Reconnection(const Reconnection&) = delete;
   Reconnection& operator=(const Reconnection&) = delete;

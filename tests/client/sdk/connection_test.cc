@@ -106,6 +106,8 @@ TEST_F(ConnectionTest, AServerThatTakesASecondIsReached) {
   EXPECT_THAT(Client({.server = slow.address()}).GetCatalogStatus(), IsOk());
 }
 
+// In one process the server's threads read for the client too, so that this passes without
+// Reconnection; tests/bench/outages.sh has two processes.
 TEST_F(ConnectionTest, AServerWithTlsIsReachedAgain) {
   const testing::Authority plant("plant");
   const testing::KeyPair pair = plant.IssueForLoopback();
