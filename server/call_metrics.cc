@@ -49,6 +49,8 @@ void CallMetrics::CountFrame(const std::string& cell, const v1::RecognizeRespons
        {"match", timings.match_ms()},
        {"register", timings.register_ms()}}};
   for (const auto& [step, ms] : steps) step_times_.With({step}).Observe(ms / 1000);
+  // A share of unknown objects is 0, and not absent, before the first one: alerts compare it.
+  detections_.With({cell, v1::RecognitionStatus_Name(v1::UNKNOWN_OBJECT)});
   for (const v1::Detection& detection : response.detections()) {
     detections_.With({cell, v1::RecognitionStatus_Name(detection.status())}).Increment();
     if (detection.status() == v1::UNKNOWN_OBJECT) {
@@ -60,7 +62,12 @@ void CallMetrics::CountFrame(const std::string& cell, const v1::RecognizeRespons
 
 void CallMetrics::CountPicks(const std::string& cell,
                              const v1::ReportGraspOutcomeRequest& request) {
-  picks_.With({cell, ObjectOf(request.name()), v1::GraspOutcome_Name(request.outcome())})
+  const std::string object = ObjectOf(request.name());
+  for (const v1::GraspOutcome outcome :
+       {v1::GRASP_OUTCOME_PICKED, v1::GRASP_OUTCOME_MISSED, v1::GRASP_OUTCOME_SLIPPED}) {
+    picks_.With({cell, object, v1::GraspOutcome_Name(outcome)});  // at 0 before the first one
+  }
+  picks_.With({cell, object, v1::GraspOutcome_Name(request.outcome())})
       .Increment(request.has_count() ? request.count() : 1);
 }
 

@@ -3,11 +3,13 @@
 
 Checks their commands and environments, not the images: each service has a loopback address in place of its
 host name and of 0.0.0.0, and folders of a temporary directory in place of its volumes. The health check is the
-Dockerfile's. Passes when each robot has picked once. Runs in a network namespace of its own.
+Dockerfile's. Passes when each robot has picked once and, where Prometheus is installed, it has values for all panels of
+the dashboards. Runs in a network namespace of its own.
 """
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,6 +19,7 @@ import yaml
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "testing"))
 import own_network  # noqa: E402
+import prometheus  # noqa: E402
 
 PROGRAMS = {"server": "graspdb-server", "cell": "graspdb-cell", "client": "graspdb"}
 DATABASE = "/var/lib/graspdb"
@@ -84,6 +87,14 @@ class Plant:
         raise SystemExit("\n".join(f"{name}:\n{self.log(name)}" for name in self.running))
 
 
+def monitor(plant, docker):
+    """The Prometheus of the compose file with the dashboards and alerts of the product."""
+    config = plant.replaced(next(iter(plant.services)), (docker / "prometheus.yml").read_text())
+    monitor = prometheus.Prometheus(config, docker.parent / "monitoring", plant.folder)
+    plant.running["prometheus"] = monitor.process
+    print(f"Prometheus has values for all panels, and evaluates {monitor.check()} alerts")
+
+
 def main():
     own_network.enter()
     with open(sys.argv[1], encoding="utf-8") as file:
@@ -92,6 +103,8 @@ def main():
         plant = Plant(compose, pathlib.Path(sys.argv[2]), pathlib.Path(folder))
         try:
             plant.run()
+            if shutil.which("prometheus"):
+                monitor(plant, pathlib.Path(sys.argv[1]).parent)
             for name in plant.services:
                 print(name, "\n  ".join(plant.log(name).splitlines()[-2:]))
         finally:

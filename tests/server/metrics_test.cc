@@ -62,13 +62,14 @@ TEST_F(MetricsTest, CountsFramesByCellAndStatus) {
   Teach("wedge", 2);
   EXPECT_EQ(Answer(RequestOfCell(Photograph("wedge", {}, 3))).status(), v1::OK);
   EXPECT_EQ(Answer(RequestOfCell(PhotographEmptyTable())).status(), v1::NO_CLUSTER);
+  const auto cell = [](const char* name, const char* status) {
+    return absl::StrCat(name, "{cell=\"cells/press-3\",status=\"", status, "\"}");
+  };
+  EXPECT_EQ(Value(cell("graspdb_detections_total", "UNKNOWN_OBJECT")), 0);
   v1::RecognizeRequest strict = RequestOfCell(Photograph("flange", {.turn_deg = 10}, 3));
   strict.mutable_pipeline()->set_min_score(1);
   EXPECT_EQ(Answer(strict).status(), v1::UNKNOWN_OBJECT);
   const std::string text = Scrape();
-  const auto cell = [](const char* name, const char* status) {
-    return absl::StrCat(name, "{cell=\"cells/press-3\",status=\"", status, "\"}");
-  };
   EXPECT_EQ(ValueOf(text, cell("graspdb_frames_total", "OK")), 1);
   EXPECT_EQ(ValueOf(text, cell("graspdb_frames_total", "NO_CLUSTER")), 1);
   EXPECT_EQ(ValueOf(text, cell("graspdb_detections_total", "OK")), 1);
@@ -104,9 +105,12 @@ TEST_F(MetricsTest, CountsPicksByCellAndObject) {
   for (int i = 0; i < 2; ++i) {  // a repeated report is not counted again
     ASSERT_THAT(Call(&Catalog::ReportGraspOutcome, report), IsGrpcOk());
   }
-  EXPECT_EQ(Value("graspdb_picks_total{cell=\"cells/press-3\",object=\"objects/wedge\",outcome="
-                  "\"GRASP_OUTCOME_MISSED\"}"),
-            3);
+  const auto picks = [&](const char* outcome) {
+    return Value(absl::StrCat("graspdb_picks_total{cell=\"cells/press-3\",object=\"objects/wedge\"",
+                              ",outcome=\"GRASP_OUTCOME_", outcome, "\"}"));
+  };
+  EXPECT_EQ(picks("MISSED"), 3);
+  EXPECT_EQ(picks("PICKED"), 0);
   report.set_cell("cells/none");
   EXPECT_EQ(Call(&Catalog::ReportGraspOutcome, report).error_code(), grpc::StatusCode::NOT_FOUND);
 }

@@ -11,7 +11,8 @@ namespace graspdb::client {
 void CellMetrics::CountJob(const JobReport& report) {
   const std::string job = absl::StrCat(report.request.job);
   jobs_.With({cell_, job, absl::StatusCodeToString(report.status.code())}).Increment();
-  if (report.status.ok() && report.poses.empty()) empty_jobs_.With({cell_, job}).Increment();
+  prometheus::Counter& empty_jobs = empty_jobs_.With({cell_, job});  // at 0 before the first one
+  if (report.status.ok() && report.poses.empty()) empty_jobs.Increment();
   job_times_.With({cell_}).Observe(absl::ToDoubleSeconds(report.duration));
   camera_times_.With({cell_}).Observe(absl::ToDoubleSeconds(report.capture.camera_time));
   absl::MutexLock lock(&mutex_);
@@ -19,6 +20,10 @@ void CellMetrics::CountJob(const JobReport& report) {
 }
 
 void CellMetrics::CountPick(const std::string& object, v1::GraspOutcome outcome) {
+  for (const v1::GraspOutcome each :
+       {v1::GRASP_OUTCOME_PICKED, v1::GRASP_OUTCOME_MISSED, v1::GRASP_OUTCOME_SLIPPED}) {
+    picks_.With({cell_, object, v1::GraspOutcome_Name(each)});  // at 0 before the first one
+  }
   picks_.With({cell_, object, v1::GraspOutcome_Name(outcome)}).Increment();
 }
 

@@ -174,10 +174,13 @@ TEST_F(CellRunnerTest, CountsJobsAndPicksForMetrics) {
     return -1.0;
   };
   EXPECT_EQ(value("graspdb_cell_jobs_total", {"cells/press-3", "1", "OK"}), 2);
+  EXPECT_EQ(value("graspdb_cell_empty_jobs_total", {"cells/press-3", "1"}), 0);
   EXPECT_EQ(value("graspdb_cell_empty_jobs_total", {"cells/press-3", "3"}), 1);
-  EXPECT_EQ(
-      value("graspdb_cell_picks_total", {"cells/press-3", "objects/mug", "GRASP_OUTCOME_SLIPPED"}),
-      1);
+  const auto picks = [&](const char* outcome) {
+    return value("graspdb_cell_picks_total", {"cells/press-3", "objects/mug", outcome});
+  };
+  EXPECT_EQ(picks("GRASP_OUTCOME_SLIPPED"), 1);
+  EXPECT_EQ(picks("GRASP_OUTCOME_MISSED"), 0);
   EXPECT_GE(value("graspdb_cell_frame_age_seconds", {"cells/press-3"}), 0);
 }
 
