@@ -50,6 +50,9 @@ absl::Status BundleRing::TakeOver() {
   std::error_code error;
   std::filesystem::create_directories(options_.folder, error);
   if (error) return Failed(options_.folder, error);
+  absl::StatusOr<FolderLock> lock = FolderLock::Take(options_.folder);
+  if (!lock.ok()) return lock.status();
+  lock_ = *std::move(lock);
   std::filesystem::directory_iterator entry(options_.folder, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::filesystem::path& path = entry->path();

@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client/cell/blackbox/folder_lock.h"
 
 namespace graspdb::client {
 
@@ -20,14 +23,16 @@ struct BundleRingOptions {
   std::uint64_t min_free_bytes = 1ULL << 30;
 };
 
-// The folder belongs to one ring of one process at a time. Files are named
+// The folder belongs to one ring at a time, of all processes: two would overwrite each other's
+// bundles. Files are named
 // "NNNNNNNNNN-YYYYMMDDTHHMMSSZ.bundle" by an increasing number, so that the order does not depend
 // on the clock. Writes are atomic, even if the process is killed; Open removes temporary files of
 // interrupted writes. Other files are ignored and not counted. Not thread-safe.
 class BundleRing {
  public:
   // Creates the folder if missing, and takes over existing bundles: those beyond the limit are
-  // removed, the oldest first. PERMISSION_DENIED or FAILED_PRECONDITION when it cannot be used.
+  // removed, the oldest first. PERMISSION_DENIED or FAILED_PRECONDITION when it cannot be used, or
+  // is in use.
   static absl::StatusOr<BundleRing> Open(BundleRingOptions options);
 
   // Writes a bundle's bytes, after removing the oldest bundles as needed. RESOURCE_EXHAUSTED when
@@ -47,6 +52,7 @@ class BundleRing {
   bool IsDiskFull(std::uint64_t bytes) const;
 
   BundleRingOptions options_;
+  std::optional<FolderLock> lock_;
   std::deque<File> files_;  // the oldest in front
   std::uint64_t bytes_ = 0;
   std::uint64_t next_ = 1;

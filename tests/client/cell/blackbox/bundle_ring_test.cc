@@ -16,6 +16,7 @@ namespace {
 using graspdb::testing::IsOk;
 using graspdb::testing::StatusIs;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -112,6 +113,15 @@ TEST_F(BundleRingTest, KeepsTheMinimumFreeSpace) {
   ASSERT_THAT(ring, IsOk());
   EXPECT_THAT(Names(), IsEmpty());
   EXPECT_THAT(ring->Add("y", Noon()), StatusIs(absl::StatusCode::kResourceExhausted));
+}
+
+TEST_F(BundleRingTest, AFolderInUseIsAnErrorUntilItsRingIsGone) {
+  {
+    const BundleRing ring = Open();
+    EXPECT_THAT(BundleRing::Open({.folder = Folder(), .byte_limit = 1000, .min_free_bytes = 0}),
+                StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("in use")));
+  }
+  Open();
 }
 
 TEST_F(BundleRingTest, AnUnusableFolderIsAnError) {
