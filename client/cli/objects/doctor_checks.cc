@@ -20,6 +20,10 @@ constexpr std::size_t kEnoughViews = 6;
 constexpr absl::Duration kForgotten = absl::Hours(24);
 // A tabletop's region is smaller, m; a larger one is mostly a mistake of units.
 constexpr double kMaxRegionM = 5;
+// Cameras, robots and workspaces of a cell are nearer and smaller, and grasps are nearer to their
+// object; larger numbers are mostly millimetres.
+constexpr double kMaxCellM = 20;
+constexpr double kMaxGraspM = 2;
 // Minimum scores are printed with two digits.
 constexpr double kSameScore = 0.005;
 
@@ -34,6 +38,48 @@ std::size_t EnoughViewsOf(const v1::StablePose& pose) {
 double LongestSide(const v1::AxisAlignedBox& box) {
   return std::max({box.max().x() - box.min().x(), box.max().y() - box.min().y(),
                    box.max().z() - box.min().z()});
+}
+
+double DistanceOf(const v1::Pose& pose) {
+  const v1::Vector3& p = pose.position();
+  return std::hypot(p.x(), p.y(), p.z());
+}
+
+void CheckDistance(const v1::Cell& cell, const v1::Pose& pose, const std::string& what,
+                   Findings* out) {
+  if (DistanceOf(pose) <= kMaxCellM) return;
+  AddFinding(Severity::kError, cell.name(),
+             absl::StrCat("its ", what, " is ", DistanceOf(pose),
+                          " m away; positions are in metres, not millimetres"),
+             out);
+}
+
+void CheckPlaces(const v1::Cell& cell, Findings* out) {
+  CheckDistance(cell, cell.sensor_pose(), "camera", out);
+  CheckDistance(cell, cell.flange_sensor_pose(), "camera on the flange", out);
+  CheckDistance(cell, cell.robot_base_pose(), "robot", out);
+  if (cell.has_sensor_pose() && cell.sensor_pose().position().z() <= 0) {
+    AddFinding(Severity::kWarning, cell.name(),
+               "its camera is not above the table; correct the sensor pose with: graspdb cells "
+               "level",
+               out);
+  }
+  if (LongestSide(cell.workspace()) > kMaxCellM) {
+    AddFinding(Severity::kError, cell.name(),
+               absl::StrCat("its workspace is ", LongestSide(cell.workspace()),
+                            " m long; workspaces are in metres, not millimetres"),
+               out);
+  }
+}
+
+void CheckGraspSize(const v1::StablePose& pose, const v1::Grasp& grasp, Findings* out) {
+  const double longest = std::max({DistanceOf(grasp.tcp_pose()), grasp.gripper_opening_m(),
+                                   grasp.approach_distance_m(), grasp.retreat_distance_m()});
+  if (longest <= kMaxGraspM) return;
+  AddFinding(Severity::kError, pose.name(),
+             absl::StrCat("its grasp ", grasp.grasp_id(), " has a length of ", longest,
+                          " m; lengths are in metres, not millimetres"),
+             out);
 }
 
 std::string ObjectOf(const v1::StablePose& pose) {
@@ -113,6 +159,7 @@ void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views,
                "has no grasps, so robots get its pose only; add some with: graspdb grasps", out);
   }
   for (const v1::Grasp& grasp : stable_pose.grasps()) {
+    CheckGraspSize(stable_pose, grasp, out);
     if (grasp.gripper_opening_m() > 0) continue;
     AddFinding(Severity::kAdvice, stable_pose.name(),
                absl::StrCat("its grasp ", grasp.grasp_id(), " has no gripper opening"), out);
@@ -164,9 +211,10 @@ void CheckCell(const v1::Cell& cell, Findings* out) {
     AddFinding(
         Severity::kWarning, cell.name(),
         "has no calibration, so poses are relative to the table under the camera; run: graspdb "
-        "cells level or cells calibrate",
+        "cells level, or let the robot calibrate a camera on its flange",
         out);
   }
+  CheckPlaces(cell, out);
   if (!cell.has_region_of_interest()) {
     AddFinding(Severity::kWarning, cell.name(),
                "has no region of interest, so all that the camera sees is searched; set --region",

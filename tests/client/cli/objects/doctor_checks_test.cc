@@ -151,6 +151,41 @@ TEST(DoctorChecks, CellsWithoutCalibrationOrInMillimetres) {
                                Finds(Severity::kError, "do not overlap")));
 }
 
+TEST(DoctorChecks, PlacesOfACellInMillimetresOrBelowTheTable) {
+  v1::Cell cell = GoodCell();
+  cell.mutable_sensor_pose()->mutable_position()->set_y(-500);
+  cell.mutable_robot_base_pose()->mutable_position()->set_x(600);
+  SetBox(500, 0, cell.mutable_workspace());
+  Findings out;
+  CheckCell(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "camera is 500"),
+                               Finds(Severity::kError, "robot is 600 m"),
+                               Finds(Severity::kError, "workspace is 1000 m")));
+  cell = GoodCell();
+  cell.clear_sensor_pose();
+  cell.mutable_flange_sensor_pose()->mutable_position()->set_z(80);
+  out.clear();
+  CheckCell(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "flange is 80 m")));
+  cell = GoodCell();
+  cell.mutable_sensor_pose()->mutable_position()->set_z(-1);
+  out.clear();
+  CheckCell(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "not above the table")));
+}
+
+TEST(DoctorChecks, GraspsInMillimetres) {
+  v1::StablePose pose = GoodPose();
+  v1::Grasp* far = pose.add_grasps();
+  far->set_gripper_opening_m(0.05);
+  far->mutable_tcp_pose()->mutable_position()->set_z(30);
+  pose.add_grasps()->set_gripper_opening_m(5);
+  Findings out;
+  CheckStablePose(pose, 12, "", &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "length of 30 m"),
+                               Finds(Severity::kError, "length of 5 m")));
+}
+
 TEST(DoctorChecks, ForgottenUploads) {
   const absl::Time now = absl::FromUnixSeconds(1'800'000'000);
   v1::Upload upload;
