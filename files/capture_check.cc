@@ -1,5 +1,6 @@
 #include "files/capture_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -11,6 +12,9 @@
 
 namespace graspdb::client {
 namespace {
+
+// Longer than any length of a grasp that is in metres; the server rejects distances beyond it.
+constexpr double kMaxGraspM = 10;
 
 // The stable poses of every object.
 using Declared = std::map<std::string, std::set<std::string>>;
@@ -46,6 +50,14 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
       return absl::InvalidArgumentError(
           field + " has a length that is negative or not finite; give metres");
     }
+  }
+  const v1::Vector3& tcp = grasp.tcp_pose().position();
+  const double longest =
+      std::max({std::hypot(tcp.x(), tcp.y(), tcp.z()), grasp.approach_distance_m(),
+                grasp.gripper_opening_m(), grasp.retreat_distance_m()});
+  if (longest > kMaxGraspM) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        field, " has a length of ", longest, " m; lengths are in metres, are these millimetres?"));
   }
   return absl::OkStatus();
 }

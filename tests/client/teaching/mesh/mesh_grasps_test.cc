@@ -92,6 +92,11 @@ TEST_F(GraspsFileTest, ErrorsNameTheProblem) {
               HasSubstr("grasps[1].graspId"));
   EXPECT_THAT(Load(R"({"grasps":[{"graspId":"a"}]})").status().message(),
               HasSubstr("grasps[0].tcpPose"));
+  EXPECT_THAT(Load(R"({"grasps":[{"graspId":"a","tcpPose":{"position":{"z":50},)"
+                   R"("orientation":{"x":1}}}]})")
+                  .status()
+                  .message(),
+              HasSubstr("grasps[0] has a length of 50 m"));
   EXPECT_THAT(Load(std::string(kMaxGraspsFileBytes + 1, ' ')).status().message(),
               HasSubstr("1 MiB"));
 }
