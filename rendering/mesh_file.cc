@@ -36,7 +36,8 @@ constexpr unsigned kImportSteps = aiProcess_ValidateDataStructure | aiProcess_Re
 constexpr int kDropped = aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                          aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_MATERIALS;
 
-absl::Status Bad(const std::filesystem::path& path, const std::string& what) {
+absl::Status Bad(const std::filesystem::path& path, std::string what) {
+  while (what.ends_with('.')) what.pop_back();  // assimp's sentences
   return absl::InvalidArgumentError(absl::StrCat(path.string(), " is no usable mesh: ", what,
                                                  "; export it again as PLY, OBJ or STL"));
 }
