@@ -169,7 +169,8 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
     return absl::FailedPreconditionError(absl::StrCat(
         "only ", used.size(), " of ", all.size(),
         " poses agree with each other; is the target firmly gripped or fixed, and always "
-        "recognised?"));
+        "recognised? Are the flange's poses in the robot's base frame, and in the format that is "
+        "sent?"));
   }
   if (used.size() < kMinHandEyeSamples) {
     return absl::FailedPreconditionError(absl::StrCat(
