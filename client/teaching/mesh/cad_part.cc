@@ -1,5 +1,7 @@
 #include "client/teaching/mesh/cad_part.h"
 
+#include <algorithm>
+
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 
@@ -37,6 +39,10 @@ absl::StatusOr<CadPart> Select(const CadPart& part, const std::vector<int>& numb
                                                      ", as --dry-run lists them"));
     }
     const auto at = static_cast<std::size_t>(number - 1);
+    const std::string& id = part.workpieces[at].stable_pose_id;
+    if (std::ranges::find(out.workpieces, id, &Workpiece::stable_pose_id) != out.workpieces.end()) {
+      continue;
+    }
     out.workpieces.push_back(part.workpieces[at]);
     out.found.poses.push_back(part.found.poses[at]);
   }

@@ -32,8 +32,8 @@ absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
                                        const std::string& display_name, const TriangleMesh& mesh,
                                        const CadOptions& options);
 
-// Only the stable poses with these numbers, 1 for the most probable one. INVALID_ARGUMENT for a
-// number that does not exist.
+// Only the stable poses with these numbers, each once, 1 for the most probable one.
+// INVALID_ARGUMENT for a number that does not exist.
 absl::StatusOr<CadPart> Select(const CadPart& part, const std::vector<int>& numbers);
 
 }  // namespace graspdb::client

@@ -57,7 +57,7 @@ TEST(CadPart, StablePosesAreChosenByNumber) {
   ASSERT_EQ(part->workpieces.size(), 3U);
   EXPECT_EQ(part->workpieces[0].symmetry_order, 2);
   EXPECT_FALSE(part->workpieces[0].grasps.empty());
-  const auto chosen = Select(*part, {3, 1});
+  const auto chosen = Select(*part, {3, 1, 3});
   ASSERT_THAT(chosen, IsOk());
   ASSERT_EQ(chosen->workpieces.size(), 2U);
   EXPECT_EQ(chosen->workpieces[0].stable_pose_id, "resting-3");
