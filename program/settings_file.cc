@@ -7,6 +7,7 @@
 #include <istream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -51,7 +52,18 @@ void CheckSetting(const CLI::App& app, const CLI::ConfigItem& item) {
   const std::string name = is_section ? "section [" + CLI::detail::join(item.parents, ".") + "]"
                                       : "setting " + item.fullname();
   throw CLI::ConfigError((files.empty() ? "--config" : files.front()) + ": there is no " + name +
-                         "; settings are flags without dashes, sections are commands");
+                         "; settings are flags without dashes, sections are commands; a setting "
+                         "is one line, a list too: KEY=[\"A\",\"B\"]");
+}
+
+// Editors of Windows begin a file with a byte order mark, which is no part of the first key.
+void SkipByteOrderMark(std::istream& in) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  std::string start(kMark.size(), '\0');
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  if (start == kMark) return;
+  in.clear();  // of the end of a shorter file
+  in.seekg(0);
 }
 
 // CLI11 gives the file precedence over the variables; here variables override it.
@@ -61,6 +73,7 @@ class FileAfterVariables : public CLI::ConfigBase {
       : app_(app), other_commands_(std::move(other_commands)) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    SkipByteOrderMark(in);
     std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(in);
     std::erase_if(given, [this](const CLI::ConfigItem& item) {
       return !Variable(item.name).empty() || IsOfOtherCommand(item);

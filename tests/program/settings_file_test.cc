@@ -66,6 +66,14 @@ TEST_F(SettingsFileTest, CanBeSetByAVariable) {
   EXPECT_EQ(Parse("--config " + other + " import"), "other default");
 }
 
+TEST_F(SettingsFileTest, AByteOrderMarkIsSkipped) {
+  const std::string windows =
+      folder_.Write("windows.conf", "\xEF\xBB\xBFserver=\"file\"\r\n").string();
+  EXPECT_EQ(Parse("--config " + windows + " import"), "file default");
+  const std::string empty = folder_.Write("empty.conf", "").string();
+  EXPECT_EQ(Parse("--config " + empty + " import"), "default default");
+}
+
 TEST_F(SettingsFileTest, MissingFileIsAnError) {
   EXPECT_THROW(Parse("--config /nonexistent/file import"), CLI::ParseError);
   const Variable config("GRASPDB_CONFIG", "/nonexistent/file");
