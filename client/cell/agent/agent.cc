@@ -161,6 +161,7 @@ Agent::~Agent() {
 absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {
   if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
+  if (absl::Status status = CheckReach(options); !status.ok()) return status;
   if (absl::Status status = CheckSecurityFiles(options.security); !status.ok()) return status;
   absl::Status connection = CheckOptions(ConnectionTo(options));
   connection.Update(CheckToken(ConnectionTo(options)));

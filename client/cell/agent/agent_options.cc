@@ -133,6 +133,13 @@ absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options) {
   return LineProtocolOptions{.pose_format = *code};
 }
 
+absl::Status CheckReach(const AgentOptions& options) {
+  if (options.min_reach_m < options.max_reach_m) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--min-reach ", options.min_reach_m, " is not below --max-reach ",
+                   options.max_reach_m, ", so no pose is within reach; both are in metres"));
+}
+
 absl::Status CheckAddresses(const AgentOptions& options) {
   if (options.gri.empty() && options.line.empty()) {
     return absl::InvalidArgumentError("neither robot protocol is enabled; give --gri or --line");

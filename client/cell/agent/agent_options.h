@@ -54,6 +54,9 @@ ParsedAgentOptions ParseAgentOptions(int argc, char** argv);
 // The line protocol's default pose format. INVALID_ARGUMENT for an unknown one.
 absl::StatusOr<LineProtocolOptions> LineOptions(const AgentOptions& options);
 
+// INVALID_ARGUMENT when no distance is within reach.
+absl::Status CheckReach(const AgentOptions& options);
+
 // FAILED_PRECONDITION when other machines could connect without allow_remote_robots;
 // INVALID_ARGUMENT for an invalid address, or when no robot protocol is enabled.
 absl::Status CheckAddresses(const AgentOptions& options);

@@ -61,6 +61,17 @@ TEST(AgentOptions, RemoteRobotsMustBeAllowed) {
   EXPECT_THAT(CheckAddresses(options), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
+TEST(AgentOptions, SomeDistanceMustBeWithinReach) {
+  AgentOptions options;
+  EXPECT_THAT(CheckReach(options), IsOk());
+  options.min_reach_m = 0.3;
+  options.max_reach_m = 1.3;
+  EXPECT_THAT(CheckReach(options), IsOk());
+  options.min_reach_m = 1.3;
+  EXPECT_THAT(CheckReach(options),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("--min-reach 1.3")));
+}
+
 TEST(AgentOptions, SecurityFlagsAreRead) {
   const AgentOptions options =
       Parse({"--cell", "c", "--sensor", "s", "--ca", "ca.pem", "--cert", "c.pem", "--key", "k.pem",
