@@ -33,6 +33,7 @@ absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(MonotonicTime deadline) {
 absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& base_flange,
                                       MonotonicTime deadline, CaptureResult* capture) {
   capture->request.Clear();
+  capture->camera = absl::OkStatus();
   capture->request_id.clear();
   const absl::StatusOr<KeptCell> cell = cell_.Get(deadline);
   if (!cell.ok()) return cell.status();
@@ -40,6 +41,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   const MonotonicTime start = MonotonicTime::Now();
   absl::StatusOr<SensorFrame> frame = Grab(deadline);
   capture->camera_time += MonotonicTime::Now() - start;
+  capture->camera = frame.status();
   if (!frame.ok()) return frame.status();
   capture->frame_time = frame->time;
   const absl::StatusOr<recognition::Pose> world_sensor =
@@ -70,7 +72,9 @@ absl::Status CaptureAndRecognize::Run(const std::optional<recognition::Pose>& ba
       if (absl::IsUnavailable(cell_.state())) return cell_.state();
       return no_server.ok() ? status : no_server;
     }
-    if (!IsTransient(status)) return status;
+    if (!IsTransient(status)) {  // the code of a camera's error would accuse the robot's request
+      return capture->camera.ok() ? status : absl::AbortedError(status.message());
+    }
     const absl::Duration pause = backoff.Next(BusyDelay(status).value_or(absl::ZeroDuration()));
     const bool is_late = MonotonicTime::Now() + pause >= deadline;
     if (is_late || stopped_.Wait(absl::ToChronoNanoseconds(pause))) {

@@ -19,6 +19,7 @@ namespace graspdb::client {
 struct CaptureResult {
   v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame
   v1::RecognizeResponse response;
+  absl::Status camera;                                       // of the last attempt to get a frame
   absl::Status answered;                                     // the server's status for the request
   std::string request_id;                                    // of the last call; empty without one
   MonotonicTime frame_time = MonotonicTime::InfinitePast();  // of the last frame
@@ -37,8 +38,8 @@ class CaptureAndRecognize {
   // busy (after its BusyDelay), with a new frame each time, until `deadline` or Stop;
   // then ABORTED when the camera gives no frame, UNAVAILABLE when the server is unreachable or
   // busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
-  // CellCache::Get; DATA_LOSS when the server rejects the request (see Refusal). `capture` is
-  // filled in on errors, too, as far as possible.
+  // CellCache::Get; other errors of the camera, which become ABORTED; DATA_LOSS when the server
+  // rejects the request (see Refusal). `capture` is filled in on errors, too, as far as possible.
   absl::Status Run(const std::optional<recognition::Pose>& base_flange, MonotonicTime deadline,
                    CaptureResult* capture);
 

@@ -99,6 +99,16 @@ TEST_F(CaptureAndRecognizeTest, UncalibratedAndMissingCellsAreReported) {
                               HasSubstr("graspdb cells set press-3")));
 }
 
+TEST_F(CaptureAndRecognizeTest, AFaultOfTheCameraIsNoFaultOfTheRequest) {
+  for (const auto code : {absl::StatusCode::kInvalidArgument, absl::StatusCode::kNotFound,
+                          absl::StatusCode::kFailedPrecondition}) {
+    given_ = 0;
+    give_ = [code] { return absl::Status(code, "scan.pcd is damaged"); };
+    EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kAborted, HasSubstr("damaged")));
+    EXPECT_EQ(given_, 1) << "a damaged file stays damaged";
+  }
+}
+
 TEST_F(CaptureAndRecognizeTest, RetriesAServerThatIsUnavailableForAMoment) {
   failures_ = 2;
   refusal_ = {grpc::StatusCode::UNAVAILABLE, "restarting"};
