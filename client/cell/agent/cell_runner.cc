@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"
@@ -30,13 +31,22 @@ void Log(const JobReport& report) {
   const absl::Status& status = report.status;
   const std::string& id = report.capture.request_id;
   spdlog::log(status.ok() ? spdlog::level::info : spdlog::level::warn,
-              "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}{}",
+              "event=job job={} robot={} code={} poses={} camera_ms={:.2f} ms={:.2f}{}{}{}",
               report.request.job, LogField(report.request.session.robot()),
               absl::StatusCodeToString(status.code()), report.poses.size(),
               absl::ToDoubleMilliseconds(report.capture.camera_time),
               absl::ToDoubleMilliseconds(report.duration),
               id.empty() ? "" : absl::StrCat(" request_id=", id),
+              report.no_pose_reason.empty()
+                  ? ""
+                  : absl::StrCat(" reason=", LogField(report.no_pose_reason)),
               status.ok() ? "" : absl::StrCat(" error=", LogField(std::string(status.message()))));
+}
+
+// The end of an error about a missing pose, if an invalid one was sent.
+std::string WrongPose(const JobRequest& request) {
+  if (request.pose_fault.empty()) return "";
+  return absl::StrCat("; the one that was sent is invalid: ", request.pose_fault);
 }
 
 std::shared_ptr<const SeenScene> SceneOf(const CaptureResult& capture, MonotonicTime time) {
@@ -99,9 +109,11 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
       parts_.capture_and_recognize.Run(request.base_flange, DeadlineOf(job), &report.capture);
   if (report.status.ok()) {
     request.session.SetScene(SceneOf(report.capture, start));
-    absl::StatusOr<std::vector<JobPose>> poses = PosesOf(job, report.capture);
-    report.status = poses.status();
-    if (poses.ok()) report.poses = *std::move(poses);
+    report.status = FindPoses(job, &report);
+    request.session.SetNoPoseReason(job.id, report.no_pose_reason);
+  } else if (absl::IsInvalidArgument(report.status)) {  // the camera on the robot needs its pose
+    report.status =
+        absl::InvalidArgumentError(absl::StrCat(report.status.message(), WrongPose(request)));
   }
   report.duration = MonotonicTime::Now() - start;
   parts_.counters.CountJob(report.status, report.poses.size(),
@@ -113,8 +125,8 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::Recognize(const JobConfig& job,
   return std::move(report.poses);
 }
 
-absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job,
-                                                         const CaptureResult& capture) {
+absl::Status CellRunner::FindPoses(const JobConfig& job, JobReport* report) {
+  const CaptureResult& capture = report->capture;
   std::shared_ptr<const LabelledObjects> labelled;
   if (!job.label.empty()) {
     absl::StatusOr<std::shared_ptr<const LabelledObjects>> found =
@@ -127,15 +139,18 @@ absl::StatusOr<std::vector<JobPose>> CellRunner::PosesOf(const JobConfig& job,
   };
   Reach reach = options_.reach;
   reach.workspace = capture.cell.workspace;
-  std::vector<JobPose> poses =
-      PosesFor(job, capture.response, capture.cell.frames, reach, has_label);
-  for (JobPose& pose : poses) pose.camera_s = absl::ToDoubleSeconds(capture.camera_time);
-  return poses;
+  report->poses = PosesFor(job, capture.response, capture.cell.frames, reach, has_label);
+  for (JobPose& pose : report->poses) pose.camera_s = absl::ToDoubleSeconds(capture.camera_time);
+  if (report->poses.empty()) {
+    report->no_pose_reason = NoPoseReason(job, capture.response, has_label);
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
   if (!request.base_flange) {
-    return absl::InvalidArgumentError("send the pose of the tool with the request");
+    return absl::InvalidArgumentError(
+        absl::StrCat("send the pose of the tool with the request", WrongPose(request)));
   }
   std::shared_ptr<const SeenScene> scene = RecallScene(request.session);
   if (scene == nullptr) {

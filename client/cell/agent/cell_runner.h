@@ -30,6 +30,7 @@ struct JobReport {
   absl::Status status = absl::OkStatus();
   CaptureResult capture = {};  // on errors, as far as filled in
   std::vector<JobPose> poses = {};
+  std::string no_pose_reason = {};  // see NoPoseReason; empty on errors
 };
 using JobCallback = std::function<void(const JobReport& report)>;
 
@@ -59,7 +60,8 @@ class CellRunner : public JobRunner {
 
  private:
   absl::StatusOr<std::vector<JobPose>> Recognize(const JobConfig& job, const JobRequest& request);
-  absl::StatusOr<std::vector<JobPose>> PosesOf(const JobConfig& job, const CaptureResult& capture);
+  // Sets the poses of the report's capture, or the reason why there is none.
+  absl::Status FindPoses(const JobConfig& job, JobReport* report);
   absl::Status Show(const JobConfig& job, const JobRequest& request);
   MonotonicTime DeadlineOf(const JobConfig& job) const;
 

@@ -1,8 +1,12 @@
 #include "client/cell/agent/job_answer.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "files/pose_message.h"
 
 namespace graspdb::client {
@@ -16,13 +20,22 @@ struct Object {
   std::vector<const v1::GraspProposal*> grasps;
 };
 
-bool IsWanted(const JobConfig& job, const v1::Detection& detection, const HasLabel& has_label) {
+// What makes the detection unfit for the job; empty if it fits.
+std::string ObjectionTo(const JobConfig& job, const v1::Detection& detection,
+                        const HasLabel& has_label) {
+  const std::string& object = detection.object();
   const bool without_grasp =
       detection.status() == v1::NO_GRASP && job.primary == JobPrimary::kObject;
-  if (detection.status() != v1::OK && !without_grasp) return false;
-  if (detection.score() < job.min_score) return false;
-  if (!job.object.empty() && detection.object() != job.object) return false;
-  return job.label.empty() || has_label(detection.object(), job.label);
+  if (detection.status() != v1::OK && !without_grasp) {
+    return absl::StrCat(object, object.empty() ? "" : " ",
+                        v1::RecognitionStatus_Name(detection.status()));
+  }
+  if (detection.score() < job.min_score) {
+    return absl::StrFormat("%s scores %.2f, less than min-score", object, detection.score());
+  }
+  if (!job.object.empty() && object != job.object) return object + " is another object";
+  if (job.label.empty() || has_label(object, job.label)) return "";
+  return absl::StrCat(object, " lacks the label ", job.label);
 }
 
 ToolPath PathOf(const v1::GraspProposal& grasp) {
@@ -34,7 +47,7 @@ std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse
                                const HasLabel& has_label) {
   std::vector<Object> out;
   for (const v1::Detection& detection : answer.detections()) {
-    if (!IsWanted(job, detection, has_label)) continue;
+    if (!ObjectionTo(job, detection, has_label).empty()) continue;
     Object object{&detection, {}};
     for (const v1::GraspProposal& grasp : detection.grasps()) {
       if (IsWithinReach(reach, frames.world_base, PathOf(grasp))) object.grasps.push_back(&grasp);
@@ -98,6 +111,20 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
   }
   if (job.max_poses != 0 && out.size() > job.max_poses) out.resize(job.max_poses);
   return out;
+}
+
+std::string NoPoseReason(const JobConfig& job, const v1::RecognizeResponse& answer,
+                         const HasLabel& has_label) {
+  if (answer.detections().empty()) {
+    return absl::StrCat("the frame shows no object: ", v1::RecognitionStatus_Name(answer.status()));
+  }
+  std::set<std::string> reasons;  // each once
+  for (const v1::Detection& detection : answer.detections()) {
+    const std::string objection = ObjectionTo(job, detection, has_label);
+    reasons.insert(objection.empty() ? "no grasp of " + detection.object() + " is within reach"
+                                     : objection);
+  }
+  return "no object in the frame fits: " + absl::StrJoin(reasons, "; ");
 }
 
 }  // namespace graspdb::client

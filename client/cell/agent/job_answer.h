@@ -25,4 +25,9 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
                               const CellFrames& frames, const Reach& reach,
                               const HasLabel& has_label);
 
+// Why PosesFor returns no pose, for the integrator: a sentence with the RecognitionStatus of the
+// response, or with what makes each of its objects unfit.
+std::string NoPoseReason(const JobConfig& job, const v1::RecognizeResponse& answer,
+                         const HasLabel& has_label);
+
 }  // namespace graspdb::client

@@ -1,8 +1,9 @@
 #include "client/cell/robots/gri_jobs.h"
 
-#include <optional>
+#include <spdlog/spdlog.h>
 
 #include "client/cell/robots/gri_data.h"
+#include "program/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -21,9 +22,22 @@ void DescribeGrasp(const JobPose& primary, GriResponse* response) {
   response->data[gri_data::kCameraTime] = Millionths(primary.camera_s);
 }
 
-std::optional<Pose> FlangeOf(const GriRequest& request) {
-  absl::StatusOr<Pose> pose = RobotPoseOf(request);
-  return pose.ok() ? std::optional(*pose) : std::nullopt;
+JobRequest JobRequestOf(const GriRequest& request, RobotSession& session) {
+  JobRequest out = {.job = request.job_id, .session = session};
+  if (!HasRobotPose(request)) return out;
+  const absl::StatusOr<Pose> pose = RobotPoseOf(request);
+  if (pose.ok()) {
+    out.base_flange = *pose;
+  } else {
+    out.pose_fault = std::string(pose.status().message());
+  }
+  return out;
+}
+
+// A robot gets the number only, so that the log has the reason.
+void LogRefusal(const std::string& robot, int job, const JobAnswer& check) {
+  spdlog::warn("event=request_refused robot={} job={} code={} error={}", LogField(robot), job,
+               GriCodeName(check.code), LogField(check.why));
 }
 
 // Writes the pose of an answer, or its error code.
@@ -62,15 +76,16 @@ void GiveRelated(RobotSession& session, const JobAnswer& answer, GriResponse* re
 void GriJobs::AnswerJob(const std::string& robot, const GriRequest& request,
                         GriResponse* response) {
   const int job = request.job_id;
-  response->code = jobs_.Check(job).code;
-  if (response->code != GriCode::kNoError) return;
+  const JobAnswer check = jobs_.Check(job);
+  response->code = check.code;
+  if (check.code != GriCode::kNoError) return LogRefusal(robot, job, check);
   const auto kept = jobs_.SessionOf(robot);
   if (!kept.ok()) {
     response->code = GriCodeOf(kept.status());
     return;
   }
   RobotSession& session = **kept;
-  const JobRequest job_request = {.job = job, .session = session, .base_flange = FlangeOf(request)};
+  const JobRequest job_request = JobRequestOf(request, session);
   switch (static_cast<GriAction>(request.action)) {
     case GriAction::kTriggerJobSync:
       return GivePrimary(session, jobs_.Run(job_request), response);

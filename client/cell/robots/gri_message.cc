@@ -188,10 +188,14 @@ absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format) {
   return FromRobotPose(numbers, format);
 }
 
+bool HasRobotPose(const GriRequest& request) {
+  const auto is_set = [](std::int32_t number) { return number != 0; };
+  return std::ranges::any_of(request.pose.position, is_set) ||
+         std::ranges::any_of(request.pose.rotation, is_set);
+}
+
 absl::StatusOr<recognition::Pose> RobotPoseOf(const GriRequest& request) {
-  const auto is_zero = [](std::int32_t number) { return number == 0; };
-  if (std::ranges::all_of(request.pose.position, is_zero) &&
-      std::ranges::all_of(request.pose.rotation, is_zero)) {
+  if (!HasRobotPose(request)) {
     return absl::InvalidArgumentError("the request has no pose of the robot; send it");
   }
   return FromGriPose(request.pose, request.pose_format);

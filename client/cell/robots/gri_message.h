@@ -80,6 +80,9 @@ GriCode CheckGriRequest(const GriRequest& request);
 absl::StatusOr<GriPose> ToGriPose(const recognition::Pose& pose, int format);
 absl::StatusOr<recognition::Pose> FromGriPose(const GriPose& pose, int format);
 
+// Whether a request has a pose of the robot, see RobotPoseOf.
+bool HasRobotPose(const GriRequest& request);
+
 // The robot's own pose in a request. INVALID_ARGUMENT as FromGriPose, and when all numbers are
 // zero: so programs leave it out, and no flange is in the origin of its base.
 absl::StatusOr<recognition::Pose> RobotPoseOf(const GriRequest& request);

@@ -1,6 +1,11 @@
 #include "client/cell/robots/gri_protocol.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "program/log_field.h"
 
 namespace graspdb::client {
 namespace {
@@ -23,18 +28,52 @@ RobotReply Encode(const GriResponse& response, bool hang_up) {
   return {.bytes = std::string(bytes.begin(), bytes.end()), .hang_up = hang_up};
 }
 
+std::string WrongVersion(int version) {
+  return absl::StrCat("the message is of version ", version, "; send ", int{kGriVersion});
+}
+
+std::string WrongLength(int length) {
+  return absl::StrCat("the message gives ", length, " as its length; send ", kGriRequestBytes);
+}
+
+// What is wrong with the header of a request.
+std::string ReasonOf(GriCode fault, const GriRequest& request) {
+  switch (fault) {
+    case GriCode::kUnknownProtocolVersion:
+      return WrongVersion(request.version);
+    case GriCode::kInvalidRequest:
+      return absl::StrCat("there is no pose format ", int{request.pose_format}, "; send ",
+                          kQuaternionWxyz, " to ", kLastPoseFormat);
+    case GriCode::kInvalidAction:
+      return absl::StrCat("there is no action ", int{request.action}, "; send 1 to 9");
+    default:
+      return WrongLength(request.length);
+  }
+}
+
+// A robot gets the number only, so that the log has the reason.
+void LogInvalid(const std::string& robot, GriCode code, const std::string& reason) {
+  spdlog::warn("event=request_refused robot={} code={} error={}", LogField(robot),
+               GriCodeName(code), LogField(reason));
+}
+
 // The answer to an incomplete or invalid header.
-RobotReply Refuse(std::string_view message) {
+RobotReply Refuse(const std::string& robot, std::string_view message) {
   GriResponse out;
   if (!MayBeGri(message) || message.size() < kGriHeaderBytes) {
     out.code = GriCode::kInvalidRequest;
+    LogInvalid(robot, out.code, "the message does not begin with \"GRI\" and a zero byte");
     return Encode(out, /*hang_up=*/true);
   }
   out.pose_format = static_cast<std::uint8_t>(message[kLengthAt + 1]);
   out.action = static_cast<std::uint8_t>(message[kLengthAt + 2]);
   // The length field may have another meaning in other versions.
-  const bool is_known = static_cast<std::uint8_t>(message[kVersionAt]) == kGriVersion;
+  const auto version = static_cast<std::uint8_t>(message[kVersionAt]);
+  const bool is_known = version == kGriVersion;
   out.code = is_known ? GriCode::kInvalidRequestLength : GriCode::kUnknownProtocolVersion;
+  LogInvalid(robot, out.code,
+             is_known ? WrongLength(static_cast<std::uint8_t>(message[kLengthAt]))
+                      : WrongVersion(version));
   return Encode(out, /*hang_up=*/true);
 }
 
@@ -59,13 +98,14 @@ GriResponse GriProtocol::Dispatch(const std::string& robot, const GriRequest& re
 }
 
 RobotReply GriProtocol::Answer(const std::string& robot, std::string_view message) {
-  if (message.size() != kGriRequestBytes) return Refuse(message);
+  if (message.size() != kGriRequestBytes) return Refuse(robot, message);
   std::array<std::uint8_t, kGriRequestBytes> bytes = {};
   std::ranges::copy(message, bytes.begin());
   const absl::StatusOr<GriRequest> request = ParseGriRequest(bytes);
-  if (!request.ok()) return Refuse(message);
+  if (!request.ok()) return Refuse(robot, message);
   const GriCode fault = CheckGriRequest(*request);
   if (fault == GriCode::kNoError) return Encode(Dispatch(robot, *request), /*hang_up=*/false);
+  LogInvalid(robot, fault, ReasonOf(fault, *request));
   GriResponse out = ResponseTo(*request);
   out.code = fault;
   return Encode(out, /*hang_up=*/false);

@@ -55,6 +55,8 @@ struct JobRequest {
   // The flange pose that the robot sent, if valid; jobs that show a grasp use it as the pose of the
   // tool centre point.
   std::optional<recognition::Pose> base_flange = {};
+  // What is wrong with the pose that the robot sent; empty if it is valid, or none was sent.
+  std::string pose_fault = {};
 };
 
 // Runs jobs. Implementations are thread-safe.

@@ -49,6 +49,11 @@ void RobotSession::EndRun(int job, absl::StatusOr<std::vector<JobPose>> found) {
   if (found.ok()) results.left.assign(found->begin(), found->end());
 }
 
+void RobotSession::SetNoPoseReason(int job, std::string reason) {
+  absl::MutexLock lock(&mutex_);
+  results_[job].no_pose_reason = std::move(reason);
+}
+
 void RobotSession::Keep(int job, std::future<void> run) {
   absl::MutexLock lock(&mutex_);
   std::swap(runs_[job], run);  // the caller waits for the previous run's end, without the lock
@@ -77,7 +82,9 @@ JobAnswer RobotSession::Next(int job, bool returns_poses) {
     if (is_done && !returns_poses) {
       return {.code = GriCode::kNoReturnSpecified, .why = "done; this job gives no poses"};
     }
-    return {.code = GriCode::kNoPosesFound, .why = "the job has no pose left; run it again"};
+    const std::string reason = std::exchange(results.no_pose_reason, "");
+    return {.code = GriCode::kNoPosesFound,
+            .why = reason.empty() ? "the job has no pose left; run it again" : reason};
   }
   JobPose& primary = results.primary.emplace(std::move(results.left.front()));
   results.left.pop_front();

@@ -55,6 +55,8 @@ class RobotSession {
   // Begins a run of the job and discards its previous results; JOB_STILL_RUNNING.
   JobAnswer BeginRun(int job);
   void EndRun(int job, absl::StatusOr<std::vector<JobPose>> found);
+  // Why the running job finds no pose: the sentence of the first Next after it.
+  void SetNoPoseReason(int job, std::string reason);
   // Keeps a run in the background until the next one of the job, or the destructor.
   void Keep(int job, std::future<void> run);
 
@@ -91,6 +93,7 @@ class RobotSession {
   struct Results {
     GriJobStatus status = GriJobStatus::kInactive;
     absl::Status failure = {};
+    std::string no_pose_reason = {};
     std::deque<JobPose> left = {};
     std::optional<JobPose> primary = {};  // taken last
     std::deque<recognition::Pose> related = {};

@@ -100,6 +100,31 @@ TEST_F(CellRunnerTest, RespectsTheWorkspaceOfTheCell) {
   EXPECT_THAT(*Run(1), IsEmpty());
 }
 
+TEST_F(CellRunnerTest, ARobotGetsTheReasonForNoPoseOnce) {
+  EXPECT_THAT(*Run(3), IsEmpty());
+  session_.EndRun(3, std::vector<JobPose>());
+  const JobAnswer first = session_.Next(3, /*returns_poses=*/true);
+  EXPECT_EQ(first.code, GriCode::kNoPosesFound);
+  EXPECT_THAT(first.why, HasSubstr("objects/mug lacks the label plates"));
+  EXPECT_EQ(reports_.back().no_pose_reason, first.why);
+  EXPECT_THAT(session_.Next(3, /*returns_poses=*/true).why, HasSubstr("no pose left"));
+}
+
+TEST_F(CellRunnerTest, AnInvalidPoseOfTheRobotIsNoMissingOne) {
+  const JobRequest request = {.job = 80, .session = session_, .pose_fault = "the length is 2"};
+  EXPECT_THAT(runner_.Run(request),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("the length is 2")));
+  server_.Change([](ScriptedServer& server) {
+    server.get_cell = [](v1::Cell* cell) {
+      *cell->mutable_flange_sensor_pose() = ToMessage(AtXZ(0));
+      return grpc::Status::OK;
+    };
+  });
+  ASSERT_THAT(cache_.Refresh(), IsOk());
+  EXPECT_THAT(runner_.Run({.job = 1, .session = session_, .pose_fault = "the length is 2"}),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("the length is 2")));
+}
+
 TEST_F(CellRunnerTest, IsReadyWithCameraAndServer) {
   ASSERT_THAT(cache_.Refresh(), IsOk());
   EXPECT_TRUE(runner_.IsReady());

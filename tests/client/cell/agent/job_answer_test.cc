@@ -61,6 +61,12 @@ class PosesForTest : public ::testing::Test {
                     });
   }
 
+  std::string Reason() const {
+    return NoPoseReason(job_, answer_, [](const std::string& object, const std::string& label) {
+      return object == "objects/nut" && label == "steel";
+    });
+  }
+
   std::vector<std::string> Ids() const {
     std::vector<std::string> out;
     for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp.id);
@@ -129,6 +135,36 @@ TEST_F(PosesForTest, AnObjectWithoutGraspsHasAPose) {
   answer_.mutable_detections(1)->clear_grasps();
   job_.primary = JobPrimary::kObject;
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut "));
+}
+
+TEST_F(PosesForTest, TheReasonForNoPoseNamesEachObjectsFault) {
+  answer_.mutable_detections(0)->set_status(v1::OUT_OF_WORKSPACE);
+  answer_.mutable_detections(1)->set_score(0.7);
+  job_.min_score = 0.8;
+  EXPECT_EQ(Reason(),
+            "no object in the frame fits: objects/mug OUT_OF_WORKSPACE; objects/nut scores 0.70, "
+            "less than min-score");
+}
+
+TEST_F(PosesForTest, TheReasonForNoPoseNamesObjectLabelAndReach) {
+  job_.object = "objects/nut";
+  EXPECT_EQ(Reason(),
+            "no object in the frame fits: no grasp of objects/nut is within reach; objects/mug is "
+            "another object");
+  job_.object.clear();
+  job_.label = "brass";
+  EXPECT_EQ(Reason(),
+            "no object in the frame fits: objects/mug lacks the label brass; objects/nut lacks the "
+            "label brass");
+}
+
+TEST_F(PosesForTest, TheReasonForNoPoseIsTheStatusOfAFrameWithoutObjects) {
+  answer_.clear_detections();
+  answer_.set_status(v1::NO_CLUSTER);
+  EXPECT_EQ(Reason(), "the frame shows no object: NO_CLUSTER");
+  answer_.add_detections()->set_status(v1::UNKNOWN_OBJECT);
+  answer_.add_detections()->set_status(v1::UNKNOWN_OBJECT);
+  EXPECT_EQ(Reason(), "no object in the frame fits: UNKNOWN_OBJECT");
 }
 
 TEST_F(PosesForTest, IsolatedObjectsComeFirst) {

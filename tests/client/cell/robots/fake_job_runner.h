@@ -25,6 +25,7 @@ class FakeJobRunner : public JobRunner {
     if (go_on != nullptr) go_on->WaitForNotification();
     const absl::MutexLock lock(&mutex_);
     base_flange = request.base_flange;
+    pose_fault = request.pose_fault;
     if (const std::optional<JobPose> last = request.session.TakeGiven()) {
       given.emplace_back(request.session.robot(), last->base_primary.translation().x());
     }
@@ -40,6 +41,7 @@ class FakeJobRunner : public JobRunner {
   bool returns_poses = true;
   absl::Notification* go_on = nullptr;
   std::optional<recognition::Pose> base_flange;
+  std::string pose_fault;
   std::vector<std::pair<std::string, double>> given;
   absl::StatusOr<std::vector<JobPose>> found = std::vector<JobPose>();
 
