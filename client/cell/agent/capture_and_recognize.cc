@@ -57,6 +57,8 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   if (BusyDelay(response.status())) return response.status();  // Run waits for so long
   if (!response.ok()) return Refusal(response.status());
   capture->response = *std::move(response);
+  // After an outage; robots and monitoring need not wait for the next periodic read.
+  if (!cell_.state().ok()) (void)cell_.Refresh(deadline - MonotonicTime::Now());
   return absl::OkStatus();
 }
 

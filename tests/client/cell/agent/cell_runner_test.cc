@@ -1,5 +1,8 @@
 #include "client/cell/agent/cell_runner.h"
 
+#include <functional>
+#include <utility>
+
 #include "client/cell/agent/job_bundle.h"
 #include "client/cell/blackbox/replay.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
@@ -136,6 +139,21 @@ TEST_F(CellRunnerTest, IsReadyWithCameraAndServer) {
   });
   EXPECT_THAT(cache_.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_FALSE(runner_.IsReady());
+}
+
+TEST_F(CellRunnerTest, IsReadyWithTheFirstAnswerAfterAnOutage) {
+  ASSERT_THAT(cache_.Refresh(), IsOk());
+  std::function<grpc::Status(v1::Cell*)> there;
+  server_.Change([&](ScriptedServer& server) {
+    there = std::exchange(server.get_cell, [](v1::Cell*) {
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "gone");
+    });
+  });
+  EXPECT_THAT(cache_.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_FALSE(runner_.IsReady());
+  server_.Change([&](ScriptedServer& server) { server.get_cell = there; });
+  ASSERT_THAT(Run(1), IsOk());
+  EXPECT_TRUE(runner_.IsReady());
 }
 
 TEST_F(CellRunnerTest, CallsTheJobCallback) {
