@@ -37,12 +37,19 @@ std::string PoseColumns(const std::optional<Verdict>& verdict) {
                          *verdict->rotation_error_deg, add_s);
 }
 
-// T_world_mesh, in the format of pose options.
-void PrintMeshPose(const v1::Pose& pose) {
+// A pose in the world frame, in the format of pose options.
+void PrintPose(const std::string& what, const v1::Pose& pose) {
   const v1::Vector3& p = pose.position();
   const v1::Quaternion& q = pose.orientation();
-  std::printf("  mesh frame at %.4f,%.4f,%.4f m, orientation %.4f,%.4f,%.4f,%.4f\n", p.x(), p.y(),
-              p.z(), q.x(), q.y(), q.z(), q.w());
+  std::printf("  %s at %.4f,%.4f,%.4f m, orientation %.4f,%.4f,%.4f,%.4f\n", what.c_str(), p.x(),
+              p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+void PrintPoses(const v1::RecognizeResponse& response) {
+  for (const v1::Detection& detection : response.detections()) {
+    if (detection.object().empty() || !detection.has_refined_pose()) continue;
+    PrintPose(ShortName(detection.object()), detection.refined_pose());
+  }
 }
 
 }  // namespace
@@ -105,7 +112,8 @@ void Scoreboard::Add(const ScanTask& task, const v1::RecognizeResponse& response
               v1::RecognitionStatus_Name(status).c_str(), object.c_str(),
               d == nullptr ? 0 : d->score(), PoseColumns(verdict).c_str(),
               t.segment_ms() + t.describe_ms(), t.match_ms(), t.register_ms(), t.total_ms());
-  if (d != nullptr && d->has_mesh_pose()) PrintMeshPose(d->mesh_pose());
+  if (!verdict) PrintPoses(response);
+  if (d != nullptr && d->has_mesh_pose()) PrintPose("mesh frame", d->mesh_pose());
   ++answers_;
   total_ms_ += t.total_ms();
   if (!verdict) return;

@@ -9,6 +9,7 @@ namespace graspdb::client {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class ScoreboardTest : public ::testing::Test {
  protected:
@@ -91,6 +92,23 @@ TEST_F(ScoreboardTest, AFileWithoutTruthIsNotJudged) {
   task_.in_set = false;
   Add(&response_, "objects/nut", 0.1, 0);
   EXPECT_FALSE(Judge(task_, response_));
+}
+
+TEST_F(ScoreboardTest, AFileWithoutTruthHasThePosesOfItsObjects) {
+  Add(&response_, "objects/nut", 0.1, 0);
+  Add(&response_, "", 0.2, 0);
+  Add(&response_, "objects/bolt", 0.3, 0);
+  const auto printed = [&] {
+    ::testing::internal::CaptureStdout();
+    Scoreboard().Add(task_, response_);
+    return ::testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(printed(), Not(HasSubstr(" at "))) << "errors are printed where the truth is known";
+  task_.in_set = false;
+  const std::string out = printed();
+  EXPECT_THAT(out, HasSubstr("  nut at 0.1000,0.0000,0.0000 m, orientation 0.0000,0.0000,0.0000,"));
+  EXPECT_THAT(out, HasSubstr("  bolt at 0.3000,"));
+  EXPECT_THAT(out, Not(HasSubstr("0.2000")));
 }
 
 TEST_F(ScoreboardTest, TheSummaryHasTheShareOfCorrectResults) {
