@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
 
@@ -233,6 +234,16 @@ void CheckCell(const v1::Cell& cell, Findings* out) {
         "the world frame",
         out);
   }
+}
+
+void CheckLabels(const v1::Cell& cell, const std::set<std::string>& labels, Findings* out) {
+  const auto is_used = [&](const std::string& label) { return labels.contains(label); };
+  if (cell.labels().empty() || std::ranges::any_of(cell.labels(), is_used)) return;
+  AddFinding(Severity::kError, cell.name(),
+             absl::StrCat("no object has one of its labels (", absl::StrJoin(cell.labels(), ", "),
+                          "), so nothing is recognised; label objects with: graspdb objects set ID "
+                          "--labels, or the cell with: graspdb cells set --no-labels"),
+             out);
 }
 
 void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +39,9 @@ void CheckProposal(const v1::StablePose& stable_pose, const v1::ThresholdProposa
 
 // Calibration, region and workspace.
 void CheckCell(const v1::Cell& cell, Findings* out);
+
+// A cell whose labels no object has; `labels` are those of all objects.
+void CheckLabels(const v1::Cell& cell, const std::set<std::string>& labels, Findings* out);
 
 // Uploads that seem to be forgotten.
 void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out);

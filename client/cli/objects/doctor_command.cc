@@ -2,6 +2,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -55,6 +56,7 @@ class Doctor {
   const DoctorOptions& options_;
   Findings out_;
   std::vector<v1::Upload> uploads_;
+  std::set<std::string> labels_;  // of all objects
   // Open uploads by the stable poses of their views; absent: not read yet.
   std::optional<std::map<std::string, std::string>> open_uploads_;
   std::map<std::string, v1::StablePose> poses_;  // those with views
@@ -102,6 +104,7 @@ absl::Status Doctor::CheckObjects() {
   const auto objects = client_.ListObjects();
   if (!objects.ok()) return objects.status();
   for (const v1::Object& object : *objects) {
+    labels_.insert(object.labels().begin(), object.labels().end());
     if (absl::Status checked = CheckPoses(object); !checked.ok()) return checked;
   }
   const auto alike = client_.FindLookAlikes("");
@@ -163,7 +166,10 @@ absl::StatusOr<Findings> Doctor::CheckAll() {
   if (absl::Status checked = CheckObjects(); !checked.ok()) return checked;
   const auto cells = client_.ListCells();
   if (!cells.ok()) return cells.status();
-  for (const v1::Cell& cell : *cells) CheckCell(cell, &out_);
+  for (const v1::Cell& cell : *cells) {
+    CheckCell(cell, &out_);
+    CheckLabels(cell, labels_, &out_);
+  }
   for (const v1::Upload& upload : uploads_) CheckUpload(upload, absl::Now(), &out_);
   if (!status->has_server_state()) return out_;
   const auto later = client_.GetCatalogStatus();

@@ -174,6 +174,18 @@ TEST(DoctorChecks, PlacesOfACellInMillimetresOrBelowTheTable) {
   EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "not above the table")));
 }
 
+TEST(DoctorChecks, ACellWithLabelsOfNoObject) {
+  v1::Cell cell = GoodCell();
+  Findings out;
+  CheckLabels(cell, {}, &out);
+  cell.add_labels("line-1");
+  cell.add_labels("line-2");
+  CheckLabels(cell, {"line-2", "line-3"}, &out);
+  EXPECT_THAT(out, IsEmpty());
+  CheckLabels(cell, {"line-3"}, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "(line-1, line-2)")));
+}
+
 TEST(DoctorChecks, GraspsInMillimetres) {
   v1::StablePose pose = GoodPose();
   v1::Grasp* far = pose.add_grasps();
