@@ -87,11 +87,8 @@ absl::Status CatalogueBackups::CheckSharedFiles(storage::BackupId id,
     if (damaged_.empty()) return absl::OkStatus();
   }
   absl::Status verified = backups_.Verify(id, progress).status();
+  NoteVerified(id, verified);  // in case that it cannot be deleted
   if (verified.ok()) return verified;
-  if (absl::IsDataLoss(verified)) {
-    absl::MutexLock lock(&mutex_);
-    damaged_.insert(id);  // in case that it cannot be deleted
-  }
   backups_.Delete(id).IgnoreError();
   Refresh();
   if (!absl::IsDataLoss(verified)) return verified;
@@ -108,11 +105,7 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,
     return claimed;
   }
   absl::StatusOr<storage::Backup> verified = backups_.Verify(id, UntilStop(progress));
-  {
-    absl::MutexLock lock(&mutex_);
-    if (verified.ok()) damaged_.erase(id);
-    if (absl::IsDataLoss(verified.status())) damaged_.insert(id);
-  }
+  NoteVerified(id, verified.status());
   NoteFailure(verified.status(), "verify");
   Refresh();
   return verified;
@@ -120,7 +113,14 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,
 
 absl::StatusOr<std::vector<storage::Backup>> CatalogueBackups::List() {
   if (auto claimed = backups_.Claim(); !claimed.ok()) return claimed;
-  return backups_.List();
+  absl::StatusOr<std::vector<storage::Backup>> listed = backups_.List();
+  if (!listed.ok()) return listed;
+  absl::MutexLock lock(&mutex_);
+  for (storage::Backup& backup : *listed) {
+    const auto damage = damaged_.find(backup.id);
+    if (backup.state.ok() && damage != damaged_.end()) backup.state = damage->second;
+  }
+  return listed;
 }
 
 absl::Status CatalogueBackups::Delete(storage::BackupId id) {
@@ -136,7 +136,7 @@ absl::Status CatalogueBackups::DeleteOld(const storage::BackupRetention& retenti
   storage::BackupRetention of_intact = retention;
   {
     absl::MutexLock lock(&mutex_);
-    of_intact.damaged = damaged_;
+    for (const auto& [id, damage] : damaged_) of_intact.damaged.insert(id);
   }
   const auto deleted = backups_.DeleteOld(of_intact, now);
   NoteFailure(deleted.status(), "delete");
@@ -174,8 +174,8 @@ void CatalogueBackups::Refresh() {
   if (!listed.ok()) return;  // the operation before has reported it
   absl::MutexLock lock(&mutex_);
   // The next backup may get the number of a deleted one.
-  std::erase_if(damaged_, [&](storage::BackupId id) {
-    return !std::ranges::binary_search(*listed, id, {}, &storage::Backup::id);
+  std::erase_if(damaged_, [&](const auto& damaged) {
+    return !std::ranges::binary_search(*listed, damaged.first, {}, &storage::Backup::id);
   });
   count_ = 0;
   last_good_.reset();
@@ -184,6 +184,12 @@ void CatalogueBackups::Refresh() {
     ++count_;
     last_good_ = backup;
   }
+}
+
+void CatalogueBackups::NoteVerified(storage::BackupId id, const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  if (status.ok()) damaged_.erase(id);
+  if (absl::IsDataLoss(status)) damaged_.insert_or_assign(id, status);
 }
 
 void CatalogueBackups::NoteFailure(const absl::Status& status, std::string_view action) {

@@ -3,9 +3,9 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +37,7 @@ class CatalogueBackups {
                                          const storage::BackupProgress& progress);
   absl::Status Delete(storage::BackupId id);
   absl::Status DeleteOld(const storage::BackupRetention& retention, absl::Time now);
+  // With the damage that is visible, and what Verify() found since the start.
   absl::StatusOr<std::vector<storage::Backup>> List();
   // What a restore would change in the catalogue.
   absl::StatusOr<storage::Backup> Compare(storage::BackupId id,
@@ -60,6 +61,8 @@ class CatalogueBackups {
   storage::BackupProgress UntilStop(const storage::BackupProgress& progress) const;
   void Refresh() ABSL_LOCKS_EXCLUDED(mutex_);
   void ReadDisk() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Remembers whether the backup is damaged, where `status` is an answer to that.
+  void NoteVerified(storage::BackupId id, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteFailure(const absl::Status& status, std::string_view action) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const double interval_s_;
@@ -72,7 +75,8 @@ class CatalogueBackups {
   int count_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<std::filesystem::space_info> disk_ ABSL_GUARDED_BY(mutex_);  // of the last use
   std::optional<storage::Backup> last_good_ ABSL_GUARDED_BY(mutex_);
-  std::set<storage::BackupId> damaged_ ABSL_GUARDED_BY(mutex_);  // found by Verify()
+  // What Verify() found.
+  std::map<storage::BackupId, absl::Status> damaged_ ABSL_GUARDED_BY(mutex_);
   std::string last_error_ ABSL_GUARDED_BY(mutex_);
   absl::Time last_error_time_ ABSL_GUARDED_BY(mutex_);
 };

@@ -1,5 +1,7 @@
 #include "storage/backups.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -39,6 +41,21 @@ absl::Status CheckFolder(const std::string& directory) {
                                                       "); give an empty folder for the backups"));
   }
   return error ? CannotReadFolder(directory, error) : absl::OkStatus();
+}
+
+std::string LockPath(const std::string& directory) {
+  return directory + "/" + std::string(kLockFile);
+}
+
+// Nothing if there is no file at the path, or it cannot be reached.
+std::optional<FileId> FileAt(const std::string& path) {
+  struct stat file {};
+  if (stat(path.c_str(), &file) != 0) return std::nullopt;
+  return FileId{.device = file.st_dev, .inode = file.st_ino};
+}
+
+bool IsLockIn(const std::string& directory, const FileId& lock_file) {
+  return FileAt(LockPath(directory)) == lock_file;
 }
 
 // Forwards everything to a database that it does not own; calls `captured` when the files and
@@ -81,9 +98,14 @@ absl::Status Backups::Claim() {
     return absl::UnavailableError("there is no folder " + directory_ +
                                   " for backups; make it, or mount its disk");
   }
-  if (lock_ != nullptr) return absl::OkStatus();
+  if (lock_ != nullptr) {
+    if (IsLockIn(directory_, lock_file_)) return absl::OkStatus();
+    // Another folder has the name, such as one on a disk that was mounted since.
+    rocksdb::Env::Default()->UnlockFile(lock_).PermitUncheckedError();
+    lock_ = nullptr;
+  }
   if (auto ours = CheckFolder(directory_); !ours.ok()) return ours;
-  const std::string path = directory_ + "/" + std::string(kLockFile);
+  const std::string path = LockPath(directory_);
   const rocksdb::Status locked = rocksdb::Env::Default()->LockFile(path, &lock_);
   if (IsLockTaken(locked)) {
     return absl::FailedPreconditionError("the folder " + directory_ +
@@ -91,6 +113,7 @@ absl::Status Backups::Claim() {
                                          "--backup-dir");
   }
   if (!locked.ok()) return FromBackupEngine(locked, "make backups", directory_);
+  if (const auto file = FileAt(path); file) lock_file_ = *file;
   // Makes its folders, so that an empty folder of backups can be listed.
   return OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default()).status();
 }

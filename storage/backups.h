@@ -12,6 +12,8 @@
 // DeleteOld() while another one of them runs.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -80,6 +82,14 @@ struct Difference {
 };
 using DifferenceVisitor = absl::FunctionRef<absl::Status(const Difference&)>;
 
+// A file, whatever names it has.
+struct FileId {
+  dev_t device = 0;
+  ino_t inode = 0;
+
+  bool operator==(const FileId&) const = default;
+};
+
 // Thread-safe.
 class Backups {
  public:
@@ -90,8 +100,9 @@ class Backups {
   Backups(const Backups&) = delete;
   Backups& operator=(const Backups&) = delete;
 
-  // Owns the folder, if it does not yet, until the destructor. UNAVAILABLE if the folder does not
-  // exist: it is not made, so that nothing is stored below a mount point whose disk is missing.
+  // Owns the folder, if it does not yet, until the destructor; where another folder has its name
+  // since, as after another disk was mounted, that one in its place. UNAVAILABLE if the folder does
+  // not exist: it is not made, so that nothing is stored below a mount point whose disk is missing.
   // FAILED_PRECONDITION if another process owns it or it has other files.
   absl::Status Claim();
 
@@ -138,6 +149,7 @@ class Backups {
 
   absl::Mutex claim_mutex_;
   rocksdb::FileLock* lock_ ABSL_GUARDED_BY(claim_mutex_) = nullptr;
+  FileId lock_file_ ABSL_GUARDED_BY(claim_mutex_);  // that of lock_
   // Whether one of Create(), Verify(), Delete() and DeleteOld() runs.
   mutable std::atomic<bool> running_ = false;
   // Held while the folder is listed, and while backups are deleted.

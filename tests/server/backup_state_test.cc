@@ -57,6 +57,22 @@ TEST_F(BackupServiceTest, ABackupWithTheNumberOfADeletedDamagedOneIsGood) {
   EXPECT_EQ(Status().backup().backup_count(), 2);
 }
 
+TEST_F(BackupServiceTest, TheListHasTheDamageThatAVerificationFound) {
+  Create();
+  Create();
+  Damage(2);
+  const auto damages = [&] {
+    v1::ListBackupsResponse response;
+    EXPECT_THAT(Call(&BackupStub::ListBackups, v1::ListBackupsRequest(), &response), IsGrpcOk());
+    std::vector<std::string> out;
+    for (const v1::Backup& backup : response.backups()) out.push_back(backup.damage());
+    return out;
+  };
+  EXPECT_THAT(damages(), ElementsAre("", "")) << "the list reads no files";
+  ASSERT_EQ(Verify("backups/2").error_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_THAT(damages(), ElementsAre("", HasSubstr("private/2/")));
+}
+
 TEST_F(BackupServiceTest, ANewBackupWithADamagedFileOfAnEarlierOneDoesNotCount) {
   Teach("wedge", 2);
   Create();

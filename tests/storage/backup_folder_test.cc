@@ -89,5 +89,19 @@ TEST_F(BackupFolderTest, TheFolderIsNotMadeAsItsDiskMayBeMissing) {
   }
 }
 
+// As after the disk of the backups was replaced while the server runs.
+TEST_F(BackupFolderTest, AnotherFolderThatGetsTheNameIsClaimed) {
+  const auto catalogue = OpenOrDie(database_);
+  ASSERT_TRUE(backups_.Create(*catalogue).ok());
+  std::filesystem::rename(folder_, directory_ / "unmounted");
+  std::filesystem::create_directory(folder_);
+  ASSERT_TRUE(backups_.Claim().ok());
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/LOCK")) << "another process could claim it";
+  EXPECT_TRUE(Ids().empty());
+  const auto made = backups_.Create(*catalogue, {}, "request-1");
+  EXPECT_TRUE(made.ok()) << made.status();
+  EXPECT_THAT(Ids(), ElementsAre(1));
+}
+
 }  // namespace
 }  // namespace graspdb::storage
