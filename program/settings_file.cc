@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <istream>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/numbers.h"
 #include "program/unknown_command.h"
 
 namespace graspdb {
@@ -103,6 +105,24 @@ void NameVariables(CLI::App& app) {
   }
 }
 
+// The error of a value that is no number; empty without one. CLI11's ranges accept NaN, since it is
+// neither below nor above them.
+std::string NotANumberError(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    for (const std::string& value : option->results()) {
+      double number = 0;
+      if (absl::SimpleAtod(value, &number) && std::isnan(number)) {
+        return option->get_name() + ": give a number, not " + value;
+      }
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) {  // those that were given
+    if (std::string error = NotANumberError(*command); !error.empty()) return error;
+  }
+  return "";
+}
+
 }  // namespace
 
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
@@ -123,7 +143,10 @@ std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv) {
     std::fprintf(stderr, "%s\n", unknown.c_str());
     return 2;
   }
-  return std::nullopt;
+  const std::string error = NotANumberError(app);
+  if (error.empty()) return std::nullopt;
+  std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.c_str());
+  return 2;
 }
 
 }  // namespace graspdb

@@ -2,12 +2,14 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "program/health_command.h"
 #include "program/log.h"
 #include "program/log_field.h"
+#include "program/standard_streams.h"
 #include "program/stop_signal.h"
 #include "program/version.h"
 #include "server/access/token_command.h"
@@ -23,14 +25,23 @@ int Fail(const absl::Status& status) {
   return absl::IsInvalidArgument(status) ? 2 : 1;
 }
 
-int Run(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "backup") return RunBackupProgram(argc, argv);
-  if (argc > 1 && std::string_view(argv[1]) == "token") return RunTokenCommand(argc - 1, argv + 1);
-  if (argc > 1 && std::string_view(argv[1]) == "health") {
+// The exit status of a command; nothing if a server is to be started.
+std::optional<int> RunCommand(int argc, char** argv) {
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  if (command == "backup") return RunBackupProgram(argc, argv);
+  if (command == "token") return RunTokenCommand(argc - 1, argv + 1);
+  if (command == "health") {
     return RunHealthCommand("graspdb-server", "127.0.0.1:50051", argc - 1, argv + 1);
   }
+  return std::nullopt;
+}
+
+int Run(int argc, char** argv) {
+  if (const std::optional<int> end = RunCommand(argc, argv)) {
+    return WithOutputWritten("graspdb-server", *end);
+  }
   const ParsedOptions parsed = ParseOptions(argc, argv);
-  if (parsed.done) return parsed.exit_status;
+  if (parsed.done) return WithOutputWritten("graspdb-server", parsed.exit_status);
   const ServerOptions& options = parsed.options;
 
   const StopSignal stop;
@@ -60,4 +71,7 @@ int Run(int argc, char** argv) {
 }  // namespace
 }  // namespace graspdb::server
 
-int main(int argc, char** argv) { return graspdb::server::Run(argc, argv); }
+int main(int argc, char** argv) {
+  graspdb::OpenStandardStreams();
+  return graspdb::server::Run(argc, argv);
+}

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +27,25 @@ class Variable {
  private:
   const char* name_;
 };
+
+// The exit status of `program wait --seconds VALUE`, nothing if it is accepted.
+std::optional<int> ExitOfWait(std::string value) {
+  CLI::App app;
+  double seconds = 1;
+  app.add_subcommand("wait")->add_option("--seconds", seconds)->check(CLI::Range(0.0, 10.0));
+  std::string program = "program";
+  std::string command = "wait";
+  std::string flag = "--seconds";
+  std::array<char*, 4> words = {program.data(), command.data(), flag.data(), value.data()};
+  return ParseArguments(app, static_cast<int>(words.size()), words.data());
+}
+
+TEST(ParseArguments, ARangeHasNumbersOnly) {
+  EXPECT_EQ(ExitOfWait("2.5"), std::nullopt);
+  EXPECT_EQ(ExitOfWait("11"), 2);
+  EXPECT_EQ(ExitOfWait("nan"), 2);
+  EXPECT_EQ(ExitOfWait("NaN"), 2);
+}
 
 class SettingsFileTest : public ::testing::Test {
  protected:

@@ -11,6 +11,7 @@
 #include "program/health_command.h"
 #include "program/log.h"
 #include "program/log_field.h"
+#include "program/standard_streams.h"
 #include "program/stop_signal.h"
 #include "program/version.h"
 
@@ -28,10 +29,11 @@ void PrintAddress(const char* service, const std::string& address) {
 
 int Run(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "health") {
-    return RunHealthCommand("graspdb-cell", "127.0.0.1:7102", argc - 1, argv + 1);
+    return WithOutputWritten(
+        "graspdb-cell", RunHealthCommand("graspdb-cell", "127.0.0.1:7102", argc - 1, argv + 1));
   }
   const ParsedAgentOptions parsed = ParseAgentOptions(argc, argv);
-  if (parsed.done) return parsed.exit_status;
+  if (parsed.done) return WithOutputWritten("graspdb-cell", parsed.exit_status);
   const AgentOptions& options = parsed.options;
 
   const StopSignal stop;
@@ -60,4 +62,7 @@ int Run(int argc, char** argv) {
 }  // namespace
 }  // namespace graspdb::client
 
-int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }
+int main(int argc, char** argv) {
+  graspdb::OpenStandardStreams();
+  return graspdb::client::Run(argc, argv);
+}
