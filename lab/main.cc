@@ -1,6 +1,7 @@
 // graspdb-lab: the commands of `graspdb` for experiments, simulations and load tests.
 #include "client/cli/base/command_line.h"
 #include "lab/commands/commands.h"
+#include "program/standard_streams.h"
 
 namespace graspdb::client {
 namespace {
@@ -15,13 +16,17 @@ int Run(int argc, char** argv) {
   AddRobotCommand(app, global, &action);
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
-  return RunCommandLine(app, global, action,
-                        {"import", "teach", "recognize", "replay", "describe", "export", "objects",
-                         "grasps", "cells", "status", "sensors"},
-                        argc, argv);
+  return RunCommandLine(
+      app, global, action,
+      {"import", "teach", "recognize", "replay", "describe", "export", "objects", "grasps", "cells",
+       "status", "sensors", "backup", "uploads", "watch", "doctor"},
+      argc, argv);
 }
 
 }  // namespace
 }  // namespace graspdb::client
 
-int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }
+int main(int argc, char** argv) {
+  graspdb::OpenStandardStreams();
+  return graspdb::WithOutputWritten("graspdb", graspdb::client::Run(argc, argv));
+}

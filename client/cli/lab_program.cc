@@ -32,7 +32,9 @@ std::string_view CommandOf(const CLI::App& app, int argc, char** argv) {
     const std::string argument = argv[i];
     if (!argument.starts_with('-')) return argv[i];
     const CLI::Option* flag = app.get_option_no_throw(argument);
-    if (flag != nullptr && flag->get_expected_max() > 0 && flag->get_type_size() > 0) ++i;
+    const bool takes_value =
+        flag != nullptr && flag->get_expected_max() > 0 && flag->get_type_size() > 0;
+    if (takes_value || argument == "--config") ++i;  // which AddSettingsFile() adds later
   }
   return {};
 }

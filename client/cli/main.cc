@@ -6,6 +6,7 @@
 #include "client/cli/objects/commands.h"
 #include "client/cli/recognize/commands.h"
 #include "client/cli/teach/commands.h"
+#include "program/standard_streams.h"
 
 namespace graspdb::client {
 namespace {
@@ -52,4 +53,7 @@ int Run(int argc, char** argv) {
 }  // namespace
 }  // namespace graspdb::client
 
-int main(int argc, char** argv) { return graspdb::client::Run(argc, argv); }
+int main(int argc, char** argv) {
+  graspdb::OpenStandardStreams();
+  return graspdb::WithOutputWritten("graspdb", graspdb::client::Run(argc, argv));
+}

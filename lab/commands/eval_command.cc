@@ -51,7 +51,7 @@ void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
 
 void AddEvalCommand(CLI::App& app, Action* action) {
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App* command = app.add_subcommand("eval", kEvalDescription);
+  CLI::App* command = AddCommand(app, "eval", kEvalDescription);
   command->footer(kEvalFooter);
   command
       ->add_option("inputs", arguments->inputs,

@@ -221,7 +221,7 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
 
 void AddSimulateCommand(CLI::App& app, Action* action) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("simulate", kSimulateDescription);
+  CLI::App* command = AddCommand(app, "simulate", kSimulateDescription);
   command->footer(kSimulateFooter);
   AddObjectOptions(*command, *arguments);
   AddPlanOptions(*command, *arguments);

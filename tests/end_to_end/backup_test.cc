@@ -92,6 +92,7 @@ TEST_F(BackupProgramsTest, DamagedBackupsAreNamedAndNotRestored) {
   Succeed({"import", Path("set")});
   Created();
   Succeed({"backup", "verify", "1"});
+  Succeed({"backup", "verify", "backups/1"});  // as the list prints it
   Succeed({"backup", "verify", "--from", Path("backups"), "--json"});
   std::filesystem::path file;
   for (const auto& entry : std::filesystem::directory_iterator(Path("backups/shared_checksum"))) {
@@ -108,7 +109,8 @@ TEST_F(BackupProgramsTest, DamagedBackupsAreNamedAndNotRestored) {
   }
   EXPECT_FALSE(std::filesystem::exists(Path("restored")));
   EXPECT_THAT(Succeed({"status"}).out, HasSubstr("failed: backup 1 in"));
-  Succeed({"backup", "delete", "1"});
+  EXPECT_THAT(Succeed({"backup", "list"}).out, HasSubstr("backup 1 in"));
+  Succeed({"backup", "delete", "backups/1"});
   EXPECT_THAT(Succeed({"backup", "list"}).out, HasSubstr("there are no backups"));
 }
 

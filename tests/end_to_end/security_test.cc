@@ -173,6 +173,15 @@ TEST_F(SecurityTest, TokensRolesAndTheAuditLog) {
               AllOf(HasSubstr("event=identities_read"), Not(HasSubstr(TokenOf("reader")))));
 }
 
+TEST_F(SecurityTest, DoctorPrintsWhatItFoundBeforeARefusedCall) {
+  AddToken("agent", {"--role", "read", "--cell", "press-3"});
+  StartMutualTls();
+  const Finished refused = As("engineer", {"--token-file", Path("agent.token"), "doctor"});
+  EXPECT_THAT(refused, EndsWith(1));
+  EXPECT_THAT(refused.out, HasSubstr("warning  server: the catalogue is empty"));
+  EXPECT_THAT(refused.err, HasSubstr("identity agent may use cells/press-3 only"));
+}
+
 TEST_F(SecurityTest, TheServerKeepsItsCertificateWhileTheFilesAreEmptied) {
   StartMutualTls();
   ASSERT_THAT(As("engineer", {"status"}), EndsWith(0));

@@ -41,6 +41,10 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"backup", "diff", "abc"}, "give a whole number of 1 or more, not abc"},
       {{"backup", "delete", "7", "0"}, "give a whole number of 1 or more, not 0"},
       {{"backup", "restore", "--from", "a", "--to", "b", "--id", "0"}, "--id: give a whole number"},
+      {{"backup", "verify", "backups/0"}, "give a whole number of 1 or more, not 0"},
+      {{"export", ""}, "SET: give a file or a folder"},
+      {{"--timeout", "nan", "status"}, "--timeout: give a number, not nan"},
+      {{"simulate", "--step", "nan", "--out", "x"}, "--step: give a number, not nan"},
       {{"watch", "--after", "-1"}, "give a whole number of 0 or more, not -1"},
       {{"objects"}, "subcommand"},
       {{"simulate", "--parts", "spoon", "--out", "x"}, "spoon"},
@@ -143,6 +147,33 @@ TEST_F(UsageTest, ReadsSettingsFromFlagsThenVariablesThenTheFile) {
   EXPECT_THAT(run({good_variable, "GRASPDB_BUSY_RETRIES=often"}, {"status"}), EndsWith(2));
   EXPECT_THAT(run({good_variable, "GRASPDB_JSON=1"}, {"status"}).out,
               ::testing::StartsWith("{\"serverVersion\""));
+}
+
+TEST_F(UsageTest, SimulateReadsTheSettingsFileWhereverItIsGiven) {
+  const std::string file = folder_.Write("all.conf", "[doctor]\nthresholds=true\n").string();
+  Words simulate = {"simulate", "--parts", "wedge", "--step", "180", "--out", Path("first")};
+  Words before = {"--config", file};
+  before.insert(before.end(), simulate.begin(), simulate.end());
+  EXPECT_THAT(Graspdb(before), EndsWith(0));
+  simulate.back() = Path("second");
+  simulate.insert(simulate.end(), {"--config", file});
+  EXPECT_THAT(Graspdb(simulate), EndsWith(0));
+}
+
+TEST_F(UsageTest, ExitsWithOneWhereItsOutputCannotBeWritten) {
+  const auto run = [&](const std::string& program, const std::string& redirection) {
+    return RunProgram(folder_.path(), {"/bin/sh", "-c", "'" + program + "' " + redirection});
+  };
+  const std::string version = std::string(GRASPDB_PROGRAM) + "' '--version";
+  const std::string token = std::string(GRASPDB_SERVER_PROGRAM) + "' 'token' 'a' '--role' 'read";
+  for (const std::string& program : {version, token}) {
+    for (const char* redirection : {">/dev/full", ">&-"}) {
+      const Finished failed = run(program, redirection);
+      EXPECT_THAT(failed, EndsWith(1)) << program << redirection;
+      EXPECT_THAT(failed.err, HasSubstr("cannot write the output"));
+    }
+    EXPECT_THAT(run(program, ">/dev/null"), EndsWith(0));
+  }
 }
 
 TEST_F(UsageTest, PrintsARejectedScanAsALineOfJson) {

@@ -136,8 +136,8 @@ void AddBackupCommands(CLI::App& app, const GlobalOptions& global, Action* actio
     return command;
   };
   const auto add_id = [&](CLI::App* command) {
-    command->add_option("ID", options->id, "Number of the backup; default: the newest")
-        ->check(WholeNumberFrom(1));
+    AcceptBackupName(
+        command->add_option("ID", options->id, "Number of the backup; default: the newest"));
   };
   const auto add_from = [&](CLI::App* command) {
     command->add_option("--from", options->from,
@@ -153,10 +153,9 @@ void AddBackupCommands(CLI::App& app, const GlobalOptions& global, Action* actio
              "Print what a restore would change in the server's catalogue: + added, ~ changed, - "
              "removed",
              Diff));
-  add("delete", "Delete backups", Delete)
-      ->add_option("ID", options->ids, "Numbers of the backups")
-      ->required()
-      ->check(WholeNumberFrom(1));
+  AcceptBackupName(add("delete", "Delete backups", Delete)
+                       ->add_option("ID", options->ids, "Numbers of the backups")
+                       ->required());
   AddRestoreCommand(*backup, global, action);
 }
 

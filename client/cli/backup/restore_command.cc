@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/base/beside_program.h"
@@ -23,7 +24,18 @@ absl::Status Restore(const GlobalOptions& global, const RestoreOptions& options)
   return ReadFolder(global, "restore", options.from, more);
 }
 
+// "7" for "backups/7".
+std::string RemovePrefix(std::string& text) {
+  constexpr std::string_view kPrefix = "backups/";
+  if (text.starts_with(kPrefix)) text.erase(0, kPrefix.size());
+  return "";  // no error
+}
+
 }  // namespace
+
+void AcceptBackupName(CLI::Option* number) {
+  number->transform(CLI::Validator(RemovePrefix, ""))->check(WholeNumberFrom(1));
+}
 
 absl::Status ReadFolder(const GlobalOptions& global, const std::string& command,
                         const std::string& from, const std::vector<std::string>& more) {
@@ -40,8 +52,8 @@ void AddRestoreCommand(CLI::App& backup, const GlobalOptions& global, Action* ac
   command->add_option("--from", options->from, "Folder of the backups")->required();
   command->add_option("--to", options->to, "Directory of the database to make: missing or empty")
       ->required();
-  command->add_option("--id", options->id, "Number of the backup; default: the newest")
-      ->check(WholeNumberFrom(1));
+  AcceptBackupName(
+      command->add_option("--id", options->id, "Number of the backup; default: the newest"));
   command->add_flag(
       "--dry-run", options->dry_run,
       "Change nothing: verify the backup, and print what a restore would change in an "

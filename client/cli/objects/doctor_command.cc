@@ -41,7 +41,9 @@ class Doctor {
   Doctor(Client& client, const GlobalOptions& global, const DoctorOptions& options)
       : client_(client), global_(global), options_(options) {}
 
-  absl::StatusOr<Findings> CheckAll();
+  // After an error the findings are those of the checks before it.
+  absl::Status CheckAll();
+  const Findings& findings() const { return out_; }
 
  private:
   absl::Status CheckState(const v1::CatalogStatus& status, absl::Time before);
@@ -155,7 +157,7 @@ absl::Status Doctor::CheckState(const v1::CatalogStatus& status, absl::Time befo
   return absl::OkStatus();
 }
 
-absl::StatusOr<Findings> Doctor::CheckAll() {
+absl::Status Doctor::CheckAll() {
   const absl::Time before = absl::Now();
   const auto status = client_.GetCatalogStatus();
   if (!status.ok()) return status.status();
@@ -171,11 +173,11 @@ absl::StatusOr<Findings> Doctor::CheckAll() {
     CheckLabels(cell, labels_, &out_);
   }
   for (const v1::Upload& upload : uploads_) CheckUpload(upload, absl::Now(), &out_);
-  if (!status->has_server_state()) return out_;
+  if (!status->has_server_state()) return absl::OkStatus();
   const auto later = client_.GetCatalogStatus();
   if (!later.ok()) return later.status();
   CheckIndex(*status, *later, &out_);
-  return out_;
+  return absl::OkStatus();
 }
 
 absl::Status Print(const GlobalOptions& global, const Finding& finding) {
@@ -192,14 +194,15 @@ absl::Status Print(const GlobalOptions& global, const Finding& finding) {
 
 absl::Status RunDoctor(const GlobalOptions& global, const DoctorOptions& options) {
   Client client = Connect(global);
-  const absl::StatusOr<Findings> findings = Doctor(client, global, options).CheckAll();
-  if (!findings.ok()) return findings.status();
+  Doctor doctor(client, global, options);
+  const absl::Status checked = doctor.CheckAll();
   std::size_t serious = 0;
-  for (const Finding& finding : *findings) {
+  for (const Finding& finding : doctor.findings()) {
     if (absl::Status printed = Print(global, finding); !printed.ok()) return printed;
     serious += finding.severity == Severity::kAdvice ? 0 : 1;
   }
-  if (findings->empty() && !global.json) std::printf("no problems found\n");
+  if (!checked.ok()) return checked;
+  if (doctor.findings().empty() && !global.json) std::printf("no problems found\n");
   if (serious == 0) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(
       serious == 1 ? "1 warning or error" : absl::StrCat(serious, " warnings and errors"),

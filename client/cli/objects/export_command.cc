@@ -138,6 +138,7 @@ void AddExportCommand(CLI::App& app, const GlobalOptions& global, Action* action
       "          graspdb export mug.graspdb --object mug\n"
       "          graspdb export captures/monday --object mug");
   command->callback([=, &global] {
+    if (options->folder.empty()) throw CLI::ValidationError("SET", "give a file or a folder");
     *action = [=, &global] {
       return IsArchivePath(options->folder)
                  ? RunArchiveExport(global, options->folder, options->objects)
