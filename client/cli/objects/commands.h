@@ -15,7 +15,7 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
 void AddHistoryCommands(CLI::App& objects, const GlobalOptions& global, Action* action);
 // What changed in an object, when and by whom: a line for the change, and one for each resource.
 std::string RevisionText(const v1::ObjectRevision& revision);
-// As 2026-11-26 15:26:16 in the machine's time zone.
+// As 2026-11-26 15:26:16 +01:00 in the machine's time zone; logs are in UTC.
 std::string LocalTimeText(const google::protobuf::Timestamp& time);
 // Adds `thresholds` under `objects`.
 void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action* action);

@@ -253,7 +253,7 @@ void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {
   if (now - created < kForgotten) return;
   AddFinding(Severity::kAdvice, upload.name(),
              absl::StrCat("is open since ",
-                          absl::FormatTime("%Y-%m-%d %H:%M", created, absl::LocalTimeZone()),
+                          absl::FormatTime("%Y-%m-%d %H:%M %Ez", created, absl::LocalTimeZone()),
                           "; run its import again, or delete it with: graspdb uploads delete"),
              out);
 }

@@ -37,7 +37,7 @@ absl::Time TimeFrom(const google::protobuf::Timestamp& time) {
 }
 
 std::string MinuteText(absl::Time time) {
-  return absl::FormatTime("%Y-%m-%d %H:%M", time, absl::LocalTimeZone());
+  return absl::FormatTime("%Y-%m-%d %H:%M %Ez", time, absl::LocalTimeZone());
 }
 
 std::string HoursText(double seconds) { return absl::StrFormat("%.1f h", seconds / 3600); }

@@ -102,7 +102,7 @@ void AddReleaseCommand(CLI::App& objects, const char* name, const char* text,
 
 std::string LocalTimeText(const google::protobuf::Timestamp& time) {
   const std::int64_t seconds = google::protobuf::util::TimeUtil::TimestampToSeconds(time);
-  return absl::FormatTime("%Y-%m-%d %H:%M:%S", absl::FromUnixSeconds(seconds),
+  return absl::FormatTime("%Y-%m-%d %H:%M:%S %Ez", absl::FromUnixSeconds(seconds),
                           absl::LocalTimeZone());
 }
 

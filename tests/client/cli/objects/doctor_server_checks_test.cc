@@ -161,6 +161,9 @@ TEST(DoctorServerChecks, CertificatesThatExpire) {
               ElementsAre(IsFinding(Severity::kWarning, "renew it")));
   EXPECT_THAT(CertificateFindings(-absl::Seconds(1)),
               ElementsAre(IsFinding(Severity::kError, "expired on ")));
+  // The time's distance from UTC, as logs are in UTC.
+  EXPECT_THAT(CertificateFindings(-absl::Seconds(1)).at(0).text,
+              ::testing::ContainsRegex("expired on [0-9-]+ [0-9:]+ [+-][0-9][0-9]:[0-9][0-9]"));
 }
 
 TEST(DoctorServerChecks, ClocksThatDiffer) {

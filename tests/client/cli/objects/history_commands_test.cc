@@ -33,6 +33,13 @@ TEST(RevisionText, PrintsWhatChangedAndByWhom) {
   EXPECT_THAT(RevisionText(revision), Not(HasSubstr("by ")));
 }
 
+TEST(LocalTimeText, HasItsDistanceFromUtc) {
+  google::protobuf::Timestamp time;
+  time.set_seconds(1'800'000'000);
+  EXPECT_THAT(LocalTimeText(time),
+              ::testing::MatchesRegex("2027-01-1[0-9] [0-9:]+ [+-][0-9][0-9]:[0-9][0-9]"));
+}
+
 class HistoryCommandsTest : public ::testing::Test {
  protected:
   // Runs a command of `graspdb objects` and returns its status; its output is in `out_`.
