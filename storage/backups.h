@@ -130,7 +130,7 @@ class Backups {
   // no clouds; memory does not grow with the catalogue. An error of `visit` ends it.
   absl::StatusOr<Backup> Compare(BackupId id, const Catalogue& catalogue,
                                  const BackupProgress& progress, DifferenceVisitor visit) const;
-  // The same for a database that no process has open.
+  // The same for a database that no process has open, FAILED_PRECONDITION otherwise.
   absl::StatusOr<Backup> Compare(BackupId id, const std::string& database,
                                  const BackupProgress& progress, DifferenceVisitor visit) const;
 

@@ -1,7 +1,11 @@
 // Backups: the functions that read a backup's contents.
+#include <filesystem>
 #include <memory>
+#include <string>
+#include <system_error>
 #include <utility>
 
+#include "rocksdb/env.h"
 #include "storage/backup_engine.h"
 #include "storage/backups.h"
 #include "storage/database.h"
@@ -11,6 +15,7 @@
 #include "storage/operation_mark.h"
 #include "storage/restore_folder.h"
 #include "storage/revision_floor.h"
+#include "storage/rocksdb_status.h"
 #include "storage/schema.h"
 #include "storage/watched_reads.h"
 
@@ -81,6 +86,30 @@ absl::Status CheckContent(const absl::StatusOr<std::unique_ptr<Database>>& datab
                            std::to_string(open.backup.record.meta().revision()));
 }
 
+// Holds the lock of a database as a server does, so that none changes it meanwhile. A database
+// whose lock is missing or may not be written has no server here.
+class DatabaseLock {
+ public:
+  explicit DatabaseLock(const std::string& directory) {
+    const std::string path = directory + "/LOCK";  // RocksDB's name
+    std::error_code unknown;
+    if (!std::filesystem::exists(path, unknown)) return;
+    is_taken_ = IsLockTaken(rocksdb::Env::Default()->LockFile(path, &lock_));
+  }
+  ~DatabaseLock() {
+    if (lock_ != nullptr) rocksdb::Env::Default()->UnlockFile(lock_).PermitUncheckedError();
+  }
+  DatabaseLock(const DatabaseLock&) = delete;
+  DatabaseLock& operator=(const DatabaseLock&) = delete;
+
+  // By another process.
+  bool is_taken() const { return is_taken_; }
+
+ private:
+  rocksdb::FileLock* lock_ = nullptr;
+  bool is_taken_ = false;
+};
+
 // Gives a restored database an id of its own: its next changes get revisions that changes of the
 // original had.
 absl::Status GiveNewId(const std::string& directory) {
@@ -144,6 +173,12 @@ absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database
   if (!found.ok()) return found.status();
   if (*found == DirectoryContent::kNothing) {
     return absl::NotFoundError("there is no database at " + database);
+  }
+  const DatabaseLock lock(database);
+  if (lock.is_taken()) {
+    return absl::FailedPreconditionError("the database at " + database +
+                                         " is in use by another process; stop it, or compare with "
+                                         "its catalogue: graspdb backup diff");
   }
   const auto there = Database::OpenReadOnly(database, nullptr);
   if (!there.ok()) return there.status();

@@ -240,5 +240,17 @@ TEST_F(RestoreTest, ComparesWithAClosedDatabase) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST_F(RestoreTest, DoesNotCompareWithADatabaseThatIsOpen) {
+  const auto note = [this](const Difference& d) { return Note(d); };
+  {
+    const auto catalogue = OpenOrDie(database_);
+    const absl::Status refused = backups_.Compare(1, database_, {}, note).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("is in use by another process"));
+  }
+  EXPECT_TRUE(backups_.Compare(1, database_, {}, note).ok());
+  EXPECT_TRUE(OpenOrDie(database_) != nullptr) << "the lock is free again";
+}
+
 }  // namespace
 }  // namespace graspdb::storage
