@@ -84,7 +84,9 @@ absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path)
   k.fy = numbers.Positive("fy");
   k.cx = numbers.Required("cx");
   k.cy = numbers.Required("cy");
-  camera.depth_unit_m = numbers.Positive("depthUnitM", 0.001);
+  // The contract's own name is accepted, as elsewhere in JSON: without it counts are millimetres.
+  const bool is_snake_case = document.fields().contains("depth_unit_m");
+  camera.depth_unit_m = numbers.Positive(is_snake_case ? "depth_unit_m" : "depthUnitM", 0.001);
   if (numbers.error_text().empty()) return camera;
   return absl::InvalidArgumentError(
       absl::StrCat(path.string(), ": ", numbers.error_text(), "; correct the file"));

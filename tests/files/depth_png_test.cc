@@ -127,6 +127,15 @@ TEST(Intrinsics, AreMillimetresWithoutAUnit) {
   EXPECT_EQ(camera->depth_unit_m, 0.001);
 }
 
+TEST(Intrinsics, TheUnitMayHaveTheContractsName) {
+  const TemporaryFolder folder;
+  const auto camera = ReadIntrinsics(folder.Write(
+      "k.json",
+      R"({"width": 4, "height": 3, "fx": 5, "fy": 5, "cx": 2, "cy": 1, "depth_unit_m": 0.0001})"));
+  ASSERT_THAT(camera, IsOk());
+  EXPECT_EQ(camera->depth_unit_m, 0.0001);
+}
+
 TEST(Intrinsics, ErrorsNameTheInvalidKey) {
   const TemporaryFolder folder;
   const struct {

@@ -75,20 +75,6 @@ TEST_F(GriJobsTest, ATriggerReturnsTheFirstPoseAndTheNumberLeft) {
   EXPECT_TRUE(runner_.base_flange->isApprox(At(0.25)));
 }
 
-TEST_F(GriJobsTest, ARunGetsWhatIsWrongWithAnInvalidPose) {
-  GriRequest request;
-  request.pose_format = kQuaternionXyzw;
-  request.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
-  request.job_id = kJob;
-  jobs_.Answer("r", request);
-  EXPECT_FALSE(runner_.base_flange);
-  EXPECT_EQ(runner_.pose_fault, "") << "none was sent";
-  request.pose.rotation = {1'000'000, 1'000'000, 0, 0};
-  jobs_.Answer("r", request);
-  EXPECT_FALSE(runner_.base_flange);
-  EXPECT_THAT(runner_.pose_fault, ::testing::HasSubstr("quaternion"));
-}
-
 TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
   JobPose grasp = {At(0.1), {At(0.11)}};
   grasp.grasp.gripper_opening_m = 0.0625;

@@ -1,4 +1,4 @@
-// What the log has of requests that are answered by a number only.
+// What log and runner get of requests that are answered by a number only.
 #include <gmock/gmock.h>
 #include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/spdlog.h>
@@ -71,6 +71,18 @@ TEST_F(GriLogTest, AWrongHeaderIsLoggedWithItsFault) {
               ElementsAre(HasSubstr("no pose format 52"), HasSubstr("of version 2"),
                           HasSubstr("no action 10"), HasSubstr("gives 53 as its length"),
                           HasSubstr("does not begin with")));
+}
+
+TEST_F(GriLogTest, ARunGetsWhatIsWrongWithAnInvalidPose) {
+  GriRequest request = Trigger(kFakeJob);
+  request.pose_format = kQuaternionXyzw;
+  jobs_.Answer("r", request);
+  EXPECT_FALSE(runner_.base_flange);
+  EXPECT_EQ(runner_.pose_fault, "") << "none was sent";
+  request.pose.rotation = {1'000'000, 1'000'000, 0, 0};
+  jobs_.Answer("r", request);
+  EXPECT_FALSE(runner_.base_flange);
+  EXPECT_THAT(runner_.pose_fault, HasSubstr("quaternion"));
 }
 
 }  // namespace
