@@ -158,7 +158,7 @@ std::vector<BadInput> Names() {
       {"DescribeFromAViewpointThatIsNone",
        [](const client::TemporaryFolder& folder) -> Words {
          return {"describe", folder.Write("a.pcd", AsciiPcd(CurvedPatch(100))).string(),
-                 "--viewpoint", "nan,0,0"};
+                 "--viewpoint", "inf,0,0"};
        },
        "viewpoint must be finite"},
       {"DescribeOfPointsInOnePlace",

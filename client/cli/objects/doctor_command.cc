@@ -195,7 +195,7 @@ absl::Status Print(const GlobalOptions& global, const Finding& finding) {
 absl::Status RunDoctor(const GlobalOptions& global, const DoctorOptions& options) {
   Client client = Connect(global);
   Doctor doctor(client, global, options);
-  const absl::Status checked = doctor.CheckAll();
+  absl::Status checked = doctor.CheckAll();
   std::size_t serious = 0;
   for (const Finding& finding : doctor.findings()) {
     if (absl::Status printed = Print(global, finding); !printed.ok()) return printed;
