@@ -1,10 +1,13 @@
 #include "client/cell/blackbox/replay.h"
 
+#include <google/protobuf/util/message_differencer.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
@@ -49,6 +52,19 @@ bool AreSame(const google::protobuf::Message& a, const google::protobuf::Message
   return a.SerializeAsString() == b.SerializeAsString();
 }
 
+// The first field that differs, as "modified: point_count: 7 -> 8", and the number of the others.
+std::string FirstDifference(const google::protobuf::Message& then,
+                            const google::protobuf::Message& now) {
+  std::string all;
+  google::protobuf::util::MessageDifferencer differencer;
+  differencer.ReportDifferencesToString(&all);
+  differencer.Compare(then, now);
+  const std::vector<std::string> lines = absl::StrSplit(all, '\n', absl::SkipEmpty());
+  if (lines.empty()) return "the bytes differ, but no value";  // 0 and -0
+  if (lines.size() == 1) return lines[0];
+  return absl::StrCat(lines[0], " (and ", lines.size() - 1, " more)");
+}
+
 void CompareDetections(const std::string& which, const v1::Detection& then,
                        const v1::Detection& now, std::vector<std::string>* out) {
   if (AreSame(then, now)) return;
@@ -75,7 +91,7 @@ void CompareDetections(const std::string& which, const v1::Detection& then,
   if (GraspsOf(then) != GraspsOf(now)) {
     add(absl::StrCat("grasps ", GraspsOf(then), ", now ", GraspsOf(now)));
   }
-  if (out->size() == before) add("details differ (see --json of graspdb recognize)");
+  if (out->size() == before) add(FirstDifference(then, now));
 }
 
 void CompareResponses(const v1::RecognizeResponse& then, const v1::RecognizeResponse& now,
@@ -91,7 +107,7 @@ void CompareResponses(const v1::RecognizeResponse& then, const v1::RecognizeResp
   for (int i = 0; i < both; ++i) {
     CompareDetections(absl::StrCat("object ", i + 1), then.detections(i), now.detections(i), out);
   }
-  if (out->empty()) out->push_back("the reports of the steps or the frame differ");
+  if (out->empty()) out->push_back(FirstDifference(then, now));
 }
 
 std::string ErrorText(const google::rpc::Status& error) {

@@ -89,10 +89,10 @@ TEST(ReplayTest, TheLastBitCounts) {
   now.mutable_detections(0)->set_point_count(1);
   const ReplayResult details = CompareReplay(BundleOf(Answer()), now);
   EXPECT_FALSE(details.is_same);
-  EXPECT_THAT(details.differences, ElementsAre(HasSubstr("details")));
+  EXPECT_THAT(details.differences, ElementsAre(HasSubstr("point_count")));
   now = Answer();
   now.mutable_stages(0)->set_input_point_count(1);
-  EXPECT_THAT(CompareReplay(BundleOf(Answer()), now).differences, ElementsAre(HasSubstr("steps")));
+  EXPECT_THAT(CompareReplay(BundleOf(Answer()), now).differences, ElementsAre(HasSubstr("stages[0].input_point_count")));
 }
 
 TEST(ReplayTest, ErrorsAreComparedByCodeAndText) {
