@@ -31,7 +31,8 @@ class Prometheus:
         alerts = (self.monitoring / "alerts.yml").read_text()
         (folder / "alerts.yml").write_text(alerts)
         (folder / "prometheus.yml").write_text(config.replace("scrape_interval: 15s", "scrape_interval: 1s"))
-        with open(folder / "prometheus.log", "wb") as log:
+        self.log = folder / "prometheus.log"
+        with open(self.log, "wb") as log:
             self.process = subprocess.Popen(
                 ["prometheus", f"--config.file={folder}/prometheus.yml", f"--storage.tsdb.path={folder}/tsdb",
                  f"--web.listen-address={LISTEN}"], stdout=log, stderr=log)
@@ -65,5 +66,5 @@ class Prometheus:
             if rules and not empty and not failed:
                 return len(rules)
             if time.monotonic() > end or self.process.poll() is not None:
-                raise SystemExit("Prometheus has no values for:\n" + "\n".join(empty + failed))
+                raise SystemExit("\n".join(["Prometheus has no values for:", *empty, *failed, self.log.read_text()]))
             time.sleep(1)
