@@ -92,7 +92,8 @@ TEST(ReplayTest, TheLastBitCounts) {
   EXPECT_THAT(details.differences, ElementsAre(HasSubstr("point_count")));
   now = Answer();
   now.mutable_stages(0)->set_input_point_count(1);
-  EXPECT_THAT(CompareReplay(BundleOf(Answer()), now).differences, ElementsAre(HasSubstr("stages[0].input_point_count")));
+  EXPECT_THAT(CompareReplay(BundleOf(Answer()), now).differences,
+              ElementsAre(HasSubstr("stages[0].input_point_count")));
 }
 
 TEST(ReplayTest, ErrorsAreComparedByCodeAndText) {
