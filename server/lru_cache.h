@@ -43,6 +43,12 @@ class LruCache {
     return found->second->value;
   }
 
+  // Counts nothing, and does not count as a use.
+  bool Contains(const std::string& key) const {
+    absl::MutexLock lock(&mutex_);
+    return by_key_.contains(key);
+  }
+
   // Does nothing if the key exists. A value of more than half the budget is not cached: it would
   // evict most of the others, and be evicted by the next one of its size. With a larger share, a
   // single value could evict all others.

@@ -32,6 +32,7 @@
 #include "server/idle_task.h"
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
+#include "server/model_preloader.h"
 #include "server/object_history_service.h"
 #include "server/recognition_service.h"
 #include "server/server_state.h"
@@ -107,6 +108,7 @@ struct Server::Parts {
                        }}),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches),
+        preloader(*live, clouds),
         recognizing(WorkersOf(options), QueueOf(options)),
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
@@ -147,6 +149,7 @@ struct Server::Parts {
   IdleTask idle_task;                                            // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
+  ModelPreloader preloader;
   Admission recognizing;
   Admission teaching{1, kTeachQueue};
   FrameRecognizer recognizer;
@@ -264,6 +267,7 @@ void Server::Drain() {
 void Server::Stop() {
   if (grpc_ == nullptr) return;
   parts_->change_service.Stop();
+  parts_->preloader.Stop();
   if (parts_->backups != nullptr) parts_->backups->Stop();  // clients can start them again
   grpc_->Shutdown(std::chrono::system_clock::now() +
                   std::chrono::duration_cast<std::chrono::system_clock::duration>(drain_time_));

@@ -15,6 +15,15 @@ std::string KeyOf(const recognition::TaughtView& view) {
   return absl::StrCat(view.name, "@", view.content);
 }
 
+std::string KeyOfModel(const recognition::TaughtView& view,
+                       const recognition::TaughtStablePose& stable_pose) {
+  std::string content;
+  for (const recognition::TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
+    absl::StrAppend(&content, KeyOf(*part), "\n");
+  }
+  return Sha256(content);
+}
+
 std::size_t BytesOf(const recognition::OrientedCloud& cloud) {
   return 2 * sizeof(Eigen::Vector3f) * cloud.points.size();
 }
@@ -40,12 +49,23 @@ absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> ViewCloudCache
 
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::LoadModel(
     const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
-  std::string content;
-  for (const recognition::TaughtView* part : recognition::ViewsOfModel(view, stable_pose)) {
-    absl::StrAppend(&content, KeyOf(*part), "\n");
-  }
-  const std::string key = Sha256(content);
+  const std::string key = KeyOfModel(view, stable_pose);
   if (auto known = models_.Get(key)) return known;
+  return Fuse(key, view, stable_pose);
+}
+
+absl::StatusOr<std::size_t> ViewCloudCache::Preload(
+    const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
+  const std::string key = KeyOfModel(view, stable_pose);
+  if (models_.Contains(key)) return 0;
+  const auto model = Fuse(key, view, stable_pose);
+  if (!model.ok()) return model.status();
+  return *model ? (*model)->bytes() : 0;
+}
+
+absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::Fuse(
+    const std::string& key, const recognition::TaughtView& view,
+    const recognition::TaughtStablePose& stable_pose) {
   auto model = recognition::FuseModel(view, stable_pose, *this);
   if (model.ok() && *model) models_.Put(key, *model, (*model)->bytes());
   return model;

@@ -28,6 +28,10 @@ class ViewCloudCache : public recognition::ViewClouds {
   absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> LoadModel(
       const recognition::TaughtView& view,
       const recognition::TaughtStablePose& stable_pose) override;
+  // Makes the next LoadModel() of the same a hit. The bytes of the model if it was not known; it is
+  // counted as no request, clouds that it is fused from are. Errors as LoadModel().
+  absl::StatusOr<std::size_t> Preload(const recognition::TaughtView& view,
+                                      const recognition::TaughtStablePose& stable_pose);
 
   CacheUse cloud_use() const { return clouds_.use(); }
   CacheUse model_use() const { return models_.use(); }
@@ -36,6 +40,9 @@ class ViewCloudCache : public recognition::ViewClouds {
   using Cloud = std::shared_ptr<const recognition::OrientedCloud>;
 
   absl::StatusOr<Cloud> Read(const recognition::TaughtView& view) const;
+  absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> Fuse(
+      const std::string& key, const recognition::TaughtView& view,
+      const recognition::TaughtStablePose& stable_pose);
 
   const storage::Catalogue& catalogue_;
   const recognition::DescriptorParameters parameters_;
