@@ -65,6 +65,12 @@ absl::Status IdentitiesFile::Load() {
     return absl::FailedPreconditionError(
         absl::StrCat("--identities ", path_, ": ", parsed.status().message()));
   }
+  // As of a file that was emptied, or is being written in place: every caller would be refused.
+  if (parsed->size() == 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("--identities ", path_,
+                     " has no identity; graspdb-server token NAME prints a line for one"));
+  }
   auto identities = std::make_shared<const Identities>(*std::move(parsed));
   absl::MutexLock lock(&mutex_);
   identities_ = std::move(identities);

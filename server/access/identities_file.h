@@ -14,12 +14,13 @@
 
 namespace graspdb::server {
 
-// Reads the file again within two seconds after it changes. A file that cannot be read or has an
-// error is logged and read each second, and the identities before it stay; it has a fault until
-// then. Thread-safe.
+// Reads the file again within two seconds after it changes. A file that cannot be read, has an
+// error or no identity at all is logged and read each second, and the identities before it stay; it
+// has a fault until then. Thread-safe.
 class IdentitiesFile {
  public:
-  // FAILED_PRECONDITION for a file that cannot be read or has an error, with the line.
+  // FAILED_PRECONDITION for a file that cannot be read, has an error, with the line, or no
+  // identity.
   static absl::StatusOr<std::unique_ptr<IdentitiesFile>> Open(const std::string& path);
 
   std::shared_ptr<const Identities> Get() const;

@@ -166,6 +166,9 @@ TEST_F(CallGuardTest, AWrongFileIsRejectedAtTheStart) {
   server_.reset();
   EXPECT_THAT(server::Server::Start(options_),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("line 1: roles")));
+  WriteIdentities("# no identity\n");
+  EXPECT_THAT(server::Server::Start(options_),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("has no identity")));
   options_.identities += ".missing";
   EXPECT_THAT(server::Server::Start(options_),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("cannot read")));

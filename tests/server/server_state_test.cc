@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "absl/time/clock.h"
 #include "tests/server/access_fixture.h"
@@ -63,6 +64,17 @@ TEST_F(ServerStateTest, AWrongFileOfIdentitiesIsReportedUntilItIsRepaired) {
   EXPECT_GT(fault.time().seconds(), 1'700'000'000);
   Add("reader", {v1::ROLE_READ});
   AwaitNoFault();
+}
+
+TEST_F(ServerStateTest, AnEmptiedFileOfIdentitiesIsReportedAndTheIdentitiesStay) {
+  for (const auto& [name, emptied] : {std::pair("first", "# no identity\n"), {"second", ""}}) {
+    SCOPED_TRACE(name);
+    WriteIdentities(emptied);
+    EXPECT_EQ(AwaitFault("has no identity").flag(), "--identities");
+    EXPECT_THAT(StatusAs(token_), IsGrpcOk());
+    Add(name, {v1::ROLE_READ});
+    AwaitNoFault();
+  }
 }
 
 TEST_F(ServerStateTest, FilesOfTlsThatDoNotFitAreReportedUntilTheyDo) {
