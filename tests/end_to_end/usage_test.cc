@@ -176,6 +176,15 @@ TEST_F(UsageTest, ExitsWithOneWhereItsOutputCannotBeWritten) {
   }
 }
 
+TEST_F(UsageTest, WatchEndsWhereItsOutputCannotBeWritten) {
+  StartServer();
+  const std::string watch = "'" + std::string(GRASPDB_PROGRAM) + "' --server " + address_ +
+                            " watch --json --heartbeat 1 >/dev/full";
+  const Finished failed = RunProgram(folder_.path(), {"/bin/sh", "-c", watch});
+  EXPECT_THAT(failed, EndsWith(1));
+  EXPECT_THAT(failed.err, HasSubstr("cannot write the output"));
+}
+
 TEST_F(UsageTest, PrintsARejectedScanAsALineOfJson) {
   StartServer("db", {"--max-points", "1000"});
   const std::string good = folder_.Write("good.pcd", AsciiPcd(CurvedPatch(900))).string();

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "client/cli/objects/commands.h"
+#include "program/standard_streams.h"
 
 namespace graspdb::client {
 namespace {
@@ -28,16 +29,20 @@ absl::Status Watch(const GlobalOptions& global, const WatchOptions& options) {
   request.set_catalog_id(options.catalog_id);
   request.set_include_records(options.records);
   request.set_heartbeat_s(options.heartbeat_s);
-  return Connect(global).WatchCatalog(request, [&](const v1::WatchCatalogResponse& response) {
+  bool is_written = true;
+  const auto print = [&](const v1::WatchCatalogResponse& response) -> absl::Status {
     absl::Status printed;
     if (global.json) {
       printed = PrintJson(response);
     } else {
       PrintChange(response);
     }
-    std::fflush(stdout);  // for the next program in a pipe
-    return printed;
-  });
+    is_written = FlushOutput().ok();  // at once, for the next program in a pipe
+    return is_written ? printed : absl::CancelledError("the output cannot be written");
+  };
+  absl::Status watched = Connect(global).WatchCatalog(request, print);
+  // WithOutputWritten() prints the reason and ends the program with 1.
+  return is_written ? watched : absl::OkStatus();
 }
 
 }  // namespace
