@@ -6,13 +6,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <istream>
+#include <iterator>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/string_view.h"
 #include "program/unknown_command.h"
 
 namespace graspdb {
@@ -46,16 +53,38 @@ bool HasSetting(const CLI::App& app, const CLI::ConfigItem& item) {
          command->get_option_no_throw(item.name) != nullptr;
 }
 
+std::string FileOf(const CLI::App& app) {
+  const auto files = app.get_config_ptr()->as<std::vector<std::string>>();
+  return files.empty() ? "--config" : files.front();
+}
+
 // CLI11's own error has neither the file nor what is wrong.
 void CheckSetting(const CLI::App& app, const CLI::ConfigItem& item) {
   if (HasSetting(app, item)) return;
-  const auto files = app.get_config_ptr()->as<std::vector<std::string>>();
   const bool is_section = item.name == "++" || item.name == "--";
   const std::string name = is_section ? "section [" + CLI::detail::join(item.parents, ".") + "]"
                                       : "setting " + item.fullname();
-  throw CLI::ConfigError((files.empty() ? "--config" : files.front()) + ": there is no " + name +
+  throw CLI::ConfigError(FileOf(app) + ": there is no " + name +
                          "; settings are flags without dashes, sections are commands; a setting "
                          "is one line, a list too: KEY=[\"A\",\"B\"]");
+}
+
+// CLI11 takes the lines that follow, sections included, for the rest of a list without its end.
+void CheckLists(const CLI::App& app, const std::string& text) {
+  int number = 0;
+  for (absl::string_view line : absl::StrSplit(text, '\n')) {
+    ++number;
+    line = absl::StripAsciiWhitespace(line);
+    const std::size_t equals = line.find('=');
+    if (equals == absl::string_view::npos || line.front() == '#' || line.front() == ';') continue;
+    const absl::string_view rest = line.substr(equals + 1);
+    const absl::string_view value = absl::StripAsciiWhitespace(rest.substr(0, rest.find('#')));
+    if (!absl::StartsWith(value, "[") || absl::EndsWith(value, "]")) continue;
+    throw CLI::ConfigError(absl::StrCat(FileOf(app), ", line ", number, ": the list of ",
+                                        absl::StripAsciiWhitespace(line.substr(0, equals)),
+                                        " has no ] at its end; it is one line, without #: "
+                                        "KEY=[\"A\",\"B\"]"));
+  }
 }
 
 // Editors of Windows begin a file with a byte order mark, which is no part of the first key.
@@ -76,7 +105,10 @@ class FileAfterVariables : public CLI::ConfigBase {
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     SkipByteOrderMark(in);
-    std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(in);
+    const std::string text(std::istreambuf_iterator<char>(in), {});
+    CheckLists(app_, text);
+    std::istringstream lines(text);
+    std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(lines);
     std::erase_if(given, [this](const CLI::ConfigItem& item) {
       return !Variable(item.name).empty() || IsOfOtherCommand(item);
     });

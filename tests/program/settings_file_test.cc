@@ -62,6 +62,19 @@ class SettingsFileTest : public ::testing::Test {
     return server + " " + split;
   }
 
+  // The first part of the error of a file with this text, without its name; empty if there is none.
+  std::string ErrorOf(const std::string& text) {
+    const std::string file = folder_.Write("wrong.conf", text).string();
+    try {
+      Parse("--config " + file + " import");
+    } catch (const CLI::ParseError& e) {
+      const std::string error = e.what();
+      return error.starts_with(file) ? error.substr(file.size(), error.find(';') - file.size())
+                                     : error;
+    }
+    return "";
+  }
+
   const client::TemporaryFolder folder_;
   const std::string file_ =
       folder_.Write("settings.conf", "server=file\n[import]\nsplit=file\n").string();
@@ -114,20 +127,17 @@ TEST_F(SettingsFileTest, UnknownKeyIsAnError) {
 }
 
 TEST_F(SettingsFileTest, TheErrorOfAnUnknownKeyNamesTheFile) {
-  const auto error_of = [&](const std::string& text) -> std::string {
-    const std::string typo = folder_.Write("typo.conf", text).string();
-    try {
-      Parse("--config " + typo + " import");
-    } catch (const CLI::ParseError& e) {
-      const std::string error = e.what();
-      return error.starts_with(typo) ? error.substr(typo.size(), error.find(';') - typo.size())
-                                     : error;
-    }
-    return "";
-  };
-  EXPECT_EQ(error_of("sever=file\n"), ": there is no setting sever");
-  EXPECT_EQ(error_of("[import]\nspilt=ALL\n"), ": there is no setting import.spilt");
-  EXPECT_EQ(error_of("[impot]\nsplit=ALL\n"), ": there is no section [impot]");
+  EXPECT_EQ(ErrorOf("sever=file\n"), ": there is no setting sever");
+  EXPECT_EQ(ErrorOf("[import]\nspilt=ALL\n"), ": there is no setting import.spilt");
+  EXPECT_EQ(ErrorOf("[impot]\nsplit=ALL\n"), ": there is no section [impot]");
+}
+
+TEST_F(SettingsFileTest, TheErrorOfAListWithoutItsEndNamesTheLine) {
+  EXPECT_EQ(ErrorOf("# comment=[\nserver=[\"a\"\n[import]\nsplit=ALL\n"),
+            ", line 2: the list of server has no ] at its end");
+  EXPECT_EQ(ErrorOf("[import]\nsplit = [\n"), ", line 2: the list of split has no ] at its end");
+  EXPECT_EQ(ErrorOf("server=[\"a#b\"]\n"), ", line 1: the list of server has no ] at its end");
+  EXPECT_EQ(ErrorOf("server=[\"a\"] # comment\n\n[import]\nsplit=[\"b\"]\r\n"), "");
 }
 
 }  // namespace
