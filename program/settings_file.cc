@@ -155,6 +155,49 @@ std::string NotANumberError(const CLI::App& app) {
   return "";
 }
 
+// Of `app`, or of one of its commands that were given.
+bool HasFlag(const CLI::App& app, const std::string& name) {
+  const auto has_flag = [&name](const CLI::App* command) { return HasFlag(*command, name); };
+  return app.get_option_no_throw(name) != nullptr ||
+         std::ranges::any_of(app.get_subcommands(), has_flag);
+}
+
+// The error of a flag of `all` that was taken for the value of the one before in `app`; empty
+// without one. CLI11 takes the next word, whatever it is.
+std::string FlagAsValueError(const CLI::App& all, const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty()) continue;  // after --, anything is a value
+    for (const std::string& value : option->results()) {
+      const std::string flag = value.substr(0, value.find('='));
+      if (flag.starts_with("--") && HasFlag(all, flag)) {
+        return option->get_name() + ": give a value, not the flag " + flag;
+      }
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) {  // those that were given
+    if (std::string error = FlagAsValueError(all, *command); !error.empty()) return error;
+  }
+  return "";
+}
+
+// The error of a word such as `--health=`; empty without one. CLI11 takes the next word for its
+// value.
+std::string NoValueError(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--") break;
+    if (!word.starts_with("--") || word.find('=') != word.size() - 1) continue;
+    const std::string flag(word.substr(0, word.size() - 1));
+    return flag + "= has no value; give one, or " + flag + " \"\" for an empty one";
+  }
+  return "";
+}
+
+int WrongUsage(const std::string& error) {
+  std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.c_str());
+  return 2;
+}
+
 }  // namespace
 
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
@@ -166,19 +209,24 @@ void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
 }
 
 std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv) {
+  std::string error = NoValueError(argc, argv);
+  if (!error.empty()) return WrongUsage(error);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     const bool is_help = e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
-    const std::string unknown = is_help ? "" : UnknownCommandError(app);
+    if (is_help) return app.exit(e) == 0 ? 0 : 2;
+    error = FlagAsValueError(app, app);
+    if (!error.empty()) return WrongUsage(error);
+    const std::string unknown = UnknownCommandError(app);
     if (unknown.empty()) return app.exit(e) == 0 ? 0 : 2;
     std::fprintf(stderr, "%s\n", unknown.c_str());
     return 2;
   }
-  const std::string error = NotANumberError(app);
+  error = FlagAsValueError(app, app);
+  if (error.empty()) error = NotANumberError(app);
   if (error.empty()) return std::nullopt;
-  std::fprintf(stderr, "%s\nRun with --help for more information.\n", error.c_str());
-  return 2;
+  return WrongUsage(error);
 }
 
 }  // namespace graspdb

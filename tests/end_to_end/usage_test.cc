@@ -44,6 +44,8 @@ TEST_F(UsageTest, ExitsWithTwoForWrongUsage) {
       {{"backup", "verify", "backups/0"}, "give a whole number of 1 or more, not 0"},
       {{"export", ""}, "SET: give a file or a folder"},
       {{"--timeout", "nan", "status"}, "--timeout: give a number, not nan"},
+      {{"--timeout", "--json", "status"}, "--timeout: give a value, not the flag --json"},
+      {{"watch", "--catalog-id=", "--json"}, "--catalog-id= has no value"},
       {{"simulate", "--step", "nan", "--out", "x"}, "--step: give a number, not nan"},
       {{"watch", "--after", "-1"}, "give a whole number of 0 or more, not -1"},
       {{"objects"}, "subcommand"},

@@ -47,6 +47,44 @@ TEST(ParseArguments, ARangeHasNumbersOnly) {
   EXPECT_EQ(ExitOfWait("NaN"), 2);
 }
 
+// The same of `program [--out TEXT] [--json] [wait [--name TEXT] [FILE]]` with these words.
+std::optional<int> ExitOf(std::vector<std::string> words) {
+  CLI::App app;
+  std::string out;
+  std::string name;
+  std::string file;
+  bool json = false;
+  app.add_option("--out", out);
+  app.add_flag("--json", json);
+  CLI::App* wait = app.add_subcommand("wait")->fallthrough();
+  wait->add_option("--name", name);
+  wait->add_option("FILE", file);
+  words.insert(words.begin(), "program");
+  std::vector<char*> argv;
+  argv.reserve(words.size());
+  for (std::string& word : words) argv.push_back(word.data());
+  return ParseArguments(app, static_cast<int>(argv.size()), argv.data());
+}
+
+TEST(ParseArguments, AFlagIsNoValueOfTheOneBefore) {
+  EXPECT_EQ(ExitOf({"--out", "--json"}), 2);
+  EXPECT_EQ(ExitOf({"--out", "--help"}), 2);
+  EXPECT_EQ(ExitOf({"wait", "--name", "--json"}), 2);
+  EXPECT_EQ(ExitOf({"wait", "--name", "--out=a"}), 2);
+  EXPECT_EQ(ExitOf({"wait", "--out", "--name", "a"}), 2);
+  EXPECT_EQ(ExitOf({"--out", "-5", "--json"}), std::nullopt);
+  EXPECT_EQ(ExitOf({"--out", "--other", "--json"}), std::nullopt);
+  EXPECT_EQ(ExitOf({"wait", "--name", "a", "--", "--json"}), std::nullopt);
+}
+
+TEST(ParseArguments, AFlagWithoutItsValueDoesNotTakeTheNextWord) {
+  EXPECT_EQ(ExitOf({"--out=", "wait"}), 2);
+  EXPECT_EQ(ExitOf({"wait", "--name=", "--json"}), 2);
+  EXPECT_EQ(ExitOf({"--out", "", "wait"}), std::nullopt);
+  EXPECT_EQ(ExitOf({"--out=a=", "wait"}), std::nullopt);
+  EXPECT_EQ(ExitOf({"wait", "--", "--name="}), std::nullopt);
+}
+
 class SettingsFileTest : public ::testing::Test {
  protected:
   // The resulting values of --server and `import --split`.
