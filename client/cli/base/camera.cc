@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "client/cell/sensors/open_sensor.h"
+#include "client/cli/base/command.h"
 
 namespace graspdb::client {
 namespace {
@@ -31,9 +32,13 @@ absl::Status NotOfServer(const absl::Status& status) {
   return absl::FailedPreconditionError(status.message());
 }
 
+absl::Status NotOpened(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) ? WrongUsage(status) : NotOfServer(status);
+}
+
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenCamera(const std::string& spec) {
   absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenSensor(spec, SensorSettings());
-  if (!sensor.ok()) return NotOfServer(sensor.status());
+  if (!sensor.ok()) return NotOpened(sensor.status());
   return std::make_unique<Camera>(*std::move(sensor));
 }
 

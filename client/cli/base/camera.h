@@ -14,8 +14,11 @@ namespace graspdb::client {
 // reported as a missing server, becomes FAILED_PRECONDITION.
 absl::Status NotOfServer(const absl::Status& status);
 
-// As OpenSensor with its default settings; errors of OpenSensor and of the sensor pass through
-// NotOfServer. Thread-safe as any DepthSensor.
+// The same of an error of OpenSensor, whose INVALID_ARGUMENT is wrong usage: the name of no sensor.
+absl::Status NotOpened(const absl::Status& status);
+
+// As OpenSensor with its default settings; its errors pass through NotOpened, those of the sensor
+// through NotOfServer. Thread-safe as any DepthSensor.
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenCamera(const std::string& spec);
 
 }  // namespace graspdb::client

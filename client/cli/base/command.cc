@@ -14,6 +14,8 @@
 namespace graspdb::client {
 namespace {
 
+constexpr char kWrongUsageMark[] = "graspdb/wrong-usage";
+
 std::atomic<bool> interrupted = false;
 
 extern "C" void OnInterrupt(int /*signal*/) { interrupted.store(true); }
@@ -61,6 +63,15 @@ absl::Status PrintJson(const google::protobuf::Struct& document) {
   if (!text.ok()) return text.status();
   std::printf("%s\n", text->c_str());
   return absl::OkStatus();
+}
+
+absl::Status WrongUsage(absl::Status status) {
+  status.SetPayload(kWrongUsageMark, absl::Cord());
+  return status;
+}
+
+bool HasWrongUsageMark(const absl::Status& status) {
+  return status.GetPayload(kWrongUsageMark).has_value();
 }
 
 absl::Status WithMessage(const absl::Status& status, const std::string& message) {

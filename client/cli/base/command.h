@@ -45,6 +45,10 @@ absl::Status PrintJson(const google::protobuf::Struct& document);
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
+// Marks the error of a command line that could be parsed but is wrong: `graspdb` ends with 2.
+absl::Status WrongUsage(absl::Status status);
+bool HasWrongUsageMark(const absl::Status& status);
+
 // The same error with another text; its details stay.
 absl::Status WithMessage(const absl::Status& status, const std::string& message);
 

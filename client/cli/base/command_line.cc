@@ -24,9 +24,10 @@ bool HasNoServer(const absl::Status& status) {
   return absl::IsUnavailable(status) && !status.GetPayload(kErrorDetails);
 }
 
-// Whether the client has refused flags of the connection; other INVALID_ARGUMENT errors are those
-// of the server or of files.
+// Whether the command, or the client for the flags of the connection, has refused the command line;
+// other INVALID_ARGUMENT errors are those of the server or of files.
 bool IsWrongUsage(const absl::Status& status, const GlobalOptions& global) {
+  if (HasWrongUsageMark(status)) return true;
   const absl::Status usage = CheckUsage({.server = global.server, .security = global.security});
   return !usage.ok() && status == usage;
 }

@@ -176,13 +176,13 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
 }
 
 absl::Status Check(const GlobalOptions& global, const CheckOptions& options) {
+  if (options.frame.empty() && options.sensor.empty() && options.poses.empty()) {
+    return WrongUsage(absl::InvalidArgumentError(
+        "nothing to check; give --frame or --sensor, or --poses with --target, or both"));
+  }
   Client client = Connect(global);
   const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
   if (!cell.ok()) return cell.status();
-  if (options.frame.empty() && options.sensor.empty() && options.poses.empty()) {
-    return absl::InvalidArgumentError(
-        "nothing to check; give --frame or --sensor, or --poses with --target, or both");
-  }
   absl::Status status;
   if (!options.frame.empty() || !options.sensor.empty()) {
     status = CheckLevel(global.json, *cell, options);

@@ -125,7 +125,7 @@ absl::Status PrintKept(bool as_json, const std::string& file, const std::string&
 absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
   spdlog::set_level(spdlog::level::err);  // errors are reported at the end
   const auto sensor = OpenSensor(options.spec, {});
-  if (!sensor.ok()) return NotOfServer(sensor.status());
+  if (!sensor.ok()) return NotOpened(sensor.status());
   for (int i = 0; i < options.frames; ++i) {
     if (Interrupted()) {
       return absl::CancelledError(

@@ -96,13 +96,13 @@ absl::Status Give(Client& client, const GlobalOptions& global, const Options& op
 }
 
 absl::Status Import(const GlobalOptions& global, const Options& options) {
+  if (!options.IsMesh() && options.stable_pose.empty()) {
+    return WrongUsage(absl::InvalidArgumentError(
+        "grasps in the object's frame belong to one stable pose; name it with --stable-pose, or "
+        "give --frame mesh"));
+  }
   const auto grasps = LoadGrasps(options.file);
   if (!grasps.ok()) return grasps.status();
-  if (!options.IsMesh() && options.stable_pose.empty()) {
-    return absl::InvalidArgumentError(
-        "grasps in the object's frame belong to one stable pose; name it with --stable-pose, or "
-        "give --frame mesh");
-  }
   absl::Status fit = options.IsMesh() ? CheckForMesh(*grasps) : absl::OkStatus();
   if (!fit.ok()) return fit;
   Client client = Connect(global);
