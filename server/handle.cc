@@ -30,7 +30,9 @@ absl::Status RunGuarded(const std::function<absl::Status()>& work) {
   }
 }
 
-spdlog::level::level_enum LevelOf(const absl::Status& status) {
+spdlog::level::level_enum LevelOf(std::string_view method, const absl::Status& status) {
+  // How a client looks for an upload to go on with: nothing is wrong without one.
+  if (method == "GetUpload" && absl::IsNotFound(status)) return spdlog::level::info;
   switch (status.code()) {
     case absl::StatusCode::kOk:
       return spdlog::level::info;
@@ -74,7 +76,7 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
   const absl::Duration spent = absl::FromChrono(std::chrono::steady_clock::now() - start);
   grpc::Status answer = ToGrpcStatus(status);
   if (guard != nullptr) guard->Record(method, answer, spent);
-  spdlog::log(LevelOf(status), "event=call method={} peer={} code={} ms={:.2f}{}{}", method,
+  spdlog::log(LevelOf(method, status), "event=call method={} peer={} code={} ms={:.2f}{}{}", method,
               LogField(context.peer()), absl::StatusCodeToString(status.code()),
               absl::ToDoubleMilliseconds(spent), guard == nullptr ? "" : guard->TakeLogFields(),
               status.ok() ? "" : absl::StrCat(" error=", LogField(answer.error_message())));

@@ -1,5 +1,9 @@
 // Bulk uploads: UploadService.
 #include <gmock/gmock.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
 
 #include "graspdb/v1/upload_service.grpc.pb.h"
 #include "tests/server/server_fixture.h"
@@ -74,6 +78,25 @@ class UploadsTest : public ServerTest {
 
   std::unique_ptr<v1::UploadService::Stub> stub_;
 };
+
+TEST_F(UploadsTest, LookingForAnUploadInVainIsNoWarning) {
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  spdlog::set_level(spdlog::level::info);
+  v1::GetUploadRequest request;
+  request.set_name(kUpload);
+  v1::Upload response;
+  EXPECT_EQ(Send(&v1::UploadService::Stub::GetUpload, request, &response).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Delete().error_code(), grpc::StatusCode::NOT_FOUND);
+  server_.reset();
+  spdlog::set_default_logger(before);
+  spdlog::set_level(spdlog::level::off);
+  EXPECT_THAT(log.str(), ::testing::ContainsRegex("\\[info\\] event=call method=GetUpload "));
+  EXPECT_THAT(log.str(), ::testing::ContainsRegex("\\[warning\\] event=call method=DeleteUpload "));
+}
 
 TEST_F(UploadsTest, ViewsAreRecognizedAfterTheCommitAndNotBefore) {
   ASSERT_THAT(Create(12), IsGrpcOk());
