@@ -7,6 +7,8 @@
 #include <set>
 #include <string>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "files/pose_message.h"
 
@@ -15,6 +17,9 @@ namespace {
 
 // Longer than any length of a grasp that is in metres; the server rejects distances beyond it.
 constexpr double kMaxGraspM = 10;
+
+// Of the server's ids.
+constexpr std::size_t kMaxIdLength = 63;
 
 // The stable poses of every object.
 using Declared = std::map<std::string, std::set<std::string>>;
@@ -156,6 +161,19 @@ absl::Status CheckCapture(const v1::Capture& capture, const std::string& field,
 }
 
 }  // namespace
+
+absl::Status CheckId(const std::string& id, const std::string& field) {
+  const auto is_part = [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '-';
+  };
+  if (!id.empty() && id.size() <= kMaxIdLength && std::ranges::all_of(id, is_part) &&
+      absl::ascii_isalnum(static_cast<unsigned char>(id.front()))) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      field, " \"", absl::Utf8SafeCEscape(id), "\" is not an id; give 1 to ", kMaxIdLength,
+      " characters of [A-Za-z0-9_.-] that begin with a letter or a digit"));
+}
 
 absl::Status CheckCaptureSet(const v1::CaptureSet& set) {
   Declared declared;

@@ -22,4 +22,8 @@ absl::Status CheckCaptureSet(const v1::CaptureSet& set);
 // The same rules for one declared stable pose, without its id; places begin with `field`.
 absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field);
 
+// INVALID_ARGUMENT, with the field, for an id that the server would reject: it is as one of an
+// object. Capture sets may have others while nothing is taught with them.
+absl::Status CheckId(const std::string& id, const std::string& field);
+
 }  // namespace graspdb::client

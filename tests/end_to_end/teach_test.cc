@@ -184,6 +184,18 @@ TEST_F(TeachTest, DryRunNeedsNoServer) {
   EXPECT_THAT(json.out, Not(HasSubstr("resting-2")));
 }
 
+TEST_F(TeachTest, ADryRunRejectsTheIdsThatTheServerWould) {
+  WriteAngle();
+  for (const std::string& id :
+       {std::string("two words"), std::string("objects/angle"), std::string(64, 'a')}) {
+    std::vector<std::string> words = Teach({"--dry-run"});
+    words[1] = id;
+    const Finished refused = Graspdb(words);
+    EXPECT_EQ(refused.exit_status, 1) << id;
+    EXPECT_THAT(refused.err, HasSubstr("OBJECT \"" + id + "\" is not an id"));
+  }
+}
+
 TEST_F(TeachTest, UsesTheCameraOfTheCell) {
   WriteAngle();
   StartServer();

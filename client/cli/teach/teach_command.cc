@@ -13,6 +13,7 @@
 #include "client/cli/teach/stable_pose_table.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "client/teaching/upload/cad_views.h"
+#include "files/capture_check.h"
 #include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
 
@@ -266,6 +267,8 @@ void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   command->footer(kTeachFooter);
   command->callback([=, &global] {
     *action = [=, &global] {
+      absl::Status id = CheckId(options->object, "OBJECT");
+      if (!id.ok()) return id;
       return options->mesh.empty() ? RunGuidedTeach(global, *options)
                                    : TeachByMesh(global, *options);
     };

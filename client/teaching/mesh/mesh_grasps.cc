@@ -59,6 +59,9 @@ absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
   v1::CapturedStablePose grasps;
   *grasps.mutable_grasps() = read.grasps();
   absl::Status checked = CheckStablePose(grasps, "");
+  for (int i = 0; checked.ok() && i < grasps.grasps_size(); ++i) {
+    checked = CheckId(grasps.grasps(i).grasp_id(), absl::StrCat(".grasps[", i, "].graspId"));
+  }
   if (!checked.ok()) return Bad(path, absl::StrCat(": ", checked.message().substr(1)));
   return std::vector<v1::Grasp>(read.grasps().begin(), read.grasps().end());
 }

@@ -90,6 +90,11 @@ TEST_F(GraspsFileTest, ErrorsNameTheProblem) {
   EXPECT_THAT(Load(R"({"grasps":[]})").status().message(), HasSubstr("has no grasps"));
   EXPECT_THAT(Load(R"({"grasps":[)" + top + "," + top + "]}").status().message(),
               HasSubstr("grasps[1].graspId"));
+  EXPECT_THAT(Load(R"({"grasps":[{"graspId":"a b","tcpPose":{"position":{"z":0.1},)"
+                   R"("orientation":{"x":1}}}]})")
+                  .status()
+                  .message(),
+              HasSubstr("grasps[0].graspId \"a b\" is not an id"));
   EXPECT_THAT(Load(R"({"grasps":[{"graspId":"a"}]})").status().message(),
               HasSubstr("grasps[0].tcpPose"));
   EXPECT_THAT(Load(R"({"grasps":[{"graspId":"a","tcpPose":{"position":{"z":50},)"
