@@ -184,6 +184,21 @@ TEST_F(TeachTest, DryRunNeedsNoServer) {
   EXPECT_THAT(json.out, Not(HasSubstr("resting-2")));
 }
 
+TEST_F(TeachTest, NotesThatAnObjectKeepsItsDisplayName) {
+  WriteAngle();
+  StartServer();
+  const auto teach = [&](const std::string& name) {
+    const Finished taught =
+        Graspdb(Teach({"--poses", "1", "--step", "120", "--display-name", name}));
+    EXPECT_EQ(taught.exit_status, 0) << taught.err;
+    return taught.err;
+  };
+  EXPECT_THAT(teach("Angle A"), Not(HasSubstr("display name")));
+  EXPECT_THAT(teach("Angle A"), Not(HasSubstr("display name")));
+  EXPECT_THAT(teach("Angle B"), HasSubstr("graspdb objects set angle --display-name"));
+  EXPECT_THAT(Succeed({"objects", "show", "angle"}).out, HasSubstr("Angle A"));
+}
+
 TEST_F(TeachTest, ADryRunRejectsTheIdsThatTheServerWould) {
   WriteAngle();
   for (const std::string& id :

@@ -129,6 +129,26 @@ absl::Status TeachByMesh(const GlobalOptions& global, const TeachOptions& option
   return Report(global, client, options, *counts);
 }
 
+// Teaching does not change an object that exists.
+void NoteKeptName(const GlobalOptions& global, const TeachOptions& options) {
+  if (options.display_name.empty() || options.dry_run) return;
+  const auto object = Connect(global).GetObject(ResourceName("objects", options.object));
+  if (!object.ok() || object->display_name() == options.display_name) return;
+  std::fprintf(stderr,
+               "graspdb: %s exists and keeps its display name; change it with: graspdb objects set "
+               "%s --display-name NAME\n",
+               object->name().c_str(), options.object.c_str());
+}
+
+absl::Status Teach(const GlobalOptions& global, const TeachOptions& options) {
+  absl::Status id = CheckId(options.object, "OBJECT");
+  if (!id.ok()) return id;
+  absl::Status taught =
+      options.mesh.empty() ? RunGuidedTeach(global, options) : TeachByMesh(global, options);
+  if (taught.ok()) NoteKeptName(global, options);
+  return taught;
+}
+
 // The options of which one selects how to teach.
 struct Ways {
   CLI::Option* mesh = nullptr;
@@ -257,7 +277,7 @@ void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action)
       "--cell", options->cell,
       "The cell with the camera; with --mesh it defines the angle and distance of the views");
   ways.sensor->needs(cell);
-  command->add_option("--display-name", options->display_name, "Name for people");
+  command->add_option("--display-name", options->display_name, "Name for people, of a new object");
   command->add_option("--step", options->step_deg, "Turn between views, degrees")
       ->check(CLI::Range(1.0, 120.0))
       ->capture_default_str();
@@ -265,14 +285,7 @@ void AddTeachCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   AddViewOptions(*command, ways.mesh, cell, *options);
   AddGuidedOptions(*command, ways.sensor, *options);
   command->footer(kTeachFooter);
-  command->callback([=, &global] {
-    *action = [=, &global] {
-      absl::Status id = CheckId(options->object, "OBJECT");
-      if (!id.ok()) return id;
-      return options->mesh.empty() ? RunGuidedTeach(global, *options)
-                                   : TeachByMesh(global, *options);
-    };
-  });
+  command->callback([=, &global] { *action = [=, &global] { return Teach(global, *options); }; });
 }
 
 }  // namespace graspdb::client
