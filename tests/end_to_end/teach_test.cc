@@ -199,6 +199,19 @@ TEST_F(TeachTest, NotesThatAnObjectKeepsItsDisplayName) {
   EXPECT_THAT(Succeed({"objects", "show", "angle"}).out, HasSubstr("Angle A"));
 }
 
+TEST_F(TeachTest, AnEmptyDisplayNameRemovesTheNameOfAnObjectOrACell) {
+  WriteAngle();
+  StartServer();
+  Succeed(Teach({"--poses", "1", "--step", "120", "--display-name", "Left angle"}));
+  EXPECT_THAT(Succeed({"objects", "show", "angle"}).out, HasSubstr("Left angle"));
+  Succeed({"objects", "set", "angle", "--display-name", ""});
+  EXPECT_THAT(Succeed({"objects", "show", "angle"}).out, Not(HasSubstr("Left angle")));
+  Succeed({"cells", "set", "press", "--display-name", "Hall 2"});
+  EXPECT_THAT(Succeed({"cells", "show", "press"}).out, HasSubstr("Hall 2"));
+  Succeed({"cells", "set", "press", "--display-name", ""});
+  EXPECT_THAT(Succeed({"cells", "show", "press"}).out, Not(HasSubstr("Hall 2")));
+}
+
 TEST_F(TeachTest, ADryRunRejectsTheIdsThatTheServerWould) {
   WriteAngle();
   for (const std::string& id :

@@ -18,6 +18,7 @@ namespace {
 struct SetOptions {
   std::string id;
   std::string from;
+  bool has_display_name = false;
   std::string display_name;
   std::vector<double> sensor_pose;
   std::vector<double> robot_base_pose;
@@ -76,7 +77,7 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   if (!options.from.empty()) {
     if (absl::Status status = ReadCell(options.from, cell); !status.ok()) return status;
   }
-  if (!options.display_name.empty()) cell->set_display_name(options.display_name);
+  if (options.has_display_name) cell->set_display_name(options.display_name);
   if (!options.sensor_pose.empty()) SetPose(options.sensor_pose, cell->mutable_sensor_pose());
   if (!options.robot_base_pose.empty()) {
     SetPose(options.robot_base_pose, cell->mutable_robot_base_pose());
@@ -93,7 +94,7 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   cell->set_name(ResourceName("cells", options.id));
   cell->clear_etag();
   auto* mask = request.mutable_update_mask();
-  if (!cell->display_name().empty()) mask->add_paths("display_name");
+  if (options.has_display_name || !cell->display_name().empty()) mask->add_paths("display_name");
   if (cell->has_sensor_pose()) mask->add_paths("sensor_pose");
   if (cell->has_robot_base_pose()) mask->add_paths("robot_base_pose");
   if (cell->has_flange_sensor_pose()) mask->add_paths("flange_sensor_pose");
@@ -143,7 +144,8 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
   CLI::App* set = AddCommand(cells, "set", "Create or change a cell");
   set->add_option("CELL", options->id, "Id, e.g. press-3")->required();
   set->add_option("--from", options->from, "File with the JSON of a cell");
-  set->add_option("--display-name", options->display_name, "Name for people");
+  const CLI::Option* name =
+      set->add_option("--display-name", options->display_name, "Name for people; \"\" removes it");
   set->add_option("--sensor-pose", options->sensor_pose, "T_world_sensor: X,Y,Z,QX,QY,QZ,QW")
       ->delimiter(',')
       ->expected(7);
@@ -172,6 +174,7 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
                   "Recognise drafts, too, as in a test cell: true or false");
   set->footer(kSetFooter);
   set->callback([=, &global] {
+    options->has_display_name = name->count() > 0;
     *action = [=, &global]() -> absl::Status {
       absl::StatusOr<v1::UpdateCellRequest> update = MakeUpdate(*options);
       if (!update.ok()) return update.status();

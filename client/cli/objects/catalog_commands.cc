@@ -94,6 +94,7 @@ absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bo
 
 struct ObjectChange {
   std::string id;
+  bool has_display_name = false;
   std::string display_name;
   std::vector<std::string> labels;
   bool no_labels = false;
@@ -103,7 +104,7 @@ absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) 
   v1::UpdateObjectRequest request;
   request.mutable_object()->set_name(ResourceName("objects", change.id));
   google::protobuf::FieldMask* mask = request.mutable_update_mask();
-  if (!change.display_name.empty()) {
+  if (change.has_display_name) {
     request.mutable_object()->set_display_name(change.display_name);
     mask->add_paths("display_name");
   }
@@ -124,14 +125,18 @@ void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* actio
   auto change = std::make_shared<ObjectChange>();
   CLI::App* set = AddCommand(objects, "set", "Change the display name and labels of an object");
   set->add_option("OBJECT", change->id, "Id, e.g. mug")->required();
-  set->add_option("--display-name", change->display_name, "Name for people");
+  const CLI::Option* name =
+      set->add_option("--display-name", change->display_name, "Name for people; \"\" removes it");
   CLI::Option* labels =
       set->add_option("--labels", change->labels,
                       "Labels by which robot jobs and cells select it; replaces all labels")
           ->delimiter(',')
           ->type_name("LABEL,...");
   set->add_flag("--no-labels", change->no_labels, "Remove all labels")->excludes(labels);
-  set->callback([=, &global] { *action = [=, &global] { return SetObject(global, *change); }; });
+  set->callback([=, &global] {
+    change->has_display_name = name->count() > 0;
+    *action = [=, &global] { return SetObject(global, *change); };
+  });
 }
 
 absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
