@@ -10,9 +10,7 @@
 namespace graspdb::client {
 namespace {
 
-absl::StatusOr<KeptCell> Read(Client& client, const std::string& name,
-                              std::optional<absl::Duration> timeout) {
-  absl::StatusOr<v1::Cell> cell = client.GetCell(name, timeout);
+absl::StatusOr<KeptCell> Kept(const std::string& name, const absl::StatusOr<v1::Cell>& cell) {
   if (absl::IsNotFound(cell.status())) {
     return absl::FailedPreconditionError(absl::StrCat(
         "the server has no ", name, "; create it with: graspdb cells set ", name.substr(6)));
@@ -55,7 +53,8 @@ absl::StatusOr<KeptCell> CellCache::Get(MonotonicTime deadline) {
 }
 
 absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
-  absl::StatusOr<KeptCell> cell = Read(client_, name_, timeout);
+  const absl::StatusOr<v1::Cell> answer = client_.GetCell(name_, timeout);
+  absl::StatusOr<KeptCell> cell = Kept(name_, answer);
   // The server may be slower than its caller, or gone: state_ stays.
   if (timeout && absl::IsDeadlineExceeded(cell.status())) return cell.status();
   absl::MutexLock lock(&mutex_);
@@ -63,7 +62,10 @@ absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
     if (cell.ok()) {
       spdlog::info("event=server_there cell={}", name_);
     } else {
-      spdlog::warn("event=server_lost error={}", LogField(std::string(cell.status().message())));
+      // A server that has no such cell, or one with wrong poses, is there.
+      const bool is_there = answer.ok() || absl::IsNotFound(answer.status());
+      spdlog::warn("event={} error={}", is_there ? "cell_unusable" : "server_lost",
+                   LogField(std::string(cell.status().message())));
     }
   }
   state_ = cell.status();

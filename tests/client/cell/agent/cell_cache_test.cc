@@ -1,0 +1,61 @@
+// What the log has of a cell that cannot be read.
+#include "client/cell/agent/cell_cache.h"
+
+#include <gmock/gmock.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+
+#include "tests/client/cell/agent/scripted_server.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::client {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::StatusIs;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class CellCacheTest : public ::testing::Test {
+ protected:
+  CellCacheTest() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("captured", log_));
+  }
+  ~CellCacheTest() override { spdlog::set_default_logger(before_); }
+
+  void Answer(const grpc::Status& status) {
+    server_.Change(
+        [&](ScriptedServer& server) { server.get_cell = [status](v1::Cell*) { return status; }; });
+  }
+
+  const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
+  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> log_ =
+      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
+  ScriptedServer server_;
+};
+
+TEST_F(CellCacheTest, AMissingCellIsNotLoggedAsALostServer) {
+  Answer({grpc::StatusCode::NOT_FOUND, "none"});
+  Client client = server_.Connect();
+  CellCache cache(client, "cells/press-3", absl::Hours(1));
+  EXPECT_THAT(cache.Refresh(), StatusIs(absl::StatusCode::kFailedPrecondition));
+  EXPECT_THAT(log_->last_formatted(), ElementsAre(AllOf(HasSubstr("event=cell_unusable"),
+                                                        HasSubstr("graspdb cells set press-3"))));
+}
+
+TEST_F(CellCacheTest, AServerThatDoesNotAnswerIsLost) {
+  Answer(grpc::Status::OK);
+  Client client = server_.Connect();
+  CellCache cache(client, "cells/press-3", absl::Hours(1));
+  EXPECT_THAT(cache.Refresh(), IsOk());
+  Answer({grpc::StatusCode::UNAVAILABLE, "gone"});
+  EXPECT_THAT(cache.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(log_->last_formatted(), Contains(HasSubstr("event=server_lost")));
+}
+
+}  // namespace
+}  // namespace graspdb::client
