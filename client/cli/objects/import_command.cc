@@ -111,9 +111,13 @@ class Import {
   absl::Status PrintPlan() {
     const auto plan = PlanUpload(client_, views_, upload_id_, watch_);
     if (!plan.ok()) return plan.status();
-    std::printf("would send %zu views%s; %zu are in the catalogue already, %zu were sent before\n",
+    std::printf("would send %zu views%s; %zu are in the catalogue already, %zu were sent before",
                 plan->new_count, options_.replace ? ", replacing those of the same id" : "",
                 plan->existing_count, plan->staged_count);
+    if (plan->repeated_count > 0) {
+      std::printf(", %zu have the content of others", plan->repeated_count);
+    }
+    std::printf("\n");
     return FailureOf(plan->unreadable, "read");
   }
 

@@ -90,6 +90,7 @@ class BulkUpload {
   // Reads all views, and counts what Run() would send.
   absl::StatusOr<UploadPlan> Plan() {
     UploadPlan plan;
+    std::set<std::string> new_views;
     v1::UploadViewsRequest request;
     for (std::size_t i = 0; i < views_.count; ++i) {
       if (watch_.cancelled && watch_.cancelled()) return absl::CancelledError("interrupted");
@@ -99,7 +100,9 @@ class BulkUpload {
         continue;
       }
       if (*place == Place::kUnknown) return Stopped();
-      plan.new_count += *place == Place::kNowhere ? 1 : 0;
+      if (*place == Place::kNowhere) {
+        ++(new_views.insert(ViewNameOf(request)).second ? plan.new_count : plan.repeated_count);
+      }
       plan.existing_count += *place == Place::kCatalogue ? 1 : 0;
       plan.staged_count += *place == Place::kUpload ? 1 : 0;
       if (watch_.report) watch_.report(i + 1);
@@ -115,8 +118,7 @@ class BulkUpload {
   absl::StatusOr<Place> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
     request->Clear();
     if (absl::Status made = MakeRequest(views_, i, request); !made.ok()) return made;
-    const std::string name = absl::StrCat(request->parent(), "/views/", request->view_id());
-    if (staged_.contains(name)) return Place::kUpload;
+    if (staged_.contains(ViewNameOf(*request))) return Place::kUpload;
     if (views_.replace) return Place::kNowhere;
     const absl::StatusOr<bool> known = known_.Has(request->parent(), request->view_id());
     if (known.ok()) return *known ? Place::kCatalogue : Place::kNowhere;

@@ -39,6 +39,7 @@ struct UploadPlan {
   std::size_t new_count = 0;
   std::size_t existing_count = 0;  // in the catalogue already
   std::size_t staged_count = 0;    // sent before, by an upload that was interrupted
+  std::size_t repeated_count = 0;  // the same as a new one before, which becomes one view with it
   std::vector<FailedView> unreadable;
 };
 

@@ -70,9 +70,7 @@ class Upload {
       ++counts_.existing;
       return false;
     }
-    absl::Status gone =
-        client_.DeleteView(absl::StrCat(request->parent(), "/views/", request->view_id()));
-    if (!gone.ok()) return gone;
+    if (absl::Status gone = client_.DeleteView(ViewNameOf(*request)); !gone.ok()) return gone;
     return true;
   }
 
@@ -90,6 +88,10 @@ absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i,
   if (absl::Status made = views.make(i, request); !made.ok()) return made;
   if (request->view_id().empty()) request->set_view_id(ContentId(request->view()));
   return absl::OkStatus();
+}
+
+std::string ViewNameOf(const v1::UploadViewsRequest& request) {
+  return absl::StrCat(request.parent(), "/views/", request.view_id());
 }
 
 std::string StablePoseName(const std::string& object_id, const std::string& stable_pose_id) {

@@ -36,6 +36,9 @@ struct ViewsToTeach {
 // Fills the request for view `i`, its id included. Errors of `views.make`.
 absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i, v1::UploadViewsRequest* request);
 
+// The resource name of its view.
+std::string ViewNameOf(const v1::UploadViewsRequest& request);
+
 // Both callbacks are optional.
 struct UploadWatch {
   std::function<void(std::size_t done)> report;

@@ -126,6 +126,22 @@ TEST_F(BulkUploadTest, ViewsThatABusyServerHasNotTakenAreSentAgain) {
   EXPECT_EQ(server_.refused(), 3);
 }
 
+TEST_F(BulkUploadTest, APlanCountsTheSameViewOnce) {
+  Client client = server_.Connect(/*busy_retries=*/0);
+  const ViewsToTeach views = {.count = 5,
+                              .make =
+                                  [](std::size_t i, v1::UploadViewsRequest* request) {
+                                    request->set_parent("objects/mug/stablePoses/upright");
+                                    request->set_view_id(absl::StrCat("turn-", i % 2));
+                                    return absl::OkStatus();
+                                  },
+                              .replace = true};
+  const auto plan = PlanUpload(client, views, "import-1", {});
+  ASSERT_THAT(plan, IsOk());
+  EXPECT_EQ(plan->new_count, 2U);
+  EXPECT_EQ(plan->repeated_count, 3U);
+}
+
 TEST_F(BulkUploadTest, TheCountOfRetriesBeginsAgainWithEachViewThatTheServerTakes) {
   server_.answers = 1;
   server_.refusals = 1000;
