@@ -6,6 +6,7 @@
 
 #include "server/background.h"
 #include "server/backup_messages.h"
+#include "server/call_guard.h"
 #include "server/handle.h"
 #include "server/paging.h"
 #include "server/write_id.h"
@@ -42,6 +43,8 @@ absl::Status RunReported(const grpc::ServerContext& context, grpc::ServerWriter<
   if (!backup.ok()) return backup.status();
   response.set_done_byte_count(bytes);
   *response.mutable_backup() = BackupToProto(*backup);
+  // No request has the name of a new one.
+  if (CallGuard* guard = CallGuard::Of(context)) guard->NoteResource(response.backup().name());
   return stream->Write(response) ? absl::OkStatus()
                                  : absl::CancelledError("the stream was cancelled");
 }

@@ -1,6 +1,8 @@
 // The audit log of a server.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "program/request_id.h"
@@ -54,6 +56,18 @@ TEST_F(AuditTest, ChangesAreRecordedWithCallerResourceAndRevision) {
   EXPECT_EQ(records[0].catalog_revision() + 2, records[2].catalog_revision());
   EXPECT_EQ(records[2].catalog_revision(), Status().catalog_revision());
   EXPECT_THAT(records[3].error(), HasSubstr("force"));
+}
+
+TEST_F(AuditTest, TheRecordOfANewBackupHasItsName) {
+  options_.backup_dir = (folder_.path() / "backups").string();
+  std::filesystem::create_directory(options_.backup_dir);
+  Restart();
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer " + token_);
+  const auto reader = StubOf<BackupStub>().CreateBackup(&context, v1::CreateBackupRequest());
+  for (v1::CreateBackupResponse message; reader->Read(&message);) continue;
+  ASSERT_THAT(reader->Finish(), IsGrpcOk());
+  EXPECT_THAT(Audited().back().resources(), ElementsAre("backups/1"));
 }
 
 TEST_F(AuditTest, ReadsAreNotRecordedButTheirRefusalsAre) {
