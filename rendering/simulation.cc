@@ -22,8 +22,10 @@ absl::Status RemoveOldSet(const fs::path& folder, bool overwrite) {
   std::error_code error;
   if (!fs::exists(description, error)) return absl::OkStatus();
   if (!overwrite) {
-    return absl::AlreadyExistsError(absl::StrCat(
-        folder.string(), " contains a capture set; choose another folder or overwrite it"));
+    return absl::AlreadyExistsError(
+        absl::StrCat(folder.string(),
+                     " contains a capture set; choose another folder, or give --overwrite to "
+                     "replace it"));
   }
   if (fs::remove(description, error)) return absl::OkStatus();
   return absl::PermissionDeniedError(

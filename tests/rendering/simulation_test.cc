@@ -168,6 +168,7 @@ TEST(Simulation, ReplacesASetOnlyWithOverwrite) {
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(2, 1), options).ok());
   const absl::Status again = WriteSimulation(folder.path(), SomeParts(), Scenes(3, 1), options);
   EXPECT_EQ(again.code(), absl::StatusCode::kAlreadyExists);
+  EXPECT_NE(again.message().find("--overwrite"), absl::string_view::npos) << again;
   EXPECT_EQ(LoadCaptureSet(folder.path())->captures_size(), 2);
   options.overwrite = true;
   EXPECT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(3, 1), options).ok());
