@@ -216,6 +216,21 @@ TEST_F(CellProgramsTest, KeepsAndReplaysFailedRequests) {
   EXPECT_EQ(different.exit_status, 1) << different.out << different.err;
 }
 
+TEST_F(CellProgramsTest, NamesTheFlagOfAPortThatIsTaken) {
+  StartServer();
+  const std::vector<std::string> flags = {"--gri", "--line", "--health"};
+  for (const std::string& taken : flags) {
+    std::vector<std::string> words = {GRASPDB_CELL_PROGRAM, "--cell", "c", "--sensor", "simulated"};
+    for (const std::string& flag : flags) {
+      words.push_back(flag);
+      words.push_back(flag == taken ? address_ : "127.0.0.1:0");
+    }
+    const Finished outcome = RunProgram(folder_.path(), words);
+    EXPECT_EQ(outcome.exit_status, 1) << taken;
+    EXPECT_THAT(outcome.err, HasSubstr("is the port in use? Choose another " + taken));
+  }
+}
+
 TEST_F(CellProgramsTest, ReportsWrongSettings) {
   const auto run = [&](std::vector<std::string> words) {
     words.insert(words.begin(), GRASPDB_CELL_PROGRAM);

@@ -54,7 +54,9 @@ absl::StatusOr<std::unique_ptr<RobotServer>> Listen(RobotProtocol& protocol,
   options.address = address->host == "localhost" ? "127.0.0.1" : address->host;
   options.port = address->port;
   options.allow = allow;
-  return RobotServer::Start(protocol, options);
+  absl::StatusOr<std::unique_ptr<RobotServer>> server = RobotServer::Start(protocol, options);
+  if (!absl::IsUnavailable(server.status())) return server;
+  return absl::UnavailableError(absl::StrCat(server.status().message(), " Choose another ", flag));
 }
 
 std::string AddressOf(const std::string& listen, const RobotServer* server) {

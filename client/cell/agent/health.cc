@@ -70,7 +70,8 @@ absl::StatusOr<std::unique_ptr<Health>> Health::Start(const std::string& listen,
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr || port == 0) {
     return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", listen, " for the health service; is the port in use?"));
+        absl::StrCat("cannot listen on ", listen,
+                     " for the health service; is the port in use? Choose another --health"));
   }
   const std::string address = absl::StrCat(listen.substr(0, listen.rfind(':')), ":", port);
   return std::unique_ptr<Health>(
