@@ -1,6 +1,8 @@
 #include "client/cell/agent/job_answer.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -13,6 +15,9 @@ namespace graspdb::client {
 namespace {
 
 using recognition::Pose;
+
+// Reasons in the text for a frame without a pose; doubled, it fills a screen with long names.
+constexpr std::size_t kMaxReasons = 3;
 
 // An object that matches the job, with its reachable grasps.
 struct Object {
@@ -124,7 +129,11 @@ std::string NoPoseReason(const JobConfig& job, const v1::RecognizeResponse& answ
     reasons.insert(objection.empty() ? "no grasp of " + detection.object() + " is within reach"
                                      : objection);
   }
-  return "no object in the frame fits: " + absl::StrJoin(reasons, "; ");
+  const auto end = std::next(reasons.begin(),
+                             static_cast<std::ptrdiff_t>(std::min(reasons.size(), kMaxReasons)));
+  std::string out = "no object in the frame fits: " + absl::StrJoin(reasons.begin(), end, "; ");
+  if (end == reasons.end()) return out;
+  return absl::StrCat(out, "; and ", reasons.size() - kMaxReasons, " more");
 }
 
 }  // namespace graspdb::client

@@ -26,7 +26,8 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
                               const HasLabel& has_label);
 
 // Why PosesFor returns no pose, for the integrator: a sentence with the RecognitionStatus of the
-// response, or with what makes each of its objects unfit.
+// response, or with what makes its objects unfit: each reason once, at most three, and the number
+// of the others.
 std::string NoPoseReason(const JobConfig& job, const v1::RecognizeResponse& answer,
                          const HasLabel& has_label);
 

@@ -158,6 +158,14 @@ TEST_F(PosesForTest, TheReasonForNoPoseNamesObjectLabelAndReach) {
             "label brass");
 }
 
+TEST_F(PosesForTest, TheReasonForNoPoseIsBounded) {
+  for (const char* id : {"bolt", "cap", "disc"}) *answer_.add_detections() = Object(id, 0);
+  job_.object = "objects/flange";
+  EXPECT_EQ(Reason(),
+            "no object in the frame fits: objects/bolt is another object; objects/cap is another "
+            "object; objects/disc is another object; and 2 more");
+}
+
 TEST_F(PosesForTest, TheReasonForNoPoseIsTheStatusOfAFrameWithoutObjects) {
   answer_.clear_detections();
   answer_.set_status(v1::NO_CLUSTER);
