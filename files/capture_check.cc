@@ -16,7 +16,9 @@ namespace graspdb::client {
 namespace {
 
 // Longer than any length of a grasp that is in metres; the server rejects distances beyond it.
-constexpr double kMaxGraspM = 10;
+// Doubled, distances of 10 to 20 mm that were given as metres are rejected by the server only, and
+// such positions are stored.
+constexpr double kMaxGraspLengthM = 10;
 
 // Of the server's ids.
 constexpr std::size_t kMaxIdLength = 63;
@@ -60,7 +62,7 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
   const double longest =
       std::max({std::hypot(tcp.x(), tcp.y(), tcp.z()), grasp.approach_distance_m(),
                 grasp.gripper_opening_m(), grasp.retreat_distance_m()});
-  if (longest > kMaxGraspM) {
+  if (longest > kMaxGraspLengthM) {
     return absl::InvalidArgumentError(absl::StrCat(
         field, " has a length of ", longest, " m; lengths are in metres, are these millimetres?"));
   }

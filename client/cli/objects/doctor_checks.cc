@@ -21,10 +21,12 @@ constexpr std::size_t kEnoughViews = 6;
 constexpr absl::Duration kForgotten = absl::Hours(24);
 // A tabletop's region is smaller, m; a larger one is mostly a mistake of units.
 constexpr double kMaxRegionM = 5;
-// Cameras, robots and workspaces of a cell are nearer and smaller, and grasps are nearer to their
-// object; larger numbers are mostly millimetres.
+// Cameras, robots and workspaces of a cell are nearer and smaller; larger numbers are mostly
+// millimetres.
 constexpr double kMaxCellM = 20;
-constexpr double kMaxGraspM = 2;
+// Grasps are nearer to their object. Doubled, lengths of 2 to 4 mm that were stored as metres are
+// not found.
+constexpr double kDoubtfulGraspM = 2;
 // Minimum scores are printed with two digits.
 constexpr double kSameScore = 0.005;
 
@@ -76,7 +78,7 @@ void CheckPlaces(const v1::Cell& cell, Findings* out) {
 void CheckGraspSize(const v1::StablePose& pose, const v1::Grasp& grasp, Findings* out) {
   const double longest = std::max({DistanceOf(grasp.tcp_pose()), grasp.gripper_opening_m(),
                                    grasp.approach_distance_m(), grasp.retreat_distance_m()});
-  if (longest <= kMaxGraspM) return;
+  if (longest <= kDoubtfulGraspM) return;
   AddFinding(Severity::kError, pose.name(),
              absl::StrCat("its grasp ", grasp.grasp_id(), " has a length of ", longest,
                           " m; lengths are in metres, not millimetres"),
