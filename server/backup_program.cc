@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -142,12 +143,22 @@ absl::Status RestoreOne(const BackupProgramOptions& options) {
   return restored.ok() ? Print(*restored, options.json, "restored ") : restored.status();
 }
 
+// "7" for "backups/7", the name in lists.
+std::string RemoveCollection(std::string& text) {
+  constexpr std::string_view kPrefix = "backups/";
+  if (text.starts_with(kPrefix)) text.erase(0, kPrefix.size());
+  return "";  // no error
+}
+
 CLI::App* AddBackupCommand(CLI::App& app, const char* name, const char* text,
                            BackupProgramOptions* options, bool has_id) {
   CLI::App* command = app.add_subcommand(name, text);
   command->add_option("--from", options->from, "Folder of the backups")->required();
   command->add_flag("--json", options->json, "Print JSON, one document a line");
-  if (has_id) command->add_option("--id", options->id, "Number of the backup; default: the newest");
+  if (has_id) {
+    command->add_option("--id", options->id, "Number of the backup; default: the newest")
+        ->transform(CLI::Validator(RemoveCollection, ""));
+  }
   return command;
 }
 

@@ -94,6 +94,11 @@ TEST_F(BackupProgramsTest, DamagedBackupsAreNamedAndNotRestored) {
   Succeed({"backup", "verify", "1"});
   Succeed({"backup", "verify", "backups/1"});  // as the list prints it
   Succeed({"backup", "verify", "--from", Path("backups"), "--json"});
+  for (const char* id : {"1", "backups/1"}) {
+    EXPECT_THAT(RunProgram(folder_.path(), {GRASPDB_SERVER_PROGRAM, "backup", "verify", "--from",
+                                            Path("backups"), "--id", id}),
+                EndsWith(0));
+  }
   std::filesystem::path file;
   for (const auto& entry : std::filesystem::directory_iterator(Path("backups/shared_checksum"))) {
     file = entry.path();
