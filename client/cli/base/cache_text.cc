@@ -1,5 +1,8 @@
 #include "client/cli/base/cache_text.h"
 
+#include <array>
+#include <cstddef>
+
 #include "absl/strings/str_format.h"
 
 namespace graspdb::client {
@@ -22,6 +25,14 @@ v1::CacheStatus Between(const v1::CacheStatus& before, const v1::CacheStatus& af
   out.set_hit_count(after.hit_count() - before.hit_count());
   out.set_miss_count(after.miss_count() - before.miss_count());
   return out;
+}
+
+std::string BytesText(std::int64_t bytes) {
+  constexpr std::array<const char*, 5> kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
+  auto size = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; size >= 1024 && unit + 1 < kUnits.size(); ++unit) size /= 1024;
+  return absl::StrFormat("%.*f %s", unit == 0 ? 0 : 1, size, kUnits[unit]);
 }
 
 std::string MemoryText(const v1::MemoryStatus& memory) {

@@ -1,6 +1,7 @@
 // Cache and memory statistics of a server as text.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "graspdb/v1/catalog_service.pb.h"
@@ -9,6 +10,9 @@ namespace graspdb::client {
 
 // The requests to a cache between two statuses; its bytes are as of the second.
 v1::CacheStatus Between(const v1::CacheStatus& before, const v1::CacheStatus& after);
+
+// "34.8 MiB", in the unit that suits the size.
+std::string BytesText(std::int64_t bytes);
 
 // The memory of the whole server and its budget.
 std::string MemoryText(const v1::MemoryStatus& memory);

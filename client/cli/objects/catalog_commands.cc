@@ -160,20 +160,20 @@ std::string IndexText(const v1::CatalogStatus& status) {
 std::string BackupsText(const v1::BackupStatus& status) {
   std::string text = "none";
   if (status.has_last_good_backup()) {
-    text = absl::StrFormat("%d, the last good one %.1f h old, revision %d, %d MiB",
+    text = absl::StrFormat("%d, the last good one %.1f h old, revision %d, %s",
                            status.backup_count(), status.last_good_age_s() / 3600,
                            status.last_good_backup().catalog_revision(),
-                           status.last_good_backup().byte_count() >> 20);
+                           BytesText(status.last_good_backup().byte_count()));
   }
   if (!status.last_error().empty()) absl::StrAppend(&text, "; failed: ", status.last_error());
   return text;
 }
 
 void PrintServerState(const v1::ServerState& state) {
-  const auto gib = [](std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 30); };
-  std::printf("disk        %.1f of %.1f GiB free, database %.1f GiB\n",
-              gib(state.database_disk().available_byte_count()),
-              gib(state.database_disk().byte_count()), gib(state.database_byte_count()));
+  std::printf("disk        %s of %s free, database %s\n",
+              BytesText(state.database_disk().available_byte_count()).c_str(),
+              BytesText(state.database_disk().byte_count()).c_str(),
+              BytesText(state.database_byte_count()).c_str());
   if (state.has_certificate_expire_time()) {
     std::printf("certificate until %s\n", LocalTimeText(state.certificate_expire_time()).c_str());
   }

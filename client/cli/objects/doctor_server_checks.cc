@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
 
 namespace graspdb::client {
@@ -42,10 +43,6 @@ std::string MinuteText(absl::Time time) {
 
 std::string HoursText(double seconds) { return absl::StrFormat("%.1f h", seconds / 3600); }
 
-std::string GibText(std::int64_t bytes) {
-  return absl::StrFormat("%.1f GiB", static_cast<double>(bytes) / (1 << 30));
-}
-
 // Compactions and backups may write all files of the database again before they delete the old
 // ones.
 void CheckDisk(const v1::DiskSpace& disk, std::int64_t database_bytes, const std::string& of,
@@ -54,9 +51,9 @@ void CheckDisk(const v1::DiskSpace& disk, std::int64_t database_bytes, const std
   const auto share = kMinFreeShare * static_cast<double>(disk.byte_count());
   if (static_cast<double>(available) >= share && available >= database_bytes) return;
   AddFinding(Severity::kWarning, kServer,
-             absl::StrCat("the disk of its ", of, " has only ", GibText(available), " of ",
-                          GibText(disk.byte_count()), " left, and the database has ",
-                          GibText(database_bytes), "; ", advice),
+             absl::StrCat("the disk of its ", of, " has only ", BytesText(available), " of ",
+                          BytesText(disk.byte_count()), " left, and the database has ",
+                          BytesText(database_bytes), "; ", advice),
              out);
 }
 

@@ -21,6 +21,15 @@ TEST(CacheTextTest, ReportsTheHitRateAndTheMemory) {
   EXPECT_EQ(CacheText(Cache(0, 0, 0)), "0 of 192 MiB, no requests yet");
 }
 
+TEST(CacheTextTest, BytesHaveTheUnitThatSuitsThem) {
+  EXPECT_EQ(BytesText(0), "0 B");
+  EXPECT_EQ(BytesText(1023), "1023 B");
+  EXPECT_EQ(BytesText(36 << 10), "36.0 KiB");
+  EXPECT_EQ(BytesText(std::int64_t{63} << 20), "63.0 MiB");
+  EXPECT_EQ(BytesText((std::int64_t{3} << 30) / 2), "1.5 GiB");
+  EXPECT_EQ(BytesText(std::int64_t{5000} << 40), "5000.0 TiB");
+}
+
 TEST(CacheTextTest, BetweenCountsTheRequestsOfARun) {
   const v1::CacheStatus run = Between(Cache(900, 100, 50), Cache(990, 110, 60));
   EXPECT_EQ(CacheText(run), "90.0 % of 100 found, 60 of 192 MiB");
