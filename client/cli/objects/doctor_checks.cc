@@ -85,6 +85,11 @@ void CheckGraspSize(const v1::StablePose& pose, const v1::Grasp& grasp, Findings
              out);
 }
 
+absl::Time CreateTimeOf(const v1::Upload& upload) {
+  return absl::FromUnixNanos(
+      google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
+}
+
 std::string ObjectOf(const v1::StablePose& pose) {
   return pose.name().substr(0, pose.name().find("/stablePoses/"));
 }
@@ -139,15 +144,21 @@ void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& st
 }
 
 void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views,
-                     const std::string& open_upload, Findings* out) {
-  if (views == 0 && !open_upload.empty()) {
+                     const OpenUpload& open_upload, Findings* out) {
+  if (views == 0 && open_upload.has_views) {
     AddFinding(
         Severity::kAdvice, stable_pose.name(),
-        absl::StrCat("has no views yet: they are in ", open_upload,
+        absl::StrCat("has no views yet: they are in ", open_upload.name,
                      ", which is open; run its import again, or use what was sent: graspdb uploads "
                      "commit ",
-                     open_upload),
+                     open_upload.name),
         out);
+  } else if (views == 0 && !open_upload.name.empty()) {
+    AddFinding(Severity::kAdvice, stable_pose.name(),
+               absl::StrCat("has no views yet, while ", open_upload.name,
+                            " is in progress; if they are not in it when it is complete, teach "
+                            "them"),
+               out);
   } else if (views == 0) {
     AddFinding(Severity::kWarning, stable_pose.name(),
                "has no views, so it is never recognised; teach it or delete it", out);
@@ -248,10 +259,14 @@ void CheckLabels(const v1::Cell& cell, const std::set<std::string>& labels, Find
              out);
 }
 
+bool IsInProgress(const v1::Upload& upload, absl::Time now) {
+  return upload.state() == v1::UPLOAD_STATE_OPEN && now - CreateTimeOf(upload) < kForgotten &&
+         upload.staged_view_count() + upload.failed_view_count() < upload.expected_view_count();
+}
+
 void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {
   if (upload.state() != v1::UPLOAD_STATE_OPEN) return;
-  const absl::Time created = absl::FromUnixNanos(
-      google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
+  const absl::Time created = CreateTimeOf(upload);
   if (now - created < kForgotten) return;
   AddFinding(Severity::kAdvice, upload.name(),
              absl::StrCat("is open since ",

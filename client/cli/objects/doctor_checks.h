@@ -23,10 +23,18 @@ void CheckServer(const v1::CatalogStatus& status, std::string_view client_versio
 void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& stable_poses,
                  Findings* out);
 
-// A stable pose with its number of views, and the name of an upload with views of it that is not
-// committed, or "".
+// An upload that is not committed, for a stable pose without views.
+struct OpenUpload {
+  std::string name = {};   // empty: there is none
+  bool has_views = false;  // of the stable pose; else it is in progress, and may get some
+};
+
+// A stable pose with its number of views.
 void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views,
-                     const std::string& open_upload, Findings* out);
+                     const OpenUpload& open_upload, Findings* out);
+
+// Whether the upload is open, not all of its views were sent yet, and it is not forgotten.
+bool IsInProgress(const v1::Upload& upload, absl::Time now);
 
 // Whether views are newer than the minimum score of the stable pose, which takes no account of
 // them then.

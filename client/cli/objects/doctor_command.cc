@@ -50,8 +50,8 @@ class Doctor {
   absl::Status CheckObjects();
   absl::Status CheckPoses(const v1::Object& object);
   absl::Status CheckProposals();
-  // An open upload with views of the stable pose; "" for none.
-  absl::StatusOr<std::string> OpenUploadOf(const std::string& stable_pose);
+  // An open upload with views of the stable pose, or one in progress.
+  absl::StatusOr<OpenUpload> OpenUploadOf(const std::string& stable_pose);
 
   Client& client_;
   const GlobalOptions& global_;
@@ -61,14 +61,20 @@ class Doctor {
   std::set<std::string> labels_;  // of all objects
   // Open uploads by the stable poses of their views; absent: not read yet.
   std::optional<std::map<std::string, std::string>> open_uploads_;
+  std::string in_progress_;                      // the name of an upload; empty for none
   std::map<std::string, v1::StablePose> poses_;  // those with views
 };
 
-absl::StatusOr<std::string> Doctor::OpenUploadOf(const std::string& stable_pose) {
+absl::StatusOr<OpenUpload> Doctor::OpenUploadOf(const std::string& stable_pose) {
   if (!open_uploads_) {
     open_uploads_.emplace();
+    // Again, since an import may have begun meanwhile: it makes the stable poses first.
+    auto uploads = client_.ListUploads();
+    if (!uploads.ok()) return uploads.status();
+    uploads_ = *std::move(uploads);
     for (const v1::Upload& upload : uploads_) {
       if (upload.state() != v1::UPLOAD_STATE_OPEN) continue;
+      if (IsInProgress(upload, absl::Now())) in_progress_ = upload.name();
       const auto views = client_.ListUploadViews(upload.name());
       // Committed or deleted meanwhile.
       if (absl::IsFailedPrecondition(views.status()) || absl::IsNotFound(views.status())) continue;
@@ -79,7 +85,8 @@ absl::StatusOr<std::string> Doctor::OpenUploadOf(const std::string& stable_pose)
     }
   }
   const auto found = open_uploads_->find(stable_pose);
-  return found == open_uploads_->end() ? "" : found->second;
+  if (found != open_uploads_->end()) return OpenUpload{found->second, true};
+  return OpenUpload{in_progress_, false};
 }
 
 absl::Status Doctor::CheckPoses(const v1::Object& object) {
@@ -89,7 +96,7 @@ absl::Status Doctor::CheckPoses(const v1::Object& object) {
   for (const v1::StablePose& pose : *poses) {
     const auto views = client_.ListViews(pose.name());
     if (!views.ok()) return views.status();
-    absl::StatusOr<std::string> upload = std::string();
+    absl::StatusOr<OpenUpload> upload = OpenUpload();
     if (views->empty()) {
       upload = OpenUploadOf(pose.name());
       if (!upload.ok()) return upload.status();

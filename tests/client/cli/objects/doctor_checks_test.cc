@@ -53,7 +53,7 @@ TEST(DoctorChecks, NothingIsWrongWithAGoodCatalogue) {
   Findings out;
   CheckServer(GoodStatus(), "1.2.3", &out);
   CheckObject(v1::Object(), {GoodPose()}, &out);
-  CheckStablePose(GoodPose(), 12, "", &out);
+  CheckStablePose(GoodPose(), 12, {}, &out);
   CheckThreshold(GoodPose(), std::vector<v1::View>(12), &out);
   CheckProposal(GoodPose(), v1::ThresholdProposal(), &out);
   CheckCell(GoodCell(), &out);
@@ -78,14 +78,14 @@ TEST(DoctorChecks, StablePosesThatAreNeverRecognized) {
   CheckObject(v1::Object(), {}, &out);
   v1::StablePose pose = GoodPose();
   pose.clear_grasps();
-  CheckStablePose(pose, 0, "", &out);
-  CheckStablePose(GoodPose(), 3, "", &out);
+  CheckStablePose(pose, 0, {}, &out);
+  CheckStablePose(GoodPose(), 3, {}, &out);
   pose = GoodPose();
   pose.set_symmetry_order(0);
-  CheckStablePose(pose, 1, "", &out);
+  CheckStablePose(pose, 1, {}, &out);
   pose.set_symmetry_order(4);
-  CheckStablePose(pose, 2, "", &out);
-  CheckStablePose(pose, 1, "", &out);
+  CheckStablePose(pose, 2, {}, &out);
+  CheckStablePose(pose, 1, {}, &out);
   EXPECT_THAT(
       out, ElementsAre(Finds(Severity::kWarning, "no stable pose"),
                        Finds(Severity::kWarning, "no views"), Finds(Severity::kAdvice, "no grasps"),
@@ -95,9 +95,25 @@ TEST(DoctorChecks, StablePosesThatAreNeverRecognized) {
 
 TEST(DoctorChecks, AStablePoseWhoseViewsAreInAnOpenUploadIsNotToBeDeleted) {
   Findings out;
-  CheckStablePose(GoodPose(), 0, "uploads/import-7", &out);
+  CheckStablePose(GoodPose(), 0, {"uploads/import-7", true}, &out);
   EXPECT_THAT(out, ElementsAre(Finds(Severity::kAdvice, "uploads/import-7, which is open")));
   EXPECT_THAT(out.front().text, ::testing::Not(::testing::HasSubstr("delete")));
+}
+
+TEST(DoctorChecks, AStablePoseWithoutViewsIsNoMistakeWhileAnImportRuns) {
+  v1::Upload upload;
+  upload.set_name("uploads/import-7");
+  upload.set_state(v1::UPLOAD_STATE_OPEN);
+  upload.set_expected_view_count(3);
+  upload.set_staged_view_count(1);
+  upload.set_failed_view_count(1);
+  EXPECT_TRUE(IsInProgress(upload, absl::UnixEpoch() + absl::Hours(1)));
+  EXPECT_FALSE(IsInProgress(upload, absl::UnixEpoch() + absl::Hours(25)));
+  Findings out;
+  CheckStablePose(GoodPose(), 0, {upload.name(), false}, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kAdvice, "uploads/import-7 is in progress")));
+  upload.set_staged_view_count(2);
+  EXPECT_FALSE(IsInProgress(upload, absl::UnixEpoch() + absl::Hours(1)));
 }
 
 TEST(DoctorChecks, ViewsThatAreNewerThanTheMinimumScore) {
@@ -193,7 +209,7 @@ TEST(DoctorChecks, GraspsInMillimetres) {
   far->mutable_tcp_pose()->mutable_position()->set_z(30);
   pose.add_grasps()->set_gripper_opening_m(5);
   Findings out;
-  CheckStablePose(pose, 12, "", &out);
+  CheckStablePose(pose, 12, {}, &out);
   EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "length of 30 m"),
                                Finds(Severity::kError, "length of 5 m")));
 }
