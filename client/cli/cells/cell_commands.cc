@@ -11,6 +11,7 @@
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/cell_text.h"
 #include "client/cli/cells/commands.h"
+#include "program/printable_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -128,9 +129,10 @@ absl::Status ListCells(const GlobalOptions& global) {
     if (global.json) {
       if (absl::Status status = PrintJson(cell); !status.ok()) return status;
     } else {
-      std::printf("%-30s %s%s\n", cell.name().c_str(),
-                  cell.has_sensor_pose() ? "calibrated" : "not calibrated",
-                  cell.display_name().empty() ? "" : (", " + cell.display_name()).c_str());
+      std::printf(
+          "%-30s %s%s\n", cell.name().c_str(),
+          cell.has_sensor_pose() ? "calibrated" : "not calibrated",
+          cell.display_name().empty() ? "" : (", " + PrintableText(cell.display_name())).c_str());
     }
   }
   if (cells->empty() && !global.json) {

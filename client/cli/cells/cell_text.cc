@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "files/pose_message.h"
+#include "program/printable_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -42,8 +43,8 @@ std::string CameraText(const v1::Cell& cell) {
 }  // namespace
 
 std::string CellText(const v1::Cell& cell) {
-  std::string out =
-      absl::StrCat(cell.name(), cell.display_name().empty() ? "" : ", ", cell.display_name(), "\n");
+  std::string out = absl::StrCat(cell.name(), cell.display_name().empty() ? "" : ", ",
+                                 PrintableText(cell.display_name()), "\n");
   absl::StrAppend(&out, "  camera     ", CameraText(cell), "\n");
   absl::StrAppend(&out, "  robot      ",
                   cell.has_robot_base_pose() ? PoseText(cell.robot_base_pose())

@@ -9,6 +9,7 @@
 #include "client/cli/base/counted.h"
 #include "client/cli/objects/commands.h"
 #include "client/teaching/turntable/look_alikes_text.h"
+#include "program/printable_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -23,7 +24,8 @@ void PrintObject(const v1::Object& object) {
     absl::StrAppend(&notes, " deleted ", LocalTimeText(object.delete_time()),
                     ", can be brought back until ", LocalTimeText(object.purge_time()));
   }
-  std::printf("%-40s %s%s\n", object.name().c_str(), object.display_name().c_str(), notes.c_str());
+  std::printf("%-40s %s%s\n", object.name().c_str(), PrintableText(object.display_name()).c_str(),
+              notes.c_str());
 }
 
 absl::Status ListObjects(const GlobalOptions& global, bool deleted) {

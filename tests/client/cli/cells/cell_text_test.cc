@@ -34,6 +34,13 @@ TEST(CellText, PrintsPosesRegionsAndSettings) {
                     HasSubstr("min_score: 0.7")));
 }
 
+TEST(CellText, TheDisplayNameCannotControlTheTerminal) {
+  v1::Cell cell;
+  cell.set_name("cells/press-3");
+  cell.set_display_name("St\u00e4ubli\x1b[2J");
+  EXPECT_THAT(CellText(cell), HasSubstr("cells/press-3, St\u00e4ubli?[2J\n"));
+}
+
 TEST(CellText, ACameraOnTheRobotIsReportedOnTheFlange) {
   v1::Cell cell;
   cell.mutable_flange_sensor_pose()->mutable_orientation()->set_w(1);
