@@ -191,6 +191,15 @@ TEST_F(UsageTest, WatchEndsWhereItsOutputCannotBeWritten) {
   EXPECT_THAT(failed.err, HasSubstr("cannot write the output"));
 }
 
+TEST_F(UsageTest, GrabbingEndsWhereItsOutputCannotBeWritten) {
+  const std::string grab = "'" + std::string(GRASPDB_PROGRAM) +
+                           "' sensors grab simulated --frames 1000000 --out '" + Path("look") +
+                           "' >/dev/full";
+  const Finished failed = RunProgram(folder_.path(), {"/bin/sh", "-c", grab});
+  EXPECT_THAT(failed, EndsWith(1));
+  EXPECT_THAT(failed.err, HasSubstr("cannot write the output"));
+}
+
 TEST_F(UsageTest, PrintsARejectedScanAsALineOfJson) {
   StartServer("db", {"--max-points", "1000"});
   const std::string good = folder_.Write("good.pcd", AsciiPcd(CurvedPatch(900))).string();

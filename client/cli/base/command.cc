@@ -10,6 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "files/json_object.h"
+#include "program/standard_streams.h"
 
 namespace graspdb::client {
 namespace {
@@ -64,6 +65,8 @@ absl::Status PrintJson(const google::protobuf::Struct& document) {
   std::printf("%s\n", text->c_str());
   return absl::OkStatus();
 }
+
+bool WriteOutput() { return FlushOutput().ok(); }
 
 absl::Status WrongUsage(absl::Status status) {
   status.SetPayload(kWrongUsageMark, absl::Cord());

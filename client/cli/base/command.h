@@ -42,6 +42,10 @@ absl::Status PrintJson(const google::protobuf::Message& message);
 // Prints a document as one line of JSON on stdout, its keys in alphabetical order.
 absl::Status PrintJson(const google::protobuf::Struct& document);
 
+// Writes at once what was printed, for the next program in a pipe. False if it cannot be written: a
+// command that would print more ends with OK, and main() prints the reason and returns 1.
+bool WriteOutput();
+
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 

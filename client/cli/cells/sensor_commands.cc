@@ -137,7 +137,7 @@ absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
     if (!name.ok()) return name.status();
     absl::Status printed =
         PrintKept(global.json, absl::StrCat(options.out, "/", *name), (*sensor)->Name());
-    if (!printed.ok()) return printed;
+    if (!printed.ok() || !WriteOutput()) return printed;
   }
   return absl::OkStatus();
 }

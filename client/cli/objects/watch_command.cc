@@ -3,7 +3,6 @@
 #include <string>
 
 #include "client/cli/objects/commands.h"
-#include "program/standard_streams.h"
 
 namespace graspdb::client {
 namespace {
@@ -37,11 +36,10 @@ absl::Status Watch(const GlobalOptions& global, const WatchOptions& options) {
     } else {
       PrintChange(response);
     }
-    is_written = FlushOutput().ok();  // at once, for the next program in a pipe
+    is_written = WriteOutput();
     return is_written ? printed : absl::CancelledError("the output cannot be written");
   };
   absl::Status watched = Connect(global).WatchCatalog(request, print);
-  // WithOutputWritten() prints the reason and ends the program with 1.
   return is_written ? watched : absl::OkStatus();
 }
 

@@ -81,6 +81,7 @@ absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& o
   int failed = 0;
   absl::Status first_error;
   for (const ScanTask& task : scans->tasks) {
+    if (!WriteOutput()) return absl::OkStatus();
     if (Interrupted()) return absl::CancelledError("interrupted");
     absl::Status status = RecognizeOne(client, global, options, task, &board);
     if (status.ok()) continue;

@@ -89,6 +89,7 @@ absl::Status Replay(const GlobalOptions& global, const std::vector<std::string>&
   Client client = Connect(global);
   Tally tally;
   for (const std::filesystem::path& path : *paths) {
+    if (!WriteOutput()) return absl::OkStatus();
     if (Interrupted()) return absl::CancelledError("interrupted");
     if (absl::Status status = ReplayOne(client, global.json, path, &tally); !status.ok()) {
       return status;
