@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kSmallestSideM = 0.005;
 constexpr double kLargestSideM = 0.6;
+// Of any object: max_object_size_m of the contract is at most 5 m.
+constexpr double kSmallestObjectM = 0.001;
+constexpr double kLargestObjectM = 5;
 constexpr double kClearanceM = 0.02;
 constexpr std::size_t kMaxIdLength = 63;
 
@@ -61,6 +64,16 @@ absl::StatusOr<TriangleMesh> LoadPartMesh(const std::filesystem::path& path, dou
   return absl::InvalidArgumentError(
       absl::StrCat(path.string(), " is ", side, " m large, and parts have ", kSmallestSideM, " to ",
                    kLargestSideM, " m; name its unit, ", FittingUnits(side / unit_scale_m)));
+}
+
+absl::StatusOr<TriangleMesh> LoadMeshInMetres(const std::filesystem::path& path) {
+  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path);
+  if (!mesh.ok()) return mesh;
+  const double side = LargestSideM(*mesh);
+  if (side >= kSmallestObjectM && side <= kLargestObjectM) return mesh;
+  return absl::InvalidArgumentError(
+      absl::StrCat(path.string(), " is ", side, " m large; this mesh must be in metres, and the ",
+                   "file's unit is probably ", FittingUnits(side), "; scale it"));
 }
 
 absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,

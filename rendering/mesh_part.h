@@ -13,6 +13,11 @@ namespace graspdb::client {
 // between 5 mm and 0.6 m, usually because of a wrong unit.
 absl::StatusOr<TriangleMesh> LoadPartMesh(const std::filesystem::path& path, double unit_scale_m);
 
+// As LoadMesh, of a file in metres, such as the meshes of a capture set; also INVALID_ARGUMENT when
+// the largest side is not between 1 mm and 5 m. A wrong unit would scale the limits of pose errors
+// with it, so that every pose would be right.
+absl::StatusOr<TriangleMesh> LoadMeshInMetres(const std::filesystem::path& path);
+
 // The id of an object that is named after a file: in lower case, with '-' for invalid characters.
 std::string ObjectIdOf(const std::filesystem::path& path);
 

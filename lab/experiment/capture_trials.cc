@@ -11,7 +11,7 @@
 #include "files/depth_message.h"
 #include "files/pose_message.h"
 #include "files/scan_file.h"
-#include "rendering/mesh_file.h"
+#include "rendering/mesh_part.h"
 
 namespace graspdb::client {
 namespace {
@@ -45,7 +45,7 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
       part.symmetry_order = pose.symmetry_order();
     }
     if (object.mesh_path().empty()) continue;
-    auto mesh = LoadMesh(folder / object.mesh_path());
+    auto mesh = LoadMeshInMetres(folder / object.mesh_path());
     if (!mesh.ok()) return mesh.status();
     part.mesh = *std::move(mesh);
   }

@@ -7,8 +7,31 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "lab/experiment/shown_segment.h"
+#include "recognition/base/bounds.h"
 
 namespace graspdb::client {
+namespace {
+
+// A view and its whole object differ by less; more is another unit.
+constexpr double kMaxSizeRatio = 20;
+
+double MeshSize(const Workpiece& part) {
+  const recognition::Box box = BoundsOf(part.mesh);
+  return (box.max - box.min).norm();
+}
+
+// The limits of pose errors grow with the mesh: with a wrong unit every pose would be right.
+absl::Status CheckMeshSize(const Workpiece& part, double mesh_m, const Trial& trial,
+                           const recognition::Points& seen) {
+  const auto seen_m = static_cast<double>(recognition::BoundsOf(seen).diagonal().norm());
+  const bool fits = mesh_m <= kMaxSizeRatio * seen_m && seen_m <= kMaxSizeRatio * mesh_m;
+  if (part.mesh.triangles.empty() || fits) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "%s: its mesh is %.3g m large, and what is seen of it%s %.3g m; both must be in metres",
+      StablePoseName(part), mesh_m, trial.file.empty() ? "" : " in " + trial.file, seen_m));
+}
+
+}  // namespace
 
 using recognition::IndexedView;
 using recognition::OrientedCloud;
@@ -22,7 +45,10 @@ std::string StablePoseName(const Workpiece& part) {
 }
 
 Gallery::Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters)
-    : parts_(std::move(parts)), parameters_(parameters) {}
+    : parts_(std::move(parts)), parameters_(parameters) {
+  mesh_sizes_m_.reserve(parts_.size());
+  for (const Workpiece& part : parts_) mesh_sizes_m_.push_back(MeshSize(part));
+}
 
 absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
                             const ExperimentRun& run) {
@@ -52,6 +78,9 @@ absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::si
     return absl::Status(shown.status().code(),
                         absl::StrCat(StablePoseName(part), ": ", shown.status().message()));
   }
+  const absl::Status size =
+      CheckMeshSize(part, mesh_sizes_m_[truth.part], trial, shown->segment.cloud.points);
+  if (!size.ok()) return size;
   auto view = std::make_shared<TaughtView>();
   view->stable_pose = StablePoseName(part);
   view->object = ObjectName(part);

@@ -20,7 +20,8 @@ class Gallery : public recognition::CloudsInMemory {
   Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters);
 
   // Teaches each trial as a view of its first object, in order. Errors as the trials and
-  // SegmentScan, with the stable pose.
+  // SegmentScan, with the stable pose; INVALID_ARGUMENT when a view is 20 times as large as the
+  // part's mesh, or as small, usually because of a wrong unit.
   absl::Status Teach(const TrialSource& trials, const std::string& step, const ExperimentRun& run);
 
   // The taught views, without view number `left_out` if given.
@@ -38,6 +39,7 @@ class Gallery : public recognition::CloudsInMemory {
   absl::StatusOr<Described> Describe(const Trial& trial, std::size_t number) const;
 
   std::vector<Workpiece> parts_;
+  std::vector<double> mesh_sizes_m_;  // diagonals of the bounding boxes, by part
   recognition::RecognitionParameters parameters_;
   std::vector<recognition::IndexedView> views_;
 };

@@ -38,5 +38,21 @@ TEST(MeshPart, DetectsAWrongUnitFromTheSize) {
   }
 }
 
+TEST(MeshPart, AMeshInMetresIsAtMostAsLargeAsAnObject) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "part.ply";
+  ASSERT_TRUE(WriteMeshPly(path, BoxSolid({0, 0, 0}, {0.9F, 0.03F, 0.02F})).ok());
+  const auto metres = LoadMeshInMetres(path);
+  ASSERT_TRUE(metres.ok()) << metres.status();
+  EXPECT_EQ(metres->triangles.size(), 12U);
+  for (const float unit : {1000.0F, 0.001F}) {
+    const TriangleMesh box = BoxSolid({0, 0, 0}, {0.08F * unit, 0.03F * unit, 0.02F * unit});
+    ASSERT_TRUE(WriteMeshPly(path, box).ok());
+    const auto wrong = LoadMeshInMetres(path);
+    EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(wrong.status().message()), testing::HasSubstr("must be in metres"));
+  }
+}
+
 }  // namespace
 }  // namespace graspdb::client

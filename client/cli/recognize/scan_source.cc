@@ -9,7 +9,7 @@
 #include "files/capture_set.h"
 #include "files/pose_message.h"
 #include "files/scan_file.h"
-#include "rendering/mesh_file.h"
+#include "rendering/mesh_part.h"
 
 namespace graspdb::client {
 namespace {
@@ -21,7 +21,7 @@ absl::StatusOr<Shapes> LoadShapes(const std::filesystem::path& folder, const v1:
   Shapes out;
   for (const v1::CapturedObject& object : set.objects()) {
     if (object.mesh_path().empty()) continue;
-    absl::StatusOr<TriangleMesh> mesh = LoadMesh(folder / object.mesh_path());
+    absl::StatusOr<TriangleMesh> mesh = LoadMeshInMetres(folder / object.mesh_path());
     if (!mesh.ok()) return mesh.status();
     out[object.object_id()] = std::make_shared<const MeasuredShape>(Measure(*mesh));
   }

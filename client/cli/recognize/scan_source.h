@@ -31,7 +31,7 @@ struct ScanTasks {
 };
 
 // Expands the arguments: a folder is a capture set, of which `split` is used,
-// any other argument a file (see scan_file.h). Errors as LoadCaptureSet and LoadMesh.
+// any other argument a file (see scan_file.h). Errors as LoadCaptureSet and LoadMeshInMetres.
 absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
                                     const std::string& split);
 

@@ -7,6 +7,7 @@
 #include "files/depth_png.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
+#include "rendering/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 #include "tests/files/temporary_folder.h"
@@ -68,6 +69,19 @@ TEST_F(CaptureTrialsTest, MeasuresPosesByTaughtViewsWithoutMeshes) {
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(Summarize(*result).strictly_right, 1);
   EXPECT_GT(result->set.shapes[0]->diameter_m, 0.05);
+}
+
+// Within the sizes of objects, but not of this one, as in centimetres or inches.
+TEST_F(CaptureTrialsTest, AMeshOfAnotherSizeThanTheTaughtViewsIsRejected) {
+  const auto set = LoadCaptureSet(folder_.path());
+  ASSERT_THAT(set, IsOk());
+  const auto path = folder_.path() / set->objects(0).mesh_path();
+  auto mesh = LoadMesh(path);
+  ASSERT_THAT(mesh, IsOk());
+  for (Eigen::Vector3f& v : mesh->vertices) v *= 35.0F;
+  ASSERT_THAT(WriteMeshPly(path, *mesh), IsOk());
+  EXPECT_THAT(Run(/*leave_one_out=*/false),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("both must be in metres")));
 }
 
 TEST_F(CaptureTrialsTest, ReadsDepthImages) {

@@ -5,6 +5,8 @@
 
 #include "files/capture_set.h"
 #include "files/point_file.h"
+#include "rendering/mesh_file.h"
+#include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
@@ -53,6 +55,17 @@ TEST_F(ScanSourceTest, FilesAndSetsMayBeMixed) {
   EXPECT_EQ(scans->tasks[1].path, "a.pcd");
   EXPECT_EQ(scans->tasks[1].file, folder_.path() / "a.pcd");
   EXPECT_TRUE(scans->tasks[1].in_set);
+}
+
+// With a mesh in millimetres every pose would be within 5 % of the diameter.
+TEST_F(ScanSourceTest, AMeshInMillimetresIsRejected) {
+  ASSERT_THAT(WriteMeshPly(folder_.path() / "part.ply", BoxSolid({0, 0, 0}, {80, 30, 20})), IsOk());
+  WriteSet([](v1::CaptureSet& set) {
+    set.add_objects()->set_object_id("part");
+    set.mutable_objects(0)->set_mesh_path("part.ply");
+  });
+  EXPECT_THAT(ListScans({folder_.path().string()}, "ALL"),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("unit is probably mm")));
 }
 
 TEST_F(ScanSourceTest, AFileGivesTheSensorPoseOfItsViewpoint) {
