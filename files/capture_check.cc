@@ -23,6 +23,9 @@ constexpr double kMaxGraspLengthM = 10;
 // Of the server's ids.
 constexpr std::size_t kMaxIdLength = 63;
 
+// The farthest point that the server accepts from a sensor, max_range_m of the contract.
+constexpr double kMaxDistanceM = 100;
+
 // The stable poses of every object.
 using Declared = std::map<std::string, std::set<std::string>>;
 
@@ -190,6 +193,22 @@ absl::Status CheckCaptureSet(const v1::CaptureSet& set) {
     absl::Status capture =
         CheckCapture(set.captures(i), absl::StrCat("captures[", i, "]"), declared);
     if (!capture.ok()) return capture;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckDistances(const v1::CaptureSet& set) {
+  for (int i = 0; i < set.captures_size(); ++i) {
+    const v1::Capture& capture = set.captures(i);
+    if (!capture.has_object_pose() || !capture.has_sensor_pose()) continue;
+    const v1::Vector3& object = capture.object_pose().position();
+    const v1::Vector3& sensor = capture.sensor_pose().position();
+    const double distance =
+        std::hypot(object.x() - sensor.x(), object.y() - sensor.y(), object.z() - sensor.z());
+    if (distance <= kMaxDistanceM) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("captures[", i, "].objectPose is ", distance,
+                     " m from sensorPose; positions are in metres, are these millimetres?"));
   }
   return absl::OkStatus();
 }

@@ -19,7 +19,13 @@ namespace graspdb::client {
 //   one (1e-3).
 absl::Status CheckCaptureSet(const v1::CaptureSet& set);
 
-// The same rules for one declared stable pose, without its id; places begin with `field`.
+// INVALID_ARGUMENT with the place when an object is more than 100 m from its sensor, usually
+// because of millimetres. Not a rule of CheckCaptureSet, as what a server was taught is exported
+// anyway.
+absl::Status CheckDistances(const v1::CaptureSet& set);
+
+// The rules of CheckCaptureSet for one declared stable pose, without its id; places begin with
+// `field`.
 absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field);
 
 // INVALID_ARGUMENT, with the field, for an id that the server would reject: it is as one of an

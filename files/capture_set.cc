@@ -107,6 +107,7 @@ absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const fs::path& folder) {
   if (!parsed.ok()) return BadJson(path, std::string(parsed.message()), *text);
   absl::Status checked = CheckSplitWords(*text);
   if (checked.ok()) checked = CheckCaptureSet(set);
+  if (checked.ok()) checked = CheckDistances(set);
   if (checked.ok()) return set;
   return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", checked.message()));
 }

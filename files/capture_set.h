@@ -18,7 +18,7 @@ inline constexpr char kCaptureSetFile[] = "captures.json";
 // are not read.
 //
 // NOT_FOUND when the file is missing or may not be read; INVALID_ARGUMENT when it is not JSON (with
-// line and column) or CheckCaptureSet rejects it.
+// line and column), or CheckCaptureSet or CheckDistances rejects it.
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const std::filesystem::path& folder);
 
 // Checks `set` and writes it, indented and atomically, to `folder`/captures.json;

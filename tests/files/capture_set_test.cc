@@ -175,6 +175,23 @@ TEST(CaptureSet, AMisspeltSplitIsRejected) {
   EXPECT_THAT(std::string(loaded.status().message()), HasSubstr("captures[1].split is \"QUERRY\""));
 }
 
+// Written nevertheless: an export includes whatever a server was taught.
+TEST(CaptureSet, PosesInMillimetresAreRejectedOnLoad) {
+  const TemporaryFolder folder;
+  v1::CaptureSet set = Mustard();
+  v1::Capture* capture = set.mutable_captures(1);
+  capture->mutable_sensor_pose()->mutable_orientation()->set_w(1);
+  capture->mutable_object_pose()->mutable_position()->set_z(99);
+  ASSERT_TRUE(SaveCaptureSet(folder.path(), set).ok());
+  EXPECT_TRUE(LoadCaptureSet(folder.path()).ok());
+  capture->mutable_object_pose()->mutable_position()->set_z(800);
+  ASSERT_TRUE(SaveCaptureSet(folder.path(), set).ok());
+  const auto loaded = LoadCaptureSet(folder.path());
+  EXPECT_EQ(loaded.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(loaded.status().message()),
+              HasSubstr("captures[1].objectPose is 800 m from sensorPose"));
+}
+
 TEST(CaptureSet, QueriesMayShowUnknownObjects) {
   v1::CaptureSet set = Mustard();
   set.mutable_captures(1)->clear_object_id();
