@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -97,6 +99,23 @@ absl::StatusOr<Source> SourceOf(const std::vector<const v1::Capture*>& captures,
   return out;
 }
 
+// A capture that was taught finds itself, so that its answer shows nothing.
+absl::Status CheckApart(const std::vector<const v1::Capture*>& taught,
+                        const std::vector<const v1::Capture*>& queried) {
+  const auto shown = [](const v1::Capture& capture) {
+    return std::pair(std::filesystem::path(capture.path()).lexically_normal(), capture.object_id());
+  };
+  std::set<std::pair<std::filesystem::path, std::string>> known;
+  for (const v1::Capture* capture : taught) known.insert(shown(*capture));
+  for (const v1::Capture* capture : queried) {
+    if (!known.contains(shown(*capture))) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat(capture->path(), " is to be taught and recognised, and would find itself; ",
+                     "leave out one of the two captures, or use --leave-one-out"));
+  }
+  return absl::OkStatus();
+}
+
 TrialSource TrialsOf(Source source) {
   auto shared = std::make_shared<const Source>(std::move(source));
   return {shared->captures.size(), [shared](std::size_t i) { return Read(*shared, i); }};
@@ -122,6 +141,9 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
         folder.string(), " has no captures ", taught.empty() ? "to teach" : "to recognise",
         taught.empty() ? "; give some an object and the split TEACH"
                        : "; give some the split QUERY, or use --leave-one-out"));
+  }
+  if (!leave_one_out) {
+    if (absl::Status apart = CheckApart(taught, queried); !apart.ok()) return apart;
   }
   CaptureTrials out;
   auto teaching = SourceOf(taught, folder, *loaded, &out.set);

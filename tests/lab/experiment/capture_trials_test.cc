@@ -154,6 +154,18 @@ TEST_F(CaptureTrialsTest, ReportsASetWithoutQueries) {
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--leave-one-out")));
 }
 
+TEST_F(CaptureTrialsTest, ACaptureThatIsTaughtIsNotRecognizedToo) {
+  Edit([](v1::CaptureSet* set) {
+    v1::Capture again = set->captures(0);
+    again.set_path("./" + again.path());
+    again.set_split(v1::Capture::QUERY);
+    *set->add_captures() = again;
+  });
+  EXPECT_THAT(Run(false),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("would find itself")));
+  EXPECT_THAT(LoadCaptureTrials(folder_.path(), /*leave_one_out=*/true), IsOk());
+}
+
 TEST_F(CaptureTrialsTest, ReportsASetWithoutTaughtCaptures) {
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) capture.set_split(v1::Capture::QUERY);
