@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
@@ -157,6 +158,36 @@ absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
   }
 }
 
+// Shares of the area that a closed surface leaves open, and of the bounding box that it encloses:
+// rounding errors are less.
+constexpr double kMaxOpenShare = 1e-3;
+constexpr double kMinEnclosedShare = 1e-6;
+
+// Mirrored parts are often written with all triangles turned inwards. A closed surface shows that
+// by its negative volume; an open one has no outside.
+void TurnOutwards(TriangleMesh& mesh) {
+  const recognition::Box box = BoundsOf(mesh);
+  const Eigen::Vector3d middle = (box.min + box.max) / 2;
+  const auto at = [&](int i) -> Eigen::Vector3d {
+    return mesh.vertices[static_cast<std::size_t>(i)].cast<double>() - middle;
+  };
+  Eigen::Vector3d open = Eigen::Vector3d::Zero();
+  double area = 0;
+  double volume = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Eigen::Vector3d a = at(i);
+    const Eigen::Vector3d b = at(j);
+    const Eigen::Vector3d c = at(k);
+    const Eigen::Vector3d normal = (b - a).cross(c - a) / 2;
+    open += normal;
+    area += normal.norm();
+    volume += a.dot(b.cross(c)) / 6;
+  }
+  const double enclosed = kMinEnclosedShare * (box.max - box.min).prod();
+  if (open.norm() > kMaxOpenShare * area || volume >= -enclosed) return;
+  for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+}
+
 template <typename T>
 void AppendBytes(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
@@ -182,6 +213,7 @@ absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double 
   if (absl::Status checked = CheckMesh(*mesh); !checked.ok()) {
     return Bad(path, std::string(checked.message()));
   }
+  TurnOutwards(*mesh);
   return mesh;
 }
 

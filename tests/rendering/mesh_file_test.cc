@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/escaping.h"
@@ -98,6 +99,26 @@ TEST(MeshFile, ReadsPlyBodiesThatBeginWithALineEndInEveryEncoding) {
       }
     }
   }
+}
+
+// As of a part that was mirrored in a CAD program.
+TEST(MeshFile, AClosedSurfaceThatTurnsInwardsIsTurned) {
+  const TemporaryFolder folder;
+  const TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
+  TriangleMesh inwards = box;
+  for (std::array<int, 3>& triangle : inwards.triangles) std::swap(triangle[0], triangle[1]);
+  const auto path = folder.path() / "box.ply";
+  ASSERT_TRUE(WriteMeshPly(path, inwards).ok());
+  auto loaded = LoadMesh(path);
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_TRUE(IsClosed(*loaded));
+  EXPECT_NEAR(VolumeOf(*loaded), 0.006, 1e-8);
+
+  inwards.triangles.pop_back();  // open: what is outside is unknown
+  ASSERT_TRUE(WriteMeshPly(path, inwards).ok());
+  loaded = LoadMesh(path);
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_TRUE(loaded->triangles == inwards.triangles);
 }
 
 // Facets of an STL file share no vertices; joined they are a closed surface again.
