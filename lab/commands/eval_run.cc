@@ -164,8 +164,10 @@ absl::Status RunCaptureSet(const EvalArguments& arguments) {
                               : absl::StrCat(loaded->trials.queries.count, " recognised"));
   auto runner = Runner::Create(arguments);
   if (!runner.ok()) return runner.status();
-  absl::Status status = (*runner)->Run({.name = kCaptureSetCase, .settings = settings}, loaded->set,
-                                       loaded->trials, arguments.descriptors);
+  const ExperimentCase experiment = {
+      .name = kCaptureSetCase, .settings = settings, .is_simulated = false};
+  absl::Status status =
+      (*runner)->Run(experiment, loaded->set, loaded->trials, arguments.descriptors);
   if (status.ok()) (*runner)->Finish();
   return status;
 }

@@ -36,6 +36,7 @@ struct ExperimentCase {
   bool only_named = false;  // run only on request, as one of many similar cases
   // Text for teaching and queries that differ from the members above.
   std::string settings = {};
+  bool is_simulated = true;  // false: captures of a set, which the members above do not describe
 };
 
 // The cases by name, in the order of the report.

@@ -11,6 +11,8 @@ namespace graspdb::client {
 namespace {
 
 constexpr int kSceneId = 1;
+constexpr char kBopMethod[] = "graspdb_";
+constexpr char kBopEnd[] = "-test.csv";
 
 std::string RotationText(const Eigen::Matrix3d& rotation) {
   std::string out;
@@ -33,7 +35,11 @@ std::string Field(const std::string& text) {
 
 std::string BopFileName(const ExperimentCase& experiment) {
   const std::string dataset = absl::StrReplaceAll(experiment.name, {{"-", ""}, {"_", ""}});
-  return absl::StrCat("graspdb_", dataset, "-test.csv");
+  return absl::StrCat(kBopMethod, dataset, kBopEnd);
+}
+
+bool IsBopFileName(const std::string& name) {
+  return name.starts_with(kBopMethod) && name.ends_with(kBopEnd);
 }
 
 std::string BopCsv(const CaseResult& result) {

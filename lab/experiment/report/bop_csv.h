@@ -14,6 +14,9 @@ namespace graspdb::client {
 // the name at '_' and '-', so that the case's own ones go.
 std::string BopFileName(const ExperimentCase& experiment);
 
+// Whether it may be the name of such a file, of any case.
+bool IsBopFileName(const std::string& name);
+
 // "scene_id,im_id,obj_id,score,R,t,time" and a line for each answer that names a stable pose.
 // scene_id is 1, im_id the number of the query. R (row by row) and t (mm) are T_camera_object,
 // camera: x right, y down, z forward; object: the frame of the workpiece's mesh as it rests. time:

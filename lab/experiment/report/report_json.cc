@@ -47,14 +47,15 @@ void FillStand(const Stand& stand, JsonObject out) {
 
 void FillSettings(const CaseResult& result, JsonObject out) {
   const ExperimentCase& e = result.experiment;
+  out.Set(Json("parts", result.set.parts.size()), Json("taught_parts", result.set.taught_count));
+  if (!e.is_simulated) return;
   FillStand(e.taught, out.Object("taught"));
   FillStand(e.queried, out.Object("queried"));
   out.Set(Json("teach_step_deg", e.teach_step_deg),
           Json("between_taught_azimuths", e.between_taught_azimuths),
           Json("area_half_width_m", e.area_half_width_m), Json("hidden_share", e.hidden_share),
           Json("objects_per_scene", e.objects_per_scene),
-          Json("trials_per_part", e.trials_per_part), Json("parts", result.set.parts.size()),
-          Json("taught_parts", result.set.taught_count));
+          Json("trials_per_part", e.trials_per_part));
   out.Set(Json("seed", absl::StrCat(e.seed)));  // may be larger than a JSON number is exact
 }
 

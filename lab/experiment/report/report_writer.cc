@@ -1,6 +1,9 @@
 #include "lab/experiment/report/report_writer.h"
 
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "files/atomic_file.h"
@@ -11,8 +14,30 @@
 namespace graspdb::client {
 namespace {
 
+constexpr char kReportFile[] = "report.json";
+constexpr char kDescriptorsFile[] = "descriptors.md";
+
 absl::Status WriteFile(const std::filesystem::path& path, const std::string& text) {
   return WriteFileAtomically(path, text, Durability::kProcessCrash);
+}
+
+// Poses and descriptors of an earlier report: of cases that this one lacks, with other numbers of
+// objects.
+absl::Status RemoveEarlier(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / kReportFile, error)) return absl::OkStatus();
+  std::vector<std::filesystem::path> earlier = {folder / kDescriptorsFile};
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    if (IsBopFileName(at->path().filename().string())) earlier.push_back(at->path());
+  }
+  for (const std::filesystem::path& path : earlier) {
+    if (!error) std::filesystem::remove(path, error);
+  }
+  if (!error) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("the earlier report in ", folder.string(),
+                                                    " cannot be removed: ", error.message(),
+                                                    "; name another folder"));
 }
 
 }  // namespace
@@ -27,6 +52,7 @@ absl::StatusOr<ReportWriter> ReportWriter::Create(const std::filesystem::path& f
     return absl::FailedPreconditionError(
         absl::StrCat(folder.string(), " is a file; the report needs a folder, name another one"));
   }
+  if (absl::Status removed = RemoveEarlier(folder); !removed.ok()) return removed;
   ReportWriter writer(folder, command);
   if (absl::Status written = writer.Write(); !written.ok()) return written;
   return writer;
@@ -43,14 +69,14 @@ absl::Status ReportWriter::Add(const CaseResult& result) {
 absl::Status ReportWriter::SetDescriptors(std::vector<DescriptorFigures> figures) {
   descriptors_ = std::move(figures);
   absl::Status written =
-      WriteFile(folder_ / "descriptors.md", TableMarkdown(DescriptorTable(descriptors_)));
+      WriteFile(folder_ / kDescriptorsFile, TableMarkdown(DescriptorTable(descriptors_)));
   return written.ok() ? Write() : written;
 }
 
 absl::Status ReportWriter::Write() const {
   auto json = ReportJson(command_, descriptors_, cases_);
   if (!json.ok()) return json.status();
-  absl::Status status = WriteFile(folder_ / "report.json", *json);
+  absl::Status status = WriteFile(folder_ / kReportFile, *json);
   status.Update(WriteFile(folder_ / "bop_objects.csv", bop_objects_));
   status.Update(WriteFile(folder_ / "cases.md", TableMarkdown(CaseTable(rows_))));
   return status;

@@ -23,12 +23,13 @@ namespace graspdb::client {
 //                            compared
 //   graspdb_CASE-test.csv    the poses as the BOP challenge takes them
 //   bop_objects.csv          the numbers of the objects in those files
-// Files of the same name are replaced. The same cases give the same bytes, measured times apart.
+// An earlier report in the folder is replaced, with all its files of these names. The same cases
+// give the same bytes, measured times apart.
 class ReportWriter {
  public:
   // Makes the folder and writes a report without cases, so that a folder that cannot be written is
-  // found before the work. FAILED_PRECONDITION when a file is in the folder's place; otherwise the
-  // errors of WriteFileAtomically.
+  // found before the work. FAILED_PRECONDITION when a file is in the folder's place, or an earlier
+  // report cannot be removed; otherwise the errors of WriteFileAtomically.
   static absl::StatusOr<ReportWriter> Create(const std::filesystem::path& folder,
                                              const std::string& command);
 

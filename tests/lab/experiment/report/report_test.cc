@@ -69,6 +69,27 @@ TEST_F(ReportFolder, IsTheSameForTheSameCases) {
   EXPECT_EQ(reports[0], reports[1]);
 }
 
+// Its numbers of objects are those of another bop_objects.csv.
+TEST_F(ReportFolder, HasNoPosesOfAnEarlierReport) {
+  for (const std::string name : {"first", "second"}) {
+    auto writer = ReportWriter::Create(folder_, "graspdb eval");
+    ASSERT_THAT(writer, IsOk());
+    ASSERT_THAT(writer->Add(HandMade(name)), IsOk());
+    std::ofstream(folder_ / "notes.csv") << "mine";
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "graspdb_first-test.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "graspdb_second-test.csv"));
+  EXPECT_EQ(TextOf(folder_ / "notes.csv"), "mine");
+}
+
+// Without a report, files of these names are not graspdb's.
+TEST_F(ReportFolder, KeepsFilesOfAFolderWithoutAReport) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "graspdb_lm-test.csv") << "mine";
+  ASSERT_THAT(ReportWriter::Create(folder_, "graspdb eval"), IsOk());
+  EXPECT_EQ(TextOf(folder_ / "graspdb_lm-test.csv"), "mine");
+}
+
 TEST_F(ReportFolder, IsRefusedWhereAFileIs) {
   std::ofstream(folder_) << "something else";
   EXPECT_THAT(ReportWriter::Create(folder_, "graspdb eval"),
@@ -103,6 +124,16 @@ TEST_F(ReportFolder, JsonHoldsTheNumbersOfTheCase) {
   const auto& taken = answers.values(2).struct_value().fields();
   EXPECT_EQ(taken.at("score").number_value(), 0.62);
   EXPECT_EQ(taken.at("add_s_mm").kind_case(), google::protobuf::Value::kNullValue);
+}
+
+TEST(CaseAsJson, ACaptureSetHasNoSettingsOfASimulation) {
+  CaseResult result = HandMade();
+  result.experiment.is_simulated = false;
+  const Value json = CaseAsJson(result);
+  const auto& settings = json.struct_value().fields().at("settings").struct_value().fields();
+  EXPECT_EQ(settings.at("parts").number_value(), 4);
+  EXPECT_EQ(settings.at("taught_parts").number_value(), 3);
+  EXPECT_EQ(settings.size(), 2U) << "a camera, step or seed that was not used";
 }
 
 TEST(CaseAsJson, DrawsTheWorstAnswers) {
