@@ -1,6 +1,8 @@
 #include "client/cell/agent/capture_and_recognize.h"
 
+#include <string>
 #include <utility>
+#include <variant>
 
 #include "client/cell/agent/refusal.h"
 #include "client/sdk/retry.h"
@@ -20,10 +22,21 @@ bool IsTransient(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsUnavailable(status) || BusyDelay(status);
 }
 
+// Whether all pixels are 0, no measurement, as of a covered camera.
+bool IsBlank(const ScanMessage& scan) {
+  const auto* image = std::get_if<v1::DepthImage>(&scan);
+  return image != nullptr && !image->data().empty() &&
+         image->data().find_first_not_of('\0') == std::string::npos;
+}
+
 }  // namespace
 
 absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(MonotonicTime deadline) {
   absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);
+  if (frame.ok() && IsBlank(frame->scan)) {
+    return absl::FailedPreconditionError(
+        "the camera measures nothing, no pixel has a depth; is it covered, or too near?");
+  }
   if (absl::IsUnavailable(frame.status()) || absl::IsDeadlineExceeded(frame.status())) {
     return absl::AbortedError(frame.status().message());
   }

@@ -38,8 +38,9 @@ class CaptureAndRecognize {
   // busy (after its BusyDelay), with a new frame each time, until `deadline` or Stop;
   // then ABORTED when the camera gives no frame, UNAVAILABLE when the server is unreachable or
   // busy, DEADLINE_EXCEEDED when it is too slow. Not retried: errors of WorldSensor and
-  // CellCache::Get; other errors of the camera, which become ABORTED; DATA_LOSS when the server
-  // rejects the request (see Refusal). `capture` is filled in on errors, too, as far as possible.
+  // CellCache::Get; other errors of the camera and frames without any depth, which become ABORTED;
+  // DATA_LOSS when the server rejects the request (see Refusal). `capture` is filled in on errors,
+  // too, as far as possible.
   absl::Status Run(const std::optional<recognition::Pose>& base_flange, MonotonicTime deadline,
                    CaptureResult* capture);
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <memory>
+#include <string>
+#include <variant>
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
@@ -107,6 +109,20 @@ TEST_F(CaptureAndRecognizeTest, AFaultOfTheCameraIsNoFaultOfTheRequest) {
     EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kAborted, HasSubstr("damaged")));
     EXPECT_EQ(given_, 1) << "a damaged file stays damaged";
   }
+}
+
+// As of a covered camera: the server would reject it, as if the robot's request were wrong.
+TEST_F(CaptureAndRecognizeTest, AFrameWithoutAnyDepthIsAFaultOfTheCamera) {
+  std::string depths(20, '\0');
+  give_ = [&depths]() -> absl::StatusOr<SensorFrame> {
+    SensorFrame frame = FrameNow();
+    std::get<v1::DepthImage>(frame.scan).set_data(depths);
+    return frame;
+  };
+  EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kAborted, HasSubstr("covered")));
+  EXPECT_EQ(calls_, 0);
+  depths[11] = 3;
+  EXPECT_THAT(Run(), IsOk());
 }
 
 TEST_F(CaptureAndRecognizeTest, RetriesAServerThatIsUnavailableForAMoment) {
