@@ -7,11 +7,13 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <system_error>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "rendering/mesh_part.h"
 
 namespace graspdb::client {
 namespace {
@@ -24,6 +26,8 @@ constexpr char kFile[] = "frames.json";
 constexpr std::uintmax_t kLargest = 64U << 20U;
 // Maximum deviation of a rotation's rows from unit length and right angles.
 constexpr double kRotationTolerance = 1e-3;
+// Beyond it no depth camera sees an object, m.
+constexpr double kFarthestM = 100;
 
 const Value& FieldOf(const Struct& from, const std::string& name) {
   static const Value none;
@@ -50,6 +54,12 @@ absl::StatusOr<recognition::Pose> PoseOf(const Value& value) {
     for (Eigen::Index i = 0; i < 4; ++i) {
       pose.matrix()(row, i) = m[static_cast<std::size_t>(4 * row + i)];
     }
+  }
+  const double distance = pose.translation().norm();
+  if (distance > kFarthestM) {
+    return absl::InvalidArgumentError(absl::StrCat("T_sensor_mesh is ", distance,
+                                                   " m away; it must be in metres, are these "
+                                                   "millimetres?"));
   }
   const Eigen::Matrix3d& r = pose.linear();
   const bool turns = (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < kRotationTolerance;
@@ -95,6 +105,27 @@ absl::StatusOr<RealFrame> FrameOf(const Struct& from, const std::filesystem::pat
   return out;
 }
 
+// One object is taught from one mesh; answers would be judged on the wrong one otherwise.
+absl::Status CheckMeshes(const std::vector<RealFrame>& frames) {
+  std::map<std::string, const FrameObject*> known;  // by the id that is taught
+  for (const RealFrame& frame : frames) {
+    for (const FrameObject& object : frame.objects) {
+      if (object.object.empty()) continue;
+      const FrameObject& first =
+          *known.try_emplace(ObjectIdOf(object.object), &object).first->second;
+      if (first.mesh.lexically_normal() == object.mesh.lexically_normal() &&
+          first.unit_m == object.unit_m) {
+        continue;
+      }
+      return absl::InvalidArgumentError(
+          absl::StrCat(frame.name, ": ", object.object, " has the mesh ", object.mesh.string(),
+                       ", and before another mesh or unit, ", first.mesh.string(),
+                       "; give one object one mesh"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 bool HasFrames(const std::filesystem::path& folder) {
@@ -132,6 +163,7 @@ absl::StatusOr<std::vector<RealFrame>> ParseFrames(const std::string& text,
     if (!frame.ok()) return frame.status();
     out.push_back(*std::move(frame));
   }
+  if (absl::Status meshes = CheckMeshes(out); !meshes.ok()) return meshes;
   return out;
 }
 

@@ -136,5 +136,28 @@ TEST_F(RealFramesTest, RejectsAMalformedFileWithTheFrame) {
   }
 }
 
+// As from a BOP file: the object would count as lost, and the right answer as wrong.
+TEST_F(RealFramesTest, RejectsAPoseInMillimetres) {
+  WriteFrame("l-bracket", Pose(Eigen::Translation3d(0, 0, 800)));
+  EXPECT_THAT(Recognize(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("millimetres")));
+}
+
+TEST_F(RealFramesTest, RejectsAnObjectWithTwoMeshes) {
+  const auto json = [](const char* second) {
+    return absl::StrFormat(R"([
+        {"frame": "a.pcd", "objects": [{"object": "Nut", "mesh": "n.ply", "meshUnit": "m"}]},
+        {"frame": "b.pcd", "objects": [{"object": "nut", %s}]}])",
+                           second);
+  };
+  for (const char* second :
+       {R"("mesh": "n.stl", "meshUnit": "m")", R"("mesh": "n.ply", "meshUnit": "mm")"}) {
+    WriteFramesJson(json(second));
+    EXPECT_THAT(LoadFrames(folder_.path()),
+                StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("one object one mesh")));
+  }
+  WriteFramesJson(json(R"("mesh": "./n.ply", "meshUnit": "m")"));
+  EXPECT_THAT(LoadFrames(folder_.path()), IsOk());
+}
+
 }  // namespace
 }  // namespace graspdb::client
