@@ -1,6 +1,8 @@
 #include "lab/experiment/part_set.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -21,6 +23,19 @@ absl::Status CheckNames(const PartSet& all, const std::vector<std::string>& name
       return absl::InvalidArgumentError(absl::StrCat("none of the meshes is called ", name,
                                                      "; give a file name without extension"));
     }
+  }
+  return absl::OkStatus();
+}
+
+// Of meshes with one id only the first would be used.
+absl::Status CheckFileNames(const std::vector<std::filesystem::path>& paths) {
+  std::map<std::string, std::filesystem::path> known;
+  for (const std::filesystem::path& path : paths) {
+    const auto [first, is_new] = known.try_emplace(ObjectIdOf(path), path);
+    if (is_new) continue;
+    return absl::InvalidArgumentError(absl::StrCat(first->second.string(), " and ", path.string(),
+                                                   " would both be the object ", first->first,
+                                                   "; rename one of the files"));
   }
   return absl::OkStatus();
 }
@@ -49,6 +64,7 @@ bool PartSet::IsTaught(std::size_t position) const {
 
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection) {
+  if (absl::Status names = CheckFileNames(paths); !names.ok()) return names;
   PartSet out;
   for (const std::filesystem::path& path : paths) {
     const absl::StatusOr<Workpiece> as_it_lies = WorkpieceFromMesh(path, unit_scale_m);

@@ -39,7 +39,7 @@ struct MeshSelection {
 
 // The mesh files `paths` (one unit is `unit_scale_m` metres) as workpieces on the table: the
 // object is named after the file, the stable poses "resting-1", "resting-2", … All count as taught.
-// Errors as LoadPartMesh and FindStablePoses.
+// INVALID_ARGUMENT when two files have one id; errors as LoadPartMesh and FindStablePoses.
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection);
 

@@ -48,5 +48,11 @@ TEST_F(ChooseTest, RejectsAnUnknownName) {
               StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
+// As of two datasets that number their models: all but one were left out.
+TEST(RestingParts, RejectsTwoFilesOfOneObject) {
+  EXPECT_THAT(RestingParts({"lm/obj_1.ply", "ycbv/OBJ_1.stl"}, 1, {}),
+              StatusIs(absl::StatusCode::kInvalidArgument, ::testing::HasSubstr("rename one")));
+}
+
 }  // namespace
 }  // namespace graspdb::client
