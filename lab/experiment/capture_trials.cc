@@ -22,6 +22,8 @@ using recognition::Pose;
 
 // Object of a capture without one.
 constexpr char kNoObject[] = "unnamed";
+// The server's limit of a scan's median distance from the sensor.
+constexpr float kMaxMedianM = 50;
 
 struct Source {
   std::filesystem::path folder;
@@ -66,12 +68,29 @@ absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::p
   return set->parts.size() - 1;
 }
 
+// The server rejects such a scan, of which no answer can be right.
+absl::Status CheckUnit(const recognition::Points& points, const std::string& file) {
+  std::vector<float> ranges;
+  ranges.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    if (p.allFinite() && !p.isZero(0)) ranges.push_back(p.norm());
+  }
+  if (ranges.empty()) return absl::OkStatus();  // nothing is found in it
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  if (*middle <= kMaxMedianM) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(file, " has a median distance of ", *middle,
+                   " m; coordinates are in metres, are these millimetres?"));
+}
+
 absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
   const auto& [capture, part] = source.captures[i];
   const auto file = ReadScanFile(source.folder / capture.path());
   if (!file.ok()) return file.status();
   auto points = std::visit([](const auto& scan) { return PointsFromMessage(scan); }, file->scan);
   if (!points.ok()) return points.status();
+  if (absl::Status unit = CheckUnit(*points, capture.path()); !unit.ok()) return unit;
   Trial out{.scan = {.points = *std::move(points),
                      .world_sensor = file->sensor_pose,
                      .region = source.region,

@@ -5,6 +5,7 @@
 #include "files/capture_set.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
+#include "files/point_file.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "rendering/mesh_file.h"
@@ -98,6 +99,22 @@ TEST_F(CaptureTrialsTest, ReadsDepthImages) {
   ASSERT_THAT(trial, IsOk());
   ASSERT_EQ(trial->scan.points.size(), 2U);
   EXPECT_FLOAT_EQ(trial->scan.points[1].z(), 0.8F);
+}
+
+// The server rejects it; as a query it would count as a wrong answer.
+TEST_F(CaptureTrialsTest, AScanInMillimetresIsRejected) {
+  PointFile file;
+  file.points = {{0.1F, 0, 780}, {0, 0.1F, 790}, {0, 0, 800.0F}};
+  file.width = 3;
+  file.height = 1;
+  ASSERT_THAT(WritePcd(folder_.path() / "mm.pcd", file), IsOk());
+  Edit([](v1::CaptureSet* set) {
+    for (v1::Capture& capture : *set->mutable_captures()) {
+      if (capture.split() == v1::Capture::QUERY) capture.set_path("mm.pcd");
+    }
+  });
+  EXPECT_THAT(Run(/*leave_one_out=*/false),
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("millimetres")));
 }
 
 TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {
