@@ -42,6 +42,7 @@ void PrintSummary(const CaseResult& result) {
   std::cout << absl::StrFormat("%-17s %5d queries  object %6.2f %%", result.experiment.name,
                                s.known, 100 * s.object_right);
   if (s.posed > 0) {
+    if (s.posed < s.known) std::cout << absl::StrFormat("  of %d with a pose:", s.posed);
     std::cout << absl::StrFormat(
         "  pose %6.2f %%  strictly %6.2f %%  only listed %5.2f %%  turn %.3f deg  shift %.3f mm",
         100 * s.pose_right, 100 * s.strictly_right, 100 * s.listed, s.mean_rotation_deg,
@@ -67,8 +68,9 @@ void PrintDescriptors(const std::vector<DescriptorFigures>& figures) {
 void PrintWrong(const CaseResult& result) {
   for (const Answer& a : result.answers) {
     if (a.known ? a.strictly_right : a.object_right) continue;
-    std::cout << absl::StrFormat("  %5d %s -> %s, score %.3f, ADD-S %.1f mm, farthest %.1f mm\n",
-                                 a.scene, StablePoseName(result.set.parts[a.part]),
+    std::cout << absl::StrFormat("  %5d %s%s -> %s, score %.3f, ADD-S %.1f mm, farthest %.1f mm\n",
+                                 a.scene, a.file.empty() ? "" : a.file + ": ",
+                                 StablePoseName(result.set.parts[a.part]),
                                  a.stable_pose.empty() ? "nothing" : a.stable_pose, a.score,
                                  a.error.add_s_m * 1e3, a.error.hausdorff_m * 1e3);
     std::cout << "        answer: " << TextOf(a.evidence, a.features) << "\n";

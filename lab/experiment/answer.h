@@ -44,6 +44,7 @@ struct Answer {
   std::vector<recognition::Candidate> candidates = {};  // nearest first
   // Scores of the true pose; optional, for a known object whose pose is wrong.
   std::optional<TruePose> true_pose = {};
+  std::string file = {};  // source of the query; empty: none
 };
 
 // Judges the answer of `recognition` for object number `which` of the trial: the detection nearest

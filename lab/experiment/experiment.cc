@@ -64,8 +64,13 @@ absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std
   std::vector<Answer> out;
   for (std::size_t which = 0; which < trial->truth.size(); ++which) {
     out.push_back(JudgeAnswer(*recognition, *trial, which, set));
-    out.back().scene = query;
-    out.back().milliseconds = took.count();
+    Answer& answer = out.back();
+    answer.scene = query;
+    answer.milliseconds = took.count();
+    answer.file = trial->file;
+    // If it were right, there would be no pose to judge either.
+    const bool is_lost = answer.known && !answer.object_right;
+    if (is_lost && !gallery->HasFrame(set.parts[answer.part])) answer.posed = false;
   }
   if (run.judge_truth && !std::ranges::all_of(out, &Answer::strictly_right)) {
     JudgeTruth(trial->scan, set, run, gallery, &out);

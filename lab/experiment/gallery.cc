@@ -117,6 +117,13 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
   return {.revision = 1, .index = index.With(views), .stable_poses = std::move(poses)};
 }
 
+bool Gallery::HasFrame(const Workpiece& part) const {
+  const std::string object = ObjectName(part);
+  return std::ranges::any_of(views_, [&object](const IndexedView& v) {
+    return v.view->object == object && v.view->shares_frame;
+  });
+}
+
 std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(const Workpiece& part) {
   const auto snapshot = Snapshot();
   const auto pose = snapshot.stable_poses->find(StablePoseName(part));

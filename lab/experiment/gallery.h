@@ -27,6 +27,9 @@ class Gallery : public recognition::CloudsInMemory {
   // The taught views, without view number `left_out` if given.
   recognition::CatalogueSnapshot Snapshot(std::optional<std::size_t> left_out = std::nullopt) const;
 
+  // Whether views of the part's object were taught with its pose, so that poses can be judged.
+  bool HasFrame(const Workpiece& part) const;
+
   // Model of the first view of a part and all views that share its frame; null if there is none.
   std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
 

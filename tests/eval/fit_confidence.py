@@ -33,7 +33,7 @@ def samples(path):
             named = a["stable_pose_answered"].split("/")[1] if a["stable_pose_answered"] else ""
             if not named or (not a["known"] and {named, a["object_query"]} <= BRICKS):
                 continue
-            right = a["known"] and a["pose_right"]
+            right = a["known"] and a["pose_right" if a.get("posed", True) else "object_right"]
             yield case["name"], a["object_query"], right, a["score"], features_of(a["evidence"])
     for frame in report.get("frames", []):
         for d in frame["detections"]:

@@ -60,10 +60,10 @@ void FillSettings(const CaseResult& result, JsonObject out) {
 }
 
 void FillSummary(const CaseSummary& s, JsonObject out) {
-  out.Set(Json("known", s.known), Json("unknown", s.unknown), Json("object_right", s.object_right),
-          Json("pose_right", s.pose_right), Json("strictly_right", s.strictly_right),
-          Json("ambiguous", s.ambiguous), Json("listed", s.listed),
-          Json("mean_rotation_deg", s.mean_rotation_deg),
+  out.Set(Json("known", s.known), Json("posed", s.posed), Json("unknown", s.unknown),
+          Json("object_right", s.object_right), Json("pose_right", s.pose_right),
+          Json("strictly_right", s.strictly_right), Json("ambiguous", s.ambiguous),
+          Json("listed", s.listed), Json("mean_rotation_deg", s.mean_rotation_deg),
           Json("mean_translation_mm", s.mean_translation_mm),
           Json("unknown_rejected", s.unknown_rejected));
 }
@@ -102,12 +102,14 @@ void FillAnswer(const Answer& a, const PartSet& set, JsonObject out) {
           Json("stable_pose_answered", a.stable_pose),
           Json("object_answered", ObjectOf(a.stable_pose)), Json("known", a.known),
           Json("outcome", OutcomeName(a.outcome)), Json("object_right", a.object_right),
-          Json("pose_right", a.pose_right), Json("strictly_right", a.strictly_right),
-          Json("listed", a.listed), Json("touching", a.touching), Json("score", a.score),
-          Json("voxels", a.voxels), Json("ms", a.milliseconds));
+          Json("posed", a.posed), Json("pose_right", a.pose_right),
+          Json("strictly_right", a.strictly_right), Json("listed", a.listed),
+          Json("touching", a.touching), Json("score", a.score), Json("voxels", a.voxels),
+          Json("ms", a.milliseconds));
+  if (!a.file.empty()) out.Set(Json("file", a.file));
   FillEvidence(a.evidence, a.features, out.Object("evidence"));
   // Null without a pose error.
-  const double shown = a.known && a.object_right ? 1 : std::nan("");
+  const double shown = a.known && a.posed && a.object_right ? 1 : std::nan("");
   out.Set(Json("add_s_mm", shown * a.error.add_s_m * 1e3),
           Json("add_s_share", shown * a.error.add_s_m / set.shapes[a.part]->diameter_m),
           Json("farthest_mm", shown * a.error.hausdorff_m * 1e3),

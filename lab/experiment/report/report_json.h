@@ -16,7 +16,7 @@ namespace graspdb::client {
 // {"name", "description", "settings", "summary", "time", "objects", "answers", "drawings",
 // "first_matches"}; of captures of a set, "settings" are the numbers of parts only. The unit is in
 // each key: _mm, _deg, _ms, _m. Shares are 0 to 1. Null: not measured, e.g. the pose error of an
-// answer that names another object.
+// answer that names another object, or that has no true pose ("posed").
 google::protobuf::Value CaseAsJson(const CaseResult& result);
 
 // {"command", "descriptors", "cases"}, indented, keys in alphabetical order: the same cases give

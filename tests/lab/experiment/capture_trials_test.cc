@@ -130,6 +130,42 @@ TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {
   EXPECT_EQ(summary.posed, 0U);
 }
 
+// While no pose can be judged, an object that was not found is no wrong pose.
+TEST(CaptureTrials, ObjectsThatWereTaughtWithoutPosesHaveNoWrongPoses) {
+  const TemporaryFolder folder;
+  const auto parts = SampleParts({"wedge", "stepped-block"});
+  ASSERT_THAT(parts, IsOk());
+  auto plan = *PlanTurntable(*parts, {.stand = {}, .azimuth_step_deg = 30});
+  const auto scenes = *PlanRandomScenes(*parts, {.stand = {}, .count = 2});
+  plan.insert(plan.end(), scenes.begin(), scenes.end());
+  ASSERT_THAT(WriteSimulation(folder.path(), *parts, plan, {.segmented = true}), IsOk());
+  PointFile nothing;
+  nothing.points = {{0, 0, 3.0F}, {0.1F, 0, 3}, {0, 0.1F, 3}};
+  nothing.width = 3;
+  nothing.height = 1;
+  ASSERT_THAT(WritePcd(folder.path() / "nothing.pcd", nothing), IsOk());
+  auto set = LoadCaptureSet(folder.path());
+  ASSERT_THAT(set, IsOk());
+  for (v1::CapturedObject& object : *set->mutable_objects()) object.clear_mesh_path();
+  bool is_first = true;
+  for (v1::Capture& capture : *set->mutable_captures()) {
+    if (capture.split() == v1::Capture::TEACH) capture.clear_object_pose();
+    if (capture.split() == v1::Capture::QUERY && std::exchange(is_first, false)) {
+      capture.set_path("nothing.pcd");
+    }
+  }
+  ASSERT_THAT(SaveCaptureSet(folder.path(), *set), IsOk());
+  const auto loaded = LoadCaptureTrials(folder.path(), /*leave_one_out=*/false);
+  ASSERT_THAT(loaded, IsOk());
+  const auto result = RunCase({.name = "captures"}, loaded->set, loaded->trials, {});
+  ASSERT_THAT(result, IsOk());
+  ASSERT_EQ(result->answers.size(), 2U);
+  EXPECT_FALSE(result->answers[0].object_right);
+  EXPECT_EQ(result->answers[0].file, "nothing.pcd");
+  EXPECT_EQ(Summarize(*result).known, 2U);
+  EXPECT_EQ(Summarize(*result).posed, 0U);
+}
+
 // The only capture of its stable pose is not recognized when it is left out.
 TEST_F(CaptureTrialsTest, LeavesOutTheQueriedCapture) {
   Edit([](v1::CaptureSet* set) {

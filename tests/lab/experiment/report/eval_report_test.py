@@ -48,6 +48,16 @@ class Curves(unittest.TestCase):
         self.assertEqual((recall[0][1], recall[-1][1]), (0, 0.5))
         self.assertEqual(eval_report.recall_over_add_s(ANSWERS[4:]), [])
 
+    def test_answers_without_a_true_pose_are_judged_by_the_object(self):
+        unposed = [dict(a, posed=False, pose_right=False, add_s_share=None) for a in ANSWERS]
+        self.assertEqual(eval_report.recall_over_add_s(unposed), [])
+        self.assertEqual(eval_report.recall_over_add_s(ANSWERS + unposed), eval_report.recall_over_add_s(ANSWERS))
+        self.assertEqual(eval_report.reliability(unposed), {6: [False], 9: [True, True]})
+        self.assertEqual(eval_report.over_score(unposed), eval_report.over_score(ANSWERS))
+        without_poses = case()
+        without_poses["summary"].update(posed=0, pose_right=0, strictly_right=0)
+        self.assertIn("<td>5</td><td>50.0</td><td>–</td><td>–</td>", eval_report.case_table([without_poses]))
+
     def test_precision_grows_and_recall_falls_with_the_minimum_score(self):
         precision, recall = eval_report.over_score(ANSWERS)
         self.assertAlmostEqual(precision[0][1], 2 / 3)

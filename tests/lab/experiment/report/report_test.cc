@@ -136,6 +136,24 @@ TEST(CaseAsJson, ACaptureSetHasNoSettingsOfASimulation) {
   EXPECT_EQ(settings.size(), 2U) << "a camera, step or seed that was not used";
 }
 
+// An error of 0 would be that of a perfect pose.
+TEST(CaseAsJson, AnAnswerWithoutATruePoseHasNoError) {
+  CaseResult result = HandMade();
+  result.answers[0].posed = false;
+  result.answers[0].file = "clouds/a.pcd";
+  const Value json = CaseAsJson(result);
+  const auto& answers = json.struct_value().fields().at("answers").list_value();
+  const auto& unposed = answers.values(0).struct_value().fields();
+  EXPECT_FALSE(unposed.at("posed").bool_value());
+  EXPECT_EQ(unposed.at("file").string_value(), "clouds/a.pcd");
+  for (const char* key : {"add_s_mm", "add_s_share", "farthest_mm", "rotation_deg"}) {
+    EXPECT_EQ(unposed.at(key).kind_case(), Value::kNullValue) << key;
+  }
+  EXPECT_TRUE(answers.values(1).struct_value().fields().at("posed").bool_value());
+  const auto& summary = json.struct_value().fields().at("summary").struct_value().fields();
+  EXPECT_EQ(summary.at("posed").number_value(), 3);
+}
+
 TEST(CaseAsJson, DrawsTheWorstAnswers) {
   CaseResult result = HandMade();
   for (Answer& answer : result.answers) answer.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
