@@ -27,9 +27,15 @@ absl::Status NotStarted() {
   return absl::AbortedError("the calibration was not started; send HEC_INIT first");
 }
 
-// INVALID_ARGUMENT would blame the robot's request.
-absl::Status HideInvalidArgument(const absl::Status& status) {
-  return absl::IsInvalidArgument(status) ? absl::InternalError(status.message()) : status;
+// INVALID_ARGUMENT would blame the robot's request, DATA_LOSS the camera.
+absl::Status HideMisleading(const absl::Status& status) {
+  const bool is_misleading = absl::IsInvalidArgument(status) || absl::IsDataLoss(status);
+  return is_misleading ? absl::InternalError(status.message()) : status;
+}
+
+// Other codes would blame the server, the target or the robot's request.
+absl::Status CameraFault(const absl::Status& status) {
+  return absl::IsDeadlineExceeded(status) ? status : absl::DataLossError(status.message());
 }
 
 absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
@@ -38,7 +44,7 @@ absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
     return absl::FailedPreconditionError(
         absl::StrCat("there is no ", setup.cell, "; create it with `graspdb cells set`"));
   }
-  if (!cell.ok()) return HideInvalidArgument(cell.status());
+  if (!cell.ok()) return HideMisleading(cell.status());
   if (setup.mount == CameraMount::kFixed) {
     // Without the camera's sensor pose nothing could be saved.
     if (auto update = CalibratedCell(*cell, {}, setup.mount); !update.ok()) return update.status();
@@ -68,7 +74,7 @@ absl::Status HandEyeSession::Init() {
   const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
   if (!cell.ok()) return cell.status();
   absl::StatusOr<Target> target = LoadTarget(client_, setup_.target);
-  if (!target.ok()) return HideInvalidArgument(target.status());
+  if (!target.ok()) return HideMisleading(target.status());
   if (setup_.mount == CameraMount::kFixed) world_sensor_ = FromMessage(cell->sensor_pose());
   target_ = *std::move(target);
   spdlog::info("event=hand_eye_begun cell={} target={}", setup_.cell, target_->stable_pose);
@@ -78,12 +84,12 @@ absl::Status HandEyeSession::Init() {
 absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
   const absl::StatusOr<StillScan> scan =
       TakeStillScan(sensor_, setup_.frames, MonotonicTime::Now() + kFramesWithin);
-  if (!scan.ok()) return HideInvalidArgument(scan.status());
+  if (!scan.ok()) return CameraFault(scan.status());
   absl::StatusOr<DetectedTarget> found =
       setup_.mount == CameraMount::kFixed
           ? FindGrippedTarget(*target_, *scan, world_sensor_, setup_.region)
           : FindTargetOnTable(client_, *target_, *scan);
-  if (!found.ok()) return HideInvalidArgument(found.status());
+  if (!found.ok()) return HideMisleading(found.status());
   return found;
 }
 
@@ -112,7 +118,7 @@ absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
   const auto update = CalibratedCell(*cell, *hand_eye, setup_.mount);
   if (!update.ok()) return update.status();
   const absl::StatusOr<v1::Cell> saved = client_.UpdateCell(*update);
-  if (!saved.ok()) return HideInvalidArgument(saved.status());
+  if (!saved.ok()) return HideMisleading(saved.status());
   CalibrationReport out{.shift_m = hand_eye->shift_m,
                         .turn_rad = hand_eye->turn_rad,
                         .used = 0,

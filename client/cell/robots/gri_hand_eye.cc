@@ -38,6 +38,8 @@ GriCode HecCodeOf(const absl::Status& status, GriAction action) {
       return GriCode::kInvalidRequest;
     case absl::StatusCode::kUnavailable:
       return GriCode::kApiNotReachable;
+    case absl::StatusCode::kDataLoss:
+      return GriCode::kPipelineNotAvailable;
     case absl::StatusCode::kDeadlineExceeded:
       return GriCode::kProcessingTimeout;
     default:

@@ -21,8 +21,9 @@ struct CalibrationReport {
 // belongs to the pipeline, not to the robot's connection.
 //
 // Errors of all but Check: FAILED_PRECONDITION when the cell or the target is not set up correctly;
-// UNAVAILABLE when camera or server are unavailable; DEADLINE_EXCEEDED; ABORTED when Init was not
-// called; others for other failures. Error messages contain the next step.
+// UNAVAILABLE when the server is unavailable; DATA_LOSS when the camera gives no frame that can be
+// used; DEADLINE_EXCEEDED; ABORTED when Init was not called; others for other failures. Error
+// messages contain the next step.
 class RobotCalibrator {
  public:
   virtual ~RobotCalibrator() = default;

@@ -12,6 +12,7 @@
 #include "client/cell/robots/rotation_vector.h"
 #include "files/pose_message.h"
 #include "recognition/base/units.h"
+#include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/calibration/calibration_server.h"
 #include "tests/client/cell/calibration/simulated_cell.h"
 #include "tests/rendering/small_kinect.h"
@@ -170,6 +171,25 @@ TEST_P(HandEyeSessionTest, AnUndetectedTargetIsReportedAndKeepsItsSlot) {
   EXPECT_THAT(session.SetPose(0, DriveProgramPose(cell, GetParam(), 0)),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("not recognised")));
   EXPECT_THAT(session.Calibrate(), StatusIs(absl::StatusCode::kNotFound, HasSubstr("1 poses")));
+}
+
+// Not of the server, which is there, the target or the robot's request.
+TEST_P(HandEyeSessionTest, AFaultOfTheCameraIsReportedAsOne) {
+  const SimulatedCell cell(GetParam(), kPart, graspdb::testing::SmallKinectV2(), 3);
+  MakeCell(cell);
+  absl::Status fault;
+  FakeCamera camera([&fault]() -> absl::StatusOr<SensorFrame> { return fault; });
+  HandEyeSession session(client(), camera, SetupFor(GetParam()));
+  ASSERT_THAT(session.Init(), IsOk());
+  for (const auto code : {absl::StatusCode::kUnavailable, absl::StatusCode::kNotFound,
+                          absl::StatusCode::kInvalidArgument}) {
+    fault = absl::Status(code, "unplugged");
+    EXPECT_THAT(session.SetPose(0, Pose::Identity()),
+                StatusIs(absl::StatusCode::kDataLoss, HasSubstr("unplugged")));
+  }
+  fault = absl::DeadlineExceededError("no frame in time");
+  EXPECT_THAT(session.SetPose(0, Pose::Identity()),
+              StatusIs(absl::StatusCode::kDeadlineExceeded, HasSubstr("in time")));
 }
 
 TEST_P(HandEyeSessionTest, CallsBeforeInitAreAborted) {

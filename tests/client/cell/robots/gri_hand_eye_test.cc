@@ -145,6 +145,7 @@ TEST_F(GriHandEyeTest, EveryErrorHasItsCode) {
     EXPECT_EQ(code_of(absl::NotFoundError(""), action), GriCode::kHecInsufficientDetection);
     EXPECT_EQ(code_of(absl::FailedPreconditionError(""), action), GriCode::kHecConfigError);
     EXPECT_EQ(code_of(absl::UnavailableError(""), action), GriCode::kApiNotReachable);
+    EXPECT_EQ(code_of(absl::DataLossError(""), action), GriCode::kPipelineNotAvailable);
     EXPECT_EQ(code_of(absl::DeadlineExceededError(""), action), GriCode::kProcessingTimeout);
   }
   EXPECT_EQ(code_of(absl::AbortedError(""), GriAction::kHecInit), GriCode::kHecInitError);
