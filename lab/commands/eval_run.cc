@@ -64,10 +64,10 @@ void PrintDescriptors(const std::vector<DescriptorFigures>& figures) {
   }
 }
 
-// The answers that were not strictly right.
+// The wrong answers.
 void PrintWrong(const CaseResult& result) {
   for (const Answer& a : result.answers) {
-    if (a.known ? a.strictly_right : a.object_right) continue;
+    if (!IsWrong(a)) continue;
     std::cout << absl::StrFormat("  %5d %s%s -> %s, score %.3f, ADD-S %.1f mm, farthest %.1f mm\n",
                                  a.scene, a.file.empty() ? "" : a.file + ": ",
                                  StablePoseName(result.set.parts[a.part]),

@@ -60,6 +60,10 @@ Answer JudgeReading(const Reading& reading, const PartSet& set, Answer answer) {
 
 }  // namespace
 
+bool IsWrong(const Answer& answer) {
+  return !(answer.known && answer.posed ? answer.strictly_right : answer.object_right);
+}
+
 Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& trial,
                    std::size_t which, const PartSet& set) {
   const Placement& truth = trial.truth[which];

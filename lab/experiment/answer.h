@@ -47,6 +47,9 @@ struct Answer {
   std::string file = {};  // source of the query; empty: none
 };
 
+// Whether the answer is not strictly right; without a pose to judge, whether its object is wrong.
+bool IsWrong(const Answer& answer);
+
 // Judges the answer of `recognition` for object number `which` of the trial: the detection nearest
 // to its visible points.
 Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& trial,

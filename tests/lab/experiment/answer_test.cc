@@ -53,6 +53,17 @@ TEST_F(AnswerTest, JudgesTheFirstReading) {
   EXPECT_FALSE(answer.listed);
 }
 
+TEST_F(AnswerTest, IsWrongByItsObjectWhereThereIsNoPoseToJudge) {
+  Answer answer = RightAnswer(set_, 0, 0);
+  EXPECT_FALSE(IsWrong(answer));
+  answer.strictly_right = false;
+  EXPECT_TRUE(IsWrong(answer));
+  answer.posed = false;
+  EXPECT_FALSE(IsWrong(answer));
+  answer.object_right = false;
+  EXPECT_TRUE(IsWrong(answer));
+}
+
 // A view that was taught without an object pose has its own frame.
 TEST_F(AnswerTest, JudgesOnlyTheObjectInAnUnknownFrame) {
   recognition::TaughtView view = *ViewOf(0);
