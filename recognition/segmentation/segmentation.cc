@@ -12,6 +12,7 @@
 #include "recognition/segmentation/extent.h"
 #include "recognition/segmentation/outliers.h"
 #include "recognition/segmentation/region.h"
+#include "recognition/segmentation/table_pieces.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -182,7 +183,7 @@ absl::Status TooManyVoxels(std::size_t count, double voxel_size_m) {
 }
 
 // Outliers, voxels, clusters and normals of the points above the table.
-absl::Status FindSegments(RegionPoints cloud, bool segmented,
+absl::Status FindSegments(RegionPoints cloud, const Scan& scan,
                           const SegmentationParameters& parameters,
                           const DescriptorParameters& descriptor, const IsCancelled& is_cancelled,
                           StageLog* log, Segmentation* out) {
@@ -191,7 +192,7 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
     voxels = DownsampleToVoxels(cloud.points, descriptor.voxel_size_m, is_cancelled);
     return voxels.points.size();
   };
-  if (!segmented) {
+  if (!scan.segmented) {
     // Rejected scans skip the outlier removal, which takes longest.
     if (cloud.points.size() > kMaxVoxels && downsample() > kMaxVoxels) {
       return TooManyVoxels(voxels.points.size(), descriptor.voxel_size_m);
@@ -214,7 +215,7 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
   }
   std::vector<Indices> clusters;
   log->Measure("clusters", voxels.points.size(), [&] {
-    clusters = ClusterVoxels(voxels.points, segmented, parameters, out->table, is_cancelled);
+    clusters = ClusterVoxels(voxels.points, scan.segmented, parameters, out->table, is_cancelled);
     std::size_t kept = 0;
     for (const Indices& cluster : clusters) kept += cluster.size();
     return kept;
@@ -223,8 +224,9 @@ absl::Status FindSegments(RegionPoints cloud, bool segmented,
   if (clusters.empty()) return absl::OkStatus();
   out->segments = MakeSegments(cloud, voxels, clusters, out->world_sensor.translation(), parameters,
                                descriptor, is_cancelled, log);
-  if (is_cancelled()) return CancelledAfter("the normals");
   out->outcome = SegmentationOutcome::kFound;
+  RemoveTablePieces(scan, is_cancelled, log, out);
+  if (is_cancelled()) return CancelledAfter("the normals");
   return absl::OkStatus();
 }
 
@@ -289,8 +291,7 @@ absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationPar
     });
   }
   if (is_cancelled()) return CancelledAfter("the table plane");
-  status = FindSegments(std::move(cloud), scan.segmented, parameters, descriptor, is_cancelled, log,
-                        &out);
+  status = FindSegments(std::move(cloud), scan, parameters, descriptor, is_cancelled, log, &out);
   if (!status.ok()) return status;
   return out;
 }
