@@ -80,10 +80,11 @@ void CheckLists(const CLI::App& app, const std::string& text) {
     const absl::string_view rest = line.substr(equals + 1);
     const absl::string_view value = absl::StripAsciiWhitespace(rest.substr(0, rest.find('#')));
     if (!absl::StartsWith(value, "[") || absl::EndsWith(value, "]")) continue;
-    throw CLI::ConfigError(absl::StrCat(FileOf(app), ", line ", number, ": the list of ",
-                                        absl::StripAsciiWhitespace(line.substr(0, equals)),
-                                        " has no ] at its end; it is one line, without #: "
-                                        "KEY=[\"A\",\"B\"]"));
+    throw CLI::ConfigError(
+        absl::StrCat(FileOf(app), ", line ", number, ": the list of ",
+                     absl::StripAsciiWhitespace(line.substr(0, equals)),
+                     " has no ] at its end; give one line, KEY=[\"A\",\"B\"] without #, "
+                     "and quotes around another value that begins with ["));
   }
 }
 
@@ -188,7 +189,7 @@ std::string NoValueError(int argc, char** argv) {
     if (word == "--") break;
     if (!word.starts_with("--") || word.find('=') != word.size() - 1) continue;
     const std::string flag(word.substr(0, word.size() - 1));
-    return flag + "= has no value; give one, or " + flag + " \"\" for an empty one";
+    return absl::StrCat(flag, "= has no value; give one, or ", flag, " \"\" for an empty one");
   }
   return "";
 }

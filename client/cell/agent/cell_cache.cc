@@ -62,8 +62,9 @@ absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
     if (cell.ok()) {
       spdlog::info("event=server_there cell={}", name_);
     } else {
-      // A server that has no such cell, or one with wrong poses, is there.
-      const bool is_there = answer.ok() || absl::IsNotFound(answer.status());
+      // A server that has no such cell, one with wrong poses, or refuses to return it, is there.
+      const bool is_there =
+          !absl::IsUnavailable(answer.status()) && !absl::IsDeadlineExceeded(answer.status());
       spdlog::warn("event={} error={}", is_there ? "cell_unusable" : "server_lost",
                    LogField(std::string(cell.status().message())));
     }

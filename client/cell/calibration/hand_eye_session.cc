@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,8 @@ absl::Status HideMisleading(const absl::Status& status) {
 absl::Status CameraFault(const absl::Status& status) {
   return absl::IsDeadlineExceeded(status) ? status : absl::DataLossError(status.message());
 }
+
+bool IsDepth(const Eigen::Vector3f& p) { return p.allFinite() && !p.isZero(0); }
 
 absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
   absl::StatusOr<v1::Cell> cell = client.GetCell(setup.cell);
@@ -85,6 +88,10 @@ absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
   const absl::StatusOr<StillScan> scan =
       TakeStillScan(sensor_, setup_.frames, MonotonicTime::Now() + kFramesWithin);
   if (!scan.ok()) return CameraFault(scan.status());
+  if (std::ranges::none_of(scan->points, IsDepth)) {
+    return absl::DataLossError(
+        "the camera measures nothing, no pixel has a depth; is it covered, or too near?");
+  }
   absl::StatusOr<DetectedTarget> found =
       setup_.mount == CameraMount::kFixed
           ? FindGrippedTarget(*target_, *scan, world_sensor_, setup_.region)

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/status/status.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -56,6 +57,10 @@ OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
   playback.rate_hz = options.Number("rate", 0, 0, 1000);
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   auto sensor = FileSensor::Open(spec.target, playback);
+  // INVALID_ARGUMENT is for the spec, not for the content of files.
+  if (absl::IsInvalidArgument(sensor.status())) {
+    return absl::FailedPreconditionError(sensor.status().message());
+  }
   if (!sensor.ok()) return sensor.status();
   return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
 }

@@ -113,8 +113,8 @@ absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) 
   for (const std::string& label : change.labels) request.mutable_object()->add_labels(label);
   if (change.no_labels || !change.labels.empty()) mask->add_paths("labels");
   if (mask->paths().empty()) {
-    return absl::InvalidArgumentError(
-        "nothing to set; give --display-name, --labels or --no-labels");
+    return WrongUsage(
+        absl::InvalidArgumentError("nothing to set; give --display-name, --labels or --no-labels"));
   }
   absl::StatusOr<v1::Object> object = Connect(global).UpdateObject(request);
   if (!object.ok()) return object.status();

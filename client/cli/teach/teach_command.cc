@@ -142,7 +142,7 @@ void NoteKeptName(const GlobalOptions& global, const TeachOptions& options) {
 
 absl::Status Teach(const GlobalOptions& global, const TeachOptions& options) {
   absl::Status id = CheckId(options.object, "OBJECT");
-  if (!id.ok()) return id;
+  if (!id.ok()) return WrongUsage(id);
   absl::Status taught =
       options.mesh.empty() ? RunGuidedTeach(global, options) : TeachByMesh(global, options);
   if (taught.ok()) NoteKeptName(global, options);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr char kReportFile[] = "report.json";
 constexpr char kDescriptorsFile[] = "descriptors.md";
+constexpr char kPageFile[] = "report.html";  // of graspdb-eval-report
 
 absl::Status WriteFile(const std::filesystem::path& path, const std::string& text) {
   return WriteFileAtomically(path, text, Durability::kProcessCrash);
@@ -26,7 +27,7 @@ absl::Status WriteFile(const std::filesystem::path& path, const std::string& tex
 absl::Status RemoveEarlier(const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder / kReportFile, error)) return absl::OkStatus();
-  std::vector<std::filesystem::path> earlier = {folder / kDescriptorsFile};
+  std::vector<std::filesystem::path> earlier = {folder / kDescriptorsFile, folder / kPageFile};
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
        at.increment(error)) {
     if (IsBopFileName(at->path().filename().string())) earlier.push_back(at->path());
