@@ -219,7 +219,7 @@ TEST_F(TeachTest, ADryRunRejectsTheIdsThatTheServerWould) {
     std::vector<std::string> words = Teach({"--dry-run"});
     words[1] = id;
     const Finished refused = Graspdb(words);
-    EXPECT_EQ(refused.exit_status, 1) << id;
+    EXPECT_EQ(refused.exit_status, 2) << id;
     EXPECT_THAT(refused.err, HasSubstr("OBJECT \"" + id + "\" is not an id"));
   }
 }
