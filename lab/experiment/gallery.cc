@@ -27,7 +27,7 @@ absl::Status CheckMeshSize(const Workpiece& part, double mesh_m, const Trial& tr
   const bool fits = mesh_m <= kMaxSizeRatio * seen_m && seen_m <= kMaxSizeRatio * mesh_m;
   if (part.mesh.triangles.empty() || fits) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrFormat(
-      "%s: its mesh is %.3g m large, and what is seen of it%s %.3g m; both must be in metres",
+      "%s: its mesh is %.3g m large, and its view%s %.3g m; both must be in metres",
       StablePoseName(part), mesh_m, trial.file.empty() ? "" : " in " + trial.file, seen_m));
 }
 
