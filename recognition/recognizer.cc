@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/status/status.h"
+#include "recognition/scene_answers.h"
 #include "recognition/segment_answers.h"
 
 namespace graspdb::recognition {
@@ -34,22 +35,27 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   SegmentAnswers recognition(scan, *segmentation, catalogue, clouds, parameters, is_cancelled);
   absl::StatusOr<std::vector<AnsweredSegment>> answers = recognition.Take();
   if (!answers.ok()) return answers.status();
+  recognition.Report(&log, &out);
+  // The single-view baseline is the paper's method and nothing else; a segmented scan has no
+  // surroundings.
+  if (parameters.scene.enabled && !scan.segmented && parameters.matching.verified_view_count > 1) {
+    absl::Status explained = ExplainScene(scan, *segmentation, catalogue, clouds, parameters,
+                                          is_cancelled, &log, &*answers);
+    if (!explained.ok()) return explained;
+  }
   const Eigen::Vector3d sensor = out.world_sensor.translation();
   std::ranges::stable_sort(*answers, {}, [&](const AnsweredSegment& answer) {
     return (answer.segment.centroid - sensor).squaredNorm();
   });
   for (AnsweredSegment& answer : *answers) out.detections.push_back(std::move(answer.detection));
-  recognition.Report(&log, &out);
   out.stages = log.reports();
   switch (segmentation->outcome) {
     case SegmentationOutcome::kEmptyRegion:
       out.outcome = RecognitionOutcome::kEmptyRegion;
       break;
     case SegmentationOutcome::kNoCluster:
-      out.outcome = RecognitionOutcome::kNoCluster;
-      break;
     case SegmentationOutcome::kFound:
-      out.outcome = Summarize(out.detections);
+      if (!out.detections.empty()) out.outcome = Summarize(out.detections);
       break;
   }
   return out;

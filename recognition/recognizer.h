@@ -11,6 +11,7 @@
 #include "recognition/index/catalogue_snapshot.h"
 #include "recognition/matching/detection.h"
 #include "recognition/matching/matching_parameters.h"
+#include "recognition/scene/scene_parameters.h"
 #include "recognition/segmentation/segmentation.h"
 
 namespace graspdb::recognition {
@@ -19,6 +20,7 @@ struct RecognitionParameters {
   SegmentationParameters segmentation;
   DescriptorParameters descriptor;
   MatchingParameters matching;
+  SceneParameters scene;
   std::optional<Box> workspace;  // world frame; where the tool may go
 };
 

@@ -10,22 +10,6 @@
 namespace graspdb::recognition {
 namespace {
 
-// Null where it no longer exists.
-const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
-                                     const Detection& detection) {
-  if (!detection.view) return nullptr;
-  const auto found = catalogue.stable_poses->find(detection.view->stable_pose);
-  return found == catalogue.stable_poses->end() ? nullptr : found->second.get();
-}
-
-// A stable pose's own threshold applies to the confidence, which the single-view baseline does not
-// compute.
-double MinScore(const TaughtStablePose* taught, const MatchingParameters& parameters) {
-  const bool own = parameters.use_own_min_scores && parameters.verified_view_count > 1;
-  return own && taught != nullptr ? taught->min_score.value_or(parameters.min_score)
-                                  : parameters.min_score;
-}
-
 void AddDeclaredTurns(const TaughtStablePose* taught, Detection* detection) {
   if (taught == nullptr) return;
   std::vector<Pose> turned;
@@ -84,6 +68,30 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
 }
 
 }  // namespace
+
+const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
+                                     const Detection& detection) {
+  if (!detection.view) return nullptr;
+  const auto found = catalogue.stable_poses->find(detection.view->stable_pose);
+  return found == catalogue.stable_poses->end() ? nullptr : found->second.get();
+}
+
+// A stable pose's own threshold applies to the confidence, which the single-view baseline does not
+// compute.
+double MinScore(const TaughtStablePose* taught, const MatchingParameters& parameters) {
+  const bool own = parameters.use_own_min_scores && parameters.verified_view_count > 1;
+  return own && taught != nullptr ? taught->min_score.value_or(parameters.min_score)
+                                  : parameters.min_score;
+}
+
+void CompleteDetection(const TaughtStablePose* taught, const std::optional<Box>& workspace,
+                       Detection* detection) {
+  AddDeclaredTurns(taught, detection);
+  CarryGrasps(taught, workspace, detection);
+  if (detection->ambiguous && detection->outcome == RecognitionOutcome::kOk) {
+    detection->outcome = RecognitionOutcome::kAmbiguous;
+  }
+}
 
 SegmentRecognition::SegmentRecognition(const MatchingInput& input, const ScanDepths& depths,
                                        const CatalogueSnapshot& catalogue, ViewClouds& clouds,
@@ -235,11 +243,7 @@ void SegmentRecognition::Decide() {
     out_.outcome = RecognitionOutcome::kIcpRejected;
     out_.view = nullptr;
   } else {
-    AddDeclaredTurns(taught, &out_);
-    CarryGrasps(taught, parameters_.workspace, &out_);
-    if (out_.ambiguous && out_.outcome == RecognitionOutcome::kOk) {
-      out_.outcome = RecognitionOutcome::kAmbiguous;
-    }
+    CompleteDetection(taught, parameters_.workspace, &out_);
   }
 }
 

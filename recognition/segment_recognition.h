@@ -55,4 +55,16 @@ class SegmentRecognition {
   bool explained_ = false;
 };
 
+// Null where it no longer exists.
+const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
+                                     const Detection& detection);
+
+// The minimum score of a detection of `taught`, which may be null.
+double MinScore(const TaughtStablePose* taught, const MatchingParameters& parameters);
+
+// Adds the turns of the declared symmetry and the grasps to a detection that is accepted, and sets
+// its outcome. `taught` may be null.
+void CompleteDetection(const TaughtStablePose* taught, const std::optional<Box>& workspace,
+                       Detection* detection);
+
 }  // namespace graspdb::recognition

@@ -155,6 +155,7 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
     fields[axis] = *field;
   }
   scan->points.resize(count);
+  scan->width = cloud.width();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const char* first = cloud.data().data() + fields[axis]->offset();
     const auto read = fields[axis]->type() == Field::NUMERIC_TYPE_FLOAT64 ? &ReadComponent<double>

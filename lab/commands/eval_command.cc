@@ -42,6 +42,10 @@ std::vector<std::string> CaseNames() {
 }
 
 void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
+  command->add_flag(
+      "--in-image", arguments->in_image,
+      "Also judge every answer in the scan's image, and search for objects that have "
+      "no cluster of their own by point pairs; slower, and not yet part of the server");
   command->add_flag("--leave-one-out", arguments->leave_one_out,
                     "Capture sets: recognise each TEACH capture without its own view, instead of "
                     "the QUERY captures");

@@ -25,6 +25,7 @@ struct EvalArguments {
   recognition::MatchingParameters matching;
   bool own_thresholds = false;
   bool descriptors = false;
+  bool in_image = false;  // SceneParameters::enabled
   bool list = false;
   std::string out;      // folder; empty: no report
   std::string command;  // to repeat the run

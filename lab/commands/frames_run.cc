@@ -111,6 +111,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   if (frames->empty()) return absl::InvalidArgumentError("frames.json lists no frames");
   ExperimentRun run;
   run.parameters.matching = arguments.matching;
+  run.parameters.scene.enabled = arguments.in_image;
   auto progress = std::make_unique<ProgressLine>();
   run.report = [&](const std::string&, std::size_t done, std::size_t total) {
     progress->Report(static_cast<int>(done), static_cast<int>(total));

@@ -107,6 +107,7 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
     auto pose = std::make_shared<TaughtStablePose>();
     pose->name = StablePoseName(part);
     pose->symmetry_order = part.symmetry_order;
+    pose->object_mesh = part.object_mesh;
     pose->grasps.push_back({.id = "origin"});
     for (const IndexedView& v : views) {
       if (v.view->stable_pose == pose->name) pose->views.push_back(v.view);

@@ -188,8 +188,10 @@ absl::StatusOr<FrameResult> RecognizeFrame(const RealFrame& frame, const Experim
                                            FramesCatalogue* catalogue) {
   auto file = ReadPointFile(frame.path);
   if (!file.ok()) return file.status();
-  const recognition::Scan scan{
-      .points = std::move(file->points), .world_sensor = file->sensor_pose, .region = {}};
+  const recognition::Scan scan{.points = std::move(file->points),
+                               .world_sensor = file->sensor_pose,
+                               .region = {},
+                               .width = file->image_width()};
   const auto never = [] { return false; };
   FrameResult out{.frame = &frame};
   const auto start = std::chrono::steady_clock::now();

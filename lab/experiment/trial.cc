@@ -51,6 +51,7 @@ void CutOut(const DepthFrame& frame, recognition::Scan* scan) {
     if (frame.surface[i] == 0) scan->points[kept++] = scan->points[i];
   }
   scan->points.resize(kept);
+  scan->width = 0;
   scan->region.reset();
   scan->segmented = true;
 }
@@ -108,7 +109,8 @@ absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
   Trial out{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
                      .world_sensor = capture.world_sensor,
                      .region = FromMessage(SimulatedRegion()),
-                     .segmented = false},
+                     .segmented = false,
+                     .width = camera_.model().intrinsics.width},
             .truth = capture.placements,
             .seen = {}};
   for (std::size_t i = 0; i < out.truth.size(); ++i) {

@@ -21,12 +21,16 @@ class CloudsInMemory : public ViewClouds {
   absl::StatusOr<std::shared_ptr<const OrientedCloud>> Load(const TaughtView& view) override;
   absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) override;
+  absl::StatusOr<std::shared_ptr<const PairModel>> LoadPairModel(
+      const StablePoses& stable_poses) override;
 
  private:
   std::unordered_map<std::string, std::shared_ptr<const OrientedCloud>> clouds_;
-  std::mutex mutex_;  // guards models_
+  std::mutex mutex_;  // guards what follows
   // By the names of the views that they are fused from.
   std::unordered_map<std::string, std::shared_ptr<const SurfaceModel>> models_;
+  // By the names of the views of all stable poses.
+  std::unordered_map<std::string, std::shared_ptr<const PairModel>> pair_models_;
 };
 
 }  // namespace graspdb::recognition

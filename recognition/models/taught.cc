@@ -1,5 +1,8 @@
 #include "recognition/models/taught.h"
 
+#include <algorithm>
+#include <map>
+
 namespace graspdb::recognition {
 
 bool HaveSameModel(const TaughtView& a, const TaughtView& b) {
@@ -32,6 +35,48 @@ absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& 
     posed.push_back({*std::move(cloud), part->world_object});
   }
   return FuseViews(posed);
+}
+
+std::vector<StablePoses> PairModelGroups(const TaughtPoses& stable_poses) {
+  std::map<std::string, StablePoses> groups;
+  for (const auto& [name, stable_pose] : stable_poses) {
+    if (stable_pose->views.empty()) continue;
+    const bool has_mesh = stable_pose->object_mesh.has_value();
+    groups[has_mesh ? stable_pose->views.front()->object : name].push_back(stable_pose);
+  }
+  std::vector<StablePoses> out;
+  for (auto& [key, group] : groups) {
+    std::ranges::sort(group, {}, [](const auto& stable_pose) { return stable_pose->name; });
+    out.push_back(std::move(group));
+  }
+  return out;
+}
+
+const TaughtView* ModelView(const TaughtStablePose& stable_pose) {
+  for (const auto& view : stable_pose.views) {
+    if (view->shares_frame) return view.get();
+  }
+  return stable_pose.views.empty() ? nullptr : stable_pose.views.front().get();
+}
+
+absl::StatusOr<std::shared_ptr<const PairModel>> MakePairModelOf(const StablePoses& stable_poses,
+                                                                 ViewClouds& clouds) {
+  OrientedCloud whole;
+  for (const auto& stable_pose : stable_poses) {
+    const TaughtView* view = ModelView(*stable_pose);
+    if (view == nullptr) continue;
+    const auto model = clouds.LoadModel(*view, *stable_pose);
+    if (!model.ok()) return model.status();
+    if (*model == nullptr) continue;
+    const Eigen::Isometry3f mesh_object =
+        stable_pose->object_mesh.value_or(Pose::Identity()).inverse().cast<float>();
+    const OrientedCloud& part = (*model)->fine.cloud;
+    for (std::size_t i = 0; i < part.points.size(); ++i) {
+      whole.points.push_back(mesh_object * part.points[i]);
+      whole.normals.push_back(mesh_object.linear() * part.normals[i]);
+    }
+  }
+  return MakePairModel(whole, {});
 }
 
 }  // namespace graspdb::recognition

@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
 #include "recognition/models/surface_model.h"
+#include "recognition/pairs/pair_model.h"
 
 namespace graspdb::recognition {
 
@@ -71,6 +73,8 @@ inline constexpr std::size_t kMaxFusedViews = 400;
 std::vector<const TaughtView*> ViewsOfModel(const TaughtView& view,
                                             const TaughtStablePose& stable_pose);
 
+using StablePoses = std::vector<std::shared_ptr<const TaughtStablePose>>;
+
 // Provides the prepared clouds of views. Implementations are thread-safe.
 class ViewClouds {
  public:
@@ -81,6 +85,12 @@ class ViewClouds {
   // share it. Null when there is none.
   virtual absl::StatusOr<std::shared_ptr<const SurfaceModel>> LoadModel(
       const TaughtView& view, const TaughtStablePose& stable_pose) = 0;
+  // The surface of these stable poses of one object as one model, see MakePairModelOf. Null where
+  // there is none, and where the implementation does not keep any.
+  virtual absl::StatusOr<std::shared_ptr<const PairModel>> LoadPairModel(
+      const StablePoses& /*stable_poses*/) {
+    return nullptr;
+  }
 };
 
 // The model that `view` is fused into, made from the clouds of its views. Null without points;
@@ -88,5 +98,22 @@ class ViewClouds {
 absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& view,
                                                               const TaughtStablePose& stable_pose,
                                                               ViewClouds& clouds);
+
+// All stable poses by resource name.
+using TaughtPoses = std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>;
+
+// The stable poses that one pair model shows: those that were taught from one object's mesh
+// together, every other one alone. Sorted by name; without those that have no view.
+std::vector<StablePoses> PairModelGroups(const TaughtPoses& stable_poses);
+
+// The view whose model stands for a stable pose: the first whose frame others share, or else the
+// first. Null without views.
+const TaughtView* ModelView(const TaughtStablePose& stable_pose);
+
+// The surfaces of stable poses that were taught from one mesh, in the frame of that mesh: together
+// they show the object from all sides. A single stable pose may also have no mesh; its model is
+// then in its own frame. Null without points; errors of `clouds`.
+absl::StatusOr<std::shared_ptr<const PairModel>> MakePairModelOf(const StablePoses& stable_poses,
+                                                                 ViewClouds& clouds);
 
 }  // namespace graspdb::recognition

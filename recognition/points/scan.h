@@ -15,6 +15,7 @@ struct Scan {
   std::optional<Box> region;         // world frame; absent: DefaultRegion
   bool segmented = false;            // the points are one object's and nothing else
   DepthImage depth_image = {};       // in place of `points` where it is not empty
+  int width = 0;                     // points in a row of an organised cloud; 0: not organised
 
   bool is_image() const { return !depth_image.depth.empty(); }
   // Points, measured or not.

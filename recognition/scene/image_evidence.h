@@ -1,0 +1,71 @@
+// What a frame says about a posed model.
+#pragma once
+
+#include <cstddef>
+
+#include "recognition/frame/frame.h"
+#include "recognition/pairs/pair_model.h"
+
+namespace graspdb::recognition {
+
+struct ImageEvidenceParameters {
+  // Surfaces nearer than this are the same, m; at least noise_factor deviations of a measurement.
+  float tolerance_m = 0.006F;
+  float noise_factor = 2.5F;
+  // Cosine between normals of one surface.
+  float min_normal_cosine = 0.6F;
+  // Beside the outline, where the object has ended: this far, m, and at least so many pixels.
+  float beside_m = 0.006F;
+  float beside_px = 2.5F;
+  // Cosine between normals on both sides of a crease, at most.
+  float max_crease_cosine = 0.85F;
+};
+
+// Shares of the surface that the camera would see were nothing in front of it.
+struct SurfaceEvidence {
+  float seen = 0;          // measured there
+  float contradicted = 0;  // the camera looked through, or another surface is there
+  float tilted = 0;        // of the contradicted: a surface of another direction is there
+  float table = 0;         // only the table is there
+  float hidden = 0;        // something nearer hides it
+  float covered = 0;       // of the hidden: by something close in front
+  float unmeasured = 0;
+  float rms_m = 0;  // of what was seen, across the surface
+  float bend = 0;   // of what was seen, the mean of 1 - the cosine between the normals
+  float seen_area_m2 = 0;
+  std::size_t seen_count = 0;
+  std::size_t count = 0;
+
+  // One number for the order of hypotheses, 0 to 1.
+  float Score() const;
+};
+
+// Of the points of the outline that nothing hides.
+struct OutlineEvidence {
+  float ends = 0;     // share where the scene ends too: a depth step, a crease, the table
+  float smooth = 0;   // share where the scene goes on as it is
+  float unknown = 1;  // share of the outline that is hidden, not measured or not there
+  std::size_t count = 0;
+};
+
+// Looks up at most `max_points` of the visible points. `sensor_object`: T_sensor_object.
+SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
+                              const Eigen::Isometry3f& sensor_object, std::size_t max_points,
+                              float tolerance_factor, const ImageEvidenceParameters& parameters);
+
+OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
+                              const Eigen::Isometry3f& sensor_object,
+                              const ImageEvidenceParameters& parameters);
+
+// The aspect that the sensor sees of an object at this pose.
+const ModelAspect& AspectAt(const PairModel& model, const Eigen::Isometry3f& sensor_object);
+
+// Heights of the object's lowest and highest points over the table, m. 0 without a table.
+struct HeightRange {
+  float low = 0;
+  float high = 0;
+};
+HeightRange HeightsOver(const Plane& table, const PairModel& model,
+                        const Eigen::Isometry3f& sensor_object);
+
+}  // namespace graspdb::recognition

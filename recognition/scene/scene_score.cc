@@ -1,0 +1,53 @@
+#include "recognition/scene/scene_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace graspdb::recognition {
+namespace {
+
+float Above(float value, float limit) { return std::max(0.0F, value - limit); }
+
+// The logarithm of enough / there; 0 where there is enough, at most that of 1 / `least`.
+float Lack(float there, float enough, float least) {
+  return -std::log(std::clamp(there / enough, least, 1.0F));
+}
+
+}  // namespace
+
+float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
+                 const ImageEvidenceParameters& parameters, const SceneScoreWeights& weights) {
+  const SurfaceEvidence& s = hypothesis.surface;
+  const OutlineEvidence& o = hypothesis.outline;
+  const float measured = std::max(1e-3F, s.seen + s.contradicted + s.table);
+  const float z = hypothesis.sensor_object.translation().z();
+  const float tolerance =
+      std::max(parameters.tolerance_m, parameters.noise_factor * frame.NoiseAt(z));
+  const float area = s.seen_area_m2;
+  constexpr std::size_t kFewestOutline = 5;
+  // Where most of a low object looks like the table, what the rest says counts less.
+  const float judgeable = std::min(1.0F, (s.seen + s.contradicted) / 0.5F);
+  float against = 0;
+  against += weights.behind * std::min(0.4F, Above((s.contradicted - s.tilted) / measured, 0.05F));
+  against += weights.only_table * (1 - judgeable);
+  against += weights.tilted * Above(s.tilted / measured, 0.03F);
+  against += weights.table * Above(s.table / measured, 0.05F);
+  against += weights.bend * judgeable * Above(s.bend, 0.03F);
+  against += weights.unmeasured * Above(s.unmeasured, 0.2F);
+  against += weights.covered * s.covered;
+  against += weights.hidden * Above(s.hidden - s.covered, 0.2F);
+  against += weights.unseen * Lack(s.seen, 0.7F, 0.05F);
+  against += weights.smooth * judgeable * Above(o.count < kFewestOutline ? 0.5F : o.smooth, 0.05F);
+  against += weights.unknown * judgeable * Above(o.unknown, 0.35F);
+  against += weights.little_outline * Lack(static_cast<float>(o.count), 20, 0.1F);
+  against += weights.residual * Above(s.rms_m / tolerance, 0.3F);
+  if (frame.table) {
+    against += weights.floating * std::min(1.0F, Above(hypothesis.heights.low, 0.012F) / 0.05F);
+    against += weights.sunk * std::min(1.0F, Above(-hypothesis.heights.low, 0.010F) / 0.03F);
+  }
+  against += weights.information * Lack(hypothesis.information, 0.6F, 0.05F);
+  against += weights.area * Lack(area, 0.004F, 0.03F);
+  return weights.offset - against;
+}
+
+}  // namespace graspdb::recognition

@@ -1,0 +1,23 @@
+// What a frame shows beyond its segments: judges every answer in the image, and finds objects
+// where no segment is one object. docs/adr/0033-the-image-judges-every-answer.md.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "recognition/base/stages.h"
+#include "recognition/recognizer.h"
+#include "recognition/splitting/answered_segment.h"
+
+namespace graspdb::recognition {
+
+// Judges each answer of `answers` that has a view, rejects those that the image contradicts, and
+// adds detections of objects that point pairs find in the rest of the frame. Steps "frame",
+// "verify", "propose" and "explain". Not for segmented scans. Deterministic. Errors as LoadModel;
+// CANCELLED.
+absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
+                          const CatalogueSnapshot& catalogue, ViewClouds& clouds,
+                          const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
+                          StageLog* log, std::vector<AnsweredSegment>* answers);
+
+}  // namespace graspdb::recognition

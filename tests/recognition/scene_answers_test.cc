@@ -1,0 +1,147 @@
+// What the image adds to the answers of segments.
+#include "recognition/scene_answers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "recognition/scene/scene_score.h"
+#include "tests/recognition/taught_shapes.h"
+#include "tests/testing/status_matchers.h"
+
+namespace graspdb::recognition {
+namespace {
+
+using ::graspdb::testing::IsOk;
+using ::graspdb::testing::LargestCornerError;
+using ::graspdb::testing::Solid;
+using ::graspdb::testing::TakePicture;
+using ::graspdb::testing::TaughtShapes;
+
+// 1.25 mm a pixel at 0.6 m, about as many as depth cameras have.
+CameraIntrinsics FineCamera() {
+  CameraIntrinsics out = ::graspdb::testing::SmallCamera();
+  out.width *= 2;
+  out.height *= 2;
+  for (double* value : {&out.fx, &out.fy, &out.cx, &out.cy}) *value *= 2;
+  return out;
+}
+
+// Something that was never taught.
+Solid Unknown(double x, double y, double height) {
+  Solid out;
+  out.world_solid.translation() = Eigen::Vector3d(x, y, 0);
+  out.boxes = {{{-0.05, -0.05, 0}, {0.05, 0.05, height}},
+               {{-0.02, -0.07, 0}, {0.02, -0.05, 0.7 * height}}};
+  return out;
+}
+
+class SceneAnswersTest : public ::testing::Test {
+ protected:
+  SceneAnswersTest() { parameters_.scene.enabled = true; }
+
+  static Scan See(const std::vector<Solid>& parts) {
+    Scan scan;
+    scan.points = TakePicture({parts}, TaughtShapes::WorldSensor(), FineCamera()).points;
+    scan.width = FineCamera().width;
+    scan.world_sensor = TaughtShapes::WorldSensor();
+    return scan;
+  }
+  absl::StatusOr<Recognition> Run(const Scan& scan) {
+    return Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
+  }
+  static const Detection* Accepted(const Recognition& recognition, const std::string& object) {
+    for (const Detection& d : recognition.detections) {
+      if (d.view && d.view->object == "objects/" + object) return &d;
+    }
+    return nullptr;
+  }
+  SceneHypothesis JudgeAt(const Scan& scan, const std::string& object, const Pose& world_object) {
+    const auto& pose =
+        taught_.snapshot().stable_poses->at("objects/" + object + "/stablePoses/upright");
+    const auto model = taught_.LoadPairModel({pose});
+    EXPECT_THAT(model, IsOk());
+    frame_ = MakeFrame(scan, TaughtShapes::WorldSensor(), Plane(),
+                       Box{{-0.3, -0.3, -0.05}, {0.3, 0.3, 0.4}}, {}, [] { return false; });
+    return JudgePose(frame_, **model,
+                     (TaughtShapes::WorldSensor().inverse() * world_object).cast<float>(), {});
+  }
+  float ScoreAt(const Scan& scan, const std::string& object, const Pose& world_object) {
+    const SceneHypothesis judged = JudgeAt(scan, object, world_object);
+    return SceneScore(frame_, judged, {});
+  }
+
+  TaughtShapes taught_;
+  RecognitionParameters parameters_;
+  Frame frame_;
+};
+
+TEST_F(SceneAnswersTest, APartThatAnUnknownNeighbourTouchesIsFound) {
+  const Solid part = TaughtShapes::Part("bracket", -0.03, 0, 40);
+  const auto found = Run(See({part, Unknown(0.07, 0.01, 0.08)}));
+  ASSERT_THAT(found, IsOk());
+  const Detection* bracket = Accepted(*found, "bracket");
+  ASSERT_NE(bracket, nullptr);
+  EXPECT_LT(LargestCornerError("bracket", bracket->refined_pose, part.world_solid), 0.01);
+  EXPECT_FALSE(bracket->grasps.empty());
+}
+
+TEST_F(SceneAnswersTest, APartThatLeansOnAnUnknownOneIsNotNamedOtherwise) {
+  const auto found = Run(See({Unknown(0, 0, 0.08)}));
+  ASSERT_THAT(found, IsOk());
+  for (const std::string object : {"bracket", "tower", "slab"}) {
+    EXPECT_EQ(Accepted(*found, object), nullptr) << object;
+  }
+}
+
+TEST_F(SceneAnswersTest, TheTruePoseScoresHigherThanOthers) {
+  const Solid part = TaughtShapes::Part("tower", 0, 0, 30);
+  const Scan scan = See({part});
+  const float truth = ScoreAt(scan, "tower", part.world_solid);
+  EXPECT_GT(truth, 1);
+  for (const Eigen::Vector3d& shift :
+       {Eigen::Vector3d(0.03, 0, 0), Eigen::Vector3d(0, 0, 0.02), Eigen::Vector3d(0, 0, -0.03)}) {
+    Pose moved = part.world_solid;
+    moved.pretranslate(shift);
+    EXPECT_LT(ScoreAt(scan, "tower", moved), truth - 1) << shift.transpose();
+  }
+}
+
+TEST_F(SceneAnswersTest, AModelLaidOnALargerSurfaceEndsNowhere) {
+  Solid block;
+  block.boxes = {{{-0.15, -0.12, 0}, {0.15, 0.12, 0.03}}};
+  const SceneHypothesis judged = JudgeAt(See({block}), "slab", Pose::Identity());
+  EXPECT_GT(judged.surface.seen, 0.3F);
+  EXPECT_GT(judged.outline.smooth, 0.5F);
+}
+
+TEST_F(SceneAnswersTest, TheSameScanGivesTheSameAnswer) {
+  const Scan scan = See({TaughtShapes::Part("bracket", -0.03, 0, 40), Unknown(0.07, 0.01, 0.08)});
+  const auto a = Run(scan);
+  const auto b = Run(scan);
+  ASSERT_THAT(a, IsOk());
+  ASSERT_THAT(b, IsOk());
+  ASSERT_EQ(a->detections.size(), b->detections.size());
+  for (std::size_t i = 0; i < a->detections.size(); ++i) {
+    EXPECT_EQ(a->detections[i].refined_pose.matrix(), b->detections[i].refined_pose.matrix());
+    EXPECT_EQ(a->detections[i].score, b->detections[i].score);
+  }
+}
+
+TEST_F(SceneAnswersTest, StagesAreReported) {
+  const auto found = Run(See({TaughtShapes::Part("slab", 0, 0, 0)}));
+  ASSERT_THAT(found, IsOk());
+  std::vector<std::string> stages;
+  for (const StageReport& report : found->stages) stages.push_back(report.stage);
+  EXPECT_THAT(stages, ::testing::IsSupersetOf({"frame", "verify", "propose", "explain"}));
+}
+
+TEST_F(SceneAnswersTest, ACancelledSearchEnds) {
+  const Scan scan = See({Unknown(0, 0, 0.08)});
+  int calls = 0;
+  const auto answer =
+      Recognize(scan, taught_.snapshot(), taught_, parameters_, [&calls] { return ++calls > 40; });
+  EXPECT_EQ(answer.status().code(), absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace graspdb::recognition
