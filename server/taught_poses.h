@@ -11,8 +11,7 @@
 
 namespace graspdb::server {
 
-using TaughtPoses =
-    std::unordered_map<std::string, std::shared_ptr<const recognition::TaughtStablePose>>;
+using recognition::TaughtPoses;
 
 // The stable pose's name in `{stable pose}/views/{view}`.
 std::string PoseOfView(const std::string& view);

@@ -42,13 +42,31 @@ std::vector<std::string> CaseNames() {
 }
 
 void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
+  command->add_flag("--leave-one-out", arguments->leave_one_out,
+                    "Capture sets: recognise each TEACH capture without its own view, instead of "
+                    "the QUERY captures");
+}
+
+void AddPipelineOptions(CLI::App* command, EvalArguments* arguments) {
+  command
+      ->add_option("--min-score", arguments->matching.min_score,
+                   "Minimum score of accepted answers; 0 rejects none")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--verified-views", arguments->matching.verified_view_count,
+                   "Nearest views to verify; 1: the single-view baseline")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option("--further-views", arguments->matching.further_view_count,
+                   "Total number of views to try when those do not explain an object")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
   command->add_flag(
       "--in-image", arguments->in_image,
       "Also judge every answer in the scan's image, and search for objects that have "
       "no cluster of their own by point pairs; slower, and not yet part of the server");
-  command->add_flag("--leave-one-out", arguments->leave_one_out,
-                    "Capture sets: recognise each TEACH capture without its own view, instead of "
-                    "the QUERY captures");
 }
 
 }  // namespace
@@ -102,21 +120,7 @@ void AddEvalCommand(CLI::App& app, Action* action) {
   command->add_option("--trials", arguments->trials, "Random scenes for each orientation")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command
-      ->add_option("--min-score", arguments->matching.min_score,
-                   "Minimum score of accepted answers; 0 rejects none")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--verified-views", arguments->matching.verified_view_count,
-                   "Nearest views to verify; 1: the single-view baseline")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command
-      ->add_option("--further-views", arguments->matching.further_view_count,
-                   "Total number of views to try when those do not explain an object")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
+  AddPipelineOptions(command, arguments.get());
   command->add_flag("--own-thresholds", arguments->own_thresholds,
                     "Apply to each stable pose the threshold that its taught views propose, like "
                     "graspdb objects thresholds; takes longer");

@@ -3,23 +3,22 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "recognition/base/idle_cores.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// No depth camera measures nearer, m.
+// No depth camera measures nearer or farther, m.
 constexpr float kNearestZ = 0.05F;
-// Largest image, pixels a side.
-constexpr int kMaxSide = 2048;
+constexpr float kFarthestZ = 100;
 // Deviation from a pinhole image up to which an organised cloud is one, pixels.
 constexpr double kMaxPinholeErrorPx = 0.75;
 // Rows of an image that are one piece of work.
 constexpr int kBandRows = 32;
 
-bool IsDepth(const Eigen::Vector3f& p) { return p.allFinite() && p.z() > kNearestZ; }
+bool IsDepth(float z) { return z > kNearestZ && z < kFarthestZ; }
+bool IsDepth(const Eigen::Vector3f& p) { return p.allFinite() && IsDepth(p.z()); }
 
 // A line y = slope * x + offset, by least squares.
 struct LineFit {
@@ -35,7 +34,7 @@ struct LineFit {
   }
   bool Solve(double* slope, double* offset) const {
     const double spread = sxx - sx * sx / n;
-    if (n < 100 || spread <= 1e-9) return false;
+    if (n < 100 || !(spread > 1e-9)) return false;
     *slope = (sxy - sx * sy / n) / spread;
     *offset = (sy - *slope * sx) / n;
     const double rest = syy - sy * sy / n - *slope * *slope * spread;
@@ -81,39 +80,27 @@ void Thin(int step, CameraIntrinsics* camera) {
   for (double* value : {&camera->fx, &camera->fy, &camera->cx, &camera->cy}) *value /= step;
 }
 
-void TakeImage(const DepthImage& image, const FrameParameters& parameters, Frame* out) {
-  out->camera = image.camera;
-  const int step = StepOf(image.camera, parameters);
+// The depths of an image of `camera`, those of every few pixels.
+template <typename DepthOf>
+void TakeImage(const CameraIntrinsics& camera, const FrameParameters& parameters,
+               const DepthOf& depth_of, Frame* out) {
+  const int step = StepOf(camera, parameters);
+  out->camera = camera;
   Thin(step, &out->camera);
   out->depth.resize(out->PixelAt(0, out->camera.height));
   for (int v = 0; v < out->camera.height; ++v) {
     for (int u = 0; u < out->camera.width; ++u) {
       const std::size_t from =
-          static_cast<std::size_t>(v * step) * static_cast<std::size_t>(image.camera.width) +
+          static_cast<std::size_t>(v * step) * static_cast<std::size_t>(camera.width) +
           static_cast<std::size_t>(u * step);
-      const float z = static_cast<float>(image.depth[from]) * static_cast<float>(image.unit_m);
-      out->depth[out->PixelAt(u, v)] = z > kNearestZ ? z : 0;
+      const float z = depth_of(from);
+      out->depth[out->PixelAt(u, v)] = IsDepth(z) ? z : 0;
     }
   }
 }
 
-void TakeOrganised(const Points& points, const CameraIntrinsics& camera,
-                   const FrameParameters& parameters, Frame* out) {
-  out->camera = camera;
-  const int step = StepOf(camera, parameters);
-  Thin(step, &out->camera);
-  out->depth.resize(out->PixelAt(0, out->camera.height));
-  for (int v = 0; v < out->camera.height; ++v) {
-    for (int u = 0; u < out->camera.width; ++u) {
-      const Eigen::Vector3f& p =
-          points[static_cast<std::size_t>(v * step) * static_cast<std::size_t>(camera.width) +
-                 static_cast<std::size_t>(u * step)];
-      out->depth[out->PixelAt(u, v)] = IsDepth(p) ? p.z() : 0;
-    }
-  }
-}
-
-// The nearest point of each pixel. Points more than 60 degrees off the optical axis are left out.
+// The nearest point of each pixel. Points more than 60 degrees off the optical axis are left out,
+// so that an image has at most 3.4 focal lengths a side.
 void Render(const Scan& scan, const FrameParameters& parameters, Frame* out) {
   constexpr float kWidest = 1.7F;
   Eigen::Array2f low = Eigen::Array2f::Constant(kWidest);
@@ -129,7 +116,7 @@ void Render(const Scan& scan, const FrameParameters& parameters, Frame* out) {
   }
   if ((low > high).any()) return;
   const auto focal = static_cast<float>(parameters.cloud_focal_px);
-  const Eigen::Array2i size = (focal * (high - low)).ceil().cast<int>().min(kMaxSide - 1) + 1;
+  const Eigen::Array2i size = (focal * (high - low)).ceil().cast<int>() + 1;
   out->camera = {.width = size.x(),
                  .height = size.y(),
                  .fx = focal,
@@ -274,7 +261,7 @@ Eigen::Vector3f NormalAt(const Frame& frame, int u, int v, float radius_m) {
 void AddNormals(const FrameParameters& parameters, const IsCancelled& is_cancelled, Frame* out) {
   out->normals.assign(out->depth.size(), Eigen::Vector3f::Zero());
   ForEachBand(out->camera.height, [&](int first, int last) {
-    if (is_cancelled && is_cancelled()) return;
+    if (is_cancelled()) return;
     for (int v = first; v < last; ++v) {
       for (int u = 0; u < out->camera.width; ++u) {
         const std::size_t i = out->PixelAt(u, v);
@@ -300,9 +287,15 @@ Frame MakeFrame(const Scan& scan, const Pose& world_sensor, const std::optional<
   out.world_sensor = world_sensor;
   if (table) out.table = InSensor(*table, world_sensor);
   if (scan.is_image()) {
-    TakeImage(scan.depth_image, parameters, &out);
+    const auto unit = static_cast<float>(scan.depth_image.unit_m);
+    const auto depth_of = [&](std::size_t i) {
+      return static_cast<float>(scan.depth_image.depth[i]) * unit;
+    };
+    TakeImage(scan.depth_image.camera, parameters, depth_of, &out);
   } else if (const auto camera = CameraOfCloud(scan.points, scan.width)) {
-    TakeOrganised(scan.points, *camera, parameters, &out);
+    TakeImage(
+        *camera, parameters,
+        [&](std::size_t i) { return IsDepth(scan.points[i]) ? scan.points[i].z() : 0; }, &out);
   } else {
     Render(scan, parameters, &out);
   }

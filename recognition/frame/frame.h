@@ -28,8 +28,8 @@ struct FrameParameters {
   float flying_share = 0.012F;
   // Points nearer to the table belong to it, m; grows with the square of the distance from 0.8 m.
   double table_distance_m = 0.008;
-  // Points lower than this below the table, or farther than max_range_m from the sensor, are
-  // background: they are evidence, but no part of any object.
+  // Points lower than this below the table, m, are background: they are evidence, but no part of
+  // any object.
   double background_below_m = 0.02;
 };
 
@@ -42,8 +42,8 @@ enum class PixelRole : std::uint8_t {
   kBackground,  // outside of the region, or below the table
 };
 
-// A pinhole image of a scan in the sensor frame. Immutable after MakeFrame; safe for concurrent
-// reads.
+// A pinhole image of a scan in the sensor frame. Safe for concurrent reads. After MakeFrame only
+// roles change, from kObject to kExplained.
 struct Frame {
   CameraIntrinsics camera;
   // Row by row, m along the optical axis; 0 where nothing was measured.
@@ -51,8 +51,9 @@ struct Frame {
   std::vector<PixelRole> role;
   // Unit normals towards the sensor, sensor frame; zero where unknown. Of object pixels only.
   Normals normals;
-  std::optional<Plane> table;  // sensor frame
-  Pose world_sensor = Pose::Identity();
+  std::optional<Plane> table;            // sensor frame
+  Pose world_sensor = Pose::Identity();  // T_world_sensor
+  float noise_at_1m = 0.002F;            // deviation of a depth measurement, m
 
   bool Contains(int u, int v) const {
     return u >= 0 && v >= 0 && u < camera.width && v < camera.height;
@@ -88,14 +89,13 @@ struct Frame {
   }
   // Deviation of a depth measurement at `z` metres, m.
   float NoiseAt(float z) const { return noise_at_1m * z * z; }
-
-  float noise_at_1m = 0.002F;
 };
 
 // The image of `scan`: that of its depth image or of its organised cloud, thinned where it is
 // large; other clouds are rendered, the nearest point a pixel. `table` (world frame) and `region`
-// (world frame) say which pixels show what. O(n). Cancelled within some milliseconds; the result is
-// then meaningless. Empty (width 0) where no camera could have measured the points.
+// (world frame) say which pixels show what. Depths under 5 cm and over 100 m are none. O(n).
+// Cancelled within some milliseconds; the result is then meaningless. Empty (width 0) where no
+// camera could have measured the points.
 Frame MakeFrame(const Scan& scan, const Pose& world_sensor, const std::optional<Plane>& table,
                 const Box& region, const FrameParameters& parameters,
                 const IsCancelled& is_cancelled);

@@ -3,8 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <unordered_map>
 
 #include "recognition/index/descriptor_index.h"
 #include "recognition/models/taught.h"
@@ -16,8 +14,7 @@ struct CatalogueSnapshot {
   std::int64_t revision = 0;
   DescriptorIndex index;
   // By resource name.
-  std::shared_ptr<const std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>
-      stable_poses;
+  std::shared_ptr<const TaughtPoses> stable_poses;
 };
 
 }  // namespace graspdb::recognition

@@ -6,7 +6,6 @@
 #include "absl/strings/str_cat.h"
 
 namespace graspdb::recognition {
-
 namespace {
 
 std::string KeyOf(const TaughtView& view, const TaughtStablePose& stable_pose) {

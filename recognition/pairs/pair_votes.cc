@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "recognition/simd/kernels.h"
+#include "recognition/simd/soa_cloud.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -52,26 +53,6 @@ class Accumulator {
   std::vector<std::uint16_t> votes_;
 };
 
-// Coordinates one axis after the other, for SIMD code.
-class Columns {
- public:
-  explicit Columns(const Points& points) {
-    for (auto* axis : {&x_, &y_, &z_}) axis->assign(simd::Padded(points.size()), simd::kFar);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      x_[i] = points[i].x();
-      y_[i] = points[i].y();
-      z_[i] = points[i].z();
-    }
-  }
-  simd::Coordinates coordinates() const { return {x_.data(), y_.data(), z_.data(), x_.size()}; }
-  std::size_t padded() const { return x_.size(); }
-
- private:
-  std::vector<float> x_;
-  std::vector<float> y_;
-  std::vector<float> z_;
-};
-
 // Puts the model's point and normal on the scene's, turned by `turn_rad` about it.
 Eigen::Isometry3f PoseOf(const ReferenceFrame& scene, const ReferenceFrame& model, float turn_rad) {
   const Eigen::Matrix3f turn =
@@ -94,14 +75,15 @@ std::vector<Eigen::Isometry3f> VotedPoses(const PairModel& model, const Oriented
   const std::size_t count = scene.points.size();
   const std::size_t references = std::min(parameters.reference_count, count);
   const float reach = model.diameter_m * model.diameter_m;
-  const Columns columns(scene.points);
-  std::vector<float> distances(columns.padded());
+  const SoaCloud columns(scene);
+  const simd::Coordinates coordinates = columns.coordinates().points;
+  std::vector<float> distances(coordinates.count);
   for (std::size_t r = 0; r < references; ++r) {
     const std::size_t i = r * count / references;
     const ReferenceFrame frame(scene.points[i], scene.normals[i]);
     votes.Clear();
     if (poll.After(20 * count)) return out;
-    simd::Best().squared_distances(columns.coordinates(), frame.origin.data(), distances.data());
+    simd::Best().squared_distances(coordinates, frame.origin.data(), distances.data());
     for (std::size_t j = 0; j < count; ++j) {
       if (distances[j] > reach || i == j) continue;
       const auto pairs =

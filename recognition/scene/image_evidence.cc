@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace graspdb::recognition {
 namespace {
@@ -18,8 +19,7 @@ Border Beside(const Frame& frame, const Eigen::Vector3f& p, const Eigen::Vector3
               const ImageEvidenceParameters& parameters) {
   const float pixel_m = p.z() / static_cast<float>(frame.camera.fx);
   const float beside = std::max(parameters.beside_m, parameters.beside_px * pixel_m);
-  const float step =
-      2 * std::max(parameters.tolerance_m, parameters.noise_factor * frame.NoiseAt(p.z()));
+  const float step = 2 * ToleranceAt(frame, p.z(), parameters);
   const std::ptrdiff_t inner = frame.PixelOf(p - beside * outward);
   if (inner < 0) return Border::kUnknown;
   const auto here = static_cast<std::size_t>(inner);
@@ -55,6 +55,10 @@ Border Beside(const Frame& frame, const Eigen::Vector3f& p, const Eigen::Vector3
 
 }  // namespace
 
+float ToleranceAt(const Frame& frame, float z, const ImageEvidenceParameters& parameters) {
+  return std::max(parameters.tolerance_m, parameters.noise_factor * frame.NoiseAt(z));
+}
+
 float SurfaceEvidence::Score() const {
   const float there = seen + contradicted + table + 0.3F * unmeasured;
   if (there <= 0) return 0;
@@ -72,6 +76,7 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
   const Eigen::Matrix3f& turn = sensor_object.linear();
   float squares = 0;
   float bends = 0;
+  std::size_t count = 0;
   std::size_t contradicted = 0;
   std::size_t tilted = 0;
   std::size_t table = 0;
@@ -84,7 +89,7 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
     const Eigen::Vector3f n = turn * model.surface.normals[i];
     const float facing = -n.dot(p) / p.norm();
     if (facing < 0.1F) continue;
-    out.count += 1;
+    count += 1;
     const std::ptrdiff_t at = frame.PixelOf(p);
     if (at < 0) {
       unmeasured += 1;
@@ -96,9 +101,7 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
       unmeasured += 1;
       continue;
     }
-    const float tolerance =
-        tolerance_factor *
-        std::max(parameters.tolerance_m, parameters.noise_factor * frame.NoiseAt(p.z()));
+    const float tolerance = tolerance_factor * ToleranceAt(frame, p.z(), parameters);
     // Along the line of sight a slanted surface is farther away than across it.
     const float across = (z - p.z()) * std::max(facing, 0.35F);
     if (across < -tolerance) {
@@ -121,8 +124,8 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
       }
     }
   }
-  if (out.count == 0) return out;
-  const auto n = static_cast<float>(out.count);
+  if (count == 0) return out;
+  const auto n = static_cast<float>(count);
   out.seen = static_cast<float>(out.seen_count) / n;
   out.contradicted = static_cast<float>(contradicted) / n;
   out.tilted = static_cast<float>(tilted) / n;
@@ -142,30 +145,18 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
 OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
                               const Eigen::Isometry3f& sensor_object,
                               const ImageEvidenceParameters& parameters) {
-  std::size_t ends = 0;
+  OutlineEvidence out;
   std::size_t smooth = 0;
   for (std::size_t k = 0; k < aspect.outline.size(); ++k) {
-    const Eigen::Vector3f p = sensor_object * aspect.outline[k];
-    const Eigen::Vector3f outward = sensor_object.linear() * aspect.outward[k];
-    switch (Beside(frame, p, outward, parameters)) {
-      case Border::kEnds:
-        ends += 1;
-        break;
-      case Border::kSmooth:
-        smooth += 1;
-        break;
-      case Border::kUnknown:
-        break;
-    }
+    const Border border = Beside(frame, sensor_object * aspect.outline[k],
+                                 sensor_object.linear() * aspect.outward[k], parameters);
+    out.count += border != Border::kUnknown ? 1 : 0;
+    smooth += border == Border::kSmooth ? 1 : 0;
   }
-  OutlineEvidence out;
-  out.unknown = aspect.outline.empty() ? 1
-                                       : 1 - static_cast<float>(ends + smooth) /
-                                                 static_cast<float>(aspect.outline.size());
-  out.count = ends + smooth;
   if (out.count == 0) return out;
-  out.ends = static_cast<float>(ends) / static_cast<float>(out.count);
-  out.smooth = static_cast<float>(smooth) / static_cast<float>(out.count);
+  const auto known = static_cast<float>(out.count);
+  out.smooth = static_cast<float>(smooth) / known;
+  out.unknown = 1 - known / static_cast<float>(aspect.outline.size());
   return out;
 }
 
@@ -175,18 +166,13 @@ const ModelAspect& AspectAt(const PairModel& model, const Eigen::Isometry3f& sen
   return model.AspectFrom((sensor - model.center).normalized());
 }
 
-HeightRange HeightsOver(const Plane& table, const PairModel& model,
-                        const Eigen::Isometry3f& sensor_object) {
-  const Eigen::Vector3f up = sensor_object.linear().transpose() * table.normal.cast<float>();
-  const float offset = table.normal.cast<float>().dot(sensor_object.translation()) -
-                       static_cast<float>(table.offset);
-  HeightRange out{1e9F, -1e9F};
-  for (const auto& p : model.points.points) {
-    const float height = up.dot(p) + offset;
-    out.low = std::min(out.low, height);
-    out.high = std::max(out.high, height);
-  }
-  return out;
+float ClearanceOver(const Plane& table, const PairModel& model,
+                    const Eigen::Isometry3f& sensor_object) {
+  const Eigen::Vector3f normal = table.normal.cast<float>();
+  const Eigen::Vector3f up = sensor_object.linear().transpose() * normal;
+  float lowest = std::numeric_limits<float>::max();
+  for (const auto& p : model.points.points) lowest = std::min(lowest, up.dot(p));
+  return lowest + normal.dot(sensor_object.translation()) - static_cast<float>(table.offset);
 }
 
 }  // namespace graspdb::recognition

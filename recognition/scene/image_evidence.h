@@ -21,6 +21,9 @@ struct ImageEvidenceParameters {
   float max_crease_cosine = 0.85F;
 };
 
+// Surfaces at depth `z` (m) that are nearer to each other are the same, m.
+float ToleranceAt(const Frame& frame, float z, const ImageEvidenceParameters& parameters);
+
 // Shares of the surface that the camera would see were nothing in front of it.
 struct SurfaceEvidence {
   float seen = 0;          // measured there
@@ -34,25 +37,26 @@ struct SurfaceEvidence {
   float bend = 0;   // of what was seen, the mean of 1 - the cosine between the normals
   float seen_area_m2 = 0;
   std::size_t seen_count = 0;
-  std::size_t count = 0;
 
-  // One number for the order of hypotheses, 0 to 1.
+  // For the order of hypotheses, 0 to 1.
   float Score() const;
 };
 
-// Of the points of the outline that nothing hides.
+// Along the outline, where nothing hides it: does the scene end as well, by a depth step, a concave
+// crease or the table?
 struct OutlineEvidence {
-  float ends = 0;     // share where the scene ends too: a depth step, a crease, the table
-  float smooth = 0;   // share where the scene goes on as it is
-  float unknown = 1;  // share of the outline that is hidden, not measured or not there
-  std::size_t count = 0;
+  float smooth = 0;       // share where the scene goes on as it is
+  float unknown = 1;      // share of all that is hidden, not measured or not there
+  std::size_t count = 0;  // points that are not unknown
 };
 
-// Looks up at most `max_points` of the visible points. `sensor_object`: T_sensor_object.
+// Looks up at most `max_points` of the visible points, with so many times the tolerance.
+// `sensor_object`: T_sensor_object.
 SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
                               const Eigen::Isometry3f& sensor_object, std::size_t max_points,
                               float tolerance_factor, const ImageEvidenceParameters& parameters);
 
+// `sensor_object`: T_sensor_object.
 OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
                               const Eigen::Isometry3f& sensor_object,
                               const ImageEvidenceParameters& parameters);
@@ -60,12 +64,9 @@ OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
 // The aspect that the sensor sees of an object at this pose.
 const ModelAspect& AspectAt(const PairModel& model, const Eigen::Isometry3f& sensor_object);
 
-// Heights of the object's lowest and highest points over the table, m. 0 without a table.
-struct HeightRange {
-  float low = 0;
-  float high = 0;
-};
-HeightRange HeightsOver(const Plane& table, const PairModel& model,
-                        const Eigen::Isometry3f& sensor_object);
+// Height of the object's lowest point over the table, m; negative below it. Both in the sensor
+// frame.
+float ClearanceOver(const Plane& table, const PairModel& model,
+                    const Eigen::Isometry3f& sensor_object);
 
 }  // namespace graspdb::recognition

@@ -16,12 +16,19 @@ using Vector6 = Eigen::Matrix<float, 6, 1>;
 struct Equations {
   Matrix6 left = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
-  float squares = 0;
   float weights = 0;
   std::size_t count = 0;
 };
 
-// Turns are about the object's centre, in units of its radius, so that all unknowns are metres.
+// How the distance of `p` along `normal` changes with a step: turns about `center`, in units of
+// `radius`, so that all unknowns are metres, then shifts.
+Vector6 RowOf(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
+              const Eigen::Vector3f& center, float radius) {
+  Vector6 out;
+  out << (p - center).cross(normal) / radius, normal;
+  return out;
+}
+
 Equations Linearised(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
                      const Eigen::Isometry3f& pose, float reach, std::size_t max_points,
                      float min_cosine) {
@@ -48,11 +55,9 @@ Equations Linearised(const Frame& frame, const PairModel& model, const ModelAspe
     const float ratio = residual / reach;
     if (std::abs(ratio) >= 1) continue;
     const float weight = (1 - ratio * ratio) * (1 - ratio * ratio);
-    Vector6 row;
-    row << (p - center).cross(normal) / radius, normal;
+    const Vector6 row = RowOf(p, normal, center, radius);
     out.left += weight * row * row.transpose();
     out.right += weight * residual * row;
-    out.squares += weight * residual * residual;
     out.weights += weight;
     out.count += 1;
   }
@@ -69,8 +74,7 @@ Matrix6 IdealEquations(const PairModel& model, const ModelAspect& aspect,
   for (std::size_t k = 0; k < wanted; ++k) {
     const std::size_t i = aspect.visible[k * all / wanted];
     const Eigen::Vector3f n = pose.linear() * model.surface.normals[i];
-    Vector6 row;
-    row << (pose * model.surface.points[i] - center).cross(n) / (model.diameter_m / 2), n;
+    const Vector6 row = RowOf(pose * model.surface.points[i], n, center, model.diameter_m / 2);
     out += row * row.transpose();
   }
   return out;
@@ -106,9 +110,7 @@ ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
     const Equations equations =
         Linearised(frame, model, AspectAt(model, out.sensor_object), out.sensor_object, reach,
                    parameters.max_points, parameters.min_normal_cosine);
-    out.correspondences = equations.count;
-    if (equations.count < kFewest) return out;
-    out.rms_m = std::sqrt(equations.squares / equations.weights);
+    if (equations.count < kFewest) return {out.sensor_object, false};
     Matrix6 left = equations.left;
     // Directions that nothing constrains stay as they are.
     left.diagonal().array() += 0.01F * equations.weights;
@@ -122,6 +124,8 @@ ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
     }
     change.translation() = center - change.linear() * center + step.tail<3>();
     out.sensor_object = change * out.sensor_object;
+    // A turn is in units of the radius, so that this bounds the motion of every point.
+    out.converged = step.head<3>().norm() + step.tail<3>().norm() < parameters.converged_m;
   }
   out.sensor_object.linear() =
       Eigen::Quaternionf(out.sensor_object.linear()).normalized().toRotationMatrix();

@@ -12,13 +12,15 @@ struct ImageRefinementParameters {
   float first_reach_m = 0.020F;
   float last_reach_m = 0.008F;
   std::size_t max_points = 200;
+  // Between the normals of model and measurement.
   float min_normal_cosine = 0.5F;
+  // A step that moves no point of the object farther is the last that matters, m.
+  float converged_m = 0.0005F;
 };
 
 struct ImageRefinement {
   Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();
-  std::size_t correspondences = 0;  // of the last step
-  float rms_m = 0;
+  bool converged = false;  // the last step was smaller than converged_m
 };
 
 // Point to plane with projective association (Blais and Levine 1995): each visible point of the

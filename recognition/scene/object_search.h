@@ -1,6 +1,8 @@
 // Where in a frame an object may be, without clusters.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "recognition/base/cancellation.h"
@@ -12,24 +14,31 @@
 
 namespace graspdb::recognition {
 
+// Which candidates go on to the next step.
+struct SelectionParameters {
+  std::size_t points = 64;     // of the surface that are looked up, see LookAtSurface
+  float tolerance_factor = 1;  // see LookAtSurface
+  float min_score = 0;         // 0 to 1; a right pose that is accepted in the end scores more
+  std::size_t count = 100;
+  // With their centres in one cell of half a diameter: a large neighbour that explains a model
+  // badly in a hundred ways must not end the search elsewhere.
+  std::size_t at_one_place = 1;
+};
+
 struct ObjectSearchParameters {
   PairVotesParameters votes;
   ImageEvidenceParameters evidence;
-  // Each voted pose is checked with so many points; the best screened_count get a short refinement,
-  // of these refined_count a longer one, and kept_count are left.
-  std::size_t check_points = 64;
-  std::size_t screened_count = 120;
-  std::size_t refined_count = 24;
-  std::size_t kept_count = 12;
-  // Candidates that score less after the check, the short and the longer refinement end there: a
-  // right one that is accepted scores more.
-  float min_checked_score = 0.25F;
-  float min_refined_score = 0.40F;
-  float min_kept_score = 0.50F;
-  // Of these, at one place.
-  std::size_t screened_at_one_place = 4;
-  std::size_t refined_at_one_place = 2;
-  std::size_t kept_at_one_place = 1;
+  // Each voted pose is checked; the best of them get a short refinement, the best of these a longer
+  // one, and the best of these are left.
+  SelectionParameters checked = {
+      .points = 64, .tolerance_factor = 2, .min_score = 0.25F, .count = 120, .at_one_place = 4};
+  SelectionParameters screened = {
+      .points = 64, .tolerance_factor = 1.5F, .min_score = 0.40F, .count = 24, .at_one_place = 2};
+  SelectionParameters refined = {
+      .points = 160, .tolerance_factor = 1, .min_score = 0.50F, .count = 12, .at_one_place = 1};
+  // Points of the surface and of the outline that a pose is judged on at the end.
+  std::size_t judged_points = 400;
+  std::size_t judged_outline_points = 96;
   ImageRefinementParameters first_steps = {
       .iterations = 3, .first_reach_m = 0.025F, .last_reach_m = 0.012F, .max_points = 64};
   ImageRefinementParameters last_steps = {
@@ -38,12 +47,13 @@ struct ObjectSearchParameters {
 
 // A pose of a model in a frame, and what the frame says about it.
 struct SceneHypothesis {
-  Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();
+  Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();  // T_sensor_object
   SurfaceEvidence surface;
   OutlineEvidence outline;
-  HeightRange heights;    // over the table
-  float information = 0;  // see InformationOf
-  float score = 0;        // for the order of hypotheses, 0 to 1
+  std::optional<float> clearance_m;  // over the table, see ClearanceOver; absent: no table
+  float information = 0;             // see InformationOf
+  float score = 0;                   // for the order of hypotheses, 0 to 1
+  bool converged = false;            // of the alignment that led there
 };
 
 // Points of a frame's object pixels, one a cell of `cell_m` metres. Sensor frame.

@@ -20,7 +20,7 @@ struct SceneParameters {
   // Objects are searched for in what the accepted answers leave over, where that is at least this
   // large, m2.
   double min_area_m2 = 8e-4;
-  // Of those of a large catalogue, the ones whose views resemble a segment come first.
+  // At most so many objects are searched for, those first whose views resemble a segment.
   std::size_t max_objects = 40;
   // An object taught from views alone stands as it was taught, up to this tilt, rad.
   double max_tilt_rad = 0.26;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace graspdb::recognition {
 namespace {
@@ -21,9 +22,7 @@ float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
   const OutlineEvidence& o = hypothesis.outline;
   const float measured = std::max(1e-3F, s.seen + s.contradicted + s.table);
   const float z = hypothesis.sensor_object.translation().z();
-  const float tolerance =
-      std::max(parameters.tolerance_m, parameters.noise_factor * frame.NoiseAt(z));
-  const float area = s.seen_area_m2;
+  const float tolerance = ToleranceAt(frame, z, parameters);
   constexpr std::size_t kFewestOutline = 5;
   // Where most of a low object looks like the table, what the rest says counts less.
   const float judgeable = std::min(1.0F, (s.seen + s.contradicted) / 0.5F);
@@ -41,12 +40,12 @@ float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
   against += weights.unknown * judgeable * Above(o.unknown, 0.35F);
   against += weights.little_outline * Lack(static_cast<float>(o.count), 20, 0.1F);
   against += weights.residual * Above(s.rms_m / tolerance, 0.3F);
-  if (frame.table) {
-    against += weights.floating * std::min(1.0F, Above(hypothesis.heights.low, 0.012F) / 0.05F);
-    against += weights.sunk * std::min(1.0F, Above(-hypothesis.heights.low, 0.010F) / 0.03F);
+  if (const std::optional<float> clearance = hypothesis.clearance_m) {
+    against += weights.floating * std::min(1.0F, Above(*clearance, 0.012F) / 0.05F);
+    against += weights.sunk * std::min(1.0F, Above(-*clearance, 0.010F) / 0.03F);
   }
   against += weights.information * Lack(hypothesis.information, 0.6F, 0.05F);
-  against += weights.area * Lack(area, 0.004F, 0.03F);
+  against += weights.area * Lack(s.seen_area_m2, 0.004F, 0.03F);
   return weights.offset - against;
 }
 

@@ -22,15 +22,16 @@ struct SceneScoreWeights {
   float hidden = 1.1F;   // by something else
   float unseen = 1.2F;   // the logarithm of 0.7 / the seen share
   // Shares of the outline.
-  float smooth = 10.0F;  // where the scene goes on as if nothing ended
-  float unknown = 1.8F;  // that is hidden or not measured
-  float little_outline = 1.0F;
-  float residual = 2.3F;     // root mean square distance beyond 0.3 tolerances
-  float floating = 3.3F;     // 5 cm above the table
-  float sunk = 3.6F;         // 3 cm below it
-  float information = 0.8F;  // the logarithm of 0.6 / SceneHypothesis::information
-  float area = 2.8F;         // the logarithm of 40 cm2 / the seen area
-  // Share of the measured surface, half of which is enough, that is not the table.
+  float smooth = 10.0F;         // where the scene goes on as if nothing ended
+  float unknown = 1.8F;         // that is hidden or not measured
+  float little_outline = 1.0F;  // the logarithm of 20 / the known points of the outline
+  float residual = 2.3F;        // root mean square distance beyond 0.3 tolerances
+  float floating = 3.3F;        // 5 cm above the table
+  float sunk = 3.6F;            // 3 cm below it
+  float information = 0.8F;     // the logarithm of 0.6 / SceneHypothesis::information
+  float area = 2.8F;            // the logarithm of 40 cm2 / the seen area
+  // Half of the surface has to be measured, and not as the table: the share of that half that is
+  // missing.
   float only_table = 0;
 };
 

@@ -127,6 +127,42 @@ TEST_F(SceneAnswersTest, TheSameScanGivesTheSameAnswer) {
   }
 }
 
+// As between two revisions of a catalogue.
+TEST_F(SceneAnswersTest, AnAnswerOfAStablePoseWithoutViewsStays) {
+  TaughtShapes apart(/*shares_frame=*/false);
+  CatalogueSnapshot snapshot = apart.snapshot();
+  TaughtPoses without_views;
+  for (const auto& [name, stable_pose] : *snapshot.stable_poses) {
+    auto copy = std::make_shared<TaughtStablePose>(*stable_pose);
+    copy->views.clear();
+    without_views[name] = std::move(copy);
+  }
+  snapshot.stable_poses = std::make_shared<const TaughtPoses>(std::move(without_views));
+  const auto found = Recognize(See({TaughtShapes::Part("tower", 0, 0, 30)}), snapshot, apart,
+                               parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  EXPECT_NE(Accepted(*found, "tower"), nullptr);
+}
+
+TEST_F(SceneAnswersTest, AnAlignmentThatStillMovesHasNotConverged) {
+  const Solid part = TaughtShapes::Part("tower", 0, 0, 30);
+  JudgeAt(See({part}), "tower", part.world_solid);
+  const auto model = taught_.LoadPairModel(
+      {taught_.snapshot().stable_poses->at("objects/tower/stablePoses/upright")});
+  ASSERT_THAT(model, IsOk());
+  Eigen::Isometry3f start =
+      (TaughtShapes::WorldSensor().inverse() * part.world_solid).cast<float>();
+  const Eigen::Isometry3f truth = start;
+  start.pretranslate(Eigen::Vector3f(0.006F, 0.004F, -0.006F));
+  ImageRefinementParameters steps;
+  steps.iterations = 1;
+  EXPECT_FALSE(RefineInImage(frame_, **model, start, steps).converged);
+  steps.iterations = 20;
+  const ImageRefinement refined = RefineInImage(frame_, **model, start, steps);
+  EXPECT_TRUE(refined.converged);
+  EXPECT_LT((refined.sensor_object.translation() - truth.translation()).norm(), 0.004F);
+}
+
 TEST_F(SceneAnswersTest, StagesAreReported) {
   const auto found = Run(See({TaughtShapes::Part("slab", 0, 0, 0)}));
   ASSERT_THAT(found, IsOk());

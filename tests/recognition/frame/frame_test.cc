@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "tests/recognition/taught_shapes.h"
@@ -105,6 +108,13 @@ TEST_F(FrameTest, AWrongWidthIsNoImageOrder) {
   const Frame frame = Make(scan_);
   EXPECT_NE(frame.camera.width, 96);
   EXPECT_GT(Count(frame, PixelRole::kObject), 100);
+}
+
+TEST_F(FrameTest, DepthsThatNoCameraMeasuresAreNone) {
+  const auto first =
+      static_cast<std::size_t>(std::ranges::find(picture_.shown, 0) - picture_.shown.begin());
+  scan_.points[first] *= 1e30F / scan_.points[first].z();
+  EXPECT_EQ(Make(scan_).depth[first], 0);
 }
 
 TEST_F(FrameTest, ALargeImageIsThinned) {

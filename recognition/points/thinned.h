@@ -1,0 +1,13 @@
+// Thinning that keeps the sides of thin sheets apart.
+#pragma once
+
+#include "recognition/base/types.h"
+
+namespace graspdb::recognition {
+
+// The mean point and normal of each cubic cell of edge `cell_m` (m), and of each side that the
+// surface has there. In the order in which the cells first appear; frame and units of the cloud.
+// Points must be finite and within a million cells of the origin. O(n).
+OrientedCloud ThinnedToCells(const OrientedCloud& cloud, float cell_m);
+
+}  // namespace graspdb::recognition
