@@ -72,7 +72,8 @@ TEST_F(FailureTest, ResumesAnInterruptedImport) {
   EXPECT_THAT(broken.err, HasSubstr("run the same command again"));
   EXPECT_EQ(Status().view_count(), 0);
   const std::int64_t revision = Status().catalog_revision();
-  ASSERT_EQ(Graspdb({"import", Path("set"), "--resume"}).exit_status, 0);
+  const Finished again = Graspdb({"import", Path("set"), "--resume"});
+  ASSERT_EQ(again.exit_status, 0) << again.err;
   EXPECT_EQ(Status().view_count(), 72);
   EXPECT_EQ(Status().catalog_revision(), revision + 1);
   const Finished nothing = Graspdb({"import", Path("set"), "--resume"});

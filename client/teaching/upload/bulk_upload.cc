@@ -36,6 +36,12 @@ absl::Status AfterViews(const absl::Status& status, const char* flag) {
   return out;
 }
 
+// Whether gRPC ended the stream, and not the server, which gives its errors an id: libgrpc 1.51
+// resets one with PROTOCOL_ERROR now and then on a machine without processor time to spare.
+bool IsReset(const absl::Status& status) {
+  return absl::IsInternal(status) && RequestIdOf(status).empty();
+}
+
 class BulkUpload {
  public:
   BulkUpload(Client& client, const ViewsToTeach& views, const BulkUploadOptions& options,
@@ -127,14 +133,20 @@ class BulkUpload {
   }
 
   // Sends views until none are left. Those that a busy server has not answered are sent again,
-  // until it has answered none of all streams for BusyRetries.
+  // until it has answered none of all streams for BusyRetries. Those of a reset stream are, too, if
+  // views were answered meanwhile.
   absl::Status Stream() {
     std::deque<std::size_t> unanswered;
     std::optional<BusyRetries> retries;
     std::size_t done = 0;
     for (;;) {
       absl::Status status = SendOnce(&unanswered);
-      if (const std::size_t now = DoneCount(); !retries || now > done) {
+      const std::size_t now = DoneCount();
+      if (IsReset(status) && now > done) {
+        done = now;
+        continue;
+      }
+      if (!retries || now > done) {
         retries.emplace(client_.busy_retries());
         done = now;
       }

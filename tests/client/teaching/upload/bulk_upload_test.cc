@@ -187,6 +187,24 @@ TEST_F(BulkUploadTest, AServerThatIsLostLeavesTheViewsThatWereSent) {
   EXPECT_EQ(lost.status().GetPayload(kErrorDetails), "details");
 }
 
+TEST_F(BulkUploadTest, ViewsOfAStreamThatGrpcResetAreSentAgain) {
+  server_.refusal = {grpc::StatusCode::INTERNAL, "Received RST_STREAM with error code 1"};
+  server_.refusals = 1000;
+  server_.answers = 2;
+  const auto taught = Teach(/*count=*/5, /*streams=*/1, /*busy_retries=*/0);
+  ASSERT_THAT(taught, IsOk());
+  EXPECT_EQ(taught->counts.created, 5);
+  EXPECT_EQ(server_.refused(), 2);
+}
+
+TEST_F(BulkUploadTest, AStreamThatIsResetAgainWithoutAnAnswerEndsIt) {
+  server_.refusal = {grpc::StatusCode::INTERNAL, "Received RST_STREAM with error code 1"};
+  server_.refusals = 1000;
+  EXPECT_THAT(Teach(/*count=*/5, /*streams=*/1, /*busy_retries=*/7),
+              StatusIs(absl::StatusCode::kInternal, HasSubstr("RST_STREAM")));
+  EXPECT_EQ(server_.refused(), 1);
+}
+
 // It may have been made, after which there is no upload to resume.
 TEST_F(BulkUploadTest, ACommitThatIsLostNeedsNoResume) {
   server_.committed = {grpc::StatusCode::UNAVAILABLE, "gone", "details"};
