@@ -38,7 +38,8 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   recognition.Report(&log, &out);
   // The single-view baseline is the paper's method and nothing else; a segmented scan has no
   // surroundings.
-  if (parameters.scene.enabled && !scan.segmented && parameters.matching.verified_view_count > 1) {
+  const bool in_image = parameters.scene.verify || parameters.scene.search;
+  if (in_image && !scan.segmented && parameters.matching.verified_view_count > 1) {
     absl::Status explained = ExplainScene(scan, *segmentation, catalogue, clouds, parameters,
                                           is_cancelled, &log, &*answers);
     if (!explained.ok()) return explained;

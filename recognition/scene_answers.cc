@@ -54,7 +54,7 @@ class Scene {
  public:
   Scene(const Scan& scan, const Segmentation& segmentation, const CatalogueSnapshot& catalogue,
         ViewClouds& clouds, const RecognitionParameters& parameters,
-        const IsCancelled& is_cancelled)
+        const IsCancelled& is_cancelled, const Points& of_interest)
       : world_sensor_(segmentation.world_sensor),
         catalogue_(catalogue),
         clouds_(clouds),
@@ -63,7 +63,7 @@ class Scene {
         groups_(PairModelGroups(*catalogue.stable_poses)),
         frame_(MakeFrame(scan, world_sensor_, segmentation.table,
                          scan.region.value_or(DefaultRegion(world_sensor_)), parameters.scene.frame,
-                         is_cancelled)) {
+                         is_cancelled, of_interest)) {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       for (const auto& stable_pose : groups_[g]) group_of_[stable_pose->name] = g;
     }
@@ -79,7 +79,7 @@ class Scene {
                        std::vector<AnsweredSegment>* answers);
 
  private:
-  absl::Status VerifyOne(Detection* detection);
+  void VerifyOne(Detection* detection);
   absl::Status CheckNotCancelled() const {
     return is_cancelled_() ? absl::CancelledError("cancelled while explaining the scene")
                            : absl::OkStatus();
@@ -103,32 +103,28 @@ absl::Status Scene::Verify(std::vector<AnsweredSegment>* answers) {
   for (AnsweredSegment& answer : *answers) {
     if (answer.detection.view == nullptr) continue;
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    if (absl::Status status = VerifyOne(&answer.detection); !status.ok()) return status;
+    VerifyOne(&answer.detection);
   }
   return absl::OkStatus();
 }
 
-absl::Status Scene::VerifyOne(Detection* detection) {
-  const TaughtStablePose* taught = StablePoseOf(catalogue_, *detection);
-  const auto group = taught == nullptr ? group_of_.end() : group_of_.find(taught->name);
-  if (group == group_of_.end()) return absl::OkStatus();
-  const auto model = clouds_.LoadPairModel(groups_[group->second]);
-  if (!model.ok()) return model.status();
-  if (*model == nullptr) return absl::OkStatus();
+void Scene::VerifyOne(Detection* detection) {
+  if (detection->model == nullptr) return;
   const SceneParameters& scene = parameters_.scene;
-  const Pose object_model = taught->object_mesh.value_or(Pose::Identity());
-  const Eigen::Isometry3f sensor_model =
-      (world_sensor_.inverse() * detection->refined_pose * object_model).cast<float>();
-  const SceneHypothesis judged = JudgePose(frame_, **model, sensor_model, scene.search);
+  const ImageModel model = MakeImageModel(detection->model->fine.cloud, {});
+  const Eigen::Isometry3f sensor_object =
+      (world_sensor_.inverse() * detection->refined_pose).cast<float>();
+  const SceneHypothesis judged = JudgePose(frame_, model, sensor_object, scene.object_search);
   const double own = std::clamp(detection->score, kMinConfidence, 1 - kMinConfidence);
-  const double score = ScoreOf(SceneScore(frame_, judged, scene.search.evidence, kContradictions) +
-                               std::log(own / (1 - own)) - scene.segment_bar);
-  if (score < std::min(0.5, MinScore(taught, parameters_.matching))) {
+  const double score =
+      ScoreOf(SceneScore(frame_, judged, scene.object_search.evidence, kContradictions) +
+              std::log(own / (1 - own)) - scene.segment_bar);
+  const double min_score = MinScore(StablePoseOf(catalogue_, *detection), parameters_.matching);
+  if (score < std::min(0.5, min_score)) {
     Reject(score, detection);
   } else {
-    recognition::Explain(PixelsOn(frame_, **model, sensor_model), &frame_);
+    recognition::Explain(PixelsOn(frame_, model, sensor_object), &frame_);
   }
-  return absl::OkStatus();
 }
 
 // Of a large catalogue, those whose views resemble an unexplained segment come first.
@@ -174,12 +170,13 @@ absl::StatusOr<std::vector<Proposal>> Scene::Propose(
   ForEachIndex(searched.size(), [&](std::size_t i) {
     if (is_cancelled_()) return;
     const PairModel& model = *searched[i].model;
-    found[i] = SearchObject(frame_, samples.at(cell_of(model)), model, scene.search, is_cancelled_);
+    found[i] =
+        SearchObject(frame_, samples.at(cell_of(model)), model, scene.object_search, is_cancelled_);
   });
   if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
   for (std::size_t i = 0; i < searched.size(); ++i) {
     for (const SceneHypothesis& hypothesis : found[i]) {
-      const double log_odds = SceneScore(frame_, hypothesis, scene.search.evidence);
+      const double log_odds = SceneScore(frame_, hypothesis, scene.object_search.evidence);
       out.push_back(
           {searched[i].group, searched[i].model, hypothesis, ScoreOf(log_odds - scene.pairs_bar)});
     }
@@ -243,6 +240,17 @@ std::size_t AcceptedCount(const std::vector<AnsweredSegment>& answers) {
       answers, [](const AnsweredSegment& a) { return a.detection.view != nullptr; }));
 }
 
+// Sensor frame.
+Points AcceptedPoints(const std::vector<AnsweredSegment>& answers, const Pose& world_sensor) {
+  const Eigen::Isometry3f sensor_world = world_sensor.inverse().cast<float>();
+  Points out;
+  for (const AnsweredSegment& answer : answers) {
+    if (answer.detection.view == nullptr) continue;
+    for (const auto& p : answer.segment.cloud.points) out.push_back(sensor_world * p);
+  }
+  return out;
+}
+
 }  // namespace
 
 absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
@@ -250,18 +258,23 @@ absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
                           const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
                           StageLog* log, std::vector<AnsweredSegment>* answers) {
   if (catalogue.stable_poses == nullptr) return absl::OkStatus();
+  const bool search = parameters.scene.search;
+  if (!search && AcceptedCount(*answers) == 0) return absl::OkStatus();
   std::optional<Scene> scene;
   log->Measure("frame", scan.size(), [&] {
-    scene.emplace(scan, segmentation, catalogue, clouds, parameters, is_cancelled);
+    scene.emplace(scan, segmentation, catalogue, clouds, parameters, is_cancelled,
+                  search ? Points() : AcceptedPoints(*answers, segmentation.world_sensor));
     return scene->object_pixels();
   });
   if (is_cancelled()) return absl::CancelledError("cancelled while making the frame");
   absl::Status status;
-  log->Measure("verify", AcceptedCount(*answers), [&] {
-    status = scene->Verify(answers);
-    return AcceptedCount(*answers);
-  });
-  if (!status.ok()) return status;
+  if (parameters.scene.verify) {
+    log->Measure("verify", AcceptedCount(*answers), [&] {
+      status = scene->Verify(answers);
+      return AcceptedCount(*answers);
+    });
+  }
+  if (!status.ok() || !search) return status;
   absl::StatusOr<std::vector<Proposal>> proposals;
   log->Measure("propose", scene->object_pixels(), [&] {
     proposals = scene->Propose(*answers);

@@ -72,7 +72,7 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
   d.evidence = EvidenceOf(hypothesis);
   d.registration = {.target_source = Pose::Identity(),
                     .converged = hypothesis.converged,
-                    .iterations = parameters.scene.search.last_steps.iterations,
+                    .iterations = parameters.scene.object_search.last_steps.iterations,
                     .rms_error_m = d.evidence.rms_m,
                     .inlier_fraction = d.evidence.scan_explained};
   d.point_count = hypothesis.surface.seen_count;

@@ -31,6 +31,8 @@ constexpr char kEvalFooter[] =
     "  graspdb eval meshes/*.ply --case hidden-20,hidden-40 --trials 8 --list\n"
     "  graspdb eval meshes/*.ply --case real-carmine,real-carmine-hidden-20 --trials 2\n"
     "  graspdb eval my-frames                            # with frames.json\n"
+    "  graspdb eval my-frames --composited 8             # with the same meshes rendered into "
+    "them\n"
     "  graspdb eval my-captures --leave-one-out --descriptors --out report\n"
     "  graspdb-bigbird bigbird set && graspdb eval set --descriptors --verified-views 1 "
     "--min-score 0   # as the paper";
@@ -63,10 +65,11 @@ void AddPipelineOptions(CLI::App* command, EvalArguments* arguments) {
                    "Total number of views to try when those do not explain an object")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command->add_flag(
-      "--in-image", arguments->in_image,
-      "Also judge every answer in the scan's image, and search for objects that have "
-      "no cluster of their own by point pairs; slower, and not yet part of the server");
+  command->add_flag("--without-image", arguments->without_image,
+                    "Do not judge the answers in the scan's image: what that step rejects");
+  command->add_flag("--search", arguments->search,
+                    "Also search for objects that have no cluster of their own by point pairs; "
+                    "slower, and not yet part of the server");
 }
 
 }  // namespace
@@ -119,6 +122,12 @@ void AddEvalCommand(CLI::App& app, Action* action) {
       ->capture_default_str();
   command->add_option("--trials", arguments->trials, "Random scenes for each orientation")
       ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option("--composited", arguments->composited,
+                   "Frames of real cameras: render so many scenes of the meshes into each, and "
+                   "recognise those instead")
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   AddPipelineOptions(command, arguments.get());
   command->add_flag("--own-thresholds", arguments->own_thresholds,

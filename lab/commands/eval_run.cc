@@ -138,7 +138,8 @@ class Runner {
   Runner(const EvalArguments& arguments, std::optional<ReportWriter> writer)
       : arguments_(arguments), writer_(std::move(writer)) {
     run_.parameters.matching = arguments.matching;
-    run_.parameters.scene.enabled = arguments.in_image;
+    run_.parameters.scene.verify = !arguments.without_image;
+    run_.parameters.scene.search = arguments.search;
     run_.judge_truth = arguments.list;
     run_.own_thresholds = arguments.own_thresholds;
     run_.kept_scans = writer_ ? kDrawnAnswers : 0;

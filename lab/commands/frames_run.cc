@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -12,10 +13,11 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/base/progress_line.h"
 #include "files/atomic_file.h"
-#include "files/point_file.h"
 #include "lab/commands/frame_picture.h"
+#include "lab/experiment/composites.h"
 #include "lab/experiment/real_frames.h"
 #include "lab/experiment/report/report_json.h"
+#include "rendering/counter_random.h"
 
 namespace graspdb::client {
 namespace {
@@ -76,7 +78,8 @@ void PrintSums(const std::vector<FrameResult>& results) {
       instances, wrong, again, times[times.size() / 2], times.back());
 }
 
-absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& result) {
+absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& result,
+                          const recognition::Points& points) {
   if (arguments.out.empty()) return absl::OkStatus();
   const std::filesystem::path folder(arguments.out);
   std::error_code error;
@@ -85,10 +88,7 @@ absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& res
     return absl::FailedPreconditionError("cannot make the folder " + arguments.out + ": " +
                                          error.message());
   }
-  const auto file = ReadPointFile(result.frame->path);
-  if (!file.ok()) return file.status();
-  return WriteShadedPicture(folder / (result.frame->name + ".png"),
-                            DrawFrame(result, file->points));
+  return WriteShadedPicture(folder / (result.frame->name + ".png"), DrawFrame(result, points));
 }
 
 absl::Status WriteReport(const EvalArguments& arguments, const std::vector<FrameResult>& results) {
@@ -103,6 +103,27 @@ absl::Status WriteReport(const EvalArguments& arguments, const std::vector<Frame
   return written;
 }
 
+// Calls `recognize` with the frame, or with `composited` scenes that are rendered into it. Errors
+// of `recognize`.
+template <typename Recognize>
+absl::Status Show(const RealFrame& frame, int composited, std::uint64_t seed,
+                  const ExperimentRun& run, const PartSet& set, const Recognize& recognize) {
+  constexpr int kMaxPlaced = 4;
+  const auto scan = ReadScan(frame);
+  if (!scan.ok()) return scan.status();
+  if (composited == 0) return recognize(frame, *scan);
+  for (int i = 0; i < composited; ++i) {
+    auto composite = Compose(frame, *scan, set, run.parameters,
+                             {.objects = 1 + i % kMaxPlaced,
+                              .seed = RandomBits(seed, 1, static_cast<std::uint64_t>(i))});
+    if (absl::IsFailedPrecondition(composite.status())) return absl::OkStatus();  // no table
+    if (!composite.ok()) return composite.status();
+    composite->frame.name += absl::StrFormat("-%d", i + 1);
+    if (absl::Status done = recognize(composite->frame, composite->scan); !done.ok()) return done;
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status RunFrames(const EvalArguments& arguments) {
@@ -111,7 +132,8 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   if (frames->empty()) return absl::InvalidArgumentError("frames.json lists no frames");
   ExperimentRun run;
   run.parameters.matching = arguments.matching;
-  run.parameters.scene.enabled = arguments.in_image;
+  run.parameters.scene.verify = !arguments.without_image;
+  run.parameters.scene.search = arguments.search;
   auto progress = std::make_unique<ProgressLine>();
   run.report = [&](const std::string&, std::size_t done, std::size_t total) {
     progress->Report(static_cast<int>(done), static_cast<int>(total));
@@ -119,14 +141,21 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   const auto catalogue = FramesCatalogue::Teach(*frames, run);
   progress.reset();
   if (!catalogue.ok()) return catalogue.status();
+  std::deque<RealFrame> shown;  // of the results
   std::vector<FrameResult> results;
-  for (const RealFrame& frame : *frames) {
-    auto result = RecognizeFrame(frame, run, catalogue->get());
-    if (!result.ok()) return result.status();
-    Print(*result, arguments.list);
-    if (absl::Status put = WritePicture(arguments, *result); !put.ok()) return put;
-    results.push_back(*std::move(result));
+  const auto recognize = [&](RealFrame frame, const recognition::Scan& scan) {
+    shown.push_back(std::move(frame));
+    results.push_back(RecognizeFrame(shown.back(), scan, run, catalogue->get()));
+    Print(results.back(), arguments.list);
+    return WritePicture(arguments, results.back(), scan.points);
+  };
+  for (std::size_t i = 0; i < frames->size(); ++i) {
+    const std::uint64_t seed = RandomBits(arguments.seed, 0, i);
+    absl::Status done =
+        Show((*frames)[i], arguments.composited, seed, run, (*catalogue)->set(), recognize);
+    if (!done.ok()) return done;
   }
+  if (results.empty()) return absl::InvalidArgumentError("no frame shows a table to render onto");
   PrintSums(results);
   return WriteReport(arguments, results);
 }

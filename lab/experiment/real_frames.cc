@@ -184,14 +184,17 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   return out;
 }
 
-absl::StatusOr<FrameResult> RecognizeFrame(const RealFrame& frame, const ExperimentRun& run,
-                                           FramesCatalogue* catalogue) {
+absl::StatusOr<recognition::Scan> ReadScan(const RealFrame& frame) {
   auto file = ReadPointFile(frame.path);
   if (!file.ok()) return file.status();
-  const recognition::Scan scan{.points = std::move(file->points),
-                               .world_sensor = file->sensor_pose,
-                               .region = {},
-                               .width = file->image_width()};
+  return recognition::Scan{.points = std::move(file->points),
+                           .world_sensor = file->sensor_pose,
+                           .region = {},
+                           .width = file->image_width()};
+}
+
+FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan,
+                           const ExperimentRun& run, FramesCatalogue* catalogue) {
   const auto never = [] { return false; };
   FrameResult out{.frame = &frame};
   const auto start = std::chrono::steady_clock::now();

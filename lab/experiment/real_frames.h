@@ -102,9 +102,12 @@ struct FrameResult {
   std::vector<PosedModel> posed = {};
 };
 
-// Recognises one frame and judges the answer. Errors as ReadPointFile; errors of the recognition
-// are part of the result.
-absl::StatusOr<FrameResult> RecognizeFrame(const RealFrame& frame, const ExperimentRun& run,
-                                           FramesCatalogue* catalogue);
+// The scan of a frame. Errors as ReadPointFile.
+absl::StatusOr<recognition::Scan> ReadScan(const RealFrame& frame);
+
+// Recognises `scan` and judges the answer by the poses in `frame`. Errors of the recognition are
+// part of the result.
+FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan,
+                           const ExperimentRun& run, FramesCatalogue* catalogue);
 
 }  // namespace graspdb::client

@@ -80,19 +80,50 @@ void Thin(int step, CameraIntrinsics* camera) {
   for (double* value : {&camera->fx, &camera->fy, &camera->cx, &camera->cy}) *value /= step;
 }
 
-// The depths of an image of `camera`, those of every few pixels.
+// Pixels [low, high) of an image.
+struct Window {
+  Eigen::Array2i low;
+  Eigen::Array2i high;
+};
+
+// The pixels within `margin_m` of points; all of them without points.
+Window WindowAround(const Points& points, float margin_m, const CameraIntrinsics& camera) {
+  const Eigen::Array2i size(camera.width, camera.height);
+  if (points.empty()) return {Eigen::Array2i::Zero(), size};
+  const Eigen::Array2d focal(camera.fx, camera.fy);
+  const Eigen::Array2d middle(camera.cx, camera.cy);
+  const Eigen::Array2d end = size.cast<double>();
+  Eigen::Array2d low = end;
+  Eigen::Array2d high = Eigen::Array2d::Zero();
+  for (const Eigen::Vector3f& p : points) {
+    if (!IsDepth(p)) continue;
+    const Eigen::Array2d at = focal * (p.head<2>().cast<double>().array() / p.z()) + middle;
+    const Eigen::Array2d margin = focal * margin_m / p.z();
+    low = low.min(at - margin);
+    high = high.max(at + margin);
+  }
+  return {low.max(0).min(end).cast<int>(), high.max(0).min(end).ceil().cast<int>()};
+}
+
+// The depths of an image of `camera`, those of every few pixels around the points of interest.
 template <typename DepthOf>
-void TakeImage(const CameraIntrinsics& camera, const FrameParameters& parameters,
-               const DepthOf& depth_of, Frame* out) {
+void TakeImage(const CameraIntrinsics& camera, const Points& of_interest,
+               const FrameParameters& parameters, const DepthOf& depth_of, Frame* out) {
   const int step = StepOf(camera, parameters);
   out->camera = camera;
   Thin(step, &out->camera);
+  const Window window = WindowAround(of_interest, parameters.margin_m, out->camera);
+  if ((window.high <= window.low).any()) return;
+  out->camera.width = window.high.x() - window.low.x();
+  out->camera.height = window.high.y() - window.low.y();
+  out->camera.cx -= window.low.x();
+  out->camera.cy -= window.low.y();
   out->depth.resize(out->PixelAt(0, out->camera.height));
   for (int v = 0; v < out->camera.height; ++v) {
     for (int u = 0; u < out->camera.width; ++u) {
-      const std::size_t from =
-          static_cast<std::size_t>(v * step) * static_cast<std::size_t>(camera.width) +
-          static_cast<std::size_t>(u * step);
+      const auto row = static_cast<std::size_t>((window.low.y() + v) * step);
+      const auto column = static_cast<std::size_t>((window.low.x() + u) * step);
+      const std::size_t from = row * static_cast<std::size_t>(camera.width) + column;
       const float z = depth_of(from);
       out->depth[out->PixelAt(u, v)] = IsDepth(z) ? z : 0;
     }
@@ -282,7 +313,7 @@ Plane InSensor(const Plane& plane, const Pose& world_sensor) {
 
 Frame MakeFrame(const Scan& scan, const Pose& world_sensor, const std::optional<Plane>& table,
                 const Box& region, const FrameParameters& parameters,
-                const IsCancelled& is_cancelled) {
+                const IsCancelled& is_cancelled, const Points& of_interest) {
   Frame out;
   out.world_sensor = world_sensor;
   if (table) out.table = InSensor(*table, world_sensor);
@@ -291,10 +322,10 @@ Frame MakeFrame(const Scan& scan, const Pose& world_sensor, const std::optional<
     const auto depth_of = [&](std::size_t i) {
       return static_cast<float>(scan.depth_image.depth[i]) * unit;
     };
-    TakeImage(scan.depth_image.camera, parameters, depth_of, &out);
+    TakeImage(scan.depth_image.camera, of_interest, parameters, depth_of, &out);
   } else if (const auto camera = CameraOfCloud(scan.points, scan.width)) {
     TakeImage(
-        *camera, parameters,
+        *camera, of_interest, parameters,
         [&](std::size_t i) { return IsDepth(scan.points[i]) ? scan.points[i].z() : 0; }, &out);
   } else {
     Render(scan, parameters, &out);

@@ -28,6 +28,8 @@ struct FrameParameters {
   float flying_share = 0.012F;
   // Points nearer to the table belong to it, m; grows with the square of the distance from 0.8 m.
   double table_distance_m = 0.008;
+  // Of an image's part around points of interest, m.
+  float margin_m = 0.05F;
   // Points lower than this below the table, m, are background: they are evidence, but no part of
   // any object.
   double background_below_m = 0.02;
@@ -96,8 +98,10 @@ struct Frame {
 // (world frame) say which pixels show what. Depths under 5 cm and over 100 m are none. O(n).
 // Cancelled within some milliseconds; the result is then meaningless. Empty (width 0) where no
 // camera could have measured the points.
+//
+// With points of interest (sensor frame, m), only the part of the image around them.
 Frame MakeFrame(const Scan& scan, const Pose& world_sensor, const std::optional<Plane>& table,
                 const Box& region, const FrameParameters& parameters,
-                const IsCancelled& is_cancelled);
+                const IsCancelled& is_cancelled, const Points& of_interest = {});
 
 }  // namespace graspdb::recognition

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "recognition/base/bounds.h"
 #include "recognition/points/thinned.h"
 
 namespace graspdb::recognition {
@@ -16,17 +15,6 @@ constexpr std::size_t kPairsPerCrowded = 200;
 constexpr std::size_t kMinCrowded = 150;
 // Distance of the cameras of the stored aspects, m, from the surface.
 constexpr float kUsualDistanceM = 0.8F;
-
-// Thinned to at most `max_points`, from `step_m` upwards.
-OrientedCloud AtMost(std::size_t max_points, const OrientedCloud& cloud, float* step_m) {
-  OrientedCloud out = ThinnedToCells(cloud, *step_m);
-  while (out.points.size() > max_points) {
-    const auto ratio = static_cast<float>(out.points.size()) / static_cast<float>(max_points);
-    *step_m *= std::max(1.03F, std::sqrt(ratio));
-    out = ThinnedToCells(cloud, *step_m);
-  }
-  return out;
-}
 
 // Evenly spread directions (Fibonacci's spiral).
 std::vector<Eigen::Vector3f> Directions(int count) {
@@ -48,11 +36,6 @@ const ModelAspect& PairModel::AspectFrom(const Eigen::Vector3f& towards_camera) 
   });
 }
 
-ModelAspect PairModel::AspectSeenFrom(const Eigen::Vector3f& camera,
-                                      std::size_t max_outline_points) const {
-  return recognition::AspectSeenFrom(surface, surface_step_m, center, camera, max_outline_points);
-}
-
 std::size_t PairModel::bytes() const {
   std::size_t out = sizeof(*this) + table->bytes() + frames.size() * sizeof(frames[0]) +
                     2 * sizeof(Eigen::Vector3f) * (points.points.size() + surface.points.size());
@@ -67,16 +50,10 @@ std::shared_ptr<const PairModel> MakePairModel(const OrientedCloud& surface,
                                                const PairModelParameters& parameters) {
   if (surface.points.empty()) return nullptr;
   auto out = std::make_shared<PairModel>();
-  const auto bounds = BoundsOf(surface.points);
-  out->center = bounds.center();
-  for (const auto& p : surface.points) {
-    out->diameter_m = std::max(out->diameter_m, 2 * (p - out->center).norm());
-  }
+  static_cast<ImageModel&>(*out) = MakeImageModel(surface, parameters.surface);
   out->step_m = std::max(parameters.min_step_m, parameters.step_share * out->diameter_m);
-  out->points = AtMost(parameters.max_points, surface, &out->step_m);
+  out->points = ThinnedToAtMost(parameters.max_points, surface, &out->step_m);
   if (out->points.points.size() < parameters.min_points) return nullptr;
-  out->surface_step_m = parameters.min_surface_step_m;
-  out->surface = AtMost(parameters.max_surface_points, surface, &out->surface_step_m);
   const std::size_t pairs = out->points.points.size() * out->points.points.size();
   out->table = std::make_unique<const PairTable>(out->points, out->diameter_m,
                                                  std::max(kMinCrowded, pairs / kPairsPerCrowded));

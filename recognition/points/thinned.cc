@@ -53,4 +53,14 @@ OrientedCloud ThinnedToCells(const OrientedCloud& cloud, float cell_m) {
   return out;
 }
 
+OrientedCloud ThinnedToAtMost(std::size_t max_points, const OrientedCloud& cloud, float* step_m) {
+  OrientedCloud out = ThinnedToCells(cloud, *step_m);
+  while (out.points.size() > max_points) {
+    const auto ratio = static_cast<float>(out.points.size()) / static_cast<float>(max_points);
+    *step_m *= std::max(1.03F, std::sqrt(ratio));
+    out = ThinnedToCells(cloud, *step_m);
+  }
+  return out;
+}
+
 }  // namespace graspdb::recognition

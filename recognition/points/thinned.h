@@ -10,4 +10,8 @@ namespace graspdb::recognition {
 // Points must be finite and within a million cells of the origin. O(n).
 OrientedCloud ThinnedToCells(const OrientedCloud& cloud, float cell_m);
 
+// Thinned to at most `max_points`: cells of `step_m` metres, and as much larger as it takes, which
+// `step_m` is then.
+OrientedCloud ThinnedToAtMost(std::size_t max_points, const OrientedCloud& cloud, float* step_m);
+
 }  // namespace graspdb::recognition

@@ -28,10 +28,11 @@ double OpenArea(const Frame& frame, int left, int top, int side) {
 
 }  // namespace
 
-std::vector<bool> PixelsOn(const Frame& frame, const PairModel& model,
+std::vector<bool> PixelsOn(const Frame& frame, const ImageModel& model,
                            const Eigen::Isometry3f& sensor_model) {
   std::vector<bool> out(frame.depth.size(), false);
-  for (const std::uint16_t i : AspectAt(model, sensor_model).visible) {
+  const ModelAspect aspect = model.AspectSeenFrom(sensor_model.inverse().translation(), 0);
+  for (const std::uint16_t i : aspect.visible) {
     const Eigen::Vector3f p = sensor_model * model.surface.points[i];
     const std::ptrdiff_t middle = frame.PixelOf(p);
     if (middle < 0) continue;

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "recognition/frame/frame.h"
-#include "recognition/pairs/pair_model.h"
+#include "recognition/pairs/image_model.h"
 
 namespace graspdb::recognition {
 
 // For each pixel of the frame, whether it shows the posed model: some millimetres beside its
 // visible points, at most 12 mm nearer or farther. `sensor_model`: T_sensor_model.
-std::vector<bool> PixelsOn(const Frame& frame, const PairModel& model,
+std::vector<bool> PixelsOn(const Frame& frame, const ImageModel& model,
                            const Eigen::Isometry3f& sensor_model);
 
 // Object pixels become explained ones.

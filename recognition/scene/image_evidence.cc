@@ -67,9 +67,10 @@ float SurfaceEvidence::Score() const {
   return seen / there * std::min(1.0F, visible / 0.4F);
 }
 
-SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
-                              const Eigen::Isometry3f& sensor_object, std::size_t max_points,
-                              float tolerance_factor, const ImageEvidenceParameters& parameters) {
+SurfaceEvidence LookAtSurface(const Frame& frame, const ImageModel& model,
+                              const ModelAspect& aspect, const Eigen::Isometry3f& sensor_object,
+                              std::size_t max_points, float tolerance_factor,
+                              const ImageEvidenceParameters& parameters) {
   SurfaceEvidence out;
   const std::size_t all = aspect.visible.size();
   const std::size_t wanted = std::min(max_points, all);
@@ -109,9 +110,10 @@ SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const 
       if (across > -kCloseM - tolerance) covered += 1;
     } else if (across <= tolerance && frame.role[pixel] == PixelRole::kTable) {
       table += 1;
+    } else if (across <= tolerance && frame.role[pixel] == PixelRole::kBackground) {
+      unmeasured += 1;  // outside of the region
     } else if (across > tolerance || frame.role[pixel] != PixelRole::kObject) {
-      // The camera looked through, or what is there is outside of the region or another object's.
-      contradicted += 1;
+      contradicted += 1;  // the camera looked through, or what is there is another object's
     } else {
       const Eigen::Vector3f& seen = frame.normals[pixel];
       if (seen.squaredNorm() > 0 && seen.dot(n) < parameters.min_normal_cosine) {
@@ -166,12 +168,17 @@ const ModelAspect& AspectAt(const PairModel& model, const Eigen::Isometry3f& sen
   return model.AspectFrom((sensor - model.center).normalized());
 }
 
-float ClearanceOver(const Plane& table, const PairModel& model,
+float ClearanceOver(const Plane& table, const ImageModel& model,
                     const Eigen::Isometry3f& sensor_object) {
   const Eigen::Vector3f normal = table.normal.cast<float>();
   const Eigen::Vector3f up = sensor_object.linear().transpose() * normal;
+  constexpr std::size_t kEnough = 400;
+  const Points& points = model.surface.points;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kEnough);
   float lowest = std::numeric_limits<float>::max();
-  for (const auto& p : model.points.points) lowest = std::min(lowest, up.dot(p));
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    lowest = std::min(lowest, up.dot(points[i]));
+  }
   return lowest + normal.dot(sensor_object.translation()) - static_cast<float>(table.offset);
 }
 

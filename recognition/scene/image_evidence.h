@@ -32,9 +32,9 @@ struct SurfaceEvidence {
   float table = 0;         // only the table is there
   float hidden = 0;        // something nearer hides it
   float covered = 0;       // of the hidden: by something close in front
-  float unmeasured = 0;
-  float rms_m = 0;  // of what was seen, across the surface
-  float bend = 0;   // of what was seen, the mean of 1 - the cosine between the normals
+  float unmeasured = 0;    // or outside of the region
+  float rms_m = 0;         // of what was seen, across the surface
+  float bend = 0;          // of what was seen, the mean of 1 - the cosine between the normals
   float seen_area_m2 = 0;
   std::size_t seen_count = 0;
 
@@ -52,9 +52,10 @@ struct OutlineEvidence {
 
 // Looks up at most `max_points` of the visible points, with so many times the tolerance.
 // `sensor_object`: T_sensor_object.
-SurfaceEvidence LookAtSurface(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
-                              const Eigen::Isometry3f& sensor_object, std::size_t max_points,
-                              float tolerance_factor, const ImageEvidenceParameters& parameters);
+SurfaceEvidence LookAtSurface(const Frame& frame, const ImageModel& model,
+                              const ModelAspect& aspect, const Eigen::Isometry3f& sensor_object,
+                              std::size_t max_points, float tolerance_factor,
+                              const ImageEvidenceParameters& parameters);
 
 // `sensor_object`: T_sensor_object.
 OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
@@ -64,9 +65,9 @@ OutlineEvidence LookAtOutline(const Frame& frame, const ModelAspect& aspect,
 // The aspect that the sensor sees of an object at this pose.
 const ModelAspect& AspectAt(const PairModel& model, const Eigen::Isometry3f& sensor_object);
 
-// Height of the object's lowest point over the table, m; negative below it. Both in the sensor
-// frame.
-float ClearanceOver(const Plane& table, const PairModel& model,
+// Height of the object's lowest point, of some hundred, over the table, m; negative below it. Both
+// in the sensor frame.
+float ClearanceOver(const Plane& table, const ImageModel& model,
                     const Eigen::Isometry3f& sensor_object);
 
 }  // namespace graspdb::recognition

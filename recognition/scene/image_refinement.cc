@@ -29,7 +29,7 @@ Vector6 RowOf(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
   return out;
 }
 
-Equations Linearised(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
+Equations Linearised(const Frame& frame, const ImageModel& model, const ModelAspect& aspect,
                      const Eigen::Isometry3f& pose, float reach, std::size_t max_points,
                      float min_cosine) {
   Equations out;
@@ -65,7 +65,7 @@ Equations Linearised(const Frame& frame, const PairModel& model, const ModelAspe
 }
 
 // Of a surface that is measured completely and without noise.
-Matrix6 IdealEquations(const PairModel& model, const ModelAspect& aspect,
+Matrix6 IdealEquations(const ImageModel& model, const ModelAspect& aspect,
                        const Eigen::Isometry3f& pose, std::size_t max_points) {
   Matrix6 out = Matrix6::Zero();
   const std::size_t all = aspect.visible.size();
@@ -132,7 +132,7 @@ ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
   return out;
 }
 
-float InformationOf(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
+float InformationOf(const Frame& frame, const ImageModel& model, const ModelAspect& aspect,
                     const Eigen::Isometry3f& sensor_object,
                     const ImageRefinementParameters& parameters) {
   const Equations known = Linearised(frame, model, aspect, sensor_object, parameters.last_reach_m,

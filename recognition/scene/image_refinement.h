@@ -32,7 +32,7 @@ ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
 
 // How well the frame constrains a pose, as a share of how well the complete visible surface would,
 // in the direction where that is least: 0 to 1.
-float InformationOf(const Frame& frame, const PairModel& model, const ModelAspect& aspect,
+float InformationOf(const Frame& frame, const ImageModel& model, const ModelAspect& aspect,
                     const Eigen::Isometry3f& sensor_object,
                     const ImageRefinementParameters& parameters);
 

@@ -71,7 +71,7 @@ float ClearanceFactor(std::optional<float> clearance_m) {
   return std::exp(-below / kFadesOverM);
 }
 
-std::optional<float> ClearanceAt(const Frame& frame, const PairModel& model,
+std::optional<float> ClearanceAt(const Frame& frame, const ImageModel& model,
                                  const Eigen::Isometry3f& sensor_object) {
   if (!frame.table) return std::nullopt;
   return ClearanceOver(*frame.table, model, sensor_object);
@@ -105,7 +105,7 @@ OrientedCloud SceneSample(const Frame& frame, float cell_m) {
   return ThinnedToCells(shown, cell_m);
 }
 
-SceneHypothesis JudgePose(const Frame& frame, const PairModel& model,
+SceneHypothesis JudgePose(const Frame& frame, const ImageModel& model,
                           const Eigen::Isometry3f& sensor_object,
                           const ObjectSearchParameters& parameters) {
   SceneHypothesis out;

@@ -67,7 +67,7 @@ std::vector<SceneHypothesis> SearchObject(const Frame& frame, const OrientedClou
                                           const IsCancelled& is_cancelled);
 
 // All that the frame says about a pose.
-SceneHypothesis JudgePose(const Frame& frame, const PairModel& model,
+SceneHypothesis JudgePose(const Frame& frame, const ImageModel& model,
                           const Eigen::Isometry3f& sensor_object,
                           const ObjectSearchParameters& parameters);
 

@@ -9,13 +9,16 @@
 namespace graspdb::recognition {
 
 struct SceneParameters {
-  // Off until its weights are fitted on more than 58 frames (docs/adr/0033).
-  bool enabled = false;
+  // Whether the image judges the answers of segments.
+  bool verify = true;
+  // Whether objects are searched for by point pairs in what the answers leave over, which takes 25
+  // ms of processor time an object.
+  bool search = false;
   FrameParameters frame;
-  ObjectSearchParameters search;
+  ObjectSearchParameters object_search;
   // Log-odds (scene_score.h) at which an answer has the score 0.5: of a segment's, to which those
   // of its own confidence are added, and of one by point pairs alone.
-  double segment_bar = -0.25;
+  double segment_bar = -1;
   double pairs_bar = 1.2;
   // Objects are searched for in what the accepted answers leave over, where that is at least this
   // large, m2.

@@ -38,23 +38,23 @@ struct SceneScoreWeights {
 // Only what contradicts a pose, for an answer whose own confidence already counts how little was
 // seen of it. Set by hand. Normals over 10 mm blur studs and thin parts, so that they count less.
 inline constexpr SceneScoreWeights kContradictions = {.offset = 0,
-                                                      .behind = 10,
+                                                      .behind = 7,
                                                       .tilted = 3,
-                                                      .table = 0,
+                                                      .table = 2,
                                                       .bend = 5,
                                                       .unmeasured = 0,
-                                                      .covered = 6,
-                                                      .hidden = 1,
+                                                      .covered = 2,
+                                                      .hidden = 0,
                                                       .unseen = 0,
                                                       .smooth = 8,
-                                                      .unknown = 3,
+                                                      .unknown = 0,
                                                       .little_outline = 0,
                                                       .residual = 0,
                                                       .floating = 2,
                                                       .sunk = 4,
                                                       .information = 0,
                                                       .area = 0,
-                                                      .only_table = 3};
+                                                      .only_table = 2};
 
 // The log-odds that the hypothesis is right. Above 0, more are right than wrong on the frames that
 // the weights were fitted on.

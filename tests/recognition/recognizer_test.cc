@@ -246,8 +246,9 @@ TEST_F(RecognizerTest, StagesCoverTheWholePipeline) {
   ASSERT_THAT(found, IsOk());
   std::vector<std::string> stages;
   for (const StageReport& report : found->stages) stages.push_back(report.stage);
-  EXPECT_THAT(stages, ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters",
-                                             "normals", "descriptor", "match", "register"));
+  EXPECT_THAT(stages,
+              ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters", "normals",
+                                     "descriptor", "match", "register", "frame", "verify"));
 }
 
 // As when two requests load a model first, or memory is short.

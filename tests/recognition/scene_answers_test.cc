@@ -37,7 +37,7 @@ Solid Unknown(double x, double y, double height) {
 
 class SceneAnswersTest : public ::testing::Test {
  protected:
-  SceneAnswersTest() { parameters_.scene.enabled = true; }
+  SceneAnswersTest() { parameters_.scene.search = true; }
 
   static Scan See(const std::vector<Solid>& parts) {
     Scan scan;

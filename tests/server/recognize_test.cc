@@ -198,7 +198,7 @@ TEST_F(RecognizeTest, TimingsAndTheIdOfTheCatalogueAreReturnedByDefault) {
   std::vector<std::string> stages;
   for (const v1::StageReport& stage : answer.stages()) stages.push_back(stage.stage());
   EXPECT_THAT(stages, ElementsAre("region", "plane", "outliers", "voxels", "clusters", "normals",
-                                  "descriptor", "match", "register"));
+                                  "descriptor", "match", "register", "frame", "verify"));
 }
 
 TEST_F(RecognizeTest, ASegmentedCloudNeedsNoTable) {

@@ -68,7 +68,9 @@ class RealFramesTest : public ::testing::Test {
     frames_ = *std::move(frames);
     auto catalogue = FramesCatalogue::Teach(frames_, {});
     if (!catalogue.ok()) return catalogue.status();
-    return RecognizeFrame(frames_.front(), {}, catalogue->get());
+    const auto scan = ReadScan(frames_.front());
+    if (!scan.ok()) return scan.status();
+    return RecognizeFrame(frames_.front(), *scan, {}, catalogue->get());
   }
 
   const TemporaryFolder folder_;
