@@ -69,6 +69,8 @@ class Scene {
     }
   }
 
+  // Whether the scan is no image that a camera could have taken.
+  bool is_empty() const { return frame_.depth.empty(); }
   std::size_t object_pixels() const {
     return static_cast<std::size_t>(std::ranges::count(frame_.role, PixelRole::kObject));
   }
@@ -267,6 +269,7 @@ absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
     return scene->object_pixels();
   });
   if (is_cancelled()) return absl::CancelledError("cancelled while making the frame");
+  if (scene->is_empty()) return absl::OkStatus();
   absl::Status status;
   if (parameters.scene.verify) {
     log->Measure("verify", AcceptedCount(*answers), [&] {

@@ -147,6 +147,7 @@ class Composer {
         static_cast<double>(pixels.size()) > kMinInView * static_cast<double>(count);
     if (pixels.size() < kMinPixels || !in_view) return false;
     std::vector<Eigen::Vector3d> points;
+    points.reserve(pixels.size());
     for (const std::size_t i : pixels) {
       points.push_back(world_sensor_ * image_.PointAt(i, drawn->depth_m[i]).cast<double>());
     }

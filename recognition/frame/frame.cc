@@ -121,9 +121,11 @@ void TakeImage(const CameraIntrinsics& camera, const Points& of_interest,
   out->depth.resize(out->PixelAt(0, out->camera.height));
   for (int v = 0; v < out->camera.height; ++v) {
     for (int u = 0; u < out->camera.width; ++u) {
-      const auto row = static_cast<std::size_t>((window.low.y() + v) * step);
-      const auto column = static_cast<std::size_t>((window.low.x() + u) * step);
-      const std::size_t from = row * static_cast<std::size_t>(camera.width) + column;
+      const int row = (window.low.y() + v) * step;
+      const int column = (window.low.x() + u) * step;
+      const std::size_t from =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width) +
+          static_cast<std::size_t>(column);
       const float z = depth_of(from);
       out->depth[out->PixelAt(u, v)] = IsDepth(z) ? z : 0;
     }

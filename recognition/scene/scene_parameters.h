@@ -18,7 +18,7 @@ struct SceneParameters {
   ObjectSearchParameters object_search;
   // Log-odds (scene_score.h) at which an answer has the score 0.5: of a segment's, to which those
   // of its own confidence are added, and of one by point pairs alone.
-  double segment_bar = -1;
+  double segment_bar = -1.25;
   double pairs_bar = 1.2;
   // Objects are searched for in what the accepted answers leave over, where that is at least this
   // large, m2.

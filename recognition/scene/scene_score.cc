@@ -28,7 +28,6 @@ float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
   const float judgeable = std::min(1.0F, (s.seen + s.contradicted) / 0.5F);
   float against = 0;
   against += weights.behind * std::min(0.4F, Above((s.contradicted - s.tilted) / measured, 0.05F));
-  against += weights.only_table * (1 - judgeable);
   against += weights.tilted * Above(s.tilted / measured, 0.03F);
   against += weights.table * Above(s.table / measured, 0.05F);
   against += weights.bend * judgeable * Above(s.bend, 0.03F);

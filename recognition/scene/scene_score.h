@@ -30,9 +30,6 @@ struct SceneScoreWeights {
   float sunk = 3.6F;            // 3 cm below it
   float information = 0.8F;     // the logarithm of 0.6 / SceneHypothesis::information
   float area = 2.8F;            // the logarithm of 40 cm2 / the seen area
-  // Half of the surface has to be measured, and not as the table: the share of that half that is
-  // missing.
-  float only_table = 0;
 };
 
 // Only what contradicts a pose, for an answer whose own confidence already counts how little was
@@ -40,7 +37,7 @@ struct SceneScoreWeights {
 inline constexpr SceneScoreWeights kContradictions = {.offset = 0,
                                                       .behind = 7,
                                                       .tilted = 3,
-                                                      .table = 2,
+                                                      .table = 4,
                                                       .bend = 5,
                                                       .unmeasured = 0,
                                                       .covered = 2,
@@ -53,8 +50,7 @@ inline constexpr SceneScoreWeights kContradictions = {.offset = 0,
                                                       .floating = 2,
                                                       .sunk = 4,
                                                       .information = 0,
-                                                      .area = 0,
-                                                      .only_table = 2};
+                                                      .area = 0};
 
 // The log-odds that the hypothesis is right. Above 0, more are right than wrong on the frames that
 // the weights were fitted on.

@@ -63,6 +63,22 @@ TEST_F(FrameTest, PixelsOfTheTableAndOfObjectsAreDistinguished) {
   EXPECT_GT(Count(frame, PixelRole::kTable), 3000);
 }
 
+TEST_F(FrameTest, AroundPointsOfInterestItIsAPartOfTheImage) {
+  const Frame whole = Make(scan_);
+  const Eigen::Vector3f point =
+      (TaughtShapes::WorldSensor().inverse() * Eigen::Vector3d::Zero()).cast<float>();
+  const Frame part = MakeFrame(scan_, TaughtShapes::WorldSensor(), Plane(), kRegion, {},
+                               [] { return false; }, {point});
+  EXPECT_GT(part.camera.width, 10);
+  EXPECT_LT(part.camera.width, whole.camera.width);
+  EXPECT_LT(part.camera.height, whole.camera.height);
+  const auto at = static_cast<std::size_t>(part.PixelOf(point));
+  const auto there = static_cast<std::size_t>(whole.PixelOf(point));
+  EXPECT_EQ(part.depth[at], whole.depth[there]);
+  EXPECT_EQ(part.role[at], whole.role[there]);
+  EXPECT_LT((part.PointAt(at, 1) - whole.PointAt(there, 1)).norm(), 1e-5);
+}
+
 TEST_F(FrameTest, NormalsOfFacesAreTheirs) {
   const Frame frame = Make(scan_);
   const Eigen::Vector3f up =
