@@ -35,7 +35,7 @@ class CompositesTest : public ::testing::Test {
     EXPECT_THAT(frame, IsOk());
     return {.points = ToPoints(*frame, model.intrinsics),
             .world_sensor = {},
-            .region = {},
+            .region = recognition::Box{{-0.25, -0.25, -0.05}, {0.25, 0.25, 0.4}},
             .width = frame->width};
   }
 
@@ -46,7 +46,8 @@ class CompositesTest : public ::testing::Test {
     return Compose(frame, scan, set_, {}, {.objects = 2, .seed = seed});
   }
 
-  // Points of the scan that are within the part's box at its pose, 8 mm larger.
+  // Points of the scan that are within the part's box at its pose, 8 mm larger. Of 200 pixels, half
+  // may lie between two surfaces.
   std::size_t CountOn(const Composite& composite, const FrameObject& object) const {
     const auto& part = *std::ranges::find(set_.parts, object.object, &Workpiece::object_id);
     recognition::Box box = BoundsOf(part.mesh);
@@ -70,7 +71,7 @@ TEST_F(CompositesTest, ShowsThePartsAtTheirTruePoses) {
     ASSERT_EQ(made->scan.points.size(), scan.points.size());
     EXPECT_FALSE(made->frame.objects[0].sensor_mesh.has_value()) << "new ones may hide it";
     for (std::size_t i = 1; i < made->frame.objects.size(); ++i) {
-      EXPECT_GT(CountOn(*made, made->frame.objects[i]), 150U) << seed << " " << i;
+      EXPECT_GT(CountOn(*made, made->frame.objects[i]), 100U) << seed << " " << i;
       ++placed;
     }
   }

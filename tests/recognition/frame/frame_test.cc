@@ -17,7 +17,7 @@ using ::graspdb::testing::SmallCamera;
 using ::graspdb::testing::TakePicture;
 using ::graspdb::testing::TaughtShapes;
 
-const Box kRegion{{-0.3, -0.3, -0.05}, {0.3, 0.3, 0.4}};
+Box Region() { return {{-0.3, -0.3, -0.05}, {0.3, 0.3, 0.4}}; }
 
 class FrameTest : public ::testing::Test {
  protected:
@@ -29,7 +29,8 @@ class FrameTest : public ::testing::Test {
   }
 
   Frame Make(const Scan& scan) const {
-    return MakeFrame(scan, TaughtShapes::WorldSensor(), Plane(), kRegion, {}, [] { return false; });
+    return MakeFrame(scan, TaughtShapes::WorldSensor(), Plane(), Region(), {},
+                     [] { return false; });
   }
   static std::ptrdiff_t Count(const Frame& frame, PixelRole role) {
     return std::ranges::count(frame.role, role);
@@ -67,7 +68,7 @@ TEST_F(FrameTest, AroundPointsOfInterestItIsAPartOfTheImage) {
   const Frame whole = Make(scan_);
   const Eigen::Vector3f point =
       (TaughtShapes::WorldSensor().inverse() * Eigen::Vector3d::Zero()).cast<float>();
-  const Frame part = MakeFrame(scan_, TaughtShapes::WorldSensor(), Plane(), kRegion, {},
+  const Frame part = MakeFrame(scan_, TaughtShapes::WorldSensor(), Plane(), Region(), {},
                                [] { return false; }, {point});
   EXPECT_GT(part.camera.width, 10);
   EXPECT_LT(part.camera.width, whole.camera.width);
@@ -114,7 +115,7 @@ TEST_F(FrameTest, ACloudWithoutImageOrderIsRendered) {
 
 TEST_F(FrameTest, PixelsBetweenTwoSurfacesAreDropped) {
   const auto first = std::ranges::find(picture_.shown, 0) - picture_.shown.begin();
-  const auto middle = static_cast<std::size_t>(first + 5 * scan_.width);
+  const auto middle = static_cast<std::size_t>(first + std::ptrdiff_t{5} * scan_.width);
   scan_.points[middle] *= 0.8F;
   EXPECT_EQ(Make(scan_).depth[middle], 0);
 }
