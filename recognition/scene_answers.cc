@@ -60,7 +60,8 @@ class Scene {
         clouds_(clouds),
         parameters_(parameters),
         is_cancelled_(is_cancelled),
-        groups_(PairModelGroups(*catalogue.stable_poses)),
+        groups_(parameters.scene.search ? PairModelGroups(*catalogue.stable_poses)
+                                        : std::vector<StablePoses>()),
         frame_(MakeFrame(scan, world_sensor_, segmentation.table,
                          scan.region.value_or(DefaultRegion(world_sensor_)), parameters.scene.frame,
                          is_cancelled, of_interest)) {
@@ -96,7 +97,7 @@ class Scene {
   ViewClouds& clouds_;
   const RecognitionParameters& parameters_;
   const IsCancelled& is_cancelled_;
-  const std::vector<StablePoses> groups_;
+  const std::vector<StablePoses> groups_;                  // empty without a search
   std::unordered_map<std::string, std::size_t> group_of_;  // by name of a stable pose
   Frame frame_;
 };

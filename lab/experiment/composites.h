@@ -23,10 +23,10 @@ struct Composite {
   recognition::Scan scan;  // an organised cloud
 };
 
-// Places parts of `set` on the table of `background`, within the region, half of them next to what
-// stands there, a quarter leaning, and renders them with the errors of one of the simulated
-// cameras. What the background shows in front of them hides them. Those of which less than 40 % is
-// in view are left out. Deterministic. FAILED_PRECONDITION without a table; errors as DepthCamera.
+// Places parts of `set` on the table of `background`, within the region, and renders them with the
+// errors of one of the simulated cameras. Half of them are next to what stands there, and a quarter
+// lean. The background hides parts behind it; at least 40 % of a part is in view. Deterministic.
+// FAILED_PRECONDITION without a table; errors as DepthCamera.
 absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition::Scan& scan,
                                   const PartSet& set,
                                   const recognition::RecognitionParameters& parameters,
