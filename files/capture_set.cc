@@ -13,6 +13,8 @@
 #include "absl/strings/str_cat.h"
 #include "files/atomic_file.h"
 #include "files/capture_check.h"
+#include "program/json_keys.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::client {
 namespace {
@@ -41,6 +43,7 @@ absl::StatusOr<std::string> ReadText(const fs::path& path) {
     return absl::InvalidArgumentError(
         absl::StrCat(path.string(), " is not a readable file; write the capture set again"));
   }
+  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
   return text;
 }
 
@@ -105,7 +108,8 @@ absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const fs::path& folder) {
   v1::CaptureSet set;
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &set, options);
   if (!parsed.ok()) return BadJson(path, std::string(parsed.message()), *text);
-  absl::Status checked = CheckSplitWords(*text);
+  absl::Status checked = CheckJsonKeys(*text);
+  if (checked.ok()) checked = CheckSplitWords(*text);
   if (checked.ok()) checked = CheckCaptureSet(set);
   if (checked.ok()) checked = CheckDistances(set);
   if (checked.ok()) return set;

@@ -1,8 +1,8 @@
 #include "files/depth_message.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -47,7 +47,7 @@ v1::DepthImage DepthMessage(const std::vector<std::uint16_t>& counts,
 
 v1::DepthImage FineDepthMessage(std::span<const float> depths_m,
                                 const recognition::CameraIntrinsics& camera, double far_m) {
-  constexpr long kMaxCount = std::numeric_limits<std::uint16_t>::max();
+  constexpr long kMaxCount = kNoCount - 1;
   const double unit_m = far_m / kMaxCount;
   std::vector<std::uint16_t> counts;
   counts.reserve(depths_m.size());
@@ -89,6 +89,7 @@ absl::StatusOr<recognition::Points> PointsFromMessage(const v1::DepthImage& mess
                                                    " pixels; check the camera"));
   }
   image.depth = *std::move(counts);
+  std::ranges::replace(image.depth, kNoCount, std::uint16_t{0});
   return recognition::PointsOf(image);
 }
 

@@ -11,8 +11,11 @@
 
 namespace graspdb::client {
 
-// `counts` (row by row, 0 without measurement) of `unit_m` metres along the sensor's z axis, as the
-// camera sends them; camera.width * camera.height counts are required.
+// The count of cameras that do not write 0 where nothing was measured: saturated.
+inline constexpr std::uint16_t kNoCount = 65535;
+
+// `counts` (row by row, 0 or kNoCount without measurement) of `unit_m` metres along the sensor's z
+// axis, as the camera sends them; camera.width * camera.height counts are required.
 v1::DepthImage DepthMessage(const std::vector<std::uint16_t>& counts,
                             const recognition::CameraIntrinsics& camera, double unit_m);
 

@@ -2,9 +2,12 @@
 
 #include <png.h>
 
+#include <algorithm>
+#include <bit>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -23,6 +26,7 @@ namespace {
 constexpr std::uint32_t kLongestSide = 8192;  // pixels; more than any depth camera has
 constexpr int kSignatureBytes = 8;
 constexpr std::size_t kPixelBytes = 2;
+static_assert(std::endian::native == std::endian::little, "counts are little-endian");
 
 // libpng calls longjmp on errors. Objects that it must not jump over are kept here, and the
 // functions that it leaves have no objects with destructors.
@@ -120,6 +124,55 @@ absl::Status Bad(const std::filesystem::path& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat(path.string(), " ", what));
 }
 
+// Sum of the differences of neighbours in a row, both measured, and their number.
+struct DepthSteps {
+  double sum = 0;
+  double swapped_sum = 0;  // with the two bytes of each count swapped
+  std::size_t pairs = 0;
+};
+
+DepthSteps StepsOf(const std::vector<std::uint16_t>& counts, std::size_t width) {
+  const auto swapped = [](int count) { return (count & 0xFF) << 8 | count >> 8; };
+  DepthSteps out;
+  for (std::size_t i = 1; i < counts.size(); ++i) {
+    const int a = counts[i - 1];
+    const int b = counts[i];
+    if (i % width == 0 || a == 0 || b == 0) continue;
+    out.sum += std::abs(a - b);
+    out.swapped_sum += std::abs(swapped(a) - swapped(b));
+    ++out.pairs;
+  }
+  return out;
+}
+
+// Surfaces are smooth. Where a program forgot that PNG has the high byte first, a step of one count
+// is one of 256.
+bool IsByteSwapped(const std::vector<std::uint16_t>& counts, std::size_t width) {
+  constexpr std::size_t kEnoughPairs = 1000;
+  constexpr double kSmoother = 4;
+  const DepthSteps steps = StepsOf(counts, width);
+  return steps.pairs >= kEnoughPairs && steps.sum > kSmoother * steps.swapped_sum;
+}
+
+// Little-endian counts, 0 where nothing was measured.
+absl::Status KeepMeasurements(const std::filesystem::path& path, const DepthPngCamera& camera,
+                              std::string* data) {
+  std::vector<std::uint16_t> counts(data->size() / kPixelBytes);
+  std::memcpy(counts.data(), data->data(), data->size());
+  for (std::uint16_t& count : counts) {
+    const auto& invalid = camera.invalid_counts;
+    if (count == kNoCount || std::ranges::find(invalid, count) != invalid.end()) count = 0;
+  }
+  if (IsByteSwapped(counts, static_cast<std::size_t>(camera.intrinsics.width))) {
+    return Bad(path,
+               "has counts that are smooth only with their two bytes swapped: PNG has the "
+               "high byte first; save the image again, as 16-bit grey, not as 8-bit grey "
+               "times 256");
+  }
+  std::memcpy(data->data(), counts.data(), data->size());
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::string> ReadBytes(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
@@ -146,8 +199,12 @@ absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
   if (!ReadHeader(file)) return Bad(path, absl::StrCat("is damaged (", file.trouble, ")"));
   if (png_get_bit_depth(file.png, file.info) != 16 ||
       png_get_color_type(file.png, file.info) != PNG_COLOR_TYPE_GRAY) {
-    return Bad(
-        path, "does not have one channel of 16 bits; save depths as 16-bit grey, not as a picture");
+    const int channels = png_get_channels(file.png, file.info);
+    return Bad(path,
+               absl::StrCat("has ", channels, channels == 1 ? " channel of " : " channels of ",
+                            int{png_get_bit_depth(file.png, file.info)},
+                            " bits, and a depth image one channel of 16 bits; save depths as "
+                            "16-bit grey, not as a picture"));
   }
   const std::size_t width = png_get_image_width(file.png, file.info);
   const std::size_t height = png_get_image_height(file.png, file.info);
@@ -162,6 +219,8 @@ absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
   image.mutable_data()->resize(kPixelBytes * width * height);
   std::vector<png_bytep> rows = RowsOf(*image.mutable_data(), width, height);
   if (!ReadRows(file, rows)) return Bad(path, absl::StrCat("is damaged (", file.trouble, ")"));
+  absl::Status status = KeepMeasurements(path, camera, image.mutable_data());
+  if (!status.ok()) return status;
   return image;
 }
 

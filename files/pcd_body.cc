@@ -14,6 +14,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "files/surplus_bytes.h"
 
 namespace graspdb::client {
 namespace {
@@ -61,10 +62,18 @@ absl::Status CheckAscii(const std::filesystem::path& path, const PcdHeader& head
                                     header.point_count()));
 }
 
+absl::Status CheckSurplus(const std::filesystem::path& path, const PcdHeader& header,
+                          std::int64_t promised) {
+  const std::string error =
+      SurplusError(path, header.body_offset, static_cast<std::uint64_t>(promised));
+  return error.empty() ? absl::OkStatus() : Damaged(path, error);
+}
+
 absl::Status CheckBinary(const std::filesystem::path& path, const PcdHeader& header,
                          std::int64_t body_bytes) {
   const std::int64_t promised = header.point_count() * header.point_bytes();
-  if (body_bytes >= promised) return absl::OkStatus();
+  if (body_bytes == promised) return absl::OkStatus();
+  if (body_bytes > promised) return CheckSurplus(path, header, promised);
   return Damaged(path, absl::StrCat("it has ", body_bytes, " bytes of points, and its header ",
                                     "promises ", promised));
 }
@@ -95,7 +104,8 @@ absl::Status CheckCompressed(const std::filesystem::path& path, const PcdHeader&
     return Damaged(path, absl::StrCat("its ", sizes[0], " compressed bytes cannot hold the ",
                                       promised, " bytes that its header promises"));
   }
-  return absl::OkStatus();
+  if (sizes[0] == there) return absl::OkStatus();
+  return CheckSurplus(path, header, std::int64_t{sizeof(sizes)} + sizes[0]);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "files/point_file.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::client {
 namespace {
@@ -80,7 +81,8 @@ absl::Status ParseCounts(const Words& values, PcdHeader& header) {
   if (absl::Status count = ExpectCount(values, header, "COUNT"); !count.ok()) return count;
   for (std::size_t i = 0; i < values.size(); ++i) {
     int count = 0;
-    if (!absl::SimpleAtoi(values[i], &count) || count < 1 || count > kMaxFieldCount) {
+    const int fewest = header.fields[i].name == "_" ? 0 : 1;  // of padding
+    if (!absl::SimpleAtoi(values[i], &count) || count < fewest || count > kMaxFieldCount) {
       return absl::InvalidArgumentError(absl::StrCat("its COUNT line has \"", values[i],
                                                      "\" where 1 to ", kMaxFieldCount, " belongs"));
     }
@@ -208,8 +210,10 @@ absl::Status CheckComplete(const Lines& lines) {
 absl::StatusOr<PcdHeader> Parse(std::istream& in) {
   Lines lines;
   for (int number = 1; number <= kMaxHeaderLines; ++number) {
-    const std::optional<std::string> line = NextLine(in);
+    std::optional<std::string> line = NextLine(in);
     if (!line) break;
+    absl::Status taken = number == 1 ? TakeUtf8("its header", &*line) : absl::OkStatus();
+    if (!taken.ok()) return taken;
     const Words words = absl::StrSplit(*line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
     if (words.empty() || words[0][0] == '#') continue;
     if (absl::Status status = ParseLine(words, number, lines); !status.ok()) return status;

@@ -19,6 +19,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "files/ply_header.h"
+#include "files/surplus_bytes.h"
 
 namespace graspdb::client {
 namespace {
@@ -29,35 +30,71 @@ constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
 constexpr double kMaxListLength = 4294967295;  // of a uint
 static_assert(std::endian::native == std::endian::little);
 
+constexpr std::string_view kSpaces = " \t\r";
+constexpr std::string_view kSpacesAndLineFeeds = " \t\r\n";
+
 // Reads the numbers of a body one by one, in any encoding.
 class Body {
  public:
   Body(std::string_view bytes, PlyHeader::Encoding encoding)
       : bytes_(bytes), encoding_(encoding), total_(bytes.size()) {}
 
-  // Empty when the body ends first or a word is not a number.
-  std::optional<double> Next(Type type) {
-    return encoding_ == PlyHeader::Encoding::kAscii ? NextWord() : NextBinary(type);
+  // Of ascii, an instance of an element ends with a line, and may go over several, as RealSense's
+  // do (github.com/IntelRealSense/librealsense/issues/9803): numbers that the header does not
+  // declare, or that are missing, would shift all that follow.
+  void BeginRow() {
+    if (is_ascii()) SkipAll(kSpacesAndLineFeeds);
   }
 
-  // The reason why Next failed.
-  std::string Trouble() const {
-    if (!bad_word_.empty()) {
-      return absl::StrCat("\"", absl::CHexEscape(bad_word_), "\" stands where a number belongs");
+  bool EndRow() {
+    if (!is_ascii()) return true;
+    SkipAll(kSpaces);
+    if (bytes_.empty() || bytes_.front() == '\n') return true;
+    trouble_ = "its row has more or fewer numbers than the header declares";
+    return false;
+  }
+
+  // Empty when the body or the row ends first or a word is not a number.
+  std::optional<double> Next(Type type) { return is_ascii() ? NextWord() : NextBinary(type); }
+
+  // The number of entries of a list.
+  std::optional<std::int64_t> NextLength(Type type) {
+    const std::optional<double> length = Next(type);
+    if (!length) return std::nullopt;
+    if (*length >= 0 && *length <= kMaxListLength && *length == std::floor(*length)) {
+      return static_cast<std::int64_t>(*length);
     }
+    trouble_ = absl::StrCat("a list has the length ", *length);
+    return std::nullopt;
+  }
+
+  // The reason why the last call failed.
+  std::string Trouble() const {
+    if (!trouble_.empty()) return trouble_;
     return absl::StrCat("its body ends after ", total_, " bytes, before all declared elements");
   }
 
+  // Bytes that were read.
+  std::size_t position() const { return total_ - bytes_.size(); }
+
  private:
+  bool is_ascii() const { return encoding_ == PlyHeader::Encoding::kAscii; }
+
+  void SkipAll(std::string_view characters) {
+    bytes_.remove_prefix(std::min(bytes_.find_first_not_of(characters), bytes_.size()));
+  }
+
   std::optional<double> NextWord() {
-    constexpr std::string_view kSpaces = " \t\r\n";
-    bytes_.remove_prefix(std::min(bytes_.find_first_not_of(kSpaces), bytes_.size()));
+    SkipAll(kSpacesAndLineFeeds);
     if (bytes_.empty()) return std::nullopt;
-    const std::string_view word = bytes_.substr(0, bytes_.find_first_of(kSpaces));
+    const std::string_view word = bytes_.substr(0, bytes_.find_first_of(kSpacesAndLineFeeds));
     bytes_.remove_prefix(word.size());
     double value = 0;
     if (absl::SimpleAtod(absl::string_view(word.data(), word.size()), &value)) return value;
-    bad_word_ = std::string(word.substr(0, 20));
+    trouble_ = absl::StrCat(
+        "\"",
+        absl::CHexEscape(absl::string_view(word.data(), std::min<std::size_t>(word.size(), 20))),
+        "\" stands where a number belongs");
     return std::nullopt;
   }
 
@@ -101,23 +138,24 @@ class Body {
   std::string_view bytes_;
   PlyHeader::Encoding encoding_;
   std::size_t total_;
-  std::string bad_word_;
+  std::string trouble_;
 };
 
 // Skips one instance of an element; a list is bounded by the body.
 bool Skip(const PlyHeader::Element& element, Body& body) {
+  body.BeginRow();
   for (const PlyHeader::Property& property : element.properties) {
     std::int64_t values = 1;
     if (property.is_list) {
-      const std::optional<double> length = body.Next(property.length_type);
-      if (!length || !(*length >= 0 && *length <= kMaxListLength)) return false;
-      values = static_cast<std::int64_t>(*length);
+      const std::optional<std::int64_t> length = body.NextLength(property.length_type);
+      if (!length) return false;
+      values = *length;
     }
     for (std::int64_t i = 0; i < values; ++i) {
       if (!body.Next(property.type)) return false;
     }
   }
-  return true;
+  return body.EndRow();
 }
 
 // Positions of the named properties; empty unless all exist as float or double.
@@ -163,27 +201,49 @@ absl::StatusOr<PointFile> ReadVertices(const PlyHeader::Element& vertex, Body& b
     return Eigen::Vector3f(row[columns[0]], row[columns[1]], row[columns[2]]);
   };
   for (std::int64_t i = 0; i < vertex.count; ++i) {
+    const auto bad_row = [&] {
+      return absl::InvalidArgumentError(absl::StrCat("at point ", i + 1, ", ", body.Trouble()));
+    };
+    body.BeginRow();
     for (std::size_t k = 0; k < row.size(); ++k) {
       const std::optional<double> value = body.Next(vertex.properties[k].type);
-      if (!value)
-        return absl::InvalidArgumentError(absl::StrCat("at point ", i + 1, ", ", body.Trouble()));
+      if (!value) return bad_row();
       // Values beyond single precision count as no measurement.
       const bool fits = std::abs(*value) <= std::numeric_limits<float>::max();
       row[k] = fits ? static_cast<float>(*value) : std::numeric_limits<float>::quiet_NaN();
     }
+    if (!body.EndRow()) return bad_row();
     file.points.push_back(pick(*points));
     if (normals) file.normals.push_back(pick(*normals));
   }
   return file;
 }
 
-absl::StatusOr<PointFile> Decode(std::string_view bytes) {
+// Whether anything follows the last declared element.
+absl::Status CheckEnd(const std::filesystem::path& path, std::string_view bytes,
+                      const PlyHeader& header, std::size_t body_bytes) {
+  const std::string_view rest = bytes.substr(header.body_offset + body_bytes);
+  if (header.encoding != PlyHeader::Encoding::kAscii) {
+    if (rest.empty()) return absl::OkStatus();
+    const std::string error = SurplusError(path, header.body_offset, body_bytes);
+    return error.empty() ? absl::OkStatus() : absl::InvalidArgumentError(error);
+  }
+  const std::size_t at = rest.find_first_not_of(kSpacesAndLineFeeds);
+  if (at == std::string_view::npos) return absl::OkStatus();
+  const std::string_view before = bytes.substr(0, bytes.size() - rest.size() + at);
+  return absl::InvalidArgumentError(
+      absl::StrCat("line ", std::ranges::count(before, '\n') + 1,
+                   " has a row beyond the elements that its header declares"));
+}
+
+absl::StatusOr<PointFile> Decode(const std::filesystem::path& path, std::string_view bytes) {
   absl::StatusOr<PlyHeader> header = ParsePlyHeader(bytes);
   if (!header.ok()) return header.status();
   Body body(bytes.substr(header->body_offset), header->encoding);
   absl::StatusOr<PointFile> file = absl::InvalidArgumentError("it has no element named vertex");
   for (const PlyHeader::Element& element : header->elements) {
     if (element.name == "vertex") {
+      if (file.ok()) return absl::InvalidArgumentError("it has two elements named vertex");
       if (absl::Status vertex = CheckVertex(element); !vertex.ok()) return vertex;
       file = ReadVertices(element, body);
       if (!file.ok()) return file;
@@ -192,12 +252,15 @@ absl::StatusOr<PointFile> Decode(std::string_view bytes) {
     if (element.properties.empty()) continue;
     for (std::int64_t i = 0; i < element.count; ++i) {
       if (!Skip(element, body)) {
-        return absl::InvalidArgumentError(
-            absl::StrCat("in its element ", absl::CHexEscape(element.name), ", ", body.Trouble()));
+        return absl::InvalidArgumentError(absl::StrCat("in row ", i + 1, " of its element ",
+                                                       absl::CHexEscape(element.name), ", ",
+                                                       body.Trouble()));
       }
     }
   }
-  return file;
+  if (!file.ok()) return file;
+  absl::Status end = CheckEnd(path, bytes, *header, body.position());
+  return end.ok() ? file : end;
 }
 
 }  // namespace
@@ -215,7 +278,7 @@ absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path) {
     std::string bytes(static_cast<std::size_t>(size), '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<std::size_t>(in.gcount()));
-    file = Decode(bytes);
+    file = Decode(path, bytes);
   }
   if (file.ok()) return file;
   return absl::InvalidArgumentError(absl::StrCat(path.string(),

@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::client {
 namespace {
@@ -110,7 +111,9 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
   for (int number = 1; begin < kMaxHeaderBytes; ++number) {
     const std::size_t end = bytes.find('\n', begin);
     if (end == std::string_view::npos) break;
-    const std::string line(bytes.substr(begin, end - begin));
+    std::string line(bytes.substr(begin, end - begin));
+    absl::Status taken = number == 1 ? TakeUtf8("its header", &line) : absl::OkStatus();
+    if (!taken.ok()) return taken;
     const Words words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
     const std::size_t line_offset = begin;
     begin = end + 1;

@@ -1,10 +1,14 @@
 #include "files/scan_file.h"
 
+#include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "files/cloud_message.h"
+#include "files/depth_message.h"
 #include "files/depth_png.h"
 #include "files/point_file.h"
 
@@ -13,6 +17,31 @@ namespace {
 
 std::string ExtensionOf(const std::filesystem::path& path) {
   return absl::AsciiStrToLower(path.extension().string());
+}
+
+// The measured points of an image, sensor frame, m. INVALID_ARGUMENT where the lens maps no ray to
+// much of the image.
+absl::StatusOr<recognition::Points> UndistortedPoints(const v1::DepthImage& image,
+                                                      const Lens& lens) {
+  constexpr double kMaxShareWithoutRay = 0.02;
+  const absl::StatusOr<recognition::Points> pinhole = PointsFromMessage(image);
+  if (!pinhole.ok()) return pinhole.status();
+  recognition::Points out;
+  double without_ray = 0;
+  for (const Eigen::Vector3f& p : *pinhole) {
+    if (!p.allFinite()) continue;
+    const Eigen::Vector2d place = p.head<2>().cast<double>() / static_cast<double>(p.z());
+    const std::optional<Eigen::Vector2d> ray = Undistorted(lens, place);
+    if (ray) {
+      out.emplace_back(ray->homogeneous().cast<float>() * p.z());
+    } else {
+      ++without_ray;
+    }
+  }
+  if (without_ray <= kMaxShareWithoutRay * static_cast<double>(out.size())) return out;
+  return absl::InvalidArgumentError(
+      "cannot be undistorted: its camera's coefficients fold the image; check their order, or use "
+      "the rectified image");
 }
 
 }  // namespace
@@ -33,7 +62,11 @@ absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path) {
   if (!camera.ok()) return camera.status();
   absl::StatusOr<v1::DepthImage> image = ReadDepthPng(path, *camera);
   if (!image.ok()) return image.status();
-  return ScanFile{.scan = *std::move(image)};
+  if (!camera->lens.is_distorted()) return ScanFile{.scan = *std::move(image)};
+  const absl::StatusOr<recognition::Points> points = UndistortedPoints(*image, camera->lens);
+  if (points.ok()) return ScanFile{.scan = CloudMessage(*points, 0)};
+  return absl::Status(points.status().code(),
+                      absl::StrCat(path.string(), " ", points.status().message()));
 }
 
 }  // namespace graspdb::client

@@ -20,7 +20,8 @@ struct ScanFile {
 bool IsScanFile(const std::filesystem::path& path);
 
 // Reads a .png with 16-bit depths and intrinsics.json in the same folder (see depth_png.h), any
-// other path as a point file (see point_file.h). Errors as their readers. Thread-safe.
+// other path as a point file (see point_file.h). An image of a lens with distortion becomes a cloud
+// of its undistorted points: its pixels are no pinhole image. Errors as their readers. Thread-safe.
 absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path);
 
 }  // namespace graspdb::client

@@ -16,6 +16,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "program/pem_files.h"
+#include "program/proxy.h"
 #include "program/settings_file.h"
 
 namespace graspdb {
@@ -55,6 +56,11 @@ std::string ReasonOf(const std::string& text, const TlsFiles& files) {
   if (has("certificate verify failed")) {
     return "its certificate has expired or is not signed by an authority of --ca " + files.ca;
   }
+  if (has("not in peer certificate") || has("does not match SSL server name")) {
+    return "its certificate is for other host names; give an address that its subjectAltName has "
+           "(an "
+           "address in CN alone does not count)";
+  }
   if (!has("Socket closed")) return text;
   if (files.ca.empty()) return "it closed the connection; give --ca if it uses TLS";
   return files.cert.empty() ? "it needs a client certificate; give --cert and --key"
@@ -64,7 +70,9 @@ std::string ReasonOf(const std::string& text, const TlsFiles& files) {
 absl::Status Check(const std::string& address, const TlsFiles& files, absl::Duration timeout) {
   const auto credentials = CredentialsFrom(files);
   if (!credentials.ok()) return credentials.status();
-  grpc::GenericStub stub(grpc::CreateChannel(address, *credentials));
+  grpc::ChannelArguments arguments;
+  if (IsLocalTarget(address)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  grpc::GenericStub stub(grpc::CreateCustomChannel(address, *credentials, arguments));
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   grpc::CompletionQueue queue;
@@ -79,7 +87,8 @@ absl::Status Check(const std::string& address, const TlsFiles& files, absl::Dura
   bool is_done = false;
   queue.Next(&tag, &is_done);
   if (!status.ok()) {
-    return absl::UnavailableError(address + ": " + ReasonOf(status.error_message(), files));
+    return absl::UnavailableError(address + ": " + ReasonOf(status.error_message(), files) +
+                                  ProxyAdvice(address));
   }
   grpc::Slice bytes;
   if (!response.TrySingleSlice(&bytes).ok() ||

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <utility>
 
 #include "absl/synchronization/mutex.h"
 #include "program/log_field.h"
@@ -12,12 +13,17 @@
 namespace graspdb {
 
 void StartLog(const std::string& program, const std::string& level) {
+  // stderr_logger_mt() would throw at a second call.
+  StartLog(
+      std::make_shared<spdlog::logger>(program, std::make_shared<spdlog::sinks::stderr_sink_mt>()),
+      level);
+}
+
+void StartLog(std::shared_ptr<spdlog::logger> logger, const std::string& level) {
   // Debian's Abseil aborts on a lock-order inversion even when nothing deadlocks. Tests keep that;
   // programs report it and continue.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kReport);
-  // stderr_logger_mt() would throw at a second call.
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>(program, std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_default_logger(std::move(logger));
   spdlog::set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
   spdlog::set_level(spdlog::level::from_str(level));
   gpr_set_log_function([](gpr_log_func_args* args) {

@@ -5,6 +5,8 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <ctime>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "program/text_encoding.h"
 
 namespace graspdb {
 namespace {
@@ -52,6 +55,13 @@ absl::StatusOr<Bio> OpenFile(const PemFile& file) {
   if (out == nullptr) {
     return Failed(file, absl::StrCat("cannot be read (", std::generic_category().message(errno),
                                      "); check the path and its permissions"));
+  }
+  // Of editors of Windows; OpenSSL would skip the first block with it.
+  std::array<char, kByteOrderMark.size()> start{};
+  const int read = BIO_read(out.get(), start.data(), static_cast<int>(start.size()));
+  if (absl::string_view(start.data(), static_cast<std::size_t>(std::max(read, 0))) !=
+      kByteOrderMark) {
+    BIO_seek(out.get(), 0);
   }
   return out;
 }

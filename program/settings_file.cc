@@ -20,6 +20,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
+#include "program/text_encoding.h"
 #include "program/unknown_command.h"
 
 namespace graspdb {
@@ -88,16 +89,6 @@ void CheckLists(const CLI::App& app, const std::string& text) {
   }
 }
 
-// Editors of Windows begin a file with a byte order mark, which is no part of the first key.
-void SkipByteOrderMark(std::istream& in) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  std::string start(kMark.size(), '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (start == kMark) return;
-  in.clear();  // of the end of a shorter file
-  in.seekg(0);
-}
-
 // CLI11 gives the file precedence over the variables; here variables override it.
 class FileAfterVariables : public CLI::ConfigBase {
  public:
@@ -105,8 +96,10 @@ class FileAfterVariables : public CLI::ConfigBase {
       : app_(app), other_commands_(std::move(other_commands)) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
-    SkipByteOrderMark(in);
-    const std::string text(std::istreambuf_iterator<char>(in), {});
+    std::string text(std::istreambuf_iterator<char>(in), {});
+    if (absl::Status taken = TakeUtf8(FileOf(app_), &text); !taken.ok()) {
+      throw CLI::ConfigError(std::string(taken.message()));
+    }
     CheckLists(app_, text);
     std::istringstream lines(text);
     std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(lines);
@@ -152,6 +145,35 @@ std::string NotANumberError(const CLI::App& app) {
   }
   for (const CLI::App* command : app.get_subcommands()) {  // those that were given
     if (std::string error = NotANumberError(*command); !error.empty()) return error;
+  }
+  return "";
+}
+
+bool IsQuoted(const std::string& value) {
+  return value.size() >= 2 && value.front() == value.back() &&
+         (value.front() == '"' || value.front() == '\'');
+}
+
+// The error of a value that a shell would have changed; empty without one: the home folder, which
+// is expanded neither behind = nor in variables, and quotes, which Docker's --env-file keeps.
+std::string NoShellError(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const char* variable = std::getenv(option->get_envname().c_str());
+    for (const std::string& value : option->results()) {
+      if (value == "~" || value.starts_with("~/")) {
+        return absl::StrCat(option->get_name(), ": ", value,
+                            " begins with ~, which stands for the home folder in a shell only; "
+                            "write the whole path");
+      }
+      if (variable != nullptr && value == variable && IsQuoted(value)) {
+        return absl::StrCat("the value of ", option->get_envname(),
+                            " has quotes around it, which are part of it outside of a shell; "
+                            "leave them out");
+      }
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) {  // those that were given
+    if (std::string error = NoShellError(*command); !error.empty()) return error;
   }
   return "";
 }
@@ -226,6 +248,7 @@ std::optional<int> ParseArguments(CLI::App& app, int argc, char** argv) {
   }
   error = FlagAsValueError(app, app);
   if (error.empty()) error = NotANumberError(app);
+  if (error.empty()) error = NoShellError(app);
   if (error.empty()) return std::nullopt;
   return WrongUsage(error);
 }

@@ -33,20 +33,26 @@ absl::StatusOr<Recognition> Recognize(const Scan& scan, const CatalogueSnapshot&
   out.world_sensor = segmentation->world_sensor;
   out.world_frame = segmentation->world_frame;
   SegmentAnswers recognition(scan, *segmentation, catalogue, clouds, parameters, is_cancelled);
-  absl::StatusOr<std::vector<AnsweredSegment>> answers = recognition.Take();
-  if (!answers.ok()) return answers.status();
-  recognition.Report(&log, &out);
   // The single-view baseline is the paper's method and nothing else; a segmented scan has no
   // surroundings.
-  const bool in_image = parameters.scene.verify || parameters.scene.search;
-  if (in_image && !scan.segmented && parameters.matching.verified_view_count > 1) {
+  const bool in_image = (parameters.scene.verify || parameters.scene.search) && !scan.segmented &&
+                        parameters.matching.verified_view_count > 1;
+  SceneFrame frame;
+  absl::StatusOr<std::vector<AnsweredSegment>> answers = recognition.Take([&] {
+    if (in_image && parameters.scene.search) {
+      frame.Make(scan, *segmentation, parameters.scene.frame, {}, is_cancelled);
+    }
+  });
+  if (!answers.ok()) return answers.status();
+  recognition.Report(&log, &out);
+  if (in_image) {
     absl::Status explained = ExplainScene(scan, *segmentation, catalogue, clouds, parameters,
-                                          is_cancelled, &log, &*answers);
+                                          is_cancelled, std::move(frame), &log, &*answers);
     if (!explained.ok()) return explained;
   }
   const Eigen::Vector3d sensor = out.world_sensor.translation();
   std::ranges::stable_sort(*answers, {}, [&](const AnsweredSegment& answer) {
-    return (answer.segment.centroid - sensor).squaredNorm();
+    return (answer.detection.centroid - sensor).squaredNorm();
   });
   for (AnsweredSegment& answer : *answers) out.detections.push_back(std::move(answer.detection));
   out.stages = log.reports();

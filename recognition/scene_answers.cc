@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <unordered_map>
-#include <unordered_set>
 
-#include "recognition/base/idle_cores.h"
 #include "recognition/scene/explained_pixels.h"
 #include "recognition/scene/scene_score.h"
-#include "recognition/scene_detection.h"
+#include "recognition/scene_proposals.h"
 #include "recognition/segment_recognition.h"
 #include "recognition/segmentation/region.h"
 
@@ -25,19 +21,7 @@ constexpr double kOwnShare = 0.6;
 constexpr double kTouchingShare = 0.05;
 // No confidence in an answer is nearer to 0 or 1.
 constexpr double kMinConfidence = 0.015;
-// Cells of the scene's samples, m: the smallest, and how many times as large the next one is.
-constexpr float kSmallestCellM = 0.004F;
-constexpr float kCellRatio = 1.5F;
-
 double ScoreOf(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
-
-// A pose of an object that the frame may show.
-struct Proposal {
-  std::size_t group = 0;  // of stable poses
-  std::shared_ptr<const PairModel> model;
-  SceneHypothesis hypothesis;
-  double score = 0;
-};
 
 void Reject(double score, Detection* detection) {
   detection->score = std::min(detection->score, score);
@@ -52,53 +36,27 @@ void Reject(double score, Detection* detection) {
 
 class Scene {
  public:
-  Scene(const Scan& scan, const Segmentation& segmentation, const CatalogueSnapshot& catalogue,
-        ViewClouds& clouds, const RecognitionParameters& parameters,
-        const IsCancelled& is_cancelled, const Points& of_interest)
-      : world_sensor_(segmentation.world_sensor),
-        catalogue_(catalogue),
-        clouds_(clouds),
-        parameters_(parameters),
-        is_cancelled_(is_cancelled),
-        groups_(parameters.scene.search ? PairModelGroups(*catalogue.stable_poses)
-                                        : std::vector<StablePoses>()),
-        frame_(MakeFrame(scan, world_sensor_, segmentation.table,
-                         scan.region.value_or(DefaultRegion(world_sensor_)), parameters.scene.frame,
-                         is_cancelled, of_interest)) {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      for (const auto& stable_pose : groups_[g]) group_of_[stable_pose->name] = g;
-    }
-  }
+  Scene(const SceneInput& input, Frame frame)
+      : input_(input), world_sensor_(input.segmentation.world_sensor), frame_(std::move(frame)) {}
 
+  const Frame& frame() const { return frame_; }
   // Whether the scan is no image that a camera could have taken.
   bool is_empty() const { return frame_.depth.empty(); }
-  std::size_t object_pixels() const {
-    return static_cast<std::size_t>(std::ranges::count(frame_.role, PixelRole::kObject));
-  }
   absl::Status Verify(std::vector<AnsweredSegment>* answers);
-  // The most likely first.
-  absl::StatusOr<std::vector<Proposal>> Propose(const std::vector<AnsweredSegment>& answers) const;
-  absl::Status Explain(const std::vector<Proposal>& proposals,
-                       std::vector<AnsweredSegment>* answers);
+  absl::Status Explain(std::vector<SceneProposal> proposals, std::vector<AnsweredSegment>* answers);
 
  private:
   void VerifyOne(Detection* detection);
   absl::Status CheckNotCancelled() const {
-    return is_cancelled_() ? absl::CancelledError("cancelled while explaining the scene")
-                           : absl::OkStatus();
+    return input_.is_cancelled() ? absl::CancelledError("cancelled while explaining the scene")
+                                 : absl::OkStatus();
   }
-  std::vector<std::size_t> GroupsToSearch(const std::vector<AnsweredSegment>& answers) const;
   double ShareOn(const std::vector<bool>& pixels, const Segment& segment) const;
   void TakeSegments(const std::vector<bool>& pixels, Detection* found,
                     std::vector<AnsweredSegment>* answers) const;
 
+  const SceneInput& input_;
   const Pose world_sensor_;
-  const CatalogueSnapshot& catalogue_;
-  ViewClouds& clouds_;
-  const RecognitionParameters& parameters_;
-  const IsCancelled& is_cancelled_;
-  const std::vector<StablePoses> groups_;                  // empty without a search
-  std::unordered_map<std::string, std::size_t> group_of_;  // by name of a stable pose
   Frame frame_;
 };
 
@@ -113,16 +71,19 @@ absl::Status Scene::Verify(std::vector<AnsweredSegment>* answers) {
 
 void Scene::VerifyOne(Detection* detection) {
   if (detection->model == nullptr) return;
-  const SceneParameters& scene = parameters_.scene;
+  const SceneParameters& scene = input_.parameters.scene;
   const ImageModel model = MakeImageModel(detection->model->fine.cloud, {});
   const Eigen::Isometry3f sensor_object =
       (world_sensor_.inverse() * detection->refined_pose).cast<float>();
   const SceneHypothesis judged = JudgePose(frame_, model, sensor_object, scene.object_search);
   const double own = std::clamp(detection->score, kMinConfidence, 1 - kMinConfidence);
+  const ImageEvidenceParameters& evidence = scene.object_search.evidence;
+  const double unlikely = std::min(0.0F, SceneScore(frame_, judged, evidence));
   const double score =
-      ScoreOf(SceneScore(frame_, judged, scene.object_search.evidence, kContradictions) +
-              std::log(own / (1 - own)) - scene.segment_bar);
-  const double min_score = MinScore(StablePoseOf(catalogue_, *detection), parameters_.matching);
+      ScoreOf(SceneScore(frame_, judged, evidence, kContradictions) +
+              scene.unlikely_weight * unlikely + std::log(own / (1 - own)) - scene.segment_bar);
+  const double min_score =
+      MinScore(StablePoseOf(input_.catalogue, *detection), input_.parameters.matching);
   if (score < std::min(0.5, min_score)) {
     Reject(score, detection);
   } else {
@@ -130,81 +91,19 @@ void Scene::VerifyOne(Detection* detection) {
   }
 }
 
-// Of a large catalogue, those whose views resemble an unexplained segment come first.
-std::vector<std::size_t> Scene::GroupsToSearch(const std::vector<AnsweredSegment>& answers) const {
-  std::vector<std::size_t> out;
-  std::unordered_set<std::size_t> taken;
-  const auto take = [&](std::size_t group) {
-    if (out.size() < parameters_.scene.max_objects && taken.insert(group).second) {
-      out.push_back(group);
-    }
-  };
-  for (const AnsweredSegment& answer : answers) {
-    if (answer.detection.view != nullptr) continue;
-    for (const Candidate& candidate : answer.detection.candidates) {
-      const auto group = group_of_.find(candidate.view->stable_pose);
-      if (group != group_of_.end()) take(group->second);
-    }
-  }
-  for (std::size_t g = 0; g < groups_.size(); ++g) take(g);
-  return out;
-}
-
-absl::StatusOr<std::vector<Proposal>> Scene::Propose(
-    const std::vector<AnsweredSegment>& answers) const {
-  const SceneParameters& scene = parameters_.scene;
-  std::vector<Proposal> out;
-  if (UnexplainedArea(frame_) < scene.min_area_m2) return out;
-  const auto cell_of = [](const PairModel& model) {
-    const float level = std::round(std::log(model.step_m / kSmallestCellM) / std::log(kCellRatio));
-    return kSmallestCellM * std::pow(kCellRatio, level);
-  };
-  std::vector<Proposal> searched;          // an object each
-  std::map<float, OrientedCloud> samples;  // by cell
-  for (const std::size_t group : GroupsToSearch(answers)) {
-    auto model = clouds_.LoadPairModel(groups_[group]);
-    if (!model.ok()) return model.status();
-    if (*model == nullptr) continue;
-    const float cell_m = cell_of(**model);
-    if (!samples.contains(cell_m)) samples[cell_m] = SceneSample(frame_, cell_m);
-    searched.push_back({group, *std::move(model), {}});
-  }
-  std::vector<std::vector<SceneHypothesis>> found(searched.size());
-  ForEachIndex(searched.size(), [&](std::size_t i) {
-    if (is_cancelled_()) return;
-    const PairModel& model = *searched[i].model;
-    found[i] =
-        SearchObject(frame_, samples.at(cell_of(model)), model, scene.object_search, is_cancelled_);
-  });
-  if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-  for (std::size_t i = 0; i < searched.size(); ++i) {
-    for (const SceneHypothesis& hypothesis : found[i]) {
-      const double log_odds = SceneScore(frame_, hypothesis, scene.object_search.evidence);
-      out.push_back(
-          {searched[i].group, searched[i].model, hypothesis, ScoreOf(log_odds - scene.pairs_bar)});
-    }
-  }
-  std::ranges::stable_sort(out, std::greater(), &Proposal::score);
-  return out;
-}
-
 // Each accepted proposal explains pixels that are then no other's.
-absl::Status Scene::Explain(const std::vector<Proposal>& proposals,
+absl::Status Scene::Explain(std::vector<SceneProposal> proposals,
                             std::vector<AnsweredSegment>* answers) {
-  for (const Proposal& proposal : proposals) {
+  for (SceneProposal& proposal : proposals) {
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    const std::vector<bool> pixels =
-        PixelsOn(frame_, *proposal.model, proposal.hypothesis.sensor_object);
+    const std::vector<bool> pixels = PixelsOn(frame_, *proposal.model, proposal.sensor_model);
     if (ExplainedShare(frame_, pixels) > kMaxExplainedShare) continue;
-    auto detection = DetectionOf(proposal.hypothesis, proposal.score, *proposal.model,
-                                 groups_[proposal.group], world_sensor_, clouds_, parameters_);
-    if (!detection.ok()) return detection.status();
-    if (!*detection) continue;
-    TakeSegments(pixels, &**detection, answers);
-    recognition::Explain(pixels, &frame_);
     AnsweredSegment answer;
-    answer.segment.centroid = (*detection)->centroid;
-    answer.detection = **std::move(detection);
+    answer.detection = std::move(proposal.detection);
+    CompleteDetection(StablePoseOf(input_.catalogue, answer.detection), input_.parameters.workspace,
+                      &answer.detection);
+    TakeSegments(pixels, &answer.detection, answers);
+    recognition::Explain(pixels, &frame_);
     answers->push_back(std::move(answer));
   }
   return absl::OkStatus();
@@ -254,39 +153,61 @@ Points AcceptedPoints(const std::vector<AnsweredSegment>& answers, const Pose& w
   return out;
 }
 
+std::size_t ObjectPixels(const Frame& frame) {
+  return static_cast<std::size_t>(std::ranges::count(frame.role, PixelRole::kObject));
+}
+
 }  // namespace
+
+void SceneFrame::Make(const Scan& scan, const Segmentation& segmentation,
+                      const FrameParameters& parameters, const Points& of_interest,
+                      const IsCancelled& is_cancelled) {
+  log.Measure("frame", scan.size(), [&] {
+    frame = MakeFrame(scan, segmentation.world_sensor, segmentation.table,
+                      scan.region.value_or(DefaultRegion(segmentation.world_sensor)), parameters,
+                      is_cancelled, of_interest);
+    return ObjectPixels(*frame);
+  });
+}
 
 absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
                           const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                           const RecognitionParameters& parameters, const IsCancelled& is_cancelled,
-                          StageLog* log, std::vector<AnsweredSegment>* answers) {
+                          SceneFrame frame, StageLog* log, std::vector<AnsweredSegment>* answers) {
   if (catalogue.stable_poses == nullptr) return absl::OkStatus();
   const bool search = parameters.scene.search;
   if (!search && AcceptedCount(*answers) == 0) return absl::OkStatus();
-  std::optional<Scene> scene;
-  log->Measure("frame", scan.size(), [&] {
-    scene.emplace(scan, segmentation, catalogue, clouds, parameters, is_cancelled,
-                  search ? Points() : AcceptedPoints(*answers, segmentation.world_sensor));
-    return scene->object_pixels();
-  });
+  const SceneInput input{scan, segmentation, catalogue, clouds, parameters, is_cancelled};
+  if (!frame.frame) {
+    frame.Make(scan, segmentation, parameters.scene.frame,
+               AcceptedPoints(*answers, segmentation.world_sensor), is_cancelled);
+  }
+  log->Add(frame.log);
   if (is_cancelled()) return absl::CancelledError("cancelled while making the frame");
-  if (scene->is_empty()) return absl::OkStatus();
+  Scene scene(input, *std::move(frame.frame));
+  if (scene.is_empty()) return absl::OkStatus();
   absl::Status status;
   if (parameters.scene.verify) {
     log->Measure("verify", AcceptedCount(*answers), [&] {
-      status = scene->Verify(answers);
+      status = scene.Verify(answers);
       return AcceptedCount(*answers);
     });
   }
   if (!status.ok() || !search) return status;
-  absl::StatusOr<std::vector<Proposal>> proposals;
-  log->Measure("propose", scene->object_pixels(), [&] {
-    proposals = scene->Propose(*answers);
+  absl::StatusOr<std::vector<SceneProposal>> proposals;
+  log->Measure("propose", ObjectPixels(scene.frame()), [&] {
+    proposals = ProposeObjects(input, scene.frame(), *answers);
     return proposals.ok() ? proposals->size() : 0;
   });
   if (!proposals.ok()) return proposals.status();
+  if (proposals->empty()) return absl::OkStatus();
+  log->Measure("confirm", proposals->size(), [&] {
+    status = ConfirmProposals(input, scene.frame(), &*proposals);
+    return proposals->size();
+  });
+  if (!status.ok()) return status;
   log->Measure("explain", proposals->size(), [&] {
-    status = scene->Explain(*proposals, answers);
+    status = scene.Explain(*std::move(proposals), answers);
     return AcceptedCount(*answers);
   });
   return status;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recognition/matching/refinement.h"
+#include "recognition/matching/segment_matcher.h"
 #include "recognition/segment_recognition.h"
+#include "recognition/verification/confidence.h"
+#include "recognition/verification/verification.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -31,33 +35,46 @@ Eigen::Vector3d TowardsSensor(const Pose& world_object, const Pose& world_sensor
   return (world_object.inverse() * world_sensor.translation()).normalized();
 }
 
-Evidence EvidenceOf(const SceneHypothesis& hypothesis) {
-  const SurfaceEvidence& s = hypothesis.surface;
-  const float measured = std::max(1e-3F, s.seen + s.contradicted + s.table);
-  return {.scan_explained = s.seen / measured,
-          .model_seen = s.seen,
-          .unoccluded = 1 - s.hidden,
-          .rms_m = s.rms_m,
-          .score = hypothesis.score,
-          .confirmed = s.seen,
-          .contradicted = s.contradicted + s.table,
-          .unmeasured = s.unmeasured,
-          .point_count = s.seen_count};
+// An object no farther than this from the table stands on it, m.
+constexpr float kStandsWithinM = 0.010F;
+
+// Aligns the model with its own points, and judges it on them.
+void AlignWithOwnPoints(const OwnPoints& own, bool stands, const MatchingParameters& matching,
+                        const IsCancelled& is_cancelled, Detection* d) {
+  const Segment& segment = own.segment;
+  const DepthBuffer depth_buffer(own.depths, own.segmentation.world_sensor, segment);
+  const SoaCloud columns(segment.cloud, StrideFor(segment, kFullPoints));
+  const NearestGrid grid(segment.cloud.points, kSegmentCellM, kSegmentReachM, is_cancelled);
+  const RefinementTarget target{segment.cloud, columns, grid,
+                                depth_buffer,  stands,  own.segmentation.table};
+  const Refinement first = Refine(*d->model, target, d->rough_pose, kFirstSteps);
+  const Refinement last = Refine(*d->model, target, first.world_object, kLastSteps);
+  d->refined_pose = last.world_object;
+  d->evidence = Verify(*d->model, d->refined_pose, columns, depth_buffer,
+                       {.tolerance_m = matching.support_distance_m});
+  d->features = ConfidenceFeaturesOf(d->evidence, *d->model, NoiseAt(own.segmentation, segment),
+                                     matching.support_distance_m);
+  d->score = Confidence(d->features);
+  d->registration = {.target_source = Pose::Identity(),
+                     .converged = last.converged,
+                     .iterations = first.iterations + last.iterations,
+                     .rms_error_m = d->evidence.rms_m,
+                     .inlier_fraction = d->evidence.confirmed};
 }
 
 }  // namespace
 
 absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypothesis,
-                                                     double score, const PairModel& model,
                                                      const StablePoses& stable_poses,
-                                                     const Pose& world_sensor, ViewClouds& clouds,
-                                                     const RecognitionParameters& parameters) {
+                                                     const OwnPoints& own, ViewClouds& clouds,
+                                                     const RecognitionParameters& parameters,
+                                                     const IsCancelled& is_cancelled) {
+  const Pose& world_sensor = own.segmentation.world_sensor;
   const Pose world_model = world_sensor * hypothesis.sensor_object.cast<double>();
   const auto [stable_pose, world_object, upright] = MostUpright(stable_poses, world_model);
   const bool is_tilted = upright < std::cos(parameters.scene.max_tilt_rad);
   std::optional<Detection> out;
   if (is_tilted && !stable_pose->object_mesh) return out;
-  if (score < MinScore(stable_pose, parameters.matching)) return out;
   Detection& d = out.emplace();
   const Eigen::Vector3d here = TowardsSensor(world_object, world_sensor);
   d.view = *std::ranges::max_element(stable_pose->views, {}, [&here](const auto& view) {
@@ -66,18 +83,13 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
   auto surface = clouds.LoadModel(*d.view, *stable_pose);
   if (!surface.ok()) return surface.status();
   d.model = *std::move(surface);
-  d.score = score;
+  if (d.model == nullptr) return std::nullopt;
   d.rough_pose = world_object;
-  d.refined_pose = world_object;
-  d.evidence = EvidenceOf(hypothesis);
-  d.registration = {.target_source = Pose::Identity(),
-                    .converged = hypothesis.converged,
-                    .iterations = parameters.scene.object_search.last_steps.iterations,
-                    .rms_error_m = d.evidence.rms_m,
-                    .inlier_fraction = d.evidence.scan_explained};
-  d.point_count = hypothesis.surface.seen_count;
-  d.centroid = world_model * model.center.cast<double>();
-  CompleteDetection(stable_pose, parameters.workspace, &d);
+  d.point_count = own.segment.cloud.points.size();
+  d.centroid = own.segment.centroid;
+  const bool stands =
+      !is_tilted && hypothesis.clearance_m && std::abs(*hypothesis.clearance_m) < kStandsWithinM;
+  AlignWithOwnPoints(own, stands, parameters.matching, is_cancelled, &d);
   return out;
 }
 

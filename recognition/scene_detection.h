@@ -8,17 +8,26 @@
 #include "recognition/models/taught.h"
 #include "recognition/recognizer.h"
 #include "recognition/scene/object_search.h"
+#include "recognition/segmentation/segmentation.h"
+#include "recognition/verification/scan_depths.h"
 
 namespace graspdb::recognition {
 
-// The detection of an object at `hypothesis`, with its grasps. `stable_poses` are those of `model`,
-// at least one; the one that stands most upright is detected, by its view from the most similar
-// direction. Absent where the object cannot stand like that (SceneParameters::max_tilt_rad), or
-// `score` is less than the minimum of that stable pose. Errors as LoadModel.
+// A proposal with the scan's points that lie on it.
+struct OwnPoints {
+  const ScanDepths& depths;
+  const Segmentation& segmentation;
+  const Segment& segment;
+};
+
+// The detection of an object at `hypothesis`, aligned with its own points. Its score is their
+// confidence alone; it has no grasps yet. `stable_poses` are those of `model`, at least one; the
+// one that stands most upright is detected, by its view from the most similar direction. Absent
+// where the object cannot stand like that (SceneParameters::max_tilt_rad). Errors as LoadModel.
 absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypothesis,
-                                                     double score, const PairModel& model,
                                                      const StablePoses& stable_poses,
-                                                     const Pose& world_sensor, ViewClouds& clouds,
-                                                     const RecognitionParameters& parameters);
+                                                     const OwnPoints& own, ViewClouds& clouds,
+                                                     const RecognitionParameters& parameters,
+                                                     const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

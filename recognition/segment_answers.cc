@@ -9,6 +9,7 @@
 #include "recognition/base/idle_cores.h"
 #include "recognition/splitting/cluster_splitter.h"
 #include "recognition/splitting/fragments.h"
+#include "recognition/verification/confidence.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -43,15 +44,18 @@ SegmentAnswers::SegmentAnswers(const Scan& scan, const Segmentation& segmentatio
               std::chrono::duration<double>(parameters.matching.search_ceiling_s)),
       work_(segmentation.segments.size(), Work{{}, budget_, {}, {}}) {}
 
-absl::StatusOr<std::vector<AnsweredSegment>> SegmentAnswers::Take() {
+absl::StatusOr<std::vector<AnsweredSegment>> SegmentAnswers::Take(
+    const std::function<void()>& beside) {
   Answers answers;
   for (const Segment& segment : segmentation_.segments) answers.push_back({segment, {}, &segment});
-  absl::Status status = ForEach(&answers, [this](AnsweredSegment* a) { return TryNearest(a); });
+  absl::Status status = ForEach(
+      &answers, [this](AnsweredSegment* a) { return TryNearest(a); }, [] {});
   if (!status.ok()) return status;
   JoinFragments(parameters_.matching.support_distance_m, &answers);
   if (status = JoinPieces(&answers); !status.ok()) return status;
   ShareBudget(answers);
-  status = ForEach(&answers, [this](AnsweredSegment* a) { return Finish(a); });
+  status = ForEach(
+      &answers, [this](AnsweredSegment* a) { return Finish(a); }, beside);
   if (!status.ok()) return status;
   Answers out;
   for (const AnsweredSegment& answer : answers) {
@@ -74,7 +78,8 @@ SegmentAnswers::Work& SegmentAnswers::WorkOn(const AnsweredSegment& answer) {
 }
 
 absl::Status SegmentAnswers::ForEach(Answers* answers,
-                                     const std::function<absl::Status(AnsweredSegment*)>& job) {
+                                     const std::function<absl::Status(AnsweredSegment*)>& job,
+                                     const std::function<void()>& last_job) {
   std::vector<AnsweredSegment*> order;
   for (AnsweredSegment& answer : *answers) order.push_back(&answer);
   // The largest first: the job that begins last leaves cores idle for its time.
@@ -82,7 +87,10 @@ absl::Status SegmentAnswers::ForEach(Answers* answers,
     return answer->segment.cloud.points.size();
   });
   std::vector<absl::Status> done(answers->size());
-  ForEachIndex(order.size(), [&](std::size_t i) { done[i] = job(order[i]); });
+  ForEachIndex(order.size() + 1, [&](std::size_t i) {
+    if (i == order.size()) return last_job();
+    done[i] = job(order[i]);
+  });
   const auto failed = std::ranges::find_if(done, [](const auto& status) { return !status.ok(); });
   return failed == done.end() ? absl::OkStatus() : *failed;
 }
@@ -104,7 +112,7 @@ absl::Status SegmentAnswers::TryNearest(AnsweredSegment* answer) {
 absl::Status SegmentAnswers::Answer(AnsweredSegment* answer) {
   Work& work = WorkOn(*answer);
   if (!work.search) work.search = SearchIn(*answer->seen, &work.log);
-  absl::StatusOr<Detection> detection = work.search->Answer(work.budget);
+  absl::StatusOr<Detection> detection = work.search->Answer(&work.budget);
   work.search = nullptr;
   if (!detection.ok()) return detection.status();
   answer->detection = *std::move(detection);
@@ -154,8 +162,9 @@ absl::Status SegmentAnswers::JoinPieces(Answers* answers) {
 absl::StatusOr<AnsweredSegment> SegmentAnswers::TryUnion(const Segment& a, const Segment& b,
                                                          StageLog* log) {
   AnsweredSegment out{.segment = UnionOf(a, b), .detection = {}};
-  SearchBudget none(0, {});
-  absl::StatusOr<Detection> detection = SearchIn(out.segment, log)->Answer(none);
+  const double noise = NoiseAt(segmentation_, out.segment);
+  if (MaxConfidence(out.segment.cloud.points.size(), noise) < kMinUnionConfidence) return out;
+  absl::StatusOr<Detection> detection = SearchIn(out.segment, log)->Answer(nullptr);
   if (!detection.ok()) return detection.status();
   const double reach = parameters_.matching.support_distance_m;
   if (detection->view && detection->score >= kMinUnionConfidence && LiesOn(a, *detection, reach) &&
@@ -193,7 +202,7 @@ absl::StatusOr<SegmentAnswers::Answers> SegmentAnswers::Part(AnsweredSegment ans
       .support_distance_m = parameters_.matching.support_distance_m,
       .voxel_size_m = parameters_.descriptor.voxel_size_m};
   const auto recognize = [&](const Segment& s) {
-    return SearchIn(s, &work->log)->Answer(work->budget);
+    return SearchIn(s, &work->log)->Answer(&work->budget);
   };
   std::mutex mutex;
   const auto glance = [&](const Segment& s) {

@@ -23,8 +23,9 @@ class SegmentAnswers {
                  const CatalogueSnapshot& catalogue, ViewClouds& clouds,
                  const RecognitionParameters& parameters, const IsCancelled& is_cancelled);
 
-  // Call once. CANCELLED; errors of LoadModel.
-  absl::StatusOr<std::vector<AnsweredSegment>> Take();
+  // Call once. Calls `beside` once, where the last segments leave cores idle. CANCELLED; errors of
+  // LoadModel.
+  absl::StatusOr<std::vector<AnsweredSegment>> Take(const std::function<void()>& beside);
 
   // Adds the stages and the untried views.
   void Report(StageLog* log, Recognition* out) const;
@@ -42,7 +43,8 @@ class SegmentAnswers {
 
   Work& WorkOn(const AnsweredSegment& answer);
   static absl::Status ForEach(Answers* answers,
-                              const std::function<absl::Status(AnsweredSegment*)>& job);
+                              const std::function<absl::Status(AnsweredSegment*)>& job,
+                              const std::function<void()>& last_job);
   absl::Status TryNearest(AnsweredSegment* answer);
   absl::Status Answer(AnsweredSegment* answer);
   absl::Status JoinPieces(Answers* answers);

@@ -180,14 +180,14 @@ bool SegmentRecognition::FindNearest(int count) {
   return !matches_.empty();
 }
 
-absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget& further) {
+absl::StatusOr<Detection> SegmentRecognition::Answer(SearchBudget* further) {
   if (!search_ && out_.candidates.empty()) {
     if (auto tried = TryNearest(); !tried.ok()) return tried.status();
   }
   absl::Status status;
   log_->Measure("register", 0, [&] {
     if (search_) {
-      if (!explained_) status = search_->TryFurther(further);
+      if (!explained_ && further != nullptr) status = search_->TryFurther(*further);
       if (status.ok()) status = TakeBest();
     } else if (!matches_.empty() && !out_.rejected_by) {
       status = TrustDescriptor(input_, matches_.front(), clouds_, parameters_.matching, &out_);
@@ -215,10 +215,10 @@ absl::Status SegmentRecognition::TakeBest() {
   out_.rough_pose = best.rough;
   out_.refined_pose = best.refined;
   out_.registration = {.target_source = Pose::Identity(),
-                       .converged = true,
+                       .converged = best.converged,
                        .iterations = best.iterations,
                        .rms_error_m = best.evidence.rms_m,
-                       .inlier_fraction = best.evidence.scan_explained};
+                       .inlier_fraction = best.evidence.confirmed};
   AddRivals(hypotheses, noise, parameters_.matching, &out_);
   for (Candidate& candidate : out_.candidates) {
     for (const PoseHypothesis& h : hypotheses) {
@@ -234,12 +234,14 @@ void SegmentRecognition::Decide() {
   if (out_.candidates.empty()) return;
   const MatchingParameters& matching = parameters_.matching;
   const TaughtStablePose* taught = StablePoseOf(catalogue_, out_);
+  const double explained =
+      out_.model != nullptr ? out_.evidence.scan_explained : out_.registration.inlier_fraction;
   if (out_.score < MinScore(taught, matching)) {
     out_.outcome = RecognitionOutcome::kUnknownObject;
     if (out_.view && matching.verified_view_count > 1)
       out_.rejected_by = HeaviestFeature(out_.features);
     out_.view = nullptr;
-  } else if (out_.registration.inlier_fraction < matching.min_inlier_fraction) {
+  } else if (explained < matching.min_inlier_fraction) {
     out_.outcome = RecognitionOutcome::kIcpRejected;
     out_.view = nullptr;
   } else {

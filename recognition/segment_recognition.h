@@ -27,8 +27,8 @@ class SegmentRecognition {
   absl::StatusOr<bool> TryNearest();
 
   // The answer. Where the nearest views do not explain the segment, tries as many further views as
-  // `further` allows. Ends the search.
-  absl::StatusOr<Detection> Answer(SearchBudget& further);
+  // `further` allows; none where that is null. Ends the search.
+  absl::StatusOr<Detection> Answer(SearchBudget* further);
 
   // A quick answer in place of both steps: from as many views as `budget` allows, all of them
   // screened.

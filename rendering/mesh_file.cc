@@ -9,21 +9,18 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <span>
-#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "files/atomic_file.h"
-#include "files/ply_file.h"
-#include "files/ply_header.h"
+#include "rendering/mesh_content.h"
+#include "rendering/outward_faces.h"
 
 namespace graspdb::client {
 namespace {
@@ -39,16 +36,15 @@ constexpr int kDropped = aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGEN
 
 absl::Status Bad(const std::filesystem::path& path, std::string what) {
   while (what.ends_with('.')) what.pop_back();  // assimp's sentences
-  return absl::InvalidArgumentError(absl::StrCat(path.string(), " is no usable mesh: ", what,
-                                                 "; export it again as PLY, OBJ or STL"));
+  const char* advice = absl::StrContains(what, "; ") ? "" : "; export it again as PLY, OBJ or STL";
+  return absl::InvalidArgumentError(
+      absl::StrCat(path.string(), " is no usable mesh: ", what, advice));
 }
 
-// False when the number of vertices exceeds an int.
-bool AppendMesh(const aiMesh& from, const aiMatrix4x4& placed, TriangleMesh& mesh) {
-  if (mesh.vertices.size() + from.mNumVertices > std::numeric_limits<int>::max()) return false;
+void AppendMesh(const aiMesh& from, TriangleMesh& mesh) {
   const auto first = static_cast<int>(mesh.vertices.size());
   for (unsigned i = 0; i < from.mNumVertices; ++i) {
-    const aiVector3D v = placed * from.mVertices[i];
+    const aiVector3D& v = from.mVertices[i];
     mesh.vertices.emplace_back(v.x, v.y, v.z);
   }
   for (unsigned i = 0; i < from.mNumFaces; ++i) {
@@ -58,63 +54,23 @@ bool AppendMesh(const aiMesh& from, const aiMatrix4x4& placed, TriangleMesh& mes
                               first + static_cast<int>(face.mIndices[1]),
                               first + static_cast<int>(face.mIndices[2])});
   }
-  return true;
 }
 
-// Walks the nodes without recursion, since their depth is untrusted.
-absl::Status AppendNodes(const aiScene& scene, TriangleMesh& mesh) {
-  struct Placed {
-    const aiNode* node;
-    aiMatrix4x4 above;
-  };
-  std::vector<Placed> open = {{scene.mRootNode, aiMatrix4x4()}};
-  while (!open.empty()) {
-    const Placed next = open.back();
-    open.pop_back();
-    const aiMatrix4x4 placed = next.above * next.node->mTransformation;
-    for (unsigned i = 0; i < next.node->mNumMeshes; ++i) {
-      if (!AppendMesh(*scene.mMeshes[next.node->mMeshes[i]], placed, mesh)) {
-        return absl::InvalidArgumentError("it has too many vertices");
-      }
+// In the three formats, whose nodes have no transforms, each mesh is once.
+absl::StatusOr<TriangleMesh> AllMeshes(const aiScene& scene) {
+  TriangleMesh mesh;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& from = *scene.mMeshes[m];
+    if (mesh.vertices.size() + from.mNumVertices > std::numeric_limits<int>::max()) {
+      return absl::InvalidArgumentError("it has too many vertices");
     }
-    for (unsigned i = next.node->mNumChildren; i > 0; --i) {
-      open.push_back({next.node->mChildren[i - 1], placed});
-    }
+    AppendMesh(from, mesh);
   }
-  return absl::OkStatus();
+  return mesh;
 }
 
-// Whether assimp may read it as a PLY file, by its content or its extension.
-bool IsPly(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string magic(3, '\0');
-  in.read(magic.data(), std::ssize(magic));
-  return absl::AsciiStrToLower(magic) == "ply" ||
-         absl::AsciiStrToLower(path.extension().string()) == ".ply";
-}
-
-// assimp never returns from some damaged PLY files, so our own reader reads them first.
-absl::Status CheckPly(const std::filesystem::path& path) {
-  return IsPly(path) ? ReadPly(path).status() : absl::OkStatus();
-}
-
-// The content of a binary PLY file with an element of one letter before all others; empty for other
-// files. assimp drops a body's first byte where it looks like one more line end of the header
-// (github.com/assimp/assimp/issues/5341), and misreads all that follows. The element is named 1,
-// since assimp reads the count of an unknown element at the position of its name.
-std::string PaddedPly(const std::filesystem::path& path) {
-  if (!IsPly(path)) return "";
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream content;
-  content << in.rdbuf();
-  std::string bytes = std::move(content).str();
-  const absl::StatusOr<PlyHeader> header = ParsePlyHeader(bytes);
-  if (!header.ok() || header->encoding == PlyHeader::Encoding::kAscii) return "";
-  if (header->elements_offset == 0) return "";
-  bytes.insert(header->body_offset, 1, 'x');
-  bytes.insert(header->elements_offset, "element 1 1\nproperty uchar pad\n");
-  return bytes;
-}
+// assimp's time for a face grows with the square of its corners.
+constexpr std::size_t kMaxCorners = 10'000;
 
 // Checks preconditions of assimp's steps, which abort the process otherwise.
 absl::Status CheckFaces(const aiScene& scene) {
@@ -124,6 +80,11 @@ absl::Status CheckFaces(const aiScene& scene) {
       const aiFace& face = mesh.mFaces[f];
       const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
       if (corners.empty()) return absl::InvalidArgumentError("a face has no corners");
+      if (corners.size() > kMaxCorners) {
+        return absl::InvalidArgumentError(absl::StrCat("a face has ", corners.size(),
+                                                       " corners, and at most ", kMaxCorners,
+                                                       " are read; export it with triangles"));
+      }
       if (*std::ranges::max_element(corners) >= mesh.mNumVertices) {
         return absl::InvalidArgumentError("a face has a corner that is not a vertex");
       }
@@ -132,60 +93,66 @@ absl::Status CheckFaces(const aiScene& scene) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<TriangleMesh> Import(const std::filesystem::path& path) {
+absl::StatusOr<TriangleMesh> Import(const MeshContent& content) {
   try {
     Assimp::Importer importer;
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, kDropped);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const std::string ply = PaddedPly(path);
-    const std::string extension(absl::StripPrefix(path.extension().string(), "."));
-    const aiScene* scene =
-        ply.empty() ? importer.ReadFile(path.string(), 0)
-                    : importer.ReadFileFromMemory(ply.data(), ply.size(), 0, extension.c_str());
+    const aiScene* scene = importer.ReadFileFromMemory(content.bytes.data(), content.bytes.size(),
+                                                       0, content.format.c_str());
     if (scene != nullptr) {
       if (absl::Status faces = CheckFaces(*scene); !faces.ok()) return faces;
       scene = importer.ApplyPostProcessing(kImportSteps);
     }
-    if (scene == nullptr || scene->mRootNode == nullptr) {
-      return absl::InvalidArgumentError(importer.GetErrorString());
-    }
-    TriangleMesh mesh;
-    if (absl::Status nodes = AppendNodes(*scene, mesh); !nodes.ok()) return nodes;
-    return mesh;
+    if (scene == nullptr) return absl::InvalidArgumentError(importer.GetErrorString());
+    return AllMeshes(*scene);
   } catch (const std::exception& e) {
     return absl::InvalidArgumentError(e.what());
   }
 }
 
-// Shares of the area that a closed surface leaves open, and of the bounding box that it encloses:
-// rounding errors are less.
-constexpr double kMaxOpenShare = 1e-3;
-constexpr double kMinEnclosedShare = 1e-6;
-
-// Mirrored parts are often written with all triangles turned inwards. A closed surface shows that
-// by its negative volume; an open one has no outside.
-void TurnOutwards(TriangleMesh& mesh) {
-  const recognition::Box box = BoundsOf(mesh);
-  const Eigen::Vector3d middle = (box.min + box.max) / 2;
-  const auto at = [&](int i) -> Eigen::Vector3d {
-    return mesh.vertices[static_cast<std::size_t>(i)].cast<double>() - middle;
-  };
-  Eigen::Vector3d open = Eigen::Vector3d::Zero();
-  double area = 0;
-  double volume = 0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Eigen::Vector3d a = at(i);
-    const Eigen::Vector3d b = at(j);
-    const Eigen::Vector3d c = at(k);
-    const Eigen::Vector3d normal = (b - a).cross(c - a) / 2;
-    open += normal;
-    area += normal.norm();
-    volume += a.dot(b.cross(c)) / 6;
+// Vertices of no triangle, which would count for the size of the part.
+void RemoveUnusedVertices(TriangleMesh& mesh) {
+  std::vector<int> moved(mesh.vertices.size(), -1);
+  for (const std::array<int, 3>& triangle : mesh.triangles) {
+    for (const int i : triangle) moved[static_cast<std::size_t>(i)] = 0;
   }
-  const double enclosed = kMinEnclosedShare * (box.max - box.min).prod();
-  if (open.norm() > kMaxOpenShare * area || volume >= -enclosed) return;
-  for (std::array<int, 3>& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    if (moved[i] < 0) continue;
+    mesh.vertices[kept] = mesh.vertices[i];
+    moved[i] = static_cast<int>(kept++);
+  }
+  mesh.vertices.resize(kept);
+  for (std::array<int, 3>& triangle : mesh.triangles) {
+    for (int& i : triangle) i = moved[static_cast<std::size_t>(i)];
+  }
+}
+
+// Steps of single precision at the farthest coordinate that the largest side must have.
+constexpr double kMinSteps = 1e4;
+
+absl::Status CheckPrecision(const TriangleMesh& mesh) {
+  const recognition::Box box = BoundsOf(mesh);
+  const double side = (box.max - box.min).maxCoeff();
+  const double farthest = std::max(box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff());
+  const double step = farthest * static_cast<double>(std::numeric_limits<float>::epsilon());
+  if (side >= kMinSteps * step) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "it is ", side, " m large and ", farthest, " m away from its origin, where single ",
+      "precision rounds to steps of ", step, " m; move it to its origin"));
+}
+
+absl::Status CheckUnit(const MeshContent& content, double unit_scale_m) {
+  if (!content.unit_m || std::abs(*content.unit_m / unit_scale_m - 1) < 1e-6) {
+    return absl::OkStatus();
+  }
+  const absl::string_view line = absl::string_view(content.unit_line).substr(0, 80);
+  return absl::InvalidArgumentError(
+      absl::StrCat("its line \"", absl::CHexEscape(line), "\" states a unit of ", *content.unit_m,
+                   " m, and it is read with a unit of ", unit_scale_m,
+                   " m; give the unit that is right, or correct or remove the line"));
 }
 
 template <typename T>
@@ -206,13 +173,21 @@ absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double 
         absl::StrCat(path.string(), " does not exist; check the path of the mesh"));
   }
   if (!std::filesystem::is_regular_file(path, error)) return Bad(path, "it is not a file");
-  if (absl::Status ply = CheckPly(path); !ply.ok()) return ply;
-  absl::StatusOr<TriangleMesh> mesh = Import(path);
-  if (!mesh.ok()) return Bad(path, std::string(mesh.status().message()));
-  for (Eigen::Vector3f& v : mesh->vertices) v *= static_cast<float>(unit_scale_m);
-  if (absl::Status checked = CheckMesh(*mesh); !checked.ok()) {
-    return Bad(path, std::string(checked.message()));
+  const absl::StatusOr<MeshContent> content = ReadMeshContent(path);
+  if (!content.ok()) return Bad(path, std::string(content.status().message()));
+  if (absl::Status unit = CheckUnit(*content, unit_scale_m); !unit.ok()) {
+    return Bad(path, std::string(unit.message()));
   }
+  absl::StatusOr<TriangleMesh> mesh = Import(*content);
+  if (!mesh.ok()) return Bad(path, std::string(mesh.status().message()));
+  absl::Status checked = CheckMesh(*mesh);
+  if (!checked.ok()) return Bad(path, std::string(checked.message()));
+  RemoveUnusedVertices(*mesh);
+  for (Eigen::Vector3f& v : mesh->vertices) v *= static_cast<float>(unit_scale_m);
+  checked = CheckMesh(*mesh);  // of the scaled numbers
+  if (checked.ok()) checked = CheckPrecision(*mesh);
+  if (!checked.ok()) return Bad(path, std::string(checked.message()));
+  RemoveRepeated(*mesh);
   TurnOutwards(*mesh);
   return mesh;
 }

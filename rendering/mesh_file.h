@@ -9,15 +9,15 @@
 
 namespace graspdb::client {
 
-// Reads a mesh that assimp knows (PLY, OBJ, STL and more). All meshes of the file are merged, with
-// the transforms of its nodes; polygons are split into triangles and equal vertices joined;
-// the triangles of a closed surface that all turn inwards, as of mirrored parts, are turned
-// outwards. `unit_scale_m` is the length of one unit of the file in metres: 1, or 0.001 for
-// millimetres. Thread-safe.
+// Reads a PLY, OBJ or STL mesh. All meshes of the file are merged; polygons are split into
+// triangles, equal vertices joined, and vertices of no face and repeated triangles left out; closed
+// surfaces are turned outwards (TurnOutwards), such as those of mirrored parts. `unit_scale_m` is
+// the length of one unit of the file in metres: 1, or 0.001 for millimetres. Thread-safe.
 //
-// NOT_FOUND without such a file; INVALID_ARGUMENT with the path when it is no
-// mesh, has no triangles or a vertex that is not finite, or the scale is not
-// positive.
+// NOT_FOUND without such a file; INVALID_ARGUMENT with the path when it is no mesh of these
+// formats (see ReadMeshContent), has no triangles or a vertex that is not finite, or is so far from
+// its origin that single precision changes its shape; when a comment states another unit; or when
+// the scale is not positive.
 absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double unit_scale_m = 1);
 
 // Writes a binary little-endian PLY file atomically. The same mesh gives the same bytes.

@@ -1,9 +1,18 @@
 #include "server/answer.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "server/convert.h"
 
 namespace graspdb::server {
 namespace {
+
+// The steps from the scan to the objects' points.
+constexpr std::array<std::string_view, 9> kSegmentation = {"region",   "range",    "extent",
+                                                           "plane",    "outliers", "voxels",
+                                                           "clusters", "normals",  "table_pieces"};
 
 v1::RecognitionStatus StatusToProto(recognition::RecognitionOutcome outcome) {
   using Outcome = recognition::RecognitionOutcome;
@@ -105,10 +114,12 @@ void AddDetection(const recognition::Detection& detection,
     if (c.verification_score) candidate->set_verification_score(*c.verification_score);
   }
   const recognition::Registration& r = detection.registration;
-  out->mutable_registration()->set_converged(r.converged);
-  out->mutable_registration()->set_iteration_count(r.iterations);
-  out->mutable_registration()->set_rms_error_m(r.rms_error_m);
-  out->mutable_registration()->set_inlier_fraction(r.inlier_fraction);
+  if (detection.view || r.iterations > 0) {
+    out->mutable_registration()->set_converged(r.converged);
+    out->mutable_registration()->set_iteration_count(r.iterations);
+    out->mutable_registration()->set_rms_error_m(r.rms_error_m);
+    out->mutable_registration()->set_inlier_fraction(r.inlier_fraction);
+  }
   if (detection.view) AddPoseAndGrasps(detection, snapshot, out);
 }
 
@@ -122,10 +133,10 @@ void AddTimings(const recognition::Recognition& recognition, const AnswerContext
       out->set_describe_ms(ms);
     } else if (stage.stage == "match") {
       out->set_match_ms(ms);
-    } else if (stage.stage == "register") {
-      out->set_register_ms(ms);
-    } else {
+    } else if (std::ranges::find(kSegmentation, stage.stage) != kSegmentation.end()) {
       out->set_segment_ms(out->segment_ms() + ms);
+    } else {  // "register" and the steps in the image
+      out->set_register_ms(out->register_ms() + ms);
     }
   }
 }

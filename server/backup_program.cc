@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "google/protobuf/util/time_util.h"
+#include "program/printable_text.h"
 #include "program/settings_file.h"
 #include "server/backup_messages.h"
 #include "storage/backups.h"
@@ -39,7 +40,7 @@ absl::Status PrintMessage(const google::protobuf::Message& message) {
 }
 
 std::string TextOf(const storage::Backup& backup) {
-  if (!backup.state.ok()) return std::string(backup.state.message());
+  if (!backup.state.ok()) return PrintableText(std::string(backup.state.message()));
   const storage::MetaRecord& meta = backup.record.meta();
   return absl::StrFormat("backup %d of %s: revision %d, %d objects, %d views, %.1f MiB", backup.id,
                          google::protobuf::util::TimeUtil::ToString(backup.record.time()),
@@ -183,7 +184,8 @@ int RunBackupProgram(int argc, char** argv) {
   if (const auto end = ParseArguments(app, argc - 1, argv + 1)) return *end;
   const absl::Status status = action(options);
   if (status.ok()) return 0;
-  std::fprintf(stderr, "graspdb-server: %s\n", std::string(status.message()).c_str());
+  std::fprintf(stderr, "graspdb-server: %s\n",
+               PrintableText(std::string(status.message())).c_str());
   return 1;
 }
 

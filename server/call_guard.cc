@@ -1,8 +1,6 @@
 #include "server/call_guard.h"
 
-#include <google/protobuf/util/time_util.h>
 #include <grpcpp/security/auth_context.h>
-#include <spdlog/spdlog.h>
 
 #include <optional>
 #include <string_view>
@@ -13,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/time/clock.h"
 #include "program/log_field.h"
+#include "program/peer_address.h"
 #include "program/request_id.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
@@ -27,6 +25,7 @@ namespace {
 
 constexpr std::string_view kAuthorization = "authorization";
 constexpr absl::string_view kBearer = "Bearer ";
+constexpr absl::string_view kReflection = "/grpc.reflection.";
 
 // Names that are read from a certificate; real ones have one to three.
 constexpr std::size_t kMaxCertificateNames = 16;
@@ -94,11 +93,6 @@ std::vector<CertificateName> CertificateNames(const grpc::ServerContextBase& con
   return out;
 }
 
-// TimeUtil::GetCurrentTime() has whole seconds, too few to order calls or to find them in the log.
-google::protobuf::Timestamp AuditTime() {
-  return google::protobuf::util::TimeUtil::MillisecondsToTimestamp(absl::ToUnixMillis(absl::Now()));
-}
-
 }  // namespace
 
 absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
@@ -124,21 +118,11 @@ void GuardCalls(const AccessRules& rules, grpc::ServerBuilder& builder) {
   builder.experimental().SetInterceptorCreators(std::move(factories));
 }
 
-void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refused) {
-  const std::string error = BoundedText(std::string(refused.message()), 2 * kMaxStringBytes);
-  spdlog::warn("event=handshake_refused error={}", LogField(error));
-  if (rules.audit == nullptr) return;
-  v1::AuditRecord record;
-  *record.mutable_time() = AuditTime();
-  record.set_method("TLS handshake");
-  record.set_catalog_revision(rules.revision());
-  record.set_code(absl::StatusCodeToString(refused.code()));
-  record.set_error(error);
-  rules.audit->Write(record);
-}
-
 CallGuard::CallGuard(const AccessRules& rules, grpc::experimental::ServerRpcInfo& call)
-    : rules_(rules), context_(*call.server_context()), method_(FindMethod(call.method())) {
+    : rules_(rules),
+      context_(*call.server_context()),
+      method_(FindMethod(call.method())),
+      is_reflection_(absl::StartsWith(call.method(), kReflection)) {
   AllGuards().Add(context_, this);
 }
 
@@ -153,8 +137,31 @@ void CallGuard::Intercept(grpc::experimental::InterceptorBatchMethods* methods) 
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
     TakeCredentials(*methods->GetRecvInitialMetadata());
     TakeRequestId(*methods->GetRecvInitialMetadata());
+    if (is_reflection_ && rules_.places != nullptr) {
+      place_.emplace(rules_.places->TakeForReflection(context_));
+    }
   }
+  if (place_ && methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
+    place_->NoteEnd();
+  }
+  if (rules_.connections != nullptr) WatchConnection(*methods);
   methods->Proceed();
+}
+
+void CallGuard::WatchConnection(grpc::experimental::InterceptorBatchMethods& methods) {
+  using grpc::experimental::InterceptionHookPoints;
+  if (methods.QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
+    rules_.connections->NoteMessage(context_.peer());
+  }
+  const bool takes_one_message = method_ != nullptr && !method_->client_streaming();
+  if (takes_one_message &&
+      methods.QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE)) {
+    lacks_message_ = methods.GetRecvMessage() == nullptr;
+  }
+  if (methods.QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS) &&
+      (lacks_message_ || context_.IsCancelled())) {
+    rules_.connections->NoteAbandoned(context_.peer());
+  }
 }
 
 void CallGuard::TakeCredentials(std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
@@ -231,6 +238,29 @@ absl::Status CallGuard::AuthorizeRequest(const google::protobuf::Message& reques
                                                   named && !named->empty() ? *named : "all cells"));
 }
 
+absl::Status CallGuard::TakePlace() {
+  if (rules_.places == nullptr || method_ == nullptr) return absl::OkStatus();
+  if (place_) {
+    place_->NoteUse();
+    return absl::OkStatus();
+  }
+  const bool is_stream = method_->client_streaming() || method_->server_streaming();
+  CallPlaces::Caller caller = {identity_, !identity_.empty()};
+  if (!caller.is_identified) caller.name = NetworkOfPeer(context_.peer());
+  absl::StatusOr<CallPlaces::Place> place =
+      rules_.places->Take(is_stream ? CallPlaces::Kind::kStream : CallPlaces::Kind::kUnary,
+                          std::move(caller), method_->client_streaming() ? &context_ : nullptr);
+  if (!place.ok()) return place.status();
+  place_.emplace(*std::move(place));
+  return absl::OkStatus();
+}
+
+absl::Status CallGuard::CheckPlace() const {
+  if (!place_ || !place_->is_cancelled()) return absl::OkStatus();
+  return absl::CancelledError(
+      "the client has sent nothing for a while, and another stream needed the place");
+}
+
 void CallGuard::NoteRequest(const google::protobuf::Message& request) {
   if (rules_.audit != nullptr) NoteResource(ResourceOf(request));
 }
@@ -247,29 +277,6 @@ void CallGuard::NoteForLog(std::string_view key, std::string_view value) {
 
 std::string CallGuard::TakeLogFields() {
   return absl::StrCat(" request_id=", request_id_, std::exchange(notes_, ""));
-}
-
-void CallGuard::Record(std::string_view method, const grpc::Status& status,
-                       absl::Duration time) const {
-  if (metrics() != nullptr) metrics()->CountCall(method, status, time);
-  Audit(status);
-}
-
-void CallGuard::Audit(const grpc::Status& status) const {
-  const bool is_refused = status.error_code() == grpc::StatusCode::PERMISSION_DENIED ||
-                          status.error_code() == grpc::StatusCode::UNAUTHENTICATED;
-  if (rules_.audit == nullptr || method_ == nullptr || !(is_refused || IsAudited(*method_))) return;
-  v1::AuditRecord record;
-  *record.mutable_time() = AuditTime();
-  record.set_identity(identity_);
-  record.set_peer(context_.peer());
-  record.set_method(method_->full_name());
-  for (const std::string& resource : resources_) record.add_resources(resource);
-  record.set_catalog_revision(rules_.revision());
-  record.set_code(absl::StatusCodeToString(static_cast<absl::StatusCode>(status.error_code())));
-  record.set_error(status.error_message());
-  record.set_request_id(request_id_);
-  rules_.audit->Write(record);
 }
 
 }  // namespace graspdb::server

@@ -15,24 +15,29 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "program/connection_watch.h"
 #include "server/access/audit_log.h"
 #include "server/access/identities_file.h"
 #include "server/call_metrics.h"
+#include "server/call_places.h"
 #include "server/options.h"
 
 namespace graspdb::server {
 
 // The rules of one server, and where calls are recorded.
 struct AccessRules {
-  std::unique_ptr<IdentitiesFile> identities;  // null: every caller may make all calls
-  std::unique_ptr<AuditLog> audit;             // null: no audit log
-  std::function<std::int64_t()> revision;      // of the catalogue; for the audit log
-  std::unique_ptr<CallMetrics> metrics;        // null: none
+  std::unique_ptr<IdentitiesFile> identities;    // null: every caller may make all calls
+  std::unique_ptr<AuditLog> audit;               // null: no audit log
+  std::function<std::int64_t()> revision;        // of the catalogue; for the audit log
+  std::unique_ptr<CallMetrics> metrics;          // null: none
+  std::unique_ptr<CallPlaces> places;            // null: any number of calls
+  std::unique_ptr<ConnectionWatch> connections;  // null: calls may be abandoned
 };
 
 // Logs and audits a client whose certificate was refused in the TLS handshake, before any call. Its
@@ -71,6 +76,23 @@ class CallGuard final : public grpc::experimental::Interceptor {
   // After Authorize(): PERMISSION_DENIED if the caller may use another cell only.
   absl::Status AuthorizeRequest(const google::protobuf::Message& request) const;
 
+  // After Authorize(): takes a place for the call, if it has none, or notes that the client uses
+  // it. Errors as CallPlaces::Take().
+  absl::Status TakePlace();
+
+  // The client has sent another message of a stream.
+  void NoteMessage() {
+    if (place_) place_->NoteUse();
+    if (rules_.connections != nullptr) rules_.connections->NoteMessage(context_.peer());
+  }
+
+  // CANCELLED if the stream had to leave its place to another one.
+  absl::Status CheckPlace() const;
+
+  // To be called in place of Record() when there is no place: counts each of these calls, but logs
+  // and audits one a second.
+  void RecordWithoutPlace(std::string_view method, const grpc::Status& status);
+
   // Adds the name of the request's resource, or another one, to the audit record.
   void NoteRequest(const google::protobuf::Message& request);
   void NoteResource(std::string_view name);
@@ -98,12 +120,15 @@ class CallGuard final : public grpc::experimental::Interceptor {
   absl::StatusOr<const v1::Identity*> Identify(const Identities& identities) const;
   void TakeCredentials(std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
   void TakeRequestId(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
+  void WatchConnection(grpc::experimental::InterceptorBatchMethods& methods);
   void Audit(const grpc::Status& status) const;
+  void WriteAuditRecord(const grpc::Status& status) const;
 
   const AccessRules& rules_;
   grpc::ServerContextBase& context_;
   const google::protobuf::MethodDescriptor* const method_;  // null: not of a service of ours
-  std::vector<std::string> tokens_;                         // hashes; one in a correct call
+  const bool is_reflection_;
+  std::vector<std::string> tokens_;  // hashes; one in a correct call
   std::vector<CertificateName> certificates_;
   std::string identity_;  // for the audit log
   std::string cell_;      // the only one that it may use; empty: all
@@ -111,6 +136,8 @@ class CallGuard final : public grpc::experimental::Interceptor {
   std::vector<std::string> resources_;
   std::string request_id_;
   std::string notes_;
+  std::optional<CallPlaces::Place> place_;
+  bool lacks_message_ = false;
 };
 
 }  // namespace graspdb::server

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -101,6 +102,7 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,
                                                          const storage::BackupProgress& progress) {
   // Reports a missing disk, as reading alone would report a missing backup.
   if (auto claimed = backups_.Claim(); !claimed.ok()) {
+    NoteFailure(claimed, "verify");
     ReadDisk();
     return claimed;
   }
@@ -144,6 +146,17 @@ absl::Status CatalogueBackups::DeleteOld(const storage::BackupRetention& retenti
   if (!deleted.ok()) return deleted.status();
   for (const storage::BackupId id : *deleted) spdlog::info("event=backup_deleted id={}", id);
   return absl::OkStatus();
+}
+
+std::map<std::string, storage::BackupId> CatalogueBackups::NewestWith(
+    const std::vector<std::string>& files) const {
+  std::set<storage::BackupId> damaged;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const auto& [id, damage] : damaged_) damaged.insert(id);
+  }
+  auto found = backups_.FindFiles(catalogue_.id(), files, damaged);
+  return found.ok() ? *std::move(found) : std::map<std::string, storage::BackupId>();
 }
 
 absl::StatusOr<storage::Backup> CatalogueBackups::Compare(storage::BackupId id,

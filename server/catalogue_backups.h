@@ -39,6 +39,10 @@ class CatalogueBackups {
   absl::Status DeleteOld(const storage::BackupRetention& retention, absl::Time now);
   // With the damage that is visible, and what Verify() found since the start.
   absl::StatusOr<std::vector<storage::Backup>> List();
+  // For each of these files of the database, such as 000012.blob, the newest backup that has it and
+  // is not known to be damaged. Reads the folder.
+  std::map<std::string, storage::BackupId> NewestWith(const std::vector<std::string>& files) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // What a restore would change in the catalogue.
   absl::StatusOr<storage::Backup> Compare(storage::BackupId id,
                                           const storage::BackupProgress& progress,

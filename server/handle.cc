@@ -67,8 +67,15 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
   absl::Status status =
       guard == nullptr ? absl::InternalError("the call has no guard") : guard->Authorize();
   if (status.ok()) {
+    if (const absl::Status place = guard->TakePlace(); !place.ok()) {
+      grpc::Status full = ToGrpcStatus(place);
+      guard->RecordWithoutPlace(method, full);
+      return full;
+    }
     const storage::ChangeAuthor author({guard->identity(), std::string(method)});
     status = RunGuarded(work);
+    // The handler takes it for the end of the client's messages.
+    if (const absl::Status place = guard->CheckPlace(); !place.ok()) status = place;
   }
   if (absl::IsCancelled(status) && context.deadline() < std::chrono::system_clock::now()) {
     status = absl::DeadlineExceededError("the call's deadline passed before it was done");

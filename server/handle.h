@@ -14,7 +14,8 @@
 namespace graspdb::server {
 
 // Runs `work` for the call `method` and returns its status; UNAUTHENTICATED or PERMISSION_DENIED
-// instead if the caller may not make it (server/call_guard.h).
+// instead if the caller may not make it (server/call_guard.h), RESOURCE_EXHAUSTED if too many calls
+// are in progress (server/call_places.h).
 grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view method,
                     const std::function<absl::Status()>& work);
 

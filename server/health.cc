@@ -6,7 +6,8 @@ namespace graspdb::server {
 
 Health::Health(LiveCatalogue& live, grpc::Server& server) : live_(live), server_(server) {
   live_.ReportAgreement([health = server_.GetHealthCheckService()](bool agrees) {
-    health->SetServingStatus(agrees);
+    // Of the whole server alone: without a name it would be that of graspdb.writes as well.
+    health->SetServingStatus("", agrees);
   });
 }
 

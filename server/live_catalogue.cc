@@ -2,14 +2,28 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "program/log_field.h"
 #include "server/background.h"
 #include "server/change_effects.h"
 #include "server/load_views.h"
+#include "server/records.h"
+#include "storage/family.h"
 
 namespace graspdb::server {
+namespace {
+
+// Whether this very view, not only one of its name.
+bool IsStillTaught(const TaughtPoses& poses,
+                   const std::shared_ptr<const recognition::TaughtView>& view) {
+  const auto pose = poses.find(PoseOfView(view->name));
+  return pose != poses.end() &&
+         std::ranges::find(pose->second->views, view) != pose->second->views.end();
+}
+
+}  // namespace
 
 LiveCatalogue::LiveCatalogue(storage::Catalogue& catalogue,
                              const recognition::DescriptorParameters& parameters)
@@ -108,6 +122,44 @@ void LiveCatalogue::Advance(const Snapshot& current, const storage::ChangeRecord
   for (const std::string& name : effects.touched) left_out.erase(name);
   left_out.insert(effects.left_out.begin(), effects.left_out.end());
   Publish(std::move(next));
+  SetLeftOut(std::move(left_out));
+}
+
+void LiveCatalogue::LeaveOutDamaged(const std::string& view) {
+  const auto poses = snapshot()->stable_poses;
+  const auto pose = poses->find(PoseOfView(view));
+  if (pose == poses->end()) return;
+  DamagedViews damaged;
+  for (const auto& taught : pose->second->views) {
+    absl::Status read = catalogue_.GetPackedCloud(taught->name).status();
+    if (absl::IsDataLoss(read)) damaged.emplace(taught, std::move(read));
+  }
+  if (damaged.size() == pose->second->views.size() &&
+      std::ranges::none_of(catalogue_.damaged_files(), &storage::DamagedFile::is_lost)) {
+    return;
+  }
+  LeaveOut(damaged);
+}
+
+// As if they were deleted. A view that was taught again meanwhile has another cloud, and stays.
+void LiveCatalogue::LeaveOut(const DamagedViews& damaged) {
+  absl::MutexLock lock(&change_mutex_);
+  if (stale_) return;
+  const std::shared_ptr<const Snapshot> current = snapshot();
+  storage::ChangeRecord deletions;
+  for (const auto& [view, why] : damaged) {
+    if (!IsStillTaught(*current->stable_poses, view)) continue;
+    LogLeftOut(view->name, why);
+    storage::Mutation& deletion = *deletions.add_mutations();
+    deletion.set_kind(storage::Mutation::KIND_DELETE);
+    deletion.set_column_family(std::string(storage::FamilyName(storage::Family::kViews)));
+    deletion.set_key(view->name);
+  }
+  if (deletions.mutations().empty()) return;
+  deletions.set_revision(current->revision);
+  std::set<std::string> left_out = left_out_;
+  for (const storage::Mutation& deletion : deletions.mutations()) left_out.insert(deletion.key());
+  Advance(*current, deletions);
   SetLeftOut(std::move(left_out));
 }
 

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -53,6 +54,12 @@ class LiveCatalogue {
   // periodically. Writers wait meanwhile.
   void CatchUp() ABSL_LOCKS_EXCLUDED(change_mutex_);
 
+  // Leaves out the views of this view's stable pose whose clouds are damaged, so that frames are
+  // recognised with the others. Without others nothing is left out unless a file is lost: an error
+  // is better than a look-alike in place of the object, but not for all objects at once. Reads all
+  // of these clouds. Not for the listener of the catalogue.
+  void LeaveOutDamaged(const std::string& view) ABSL_LOCKS_EXCLUDED(change_mutex_);
+
   // Calls `report` now, with false when a change could not be applied, and with true when the
   // snapshot has all changes again; each before the call that made the change returns. It must not
   // call this. Empty: ends the reports.
@@ -69,7 +76,8 @@ class LiveCatalogue {
       ABSL_LOCKS_EXCLUDED(change_mutex_);
 
   // Calls `work` with a snapshot. A view may be deleted between the snapshot and the loading of its
-  // cloud: if `work` returns NOT_FOUND and there is a newer snapshot, it is retried.
+  // cloud, or left out as damaged: if `work` returns NOT_FOUND or DATA_LOSS and there is a newer
+  // snapshot, it is retried.
   template <typename Work>
   auto WithSnapshot(const Work& work) const {
     return WithSnapshot({.include_drafts = true}, work);
@@ -80,7 +88,9 @@ class LiveCatalogue {
     for (;;) {
       const std::shared_ptr<const LiveSnapshot> current = snapshot();
       auto result = work(*filters_.Get(current, visibility));
-      if (!absl::IsNotFound(result.status()) || snapshot() == current) return result;
+      const bool may_differ =
+          absl::IsNotFound(result.status()) || absl::IsDataLoss(result.status());
+      if (!may_differ || snapshot() == current) return result;
     }
   }
 
@@ -96,6 +106,8 @@ class LiveCatalogue {
   absl::StatusOr<std::vector<std::string>> Reload() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Advance(const Snapshot& current, const storage::ChangeRecord& change)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
+  using DamagedViews = std::map<std::shared_ptr<const recognition::TaughtView>, absl::Status>;
+  void LeaveOut(const DamagedViews& damaged) ABSL_LOCKS_EXCLUDED(change_mutex_);
   void Recover() ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);
   void Publish(Snapshot snapshot);
   void SetLeftOut(std::set<std::string> names) ABSL_EXCLUSIVE_LOCKS_REQUIRED(change_mutex_);

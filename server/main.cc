@@ -1,13 +1,15 @@
 // graspdb-server.
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <cstdio>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "program/background_log.h"
+#include "program/descriptor_limit.h"
 #include "program/health_command.h"
-#include "program/log.h"
 #include "program/log_field.h"
 #include "program/standard_streams.h"
 #include "program/stop_signal.h"
@@ -43,9 +45,12 @@ int Run(int argc, char** argv) {
   const ParsedOptions parsed = ParseOptions(argc, argv);
   if (parsed.done) return WithOutputWritten("graspdb-server", parsed.exit_status);
   const ServerOptions& options = parsed.options;
+  if (const absl::Status limit = RaiseDescriptorLimit(); !limit.ok()) return Fail(limit);
 
+  // A file that reaches its limit is an error of that write, not the end of the server.
+  std::signal(SIGXFSZ, SIG_IGN);
   const StopSignal stop;
-  StartLog("graspdb", options.log_level);
+  StartBackgroundLog("graspdb", options.log_level);
   absl::StatusOr<std::unique_ptr<Server>> server =
       Server::Start(options, [&stop] { return stop.IsPending(); });
   if (absl::IsCancelled(server.status())) {

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -49,9 +50,28 @@ void ModelPreloader::Run() {
 void ModelPreloader::Pass(const LiveSnapshot& now) {
   loaded_bytes_ = 0;
   for (const auto& [name, stable_pose] : *now.stable_poses) {
-    if (IsOver()) return;
+    if (IsOver()) break;
     const auto loaded = loaded_->find(name);
     if (loaded == loaded_->end() || loaded->second != stable_pose) LoadModels(*stable_pose);
+  }
+  LoadPairModels(*now.stable_poses);
+}
+
+// Of the objects with a changed stable pose.
+void ModelPreloader::LoadPairModels(const TaughtPoses& stable_poses) {
+  const auto is_loaded = [this](const auto& stable_pose) {
+    const auto loaded = loaded_->find(stable_pose->name);
+    return loaded != loaded_->end() && loaded->second == stable_pose;
+  };
+  std::size_t bytes = 0;
+  for (const recognition::StablePoses& group : recognition::PairModelGroups(stable_poses)) {
+    if (stop_.Wait(std::chrono::nanoseconds(0))) return;
+    if (static_cast<double>(bytes) >=
+        kPreloadedShare * static_cast<double>(clouds_.pair_model_use().byte_budget)) {
+      return;
+    }
+    if (std::ranges::all_of(group, is_loaded)) continue;
+    bytes += clouds_.PreloadPairModel(group).value_or(0);
   }
 }
 

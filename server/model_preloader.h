@@ -40,6 +40,7 @@ class ModelPreloader {
   void Run();
   void Pass(const LiveSnapshot& now);
   void LoadModels(const recognition::TaughtStablePose& stable_pose);
+  void LoadPairModels(const TaughtPoses& stable_poses);
   // Stopped, or this pass has filled its share of the cache.
   bool IsOver() const;
 

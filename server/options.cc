@@ -85,6 +85,8 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   app.add_option("--listen", o->listen, "HOST:PORT to listen on; port 0 selects a free one")
       ->capture_default_str();
   AddServerSecurityFlags(app, o);
+  app.add_flag("--no-reflection", o->no_reflection,
+               "Do not serve server reflection, by which tools read the contract");
   AddMetricsFlags(app, &o->metrics);
   const auto number = [&](const char* flag, auto* value, const char* text, double lo, double hi) {
     app.add_option(flag, *value, text)->check(CLI::Range(lo, hi))->capture_default_str();
@@ -102,6 +104,11 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
       0, 1 << 24);
   number("--cache-mib", &o->cache_mib,
          "Part of --memory-mib for models and clouds of views, MiB; 0: half of it", 0, 1 << 24);
+  number(
+      "--disk-reserve-mib", &o->disk_reserve_mib,
+      "Space of the database's disk, MiB, that is kept for deletions, the start and compactions, "
+      "at most a sixteenth of the disk; 0: none",
+      0, 1 << 20);
   number("--keep-changes", &o->keep_changes, "Number of change records that are kept", 1, 1e9);
   app.add_option(
          "--deleted-objects-kept", o->deleted_objects_kept_s,

@@ -15,6 +15,7 @@ struct ServerOptions {
   std::string listen = "127.0.0.1:50051";
   bool allow_remote_without_tls = false;
   TlsFiles tls = {};
+  bool no_reflection = false;
   MetricsOptions metrics = {};
   std::string identities;  // file; empty: every caller may make all calls
   std::string audit_log;   // file; empty: none
@@ -24,9 +25,10 @@ struct ServerOptions {
   std::optional<int> queue = std::nullopt;
   int max_points = 2'000'000;
   int max_message_mib = 64;
-  int memory_mib = 0;         // of the whole server; 0: half of the machine's memory
-  int cache_mib = 0;          // part of it for models and clouds; 0: half of it
-  int keep_changes = 50'000;  // change records in the database
+  int memory_mib = 0;          // of the whole server; 0: half of the machine's memory
+  int cache_mib = 0;           // part of it for models and clouds; 0: half of it
+  int disk_reserve_mib = 128;  // for what frees space; 0: none
+  int keep_changes = 50'000;   // change records in the database
   double deleted_objects_kept_s = 30 * 24 * 3600.0;  // and earlier revisions of objects
   std::string backup_dir;                            // folder of the backups; empty: none
   double backup_every_s = 0;     // interval of scheduled backups; 0: none are scheduled

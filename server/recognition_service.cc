@@ -122,8 +122,10 @@ grpc::Status RecognitionService::RecognizeStream(
     grpc::ServerContext* context,
     grpc::ServerReaderWriter<v1::RecognizeStreamResponse, v1::RecognizeStreamRequest>* stream) {
   return Handle(*context, "RecognizeStream", [&]() -> absl::Status {
-    v1::RecognizeStreamRequest frame;
-    while (stream->Read(&frame)) {
+    for (;;) {
+      // Not kept while the stream waits for the next one: nothing counts its memory then.
+      v1::RecognizeStreamRequest frame;
+      if (!stream->Read(&frame)) break;
       v1::RecognizeStreamResponse answer;
       const grpc::Status status = Handle(*context, "RecognizeStream.frame", frame.request(), [&] {
         absl::Status named = CheckLength(frame.frame_id(), "frame_id");

@@ -23,6 +23,8 @@ constexpr float kMaxMedianDistance = 50;
 // Coordinates, m, of points that are nearer than that, and whose squares do not overflow.
 constexpr float kNear = 25;
 constexpr int kMaxStride = 4096;
+// A saturated count of a depth image, which is no measurement.
+constexpr std::uint16_t kNoCount = 65535;
 // Number of points for the check of the unit.
 constexpr std::size_t kUnitSampleSize = 1000;
 
@@ -183,6 +185,7 @@ absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
   }
   std::vector<std::uint16_t> depth(count);
   std::memcpy(depth.data(), image.data().data(), image.data().size());
+  std::ranges::replace(depth, kNoCount, std::uint16_t{0});
   scan->depth_image = {std::move(depth), *camera, unit};
   return CheckMeasurements(*scan, path);
 }

@@ -2,7 +2,6 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <grpcpp/resource_quota.h>
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
@@ -13,6 +12,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "program/connection_acceptor.h"
+#include "program/listen_address.h"
 #include "program/metrics/metrics_server.h"
 #include "server/access/tls.h"
 #include "server/admission.h"
@@ -20,6 +21,7 @@
 #include "server/backup_schedule.h"
 #include "server/backup_service.h"
 #include "server/call_guard.h"
+#include "server/call_places.h"
 #include "server/capacity.h"
 #include "server/catalog_service.h"
 #include "server/catalogue_backups.h"
@@ -33,12 +35,14 @@
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/model_preloader.h"
+#include "server/no_reflection.h"
 #include "server/object_history_service.h"
 #include "server/recognition_service.h"
 #include "server/server_state.h"
 #include "server/status_metrics.h"
 #include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
+#include "server/write_watch.h"
 #include "storage/catalogue.h"
 
 namespace graspdb::server {
@@ -47,10 +51,7 @@ namespace {
 // Maximum number of waiting uploads.
 constexpr int kTeachQueue = 64;
 
-// Minimum number of threads that wait for calls.
-constexpr int kMinPollers = 8;
-
-// Of the threads a quarter may wait for changes. Halved, half of them.
+// Of the streams a quarter may wait for changes. Halved, half of them.
 constexpr int kWatcherShare = 4;
 
 // A shutdown ends the streams of health watchers, notified or not.
@@ -63,6 +64,22 @@ recognition::RecognitionParameters ParametersOf(const ServerOptions& options) {
   out.descriptor.voxel_size_m = options.voxel_size_m;
   out.descriptor.normal_radius_m = options.normal_radius_m;
   return out;
+}
+
+// Searches for no more objects than the cache of their models holds, or each frame would make them
+// anew.
+recognition::RecognitionParameters ParametersWithin(const MemoryShares& memory,
+                                                    const ServerOptions& options) {
+  constexpr std::size_t kPairModelBytes = 3'000'000;
+  recognition::RecognitionParameters out = ParametersOf(options);
+  out.scene.max_objects = std::min(
+      out.scene.max_objects, memory.caches / ViewCloudCache::kPairModelShare / kPairModelBytes);
+  return out;
+}
+
+storage::CatalogueOptions CatalogueOptionsOf(const ServerOptions& options) {
+  return {.keep_changes = options.keep_changes,
+          .disk_reserve_bytes = static_cast<std::uint64_t>(options.disk_reserve_mib) << 20U};
 }
 
 // Null without a folder for backups.
@@ -90,7 +107,7 @@ struct Server::Parts {
   Parts(const ServerOptions& options, const MemoryShares& memory,
         std::unique_ptr<storage::Catalogue> catalogue_in, std::unique_ptr<LiveCatalogue> live_in,
         std::unique_ptr<CatalogueBackups> backups_in)
-      : parameters(ParametersOf(options)),
+      : parameters(ParametersWithin(memory, options)),
         max_points(static_cast<std::size_t>(options.max_points)),
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
@@ -107,36 +124,39 @@ struct Server::Parts {
                          approximate_builder->RebuildIfOutdated();
                        }}),
         request_memory(memory.requests),
-        clouds(*catalogue, parameters.descriptor, memory.caches),
+        clouds(*catalogue, parameters.descriptor, memory.caches,
+               [this](const std::string& view) { live->LeaveOutDamaged(view); }),
         preloader(*live, clouds),
         recognizing(WorkersOf(options), QueueOf(options)),
         recognizer(*catalogue, *live, clouds, parameters, max_points),
         check(*live, clouds, parameters),
         recognition_service(recognizer, check, recognizing, request_memory),
-        catalog_service(
-            {*catalogue,
-             *live,
-             teaching,
-             clouds,
-             memory,
-             request_memory,
-             parameters,
-             {max_points},
-             backups.get(),
-             [this, certificate = options.tls.cert] {
-               return ServerStateOf({*catalogue, *live, access, tls_state, certificate});
-             }}),
+        catalog_service({*catalogue,
+                         *live,
+                         teaching,
+                         clouds,
+                         memory,
+                         request_memory,
+                         parameters,
+                         {max_points},
+                         backups.get(),
+                         [this, certificate = options.tls.cert] {
+                           return ServerStateOf(
+                               {*catalogue, *live, access, tls_state, certificate, backups.get()});
+                         }}),
         uploading(WorkersOf(options), kTeachQueue),
         upload_service({*catalogue, uploading, request_memory, parameters, {max_points}}),
         history_service(*catalogue, parameters.descriptor, expiry.history_kept()),
         cell_service(*catalogue),
-        change_service(*catalogue, *live, ThreadsFor(memory, options) / kWatcherShare),
+        change_service(*catalogue, *live, PlacesFor(options).streams / kWatcherShare),
         backup_service(backups.get()),
         backup_schedule(ScheduleBackups(options, backups.get())) {}
 
+  // After Listen().
   StatusSources StatusSourcesOf(const ServerOptions& options, const MemoryShares& memory) {
-    return {*catalogue, *live,     clouds,        request_memory, memory,    recognizing,
-            teaching,   uploading, backups.get(), access,         tls_state, options.tls.cert};
+    return {*catalogue, *live,       clouds,          request_memory, memory,
+            *acceptor,  recognizing, teaching,        uploading,      backups.get(),
+            access,     tls_state,   options.tls.cert};
   }
 
   recognition::RecognitionParameters parameters;
@@ -169,6 +189,7 @@ struct Server::Parts {
   AccessRules access = {};
   FileState tls_state{"--tls-cert"};
   std::unique_ptr<WatchedFiles> tls_files;
+  std::unique_ptr<ConnectionAcceptor> acceptor;
   std::unique_ptr<MetricsServer> metrics;  // null: none
 };
 
@@ -183,7 +204,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   absl::StatusOr<AccessRules> access = OpenAccessRules(options);
   if (!access.ok()) return access.status();
   absl::StatusOr<std::unique_ptr<storage::Catalogue>> catalogue =
-      storage::Catalogue::Open(options.database, {.keep_changes = options.keep_changes});
+      storage::Catalogue::Open(options.database, CatalogueOptionsOf(options));
   if (!catalogue.ok()) return catalogue.status();
   absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
       LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor, is_cancelled);
@@ -195,55 +216,66 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
       options, memory, *std::move(catalogue), *std::move(live), *std::move(backups))));
   out->drain_time_ = std::chrono::duration<double>(options.drain_s);
   out->parts_->access = *std::move(access);
+  out->parts_->access.places = std::make_unique<CallPlaces>(PlacesFor(options));
+  out->parts_->access.connections = WatchConnections(memory, options);
   out->parts_->access.revision = [parts = out->parts_.get()] {
     return parts->catalogue->revision();
   };
   out->parts_->tls_files = WatchTlsFiles(options.tls, out->parts_->tls_state);
+  if (absl::Status status = out->Listen(options); !status.ok()) return status;
   auto metrics = ServeMetrics(options.metrics, out->parts_->StatusSourcesOf(options, memory),
                               out->parts_->access.metrics.get());
   if (!metrics.ok()) return metrics.status();
   out->parts_->metrics = *std::move(metrics);
   WarnIfOpen(options);
 
-  if (absl::Status status = out->Listen(options, memory); !status.ok()) return status;
+  if (absl::Status status = out->Serve(options, memory); !status.ok()) return status;
   return out;
 }
 
-absl::Status Server::Listen(const ServerOptions& options, const MemoryShares& memory) {
+absl::Status Server::Listen(const ServerOptions& options) {
+  const absl::StatusOr<ListenAddress> listen = ParseListenAddress("--listen", options.listen);
+  if (!listen.ok()) return listen.status();
+  absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
+      ConnectionAcceptor::Listen(*listen);
+  if (!acceptor.ok()) {
+    return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen, " (",
+                                               acceptor.status().message(),
+                                               "); is the port in use? Choose another --listen"));
+  }
+  parts_->acceptor = *std::move(acceptor);
+  address_ = absl::StrCat(listen->host, ":", parts_->acceptor->port());
+  return absl::OkStatus();
+}
+
+absl::Status Server::Serve(const ServerOptions& options, const MemoryShares& memory) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   const int max_bytes = options.max_message_mib << 20;
   builder.SetMaxReceiveMessageSize(max_bytes);
   builder.SetMaxSendMessageSize(max_bytes);
-  // Two servers on one port would each get some of the calls; the second must fail.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   EndDeadConnections(builder);
-  // A thread that finds more pollers than this ends, and the next frame starts a new one.
-  builder.SetSyncServerOption(grpc::ServerBuilder::SyncServerOption::MAX_POLLERS,
-                              std::max(kMinPollers, 2 * WorkersOf(options)));
-  // Memory for incomplete messages; when it is exhausted, gRPC stops reading, and ends waiting
-  // calls. A call beyond the threads is rejected before its message is parsed.
-  grpc::ResourceQuota quota("graspdb");
-  quota.Resize(memory.requests);
-  quota.SetMaxThreads(ThreadsFor(memory, options));
-  builder.SetResourceQuota(quota);
+  LimitCalls(memory, options, builder);
   const auto credentials =
       MakeServerCredentials(options.tls, [access = &parts_->access](const absl::Status& refused) {
         RecordRefusedHandshake(*access, refused);
       });
   if (!credentials.ok()) return credentials.status();
-  int port = 0;
-  builder.AddListeningPort(options.listen, *credentials, &port);
+  parts_->acceptor->AddTo(builder, *credentials);
+  if (options.no_reflection) builder.SetOption(std::make_unique<NoReflection>());
   GuardCalls(parts_->access, builder);
   for (grpc::Service* service : parts_->services) builder.RegisterService(service);
   grpc_ = builder.BuildAndStart();
-  if (grpc_ == nullptr || port == 0) {
-    return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,
-                                               "; is the port in use? Choose another --listen"));
+  if (grpc_ == nullptr) {
+    return absl::InternalError("gRPC does not start; the log of --log-level debug has its reason");
   }
-  address_ = absl::StrCat(options.listen.substr(0, options.listen.rfind(':')), ":", port);
+  parts_->acceptor->Start(parts_->access.connections.get());
   health_ = std::make_unique<Health>(*parts_->live, *grpc_);
+  write_watch_ = std::make_unique<WriteWatch>(
+      *parts_->catalogue, [health = grpc_->GetHealthCheckService()](bool succeed) {
+        health->SetServingStatus(kWritesHealth, succeed);
+      });
   return absl::OkStatus();
 }
 
@@ -266,12 +298,14 @@ void Server::Drain() {
 
 void Server::Stop() {
   if (grpc_ == nullptr) return;
+  parts_->acceptor->Stop();
   parts_->change_service.Stop();
   parts_->preloader.Stop();
   if (parts_->backups != nullptr) parts_->backups->Stop();  // clients can start them again
   grpc_->Shutdown(std::chrono::system_clock::now() +
                   std::chrono::duration_cast<std::chrono::system_clock::duration>(drain_time_));
   grpc_->Wait();
+  write_watch_.reset();
   health_.reset();
   grpc_.reset();
   parts_.reset();

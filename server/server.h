@@ -16,6 +16,7 @@
 namespace graspdb::server {
 
 class Health;
+class WriteWatch;
 struct MemoryShares;
 
 // A running server. The destructor drains it.
@@ -43,8 +44,10 @@ class Server {
 
  private:
   void Stop();
-  // Opens the port and answers calls. UNAVAILABLE if the address is in use.
-  absl::Status Listen(const ServerOptions& options, const MemoryShares& memory);
+  // Opens the port; its connections wait for Serve(). UNAVAILABLE if the address is in use.
+  absl::Status Listen(const ServerOptions& options);
+  // Answers calls.
+  absl::Status Serve(const ServerOptions& options, const MemoryShares& memory);
 
   struct Parts;
   explicit Server(std::unique_ptr<Parts> parts);
@@ -52,6 +55,7 @@ class Server {
   std::unique_ptr<Parts> parts_;
   std::unique_ptr<grpc::Server> grpc_;
   std::unique_ptr<Health> health_;
+  std::unique_ptr<WriteWatch> write_watch_;
   std::string address_;
   std::chrono::duration<double> drain_time_{};
 };

@@ -3,8 +3,12 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "program/pem_files.h"
@@ -38,6 +42,25 @@ void SetFiles(const ServerStateSources& from, v1::ServerState* state) {
   state->set_lost_audit_record_count(from.access.audit->lost_count());
 }
 
+void SetDamage(const ServerStateSources& from, v1::ServerState* state) {
+  const std::vector<storage::DamagedFile> files = from.catalogue.damaged_files();
+  std::map<std::string, storage::BackupId> backups;
+  if (from.backups != nullptr && !files.empty()) {
+    std::vector<std::string> names;
+    names.reserve(files.size());
+    for (const storage::DamagedFile& file : files) names.push_back(file.name);
+    backups = from.backups->NewestWith(names);
+  }
+  for (const storage::DamagedFile& file : files) {
+    v1::DamagedFile* out = state->add_damaged_files();
+    out->set_name(file.name);
+    out->set_error(BoundedText(file.error, kMaxMessageBytes));
+    if (const auto backup = backups.find(file.name); backup != backups.end()) {
+      out->set_backup(absl::StrCat("backups/", backup->second));
+    }
+  }
+}
+
 }  // namespace
 
 v1::ServerState ServerStateOf(const ServerStateSources& from) {
@@ -51,8 +74,15 @@ v1::ServerState ServerStateOf(const ServerStateSources& from) {
     disk->set_available_byte_count(static_cast<std::int64_t>(database.disk_available_bytes));
     disk->set_byte_count(static_cast<std::int64_t>(database.disk_bytes));
   }
-  out.set_database_byte_count(
-      static_cast<std::int64_t>(database.table_bytes + database.memtable_bytes));
+  out.set_database_byte_count(static_cast<std::int64_t>(database.table_bytes + database.blob_bytes +
+                                                        database.memtable_bytes));
+  if (!database.write_fault.error.ok()) {
+    v1::WriteFault* fault = out.mutable_write_fault();
+    fault->set_error(
+        BoundedText(std::string(database.write_fault.error.message()), kMaxMessageBytes));
+    *fault->mutable_time() = TimestampOf(database.write_fault.begin);
+  }
+  SetDamage(from, &out);
   SetFiles(from, &out);
   return out;
 }

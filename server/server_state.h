@@ -6,6 +6,7 @@
 #include "graspdb/v1/server_state.pb.h"
 #include "server/access/file_state.h"
 #include "server/call_guard.h"
+#include "server/catalogue_backups.h"
 #include "server/live_catalogue.h"
 #include "storage/catalogue.h"
 
@@ -16,7 +17,8 @@ struct ServerStateSources {
   const LiveCatalogue& live;
   const AccessRules& access;
   const FileState& tls_files;
-  std::string certificate;  // file; empty: no TLS
+  std::string certificate;          // file; empty: no TLS
+  const CatalogueBackups* backups;  // null: there is no folder for them
 };
 
 // Reads the certificate and the free space from the disk: some 0.1 ms. Thread-safe.

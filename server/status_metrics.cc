@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/time/time.h"
+#include "program/background_log.h"
 #include "program/pem_files.h"
 #include "program/version.h"
 #include "storage/uploads.h"
@@ -71,6 +72,16 @@ MetricFamilies CatalogueMetrics(const StatusSources& from) {
   return out;
 }
 
+MetricFamilies CallPlaceMetrics(const CallPlaces& places) {
+  using Kind = CallPlaces::Kind;
+  return {GaugeOf("graspdb_calls_in_progress", "Calls from their start to the end of their answer.",
+                  {Labelled("kind", "unary", places.used(Kind::kUnary)),
+                   Labelled("kind", "stream", places.used(Kind::kStream))}),
+          GaugeOf("graspdb_call_places", "Maximum number of calls in progress; more are rejected.",
+                  {Labelled("kind", "unary", places.limit(Kind::kUnary)),
+                   Labelled("kind", "stream", places.limit(Kind::kStream))})};
+}
+
 MetricFamilies QueueMetrics(const StatusSources& from) {
   const std::pair<const char*, const Admission*> queues[] = {{"recognise", &from.recognizing},
                                                              {"teach", &from.teaching},
@@ -97,21 +108,24 @@ MetricFamilies QueueMetrics(const StatusSources& from) {
 
 MetricFamilies MemoryMetrics(const StatusSources& from) {
   const CacheUse models = from.clouds.model_use();
+  const CacheUse pair_models = from.clouds.pair_model_use();
   const CacheUse clouds = from.clouds.cloud_use();
   const RequestMemory::Use requests = from.request_memory.use();
-  const auto both = [&](auto CacheUse::*value) -> std::vector<Sample> {
-    return {Labelled("cache", "models", models.*value), Labelled("cache", "clouds", clouds.*value)};
+  const auto all = [&](auto CacheUse::*value) -> std::vector<Sample> {
+    return {Labelled("cache", "models", models.*value),
+            Labelled("cache", "pair_models", pair_models.*value),
+            Labelled("cache", "clouds", clouds.*value)};
   };
   return {CounterOf("graspdb_cache_hits_total", "Values that were found in a cache.",
-                    both(&CacheUse::hits)),
+                    all(&CacheUse::hits)),
           CounterOf("graspdb_cache_misses_total", "Values that were not found in a cache.",
-                    both(&CacheUse::misses)),
+                    all(&CacheUse::misses)),
           CounterOf("graspdb_cache_rejected_total",
                     "Values that were not cached, being larger than half the cache.",
-                    both(&CacheUse::rejected)),
-          GaugeOf("graspdb_cache_bytes", "Size of a cache.", both(&CacheUse::bytes)),
+                    all(&CacheUse::rejected)),
+          GaugeOf("graspdb_cache_bytes", "Size of a cache.", all(&CacheUse::bytes)),
           GaugeOf("graspdb_cache_budget_bytes", "Maximum size of a cache.",
-                  both(&CacheUse::byte_budget)),
+                  all(&CacheUse::byte_budget)),
           GaugeOf("graspdb_memory_budget_bytes", "Memory of the whole server (--memory-mib).",
                   {Number(from.memory.total)}),
           GaugeOf("graspdb_request_memory_bytes", "Memory of the requests in progress.",
@@ -125,25 +139,32 @@ MetricFamilies MemoryMetrics(const StatusSources& from) {
 
 MetricFamilies DatabaseMetrics(const storage::Catalogue& catalogue) {
   const storage::DatabaseStatus status = catalogue.database_status();
-  return {GaugeOf("graspdb_database_table_bytes", "RocksDB: sorted files.",
-                  {Number(status.table_bytes)}),
-          GaugeOf("graspdb_database_memtable_bytes", "RocksDB: memtables.",
-                  {Number(status.memtable_bytes)}),
-          GaugeOf("graspdb_database_block_cache_bytes", "RocksDB: block cache.",
-                  {Number(status.block_cache_bytes)}),
-          GaugeOf("graspdb_database_pending_compaction_bytes",
-                  "RocksDB: estimate of what compactions have to rewrite.",
-                  {Number(status.pending_compaction_bytes)}),
-          GaugeOf("graspdb_database_running_compactions", "RocksDB: running compactions.",
-                  {Number(status.running_compactions)}),
-          CounterOf("graspdb_database_background_errors_total",
-                    "RocksDB: failed flushes and compactions.", {Number(status.background_errors)}),
-          GaugeOf("graspdb_database_writes_stopped", "1 while writes wait for compactions, else 0.",
-                  {Number(status.writes_stopped)}),
-          GaugeOf("graspdb_disk_available_bytes", "Free space of the database's file system.",
-                  {Number(status.disk_available_bytes)}),
-          GaugeOf("graspdb_disk_bytes", "Size of the database's file system.",
-                  {Number(status.disk_bytes)})};
+  return {
+      GaugeOf("graspdb_database_table_bytes", "RocksDB: sorted files.",
+              {Number(status.table_bytes)}),
+      GaugeOf("graspdb_database_blob_bytes", "RocksDB: blob files, which have the clouds.",
+              {Number(status.blob_bytes)}),
+      GaugeOf("graspdb_database_memtable_bytes", "RocksDB: memtables.",
+              {Number(status.memtable_bytes)}),
+      GaugeOf("graspdb_database_block_cache_bytes", "RocksDB: block cache.",
+              {Number(status.block_cache_bytes)}),
+      GaugeOf("graspdb_database_pending_compaction_bytes",
+              "RocksDB: estimate of what compactions have to rewrite.",
+              {Number(status.pending_compaction_bytes)}),
+      GaugeOf("graspdb_database_running_compactions", "RocksDB: running compactions.",
+              {Number(status.running_compactions)}),
+      CounterOf("graspdb_database_background_errors_total",
+                "RocksDB: failed flushes and compactions.", {Number(status.background_errors)}),
+      GaugeOf("graspdb_database_writes_stopped", "1 while writes wait for compactions, else 0.",
+              {Number(status.writes_stopped)}),
+      GaugeOf("graspdb_database_writes_failed",
+              "1 while changes are rejected, or would be, since the disk fails or is full; else "
+              "0. Tried at least every 30 s.",
+              {Number(!status.write_fault.error.ok())}),
+      GaugeOf("graspdb_disk_available_bytes", "Free space of the database's file system.",
+              {Number(status.disk_available_bytes)}),
+      GaugeOf("graspdb_disk_bytes", "Size of the database's file system.",
+              {Number(status.disk_bytes)})};
 }
 
 MetricFamilies BackupMetrics(const CatalogueBackups* backups) {
@@ -236,6 +257,18 @@ MetricFamilies StatusMetrics(const StatusSources& from) {
   };
   add(ProcessMetrics(from.start));
   add(CatalogueMetrics(from));
+  add(CallPlaceMetrics(*from.access.places));
+  add({CounterOf("graspdb_log_lost_lines_total",
+                 "Lines of the log that were lost, as its reader did not read.",
+                 {Number(LostLogLines())}),
+       CounterOf("graspdb_connections_refused_total",
+                 "Connections that were closed at once: beyond the limit of open files or of one "
+                 "address, or within 10 s after another one of their address was ended.",
+                 {Number(from.acceptor.refused_count())}),
+       CounterOf("graspdb_connections_ended_total",
+                 "Connections that were ended since their clients abandoned many calls, or took "
+                 "memory without sending a message.",
+                 {Number(from.access.connections->ended_count())})});
   add(QueueMetrics(from));
   add(MemoryMetrics(from));
   add(DatabaseMetrics(from.catalogue));

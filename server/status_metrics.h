@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "program/connection_acceptor.h"
 #include "program/metrics/families.h"
 #include "program/metrics/metrics_server.h"
 #include "server/access/file_state.h"
@@ -27,6 +28,7 @@ struct StatusSources {
   const ViewCloudCache& clouds;
   const RequestMemory& request_memory;
   MemoryShares memory;
+  const ConnectionAcceptor& acceptor;
   const Admission& recognizing;
   const Admission& teaching;
   const Admission& uploading;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "recognition/points/median_point.h"
 #include "recognition/segmentation/segmentation.h"
 #include "recognition/segmentation/segmented_points.h"
 #include "server/convert.h"
@@ -59,18 +60,22 @@ absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
 }
 
 // The segment of the object: the only one, or the one at the object's pose.
-absl::StatusOr<const Segment*> ChooseSegment(const Segmentation& segmentation,
+absl::StatusOr<const Segment*> ChooseSegment(const recognition::Scan& scan,
+                                             const Segmentation& segmentation,
                                              const std::optional<Pose>& object_pose) {
   switch (segmentation.outcome) {
     case recognition::SegmentationOutcome::kEmptyRegion:
-      return WithReason(absl::FailedPreconditionError(
+      return WithReason(absl::FailedPreconditionError(absl::StrCat(
                             "the region of interest holds no measurement; check the sensor pose "
-                            "and the region"),
+                            "and the region",
+                            recognition::AndWhereMedianIs(scan, segmentation.world_sensor))),
                         "EMPTY_REGION");
     case recognition::SegmentationOutcome::kNoCluster:
       return WithReason(
-          absl::FailedPreconditionError("nothing stands on the table in the region of interest; "
-                                        "check the sensor pose and the region"),
+          absl::FailedPreconditionError(absl::StrCat(
+              "nothing stands on the table in the region of interest; check the sensor "
+              "pose and the region",
+              recognition::AndWhereMedianIs(scan, segmentation.world_sensor))),
           "NO_CLUSTER");
     case recognition::SegmentationOutcome::kFound:
       break;
@@ -138,7 +143,8 @@ absl::StatusOr<SeenObject> FindObject(const Capture& capture,
   absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
       capture.scan, parameters.segmentation, without_normals, is_cancelled, &log);
   if (!segmentation.ok()) return segmentation.status();
-  absl::StatusOr<const Segment*> segment = ChooseSegment(*segmentation, capture.object_pose);
+  absl::StatusOr<const Segment*> segment =
+      ChooseSegment(capture.scan, *segmentation, capture.object_pose);
   if (!segment.ok()) return segment.status();
   const double max_size_m = parameters.segmentation.max_object_size_m;
   absl::Status status = CheckExtent(capture.scan, *segmentation, **segment, max_size_m);

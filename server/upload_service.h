@@ -57,6 +57,8 @@ class UploadService final : public v1::UploadService::Service {
   absl::Status Write(const v1::WriteUploadViewsRequest& request, StreamUploads& known,
                      const recognition::IsCancelled& is_cancelled,
                      v1::WriteUploadViewsResponse* response);
+  // Counts a view for the rate of its upload.
+  void CountSent(const std::string& upload);
   absl::StatusOr<storage::NewView> MakeViewOf(const v1::UploadViewsRequest& request,
                                               const recognition::IsCancelled& is_cancelled);
   absl::StatusOr<v1::Upload> ToProto(const storage::UploadRecord& record);

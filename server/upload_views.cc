@@ -58,8 +58,11 @@ absl::Status CatalogService::UploadAll(CallGuard& guard,
                                        const recognition::IsCancelled& is_cancelled,
                                        grpc::ServerReader<v1::UploadViewsRequest>* reader,
                                        v1::UploadViewsResponse* response) {
-  v1::UploadViewsRequest request;
-  while (reader->Read(&request)) {
+  for (;;) {
+    // Not kept while the stream waits for the next one: nothing counts its memory then.
+    v1::UploadViewsRequest request;
+    if (!reader->Read(&request)) break;
+    guard.NoteMessage();
     guard.NoteResource(request.parent());
     absl::Status status = UploadOne(request, is_cancelled, response);
     if (status.ok()) continue;

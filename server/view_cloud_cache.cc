@@ -24,6 +24,15 @@ std::string KeyOfModel(const recognition::TaughtView& view,
   return Sha256(content);
 }
 
+std::string KeyOfPairModel(const recognition::StablePoses& stable_poses) {
+  std::string content;
+  for (const auto& stable_pose : stable_poses) {
+    const recognition::TaughtView* view = recognition::ModelView(*stable_pose);
+    if (view != nullptr) absl::StrAppend(&content, KeyOfModel(*view, *stable_pose), "\n");
+  }
+  return Sha256(content);
+}
+
 std::size_t BytesOf(const recognition::OrientedCloud& cloud) {
   return 2 * sizeof(Eigen::Vector3f) * cloud.points.size();
 }
@@ -32,17 +41,20 @@ std::size_t BytesOf(const recognition::OrientedCloud& cloud) {
 
 ViewCloudCache::ViewCloudCache(const storage::Catalogue& catalogue,
                                const recognition::DescriptorParameters& parameters,
-                               std::size_t byte_budget)
+                               std::size_t byte_budget, OnDamage on_damage)
     : catalogue_(catalogue),
       parameters_(parameters),
+      on_damage_(std::move(on_damage)),
       clouds_(byte_budget / kCloudShare),
-      models_(byte_budget - byte_budget / kCloudShare) {}
+      models_(byte_budget - byte_budget / kCloudShare - byte_budget / kPairModelShare),
+      pair_models_(byte_budget / kPairModelShare) {}
 
 absl::StatusOr<std::shared_ptr<const recognition::OrientedCloud>> ViewCloudCache::Load(
     const recognition::TaughtView& view) {
   const std::string key = KeyOf(view);
   if (Cloud known = clouds_.Get(key)) return known;
   absl::StatusOr<Cloud> cloud = Read(view);
+  if (absl::IsDataLoss(cloud.status()) && on_damage_) on_damage_(view.name);
   if (cloud.ok()) clouds_.Put(key, *cloud, BytesOf(**cloud));
   return cloud;
 }
@@ -61,6 +73,29 @@ absl::StatusOr<std::size_t> ViewCloudCache::Preload(
   const auto model = Fuse(key, view, stable_pose);
   if (!model.ok()) return model.status();
   return *model ? (*model)->bytes() : 0;
+}
+
+absl::StatusOr<std::shared_ptr<const recognition::PairModel>> ViewCloudCache::LoadPairModel(
+    const recognition::StablePoses& stable_poses) {
+  const std::string key = KeyOfPairModel(stable_poses);
+  if (auto known = pair_models_.Get(key)) return known;
+  return MakePairs(key, stable_poses);
+}
+
+absl::StatusOr<std::size_t> ViewCloudCache::PreloadPairModel(
+    const recognition::StablePoses& stable_poses) {
+  const std::string key = KeyOfPairModel(stable_poses);
+  if (pair_models_.Contains(key)) return 0;
+  const auto model = MakePairs(key, stable_poses);
+  if (!model.ok()) return model.status();
+  return *model ? (*model)->bytes() : 0;
+}
+
+absl::StatusOr<std::shared_ptr<const recognition::PairModel>> ViewCloudCache::MakePairs(
+    const std::string& key, const recognition::StablePoses& stable_poses) {
+  auto model = recognition::MakePairModelOf(stable_poses, *this);
+  if (model.ok() && *model) pair_models_.Put(key, *model, (*model)->bytes());
+  return model;
 }
 
 absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache::Fuse(

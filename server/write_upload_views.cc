@@ -31,6 +31,7 @@ std::string NameOf(const v1::UploadViewsRequest& request) {
 // Errors as UploadViews.
 absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
     const v1::UploadViewsRequest& request, const recognition::IsCancelled& is_cancelled) {
+  if (absl::Status bounded = CheckLimits(request); !bounded.ok()) return bounded;
   absl::Status status = AtField("parent", storage::ParseStablePoseName(request.parent()).status());
   status.Update(AtField("view_id", storage::ValidateResourceId(request.view_id())));
   if (!status.ok()) return status;
@@ -48,6 +49,9 @@ absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
 absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, StreamUploads& known,
                                   const recognition::IsCancelled& is_cancelled,
                                   v1::WriteUploadViewsResponse* response) {
+  // A view beyond its limits does not end the stream.
+  absl::Status bounded = CheckLength(request.upload(), "upload");
+  if (!bounded.ok()) return bounded;
   const auto open = uploads().GetOpen(request.upload());
   if (!open.ok()) return AtField("upload", open.status());
   const storage::UploadRecord& upload = known.try_emplace(request.upload(), *open).first->second;
@@ -70,7 +74,10 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, St
   if (!view.ok()) {
     if (!IsErrorOfView(view.status())) return view.status();
     *response->mutable_error() = ToRpcStatus(view.status());
-    return name.empty() ? absl::OkStatus() : uploads().StageError(upload, name, view.status());
+    if (name.empty()) return absl::OkStatus();
+    absl::Status kept = uploads().StageError(upload, name, view.status());
+    if (kept.ok()) CountSent(request.upload());
+    return kept;
   }
   view->record.set_name(name);
   view->record.set_content_digest(digest);
@@ -81,16 +88,20 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, St
   }
   if (!outcome.ok()) return outcome.status();
   response->set_existing(*outcome == storage::PutViewOutcome::kExisting);
+  CountSent(request.upload());
+  return absl::OkStatus();
+}
+
+void UploadService::CountSent(const std::string& upload) {
   const auto now = UploadRate::Clock::now();
   absl::MutexLock lock(&mutex_);
-  const auto [rate, is_new] = rates_.try_emplace(request.upload());
+  const auto [rate, is_new] = rates_.try_emplace(upload);
   // Uploads that expired leave theirs.
   for (auto other = rates_.begin(); is_new && other != rates_.end();) {
     const bool is_old = other != rate && other->second.PerSecond(now) == 0;
     other = is_old ? rates_.erase(other) : std::next(other);
   }
   rate->second.Add(now);
-  return absl::OkStatus();
 }
 
 grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Stream* stream) {
@@ -100,12 +111,14 @@ grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Strea
     return InBackground([&]() -> absl::Status {
       CallGuard& guard = *CallGuard::Of(*context);
       StreamUploads known;
-      v1::WriteUploadViewsRequest request;
-      while (stream->Read(&request)) {
+      for (;;) {
+        // Not kept while the stream waits for the next one: nothing counts its memory then.
+        v1::WriteUploadViewsRequest request;
+        if (!stream->Read(&request)) break;
+        guard.NoteMessage();
         guard.NoteResource(request.upload());
         v1::WriteUploadViewsResponse response;
-        absl::Status status = CheckLimits(request);
-        status.Update(status.ok() ? Write(request, known, is_cancelled, &response) : status);
+        absl::Status status = Write(request, known, is_cancelled, &response);
         if (!status.ok()) return status;
         if (!stream->Write(response)) break;
       }

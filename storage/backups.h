@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -114,6 +115,12 @@ class Backups {
                                 std::string_view request_id = "");
   // By ascending number, damaged ones included.
   absl::StatusOr<std::vector<Backup>> List() const;
+  // For each of these files of the database, such as 000012.blob, the newest backup of the
+  // catalogue with this id that has it, is not visibly damaged and not in `left_out`. Files that no
+  // backup has are left out.
+  absl::StatusOr<std::map<std::string, BackupId>> FindFiles(
+      const std::string& catalog_id, const std::vector<std::string>& names,
+      const std::set<BackupId>& left_out) const;
   // Reads every byte of the backup and compares the checksums; then reads its revision from it.
   absl::StatusOr<Backup> Verify(BackupId id, const BackupProgress& progress = {}) const;
   // Claims the folder. Files that other backups share stay.

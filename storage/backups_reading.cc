@@ -1,9 +1,13 @@
 // Backups: the functions that read a backup's contents.
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "rocksdb/env.h"
 #include "storage/backup_engine.h"
@@ -110,6 +114,13 @@ class DatabaseLock {
   bool is_taken_ = false;
 };
 
+// The name in the database of a file in a backup. Those that backups share have more in theirs:
+// 000012_s6ZZ...blob.
+std::string DatabaseName(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  return stem.substr(0, stem.find('_')) + file.extension().string();
+}
+
 // Gives a restored database an id of its own: its next changes get revisions that changes of the
 // original had.
 absl::Status GiveNewId(const std::string& directory) {
@@ -195,6 +206,32 @@ absl::StatusOr<Backup> Backups::CompareWith(const DatabaseState& there, BackupId
   if (status.ok()) status = FindDifferences(there, {**content}, progress, visit);
   if (status.ok()) return open->backup;
   return progress.IsCancelled() ? Cancelled() : status;
+}
+
+absl::StatusOr<std::map<std::string, BackupId>> Backups::FindFiles(
+    const std::string& catalog_id, const std::vector<std::string>& names,
+    const std::set<BackupId>& left_out) const {
+  absl::MutexLock lock(&listing_mutex_);
+  const auto engine = OpenToRead(directory_, nullptr);
+  if (!engine.ok()) return engine.status();
+  std::vector<rocksdb::BackupInfo> infos;  // the oldest first
+  (*engine)->GetBackupInfo(&infos, /*include_file_details=*/true);
+  std::map<std::string, BackupId> out;
+  for (const rocksdb::BackupInfo& info : infos) {
+    const Backup backup = DescribeBackup(info, directory_);
+    if (!backup.state.ok() || left_out.contains(backup.id) ||
+        backup.record.meta().catalog_id() != catalog_id) {
+      continue;
+    }
+    std::set<std::string> there;
+    for (const rocksdb::BackupFileInfo& file : info.file_details) {
+      there.insert(DatabaseName(file.relative_filename));
+    }
+    for (const std::string& name : names) {
+      if (there.contains(name)) out[name] = backup.id;
+    }
+  }
+  return out;
 }
 
 }  // namespace graspdb::storage

@@ -20,7 +20,8 @@ absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& di
   if (!floor.ok()) return floor.status();
   auto database = Database::Open(directory, {.create_if_missing = options.create_if_missing,
                                              .write_buffer_bytes = options.write_buffer_bytes,
-                                             .env = options.env});
+                                             .env = options.env,
+                                             .reserve_bytes = options.disk_reserve_bytes});
   if (!database.ok()) return database.status();
   auto meta = PrepareSchema(**database, *floor, options.clock());
   if (!meta.ok()) return meta.status();
@@ -61,6 +62,8 @@ CatalogueCounts Catalogue::counts() const {
 int Catalogue::schema_version() const { return log_->meta().schema_version(); }
 
 DatabaseStatus Catalogue::database_status() const { return StatusOf(*database_); }
+std::vector<DamagedFile> Catalogue::damaged_files() const { return database_->DamagedFiles(); }
+void Catalogue::CheckWrites(std::atomic<bool>* cancelled) { database_->CheckWrites(cancelled); }
 const std::string& Catalogue::directory() const { return database_->directory(); }
 
 absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {

@@ -6,11 +6,11 @@
 //
 // Durability: a mutation that returned OK is on the disk. It survives a crash of the
 // process at any instruction and, if the disk flushes as requested, a crash of the
-// machine. A mutation that did not return is applied as a whole or not at all; so is
-// one that returned UNAVAILABLE or DATA_LOSS from the disk, and after such an error the
-// catalogue rejects further changes until it is reopened. When the disk is full, changes
-// return RESOURCE_EXHAUSTED and are not applied (unless the process ends before there is
-// room, then as a whole or not at all); they work again once there is room.
+// machine. A mutation that did not return is applied as a whole or not at all. When the
+// disk is full or fails, changes return RESOURCE_EXHAUSTED or UNAVAILABLE and are not
+// applied (unless the process ends before changes work again, then as a whole or not at
+// all). They work again once there is room or the disk works. After DATA_LOSS the
+// catalogue rejects further changes until it is reopened.
 //
 // Revisions: every change gets the next revision, 1 first, without gaps, and leaves a
 // change record in the same atomic write. No write bypasses them. Old change records are
@@ -36,6 +36,7 @@
 #include "absl/time/time.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/cell.pb.h"
+#include "storage/damaged_file.h"
 #include "storage/database_status.h"
 #include "storage/records.pb.h"
 
@@ -66,6 +67,9 @@ struct CatalogueOptions {
   std::size_t max_staged_views = 200'000;
   // Write buffer of each of the twelve families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
+  // Space that is kept for deletions, starts and compactions (storage/disk_reserve.h), in bytes.
+  // Doubled, additions end that much earlier before the disk is full.
+  std::uint64_t disk_reserve_bytes = 0;
   // Environment for file access; not owned, must outlive the catalogue. Null: the default
   // one. Tests set a failing disk here.
   rocksdb::Env* env = nullptr;
@@ -154,6 +158,12 @@ class Catalogue {
   int schema_version() const;
   // The state of database and disk.
   DatabaseStatus database_status() const;
+  // See Database::DamagedFiles().
+  std::vector<DamagedFile> damaged_files() const;
+  // Looks whether changes would succeed, for database_status().write_fault, and after a failed one
+  // makes them succeed if the fault is gone. To be called each second by one thread. May
+  // compact the database, which ends soon once `cancelled` is set (not owned; null: never).
+  void CheckWrites(std::atomic<bool>* cancelled = nullptr);
   // The directory given to Open().
   const std::string& directory() const;
 

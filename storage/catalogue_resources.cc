@@ -94,19 +94,21 @@ absl::StatusOr<v1::Object> Catalogue::UpdateObject(
 
 absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::string_view etag) {
   const std::string below = std::string(name) + std::string(Kind<v1::StablePose>::kCollection);
-  return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    const auto object = ReadRecord<v1::Object>(*database_, name);
-    if (!object.ok()) return object.status();
-    auto status = RemoveRecord<v1::Object>(*database_, batch, name, etag);
-    if (status.ok()) status = PutDeleted(*database_, *object, batch);
-    if (status.ok() && !force) {
-      status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
-    }
-    for (const Family family : {Family::kStablePoses, Family::kGraspOutcomes}) {
-      if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
-    }
-    return status.ok() && force ? RemoveViewsBelow(*database_, below, batch) : status;
-  });
+  return log_->Mutate(
+      [&](ChangeBatch& batch) -> absl::Status {
+        const auto object = ReadRecord<v1::Object>(*database_, name);
+        if (!object.ok()) return object.status();
+        auto status = RemoveRecord<v1::Object>(*database_, batch, name, etag);
+        if (status.ok()) status = PutDeleted(*database_, *object, batch);
+        if (status.ok() && !force) {
+          status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
+        }
+        for (const Family family : {Family::kStablePoses, Family::kGraspOutcomes}) {
+          if (status.ok() && force) status = RemoveBelow(*database_, family, below, batch);
+        }
+        return status.ok() && force ? RemoveViewsBelow(*database_, below, batch) : status;
+      },
+      WritePurpose::kFree);
 }
 
 absl::StatusOr<v1::StablePose> Catalogue::CreateStablePose(v1::StablePose stable_pose) {
@@ -142,14 +144,16 @@ absl::StatusOr<v1::StablePose> Catalogue::UpdateStablePose(
 
 absl::Status Catalogue::DeleteStablePose(std::string_view name, bool force, std::string_view etag) {
   const std::string below = std::string(name) + std::string(Kind<ViewRecord>::kCollection);
-  return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    auto status = RemoveRecord<v1::StablePose>(*database_, batch, name, etag);
-    if (status.ok() && !force) {
-      status = CheckChildless(*database_, Family::kViews, below, name, "views");
-    }
-    if (status.ok() && force) status = RemoveViewsBelow(*database_, below, batch);
-    return status.ok() ? RemoveGraspOutcomes(*database_, batch, name) : status;
-  });
+  return log_->Mutate(
+      [&](ChangeBatch& batch) -> absl::Status {
+        auto status = RemoveRecord<v1::StablePose>(*database_, batch, name, etag);
+        if (status.ok() && !force) {
+          status = CheckChildless(*database_, Family::kViews, below, name, "views");
+        }
+        if (status.ok() && force) status = RemoveViewsBelow(*database_, below, batch);
+        return status.ok() ? RemoveGraspOutcomes(*database_, batch, name) : status;
+      },
+      WritePurpose::kFree);
 }
 
 absl::StatusOr<v1::Cell> Catalogue::CreateCell(v1::Cell cell) {
@@ -173,7 +177,8 @@ absl::StatusOr<v1::Cell> Catalogue::UpdateCell(
 
 absl::Status Catalogue::DeleteCell(std::string_view name, std::string_view etag) {
   return log_->Mutate(
-      [&](ChangeBatch& batch) { return RemoveRecord<v1::Cell>(*database_, batch, name, etag); });
+      [&](ChangeBatch& batch) { return RemoveRecord<v1::Cell>(*database_, batch, name, etag); },
+      WritePurpose::kFree);
 }
 
 }  // namespace graspdb::storage

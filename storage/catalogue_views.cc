@@ -108,14 +108,16 @@ absl::StatusOr<Page<ViewRecord>> Catalogue::ListViews(std::string_view stable_po
 }
 
 absl::Status Catalogue::DeleteView(std::string_view name) {
-  return log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    const auto record = ReadRecord<ViewRecord>(*database_, name);
-    if (!record.ok()) return record.status();
-    batch.Begin();
-    batch.Remove(Family::kViews, name, record->SerializeAsString());
-    batch.NoteRemovedCloud(CloudKeyOf(*record));
-    return absl::OkStatus();
-  });
+  return log_->Mutate(
+      [&](ChangeBatch& batch) -> absl::Status {
+        const auto record = ReadRecord<ViewRecord>(*database_, name);
+        if (!record.ok()) return record.status();
+        batch.Begin();
+        batch.Remove(Family::kViews, name, record->SerializeAsString());
+        batch.NoteRemovedCloud(CloudKeyOf(*record));
+        return absl::OkStatus();
+      },
+      WritePurpose::kFree);
 }
 
 absl::StatusOr<std::int64_t> Catalogue::ReplaceDescriptors(

@@ -25,25 +25,37 @@ ChangeLog::ChangeLog(Database& database, MetaRecord meta, std::int64_t keep, Clo
       floor_(meta.revision()),
       meta_(std::move(meta)) {}
 
-absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill) {
+absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill,
+                               WritePurpose purpose) {
   if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
   absl::MutexLock lock(&writer_mutex_);
-  if (!failure_.ok()) return failure_;
+  if (auto settled = Settle(); !settled.ok()) return settled;
   ChangeBatch batch(
       database_, meta(),
       google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(clock_())));
   if (auto filled = fill(batch); !filled.ok()) return filled;
   if (batch.changes().empty()) return absl::OkStatus();
-  return Commit(batch);
+  return Commit(batch, purpose);
 }
 
-absl::Status ChangeLog::Commit(ChangeBatch& batch) {
+// Once the database can be written again it has no failed batch: it has what its memtables had, and
+// a batch gets there after the log. Read nevertheless, since a further change must not reuse a
+// revision; followers see that they missed one.
+absl::Status ChangeLog::Settle() {
+  if (!is_uncertain_) return absl::OkStatus();
+  if (auto recovered = database_.Recover(); !recovered.ok()) return recovered;
+  auto stored = ReadMeta(database_);
+  if (!stored.ok()) return stored.status();
+  absl::MutexLock lock(&meta_mutex_);
+  meta_ = *std::move(stored);
+  is_uncertain_ = false;
+  return absl::OkStatus();
+}
+
+absl::Status ChangeLog::Commit(ChangeBatch& batch, WritePurpose purpose) {
   if (auto finished = batch.Finish(keep_); !finished.ok()) return finished;
-  if (auto written = database_.Write(batch.rocks()); !written.ok()) {
-    if (absl::IsResourceExhausted(written)) return written;  // not written
-    // The batch may be on the disk or not. A further change could reuse its revision.
-    failure_ = absl::UnavailableError("the catalogue rejects changes since a write failed: " +
-                                      std::string(written.message()));
+  if (auto written = database_.Write(batch.rocks(), purpose); !written.ok()) {
+    is_uncertain_ = is_uncertain_ || !absl::IsResourceExhausted(written);
     return written;
   }
   {
@@ -85,9 +97,9 @@ absl::Status ChangeLog::PauseChanges(
     absl::FunctionRef<absl::Status(const MetaRecord&, absl::FunctionRef<void()>)> work) {
   if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
   absl::ReleasableMutexLock lock(&writer_mutex_);
-  if (!failure_.ok()) return failure_;
+  if (auto settled = Settle(); !settled.ok()) return settled;
   // The log may have a change that was reported as failed.
-  if (auto recovered = database_.RecoverFromFullDisk(); !recovered.ok()) return recovered;
+  if (auto recovered = database_.Recover(); !recovered.ok()) return recovered;
   return work(meta(), [&lock] { lock.Release(); });
 }
 

@@ -33,11 +33,11 @@ class ChangeLog {
   // `fill` adds changes to a batch, which is committed atomically and durably; then the
   // listener is notified. One mutation at a time: the database does not change while
   // `fill` reads it. An error of `fill`, or a batch without a change, changes nothing.
-  // FAILED_PRECONDITION from within the listener. RESOURCE_EXHAUSTED when the disk is full: nothing
-  // changed. After any other failed write the state of the disk is unknown: all further mutations
-  // return UNAVAILABLE. If the listener throws, the change remains, and the listener gets the next
-  // one.
-  absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill)
+  // FAILED_PRECONDITION from within the listener. RESOURCE_EXHAUSTED when the disk is full,
+  // UNAVAILABLE while it fails: nothing changed. If the listener throws, the change remains, and
+  // the listener gets the next one.
+  absl::Status Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill,
+                      WritePurpose purpose = WritePurpose::kAdd)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, meta_mutex_);
 
   // Runs `work` while no change begins, until it calls `release` (once) or returns; it gets the
@@ -63,7 +63,9 @@ class ChangeLog {
                                                  std::size_t limit) const;
 
  private:
-  absl::Status Commit(ChangeBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
+  absl::Status Settle() ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
+  absl::Status Commit(ChangeBatch& batch, WritePurpose purpose)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   void Notify(const std::vector<ChangeRecord>& changes)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   void RaiseFloor(std::int64_t revision) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
@@ -75,7 +77,7 @@ class ChangeLog {
 
   absl::Mutex writer_mutex_ ABSL_ACQUIRED_BEFORE(meta_mutex_);
   Listener listener_ ABSL_GUARDED_BY(writer_mutex_);
-  absl::Status failure_ ABSL_GUARDED_BY(writer_mutex_);
+  bool is_uncertain_ ABSL_GUARDED_BY(writer_mutex_) = false;  // whether the last batch was written
   std::int64_t floor_ ABSL_GUARDED_BY(writer_mutex_);
   std::atomic<std::thread::id> notifying_thread_;
 

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,13 +22,22 @@
 #include "rocksdb/iterator.h"
 #include "rocksdb/snapshot.h"
 #include "rocksdb/write_batch.h"
+#include "storage/damaged_file.h"
+#include "storage/disk_reserve.h"
 #include "storage/family.h"
+#include "storage/folder_id.h"
+#include "storage/write_fault.h"
 
 namespace graspdb::storage {
 
 // Called with one row; false ends the scan, an error ends it with that error.
 using RowVisitor =
     absl::FunctionRef<absl::StatusOr<bool>(std::string_view key, std::string_view value)>;
+
+enum class WritePurpose {
+  kAdd,
+  kFree,  // deletes, or has to be written so that the database can be used
+};
 
 // Owns the open database and its lock. Thread-safe, except for
 // CreateMissingFamilies().
@@ -36,6 +47,8 @@ class Database {
     bool create_if_missing = true;
     std::size_t write_buffer_bytes = 16U << 20;
     rocksdb::Env* env = nullptr;  // not owned; null: the default one
+    // Space that is kept for what frees space; see storage/disk_reserve.h.
+    std::uint64_t reserve_bytes = 0;
   };
 
   // A point in time; released with the pointer, which must not outlive the database.
@@ -86,44 +99,110 @@ class Database {
   absl::Status DeletePrefix(Family family, std::string_view prefix,
                             rocksdb::WriteBatch& batch) const;
   // Writes all of `batch` or nothing; when it returns, the batch is on the disk.
-  // RESOURCE_EXHAUSTED when the disk is full: nothing was written, unless the process ends before
-  // the next write succeeds, and writes succeed once there is room; UNAVAILABLE then if not even a
-  // new log could be made. After any other error it is unknown whether the batch was written, until
-  // the database is opened again.
-  absl::Status Write(rocksdb::WriteBatch& batch) ABSL_LOCKS_EXCLUDED(log_mutex_);
-  // After a write or flush found the disk full: makes it possible to write again, if there is room.
-  // OK otherwise. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied.
-  absl::Status RecoverFromFullDisk() ABSL_LOCKS_EXCLUDED(log_mutex_);
+  // RESOURCE_EXHAUSTED when the disk is full, UNAVAILABLE when it fails: nothing was written,
+  // unless the process ends before the next write succeeds. Writes succeed once the fault is gone:
+  // Recover() is part of them.
+  // With a reserve, RESOURCE_EXHAUSTED already when only the reserve is left, except for what frees
+  // space.
+  absl::Status Write(rocksdb::WriteBatch& batch, WritePurpose purpose = WritePurpose::kAdd)
+      ABSL_LOCKS_EXCLUDED(log_mutex_);
+  // Releases the reserve if a write that frees space, of `bytes`, needs it. It is part of that
+  // write, but has to be called before Recover() alone.
+  void PrepareToFree(std::uint64_t bytes) ABSL_LOCKS_EXCLUDED(log_mutex_);
+  // After a write or flush failed: makes it possible to write again, if the fault is gone. OK
+  // otherwise. Attempts wait for each other: at least a second, twice as long after each that
+  // failed. RESOURCE_EXHAUSTED if there is no room, or a backup is being copied; UNAVAILABLE while
+  // the disk fails. DATA_LOSS and some states of RocksDB take a restart.
+  absl::Status Recover() ABSL_LOCKS_EXCLUDED(log_mutex_);
+  // Looks whether writes would succeed, by a small file if none has failed, and else by Recover().
+  // To be called periodically: it limits how often it writes. May compact the database, which ends
+  // soon once `cancelled` is set (not owned; null: never).
+  void CheckWrites(std::atomic<bool>* cancelled = nullptr)
+      ABSL_LOCKS_EXCLUDED(log_mutex_, fault_mutex_);
+  // As of the last write or CheckWrites().
+  WriteFault write_fault() const ABSL_LOCKS_EXCLUDED(fault_mutex_);
   // Moves everything from the logs to sorted files. RESOURCE_EXHAUSTED when the disk is full;
   // succeeds once there is room.
   absl::Status Flush() ABSL_LOCKS_EXCLUDED(log_mutex_);
+
+  // Files that are missing or shorter than they were, and those that Get() has found damaged; 20 of
+  // them at most, since more are of no use. Reads the sizes of all files from the disk, which takes
+  // some microseconds for each.
+  std::vector<DamagedFile> DamagedFiles() const ABSL_LOCKS_EXCLUDED(fault_mutex_);
+
+  // Why there is no reserve although the disk has room; empty if there is, or none is wanted.
+  std::string reserve_error() const;
 
   // For backups.
   rocksdb::DB& rocks() { return *db_; }
 
  private:
-  Database(std::string directory, std::size_t write_buffer_bytes);
+  Database(std::string directory, const Options& options);
   std::vector<rocksdb::ColumnFamilyDescriptor> Describe(
       const std::vector<std::string>& families) const;
+  // Once what it needs of the reserve is released.
+  absl::Status FlushPrepared() ABSL_LOCKS_EXCLUDED(log_mutex_);
   void FlushLargeLogs() ABSL_LOCKS_EXCLUDED(log_mutex_);
   void Adopt(const std::vector<rocksdb::ColumnFamilyHandle*>& handles);
+  // The start replays the logs, for which there has to be room.
+  void PrepareReserve(rocksdb::DBOptions* options);
+  // Takes the reserve again if there is room.
+  void TakeReserve();
+  // The same, also where it could not be made before.
+  void MakeReserve();
+  // The room that was freed, when it is needed: deleted rows take up space until a compaction.
+  void CompactForRoom(std::atomic<bool>* cancelled);
+  void Compact(const rocksdb::CompactRangeOptions& options);
+  // RESOURCE_EXHAUSTED if additions have to leave the rest of the disk.
+  absl::Status CheckRoomToAdd();
+  std::uint64_t RoomForFlush() const;
+  bool HasRoom(std::uint64_t bytes) const;  // also where the file system does not say
+  bool IsMemtableFull() const;
+  rocksdb::Status ReplaceFullMemtables() ABSL_SHARED_LOCKS_REQUIRED(log_mutex_);
   rocksdb::Status WriteToLog(rocksdb::WriteBatch& batch) ABSL_SHARED_LOCKS_REQUIRED(log_mutex_);
-  bool HasRoomForMemtables() const;  // also where the file system does not say
+  rocksdb::Status RecoverLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_mutex_);
   rocksdb::Status Resume() ABSL_EXCLUSIVE_LOCKS_REQUIRED(log_mutex_);
+  rocksdb::Status CheckFlushesRepeatable() const;
+  std::uint64_t MemtableBytes() const;
+  // Whether files of the database can be made, with `bytes` of room.
+  rocksdb::Status ProbeFolder(std::uint64_t bytes) const;
+  // The same for a flush of all memtables, with its descriptors.
+  rocksdb::Status ProbeFlush() const;
+  absl::Status Failed(const rocksdb::Status& status) ABSL_LOCKS_EXCLUDED(fault_mutex_);
+  void NoteDamage(const std::string& error) const ABSL_LOCKS_EXCLUDED(fault_mutex_);
+  // What a write, flush or recovery has found; OK: writes succeed again.
+  void SetFailure(absl::Status error) ABSL_LOCKS_EXCLUDED(fault_mutex_);
+  // What was found without a write. A failure, even one from meanwhile, stays.
+  void NoteFault(absl::Status error) ABSL_LOCKS_EXCLUDED(fault_mutex_);
+  void SetFault(absl::Status error) ABSL_EXCLUSIVE_LOCKS_REQUIRED(fault_mutex_);
   rocksdb::ColumnFamilyHandle* Handle(Family family) const {
     return families_[static_cast<std::size_t>(family)];
   }
 
   std::string directory_;
   std::size_t write_buffer_bytes_;
+  bool is_read_only_ = false;
   std::shared_ptr<rocksdb::Cache> block_cache_;
+  DiskReserve reserve_;
   std::unique_ptr<rocksdb::DB> db_;
   std::vector<rocksdb::ColumnFamilyHandle*> handles_;  // all of them, known or not
   std::array<rocksdb::ColumnFamilyHandle*, kFamilyCount> families_{};
 
-  absl::Mutex log_mutex_;  // shared by writers
-  std::atomic<bool> is_full_ = false;
+  FolderId folder_;  // of directory_ when it was opened
+
+  absl::Mutex log_mutex_ ABSL_ACQUIRED_BEFORE(fault_mutex_);  // shared by writers
+  // A write or flush failed. Changed with fault_mutex_ locked, together with fault_.
+  std::atomic<bool> is_failing_ = false;
   std::chrono::steady_clock::time_point next_recovery_ ABSL_GUARDED_BY(log_mutex_);
+  std::chrono::steady_clock::duration recovery_interval_ ABSL_GUARDED_BY(log_mutex_){};
+  std::chrono::steady_clock::time_point next_probe_;  // of CheckWrites()
+  rocksdb::Status probed_;                            // the last one
+  std::atomic<bool> wants_compaction_ = false;        // may free the room that is missing
+
+  absl::Mutex replacement_mutex_;  // of memtables
+  mutable absl::Mutex fault_mutex_;
+  WriteFault fault_ ABSL_GUARDED_BY(fault_mutex_);
+  mutable std::map<std::string, std::string> damage_ ABSL_GUARDED_BY(fault_mutex_);  // by file
 };
 
 }  // namespace graspdb::storage

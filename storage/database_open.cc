@@ -82,7 +82,8 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
   if (auto unlocked = CheckLock(*db_options.env, directory); !unlocked.ok()) return unlocked;
   db_options.info_log = OpenTextLog(directory);
 
-  std::unique_ptr<Database> database(new Database(directory, options.write_buffer_bytes));
+  std::unique_ptr<Database> database(new Database(directory, options));
+  database->PrepareReserve(&db_options);
   rocksdb::DB* db = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   const rocksdb::Status opened =
@@ -90,6 +91,9 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
   if (!opened.ok()) return FromRocksDbOpen(opened, directory);
   database->db_.reset(db);
   database->Adopt(handles);
+  database->TakeReserve();
+  // What an earlier process deleted may still take up space.
+  database->wants_compaction_ = !database->reserve_.is_held();
   return database;
 }
 
@@ -100,7 +104,8 @@ absl::StatusOr<std::unique_ptr<Database>> Database::OpenReadOnly(const std::stri
   db_options.info_log = std::make_shared<NoLog>();
   const auto names = ListFamilies(db_options, directory);
   if (!names.ok()) return names.status();
-  std::unique_ptr<Database> database(new Database(directory, Options().write_buffer_bytes));
+  std::unique_ptr<Database> database(new Database(directory, Options()));
+  database->is_read_only_ = true;
   rocksdb::DB* db = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   const rocksdb::Status opened = rocksdb::DB::OpenForReadOnly(

@@ -27,12 +27,15 @@ DatabaseStatus StatusOf(Database& database) {
   rocksdb::DB& rocks = database.rocks();
   DatabaseStatus out;
   out.table_bytes = SumOfFamilies(rocks, Properties::kTotalSstFilesSize);
+  out.blob_bytes = SumOfFamilies(rocks, Properties::kTotalBlobFileSize);
   out.memtable_bytes = SumOfFamilies(rocks, Properties::kCurSizeAllMemTables);
   out.block_cache_bytes = Figure(rocks, Properties::kBlockCacheUsage);
   out.pending_compaction_bytes = SumOfFamilies(rocks, Properties::kEstimatePendingCompactionBytes);
   out.running_compactions = Figure(rocks, Properties::kNumRunningCompactions);
   out.background_errors = Figure(rocks, Properties::kBackgroundErrors);
   out.writes_stopped = Figure(rocks, Properties::kIsWriteStopped) != 0;
+  out.write_fault = database.write_fault();
+  out.reserve_error = database.reserve_error();
   std::error_code error;
   const std::filesystem::space_info disk = std::filesystem::space(database.directory(), error);
   if (!error) {

@@ -141,13 +141,14 @@ absl::StatusOr<v1::Object> History::Restore(std::string_view name, std::int64_t 
 }
 
 absl::Status History::Purge(std::string_view name) {
+  database_.PrepareToFree(0);
   return log_.PauseChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
     const auto deleted = GetDeleted(name);
     if (!deleted.ok()) return deleted.status();
     rocksdb::WriteBatch batch;
     absl::Status status = AddPurge(database_, name, deleted->revision(), batch);
     status.Update(database_.Delete(Family::kDeletedObjects, name, batch));
-    return status.ok() ? database_.Write(batch) : status;
+    return status.ok() ? database_.Write(batch, WritePurpose::kFree) : status;
   });
 }
 
@@ -155,6 +156,7 @@ absl::StatusOr<std::vector<std::string>> History::PurgeOlderThan(absl::Time limi
   const auto objects = ObjectsOlderThan(database_, limit);
   if (!objects.ok()) return objects.status();
   std::vector<std::string> purged;
+  if (!objects->empty()) database_.PrepareToFree(0);
   for (const std::string& name : *objects) {
     // One after the other: writers wait for one object.
     const absl::Status status =
@@ -162,7 +164,7 @@ absl::StatusOr<std::vector<std::string>> History::PurgeOlderThan(absl::Time limi
           rocksdb::WriteBatch batch;
           const auto gone = AddPurgeOlderThan(database_, name, limit, batch);
           if (!gone.ok()) return gone.status();
-          absl::Status written = database_.Write(batch);
+          absl::Status written = database_.Write(batch, WritePurpose::kFree);
           if (written.ok() && *gone) purged.push_back(name);
           return written;
         });

@@ -17,20 +17,24 @@ constexpr std::uint64_t kBlobFileBytes = 64ULL << 20;
 constexpr std::uint64_t kMinBlobBytes = 4096;
 constexpr int kMaxOpenFiles = 512;
 
-// Database::RecoverFromFullDisk() replaces the automatic recovery, which does not replace a torn
-// log, and which can wait for ever with atomic_flush
-// (https://github.com/facebook/rocksdb/pull/11872).
+// Database::Recover() replaces the automatic recovery, which does not replace a torn log, and which
+// can wait for ever with atomic_flush (https://github.com/facebook/rocksdb/pull/11872).
 class NoAutomaticRecovery : public rocksdb::EventListener {
  public:
   void OnErrorRecoveryBegin(rocksdb::BackgroundErrorReason /*reason*/, rocksdb::Status /*error*/,
                             bool* automatic) override {
     *automatic = false;
   }
-  // RocksDB repeats a compaction that found the disk full, and writes need none of its results. As
-  // an error of the database it would let the next atomic flush fail and never be repeated.
+  // RocksDB repeats a compaction that a file failed, and writes need none of its results. As an
+  // error of the database it would let the next atomic flush fail and never be repeated.
+  // Errors of files during a write or a flush are the ones that DB::Resume() can end, as those of a
+  // full disk: it writes the memtables, which have all acknowledged writes, to new files.
   void OnBackgroundError(rocksdb::BackgroundErrorReason reason, rocksdb::Status* error) override {
-    if (reason == rocksdb::BackgroundErrorReason::kCompaction && error->IsNoSpace()) {
+    if (!error->IsIOError()) return;
+    if (reason == rocksdb::BackgroundErrorReason::kCompaction) {
       *error = rocksdb::Status::OK();
+    } else if (error->severity() > rocksdb::Status::Severity::kHardError) {
+      *error = rocksdb::Status(*error, rocksdb::Status::Severity::kHardError);
     }
   }
 };

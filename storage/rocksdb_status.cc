@@ -10,13 +10,20 @@ absl::Status FromRocksDb(const rocksdb::Status& status, std::string_view action)
   if (status.ok()) return absl::OkStatus();
   const std::string what = "cannot " + std::string(action) + ": " + status.ToString();
   if (status.IsNotFound()) return absl::NotFoundError(what);
-  if (status.IsCorruption()) {
+  if (status.IsCorruption() || status.IsPathNotFound()) {  // a file that was deleted
     return absl::DataLossError(what + "; " + std::string(kRestoreAdvice));
   }
   if (status.IsNoSpace()) {
     return absl::ResourceExhaustedError(what + "; free space on the disk, and repeat the call");
   }
   return absl::UnavailableError(what + "; check the disk and restart the server");
+}
+
+absl::Status FromRocksDbWrite(const rocksdb::Status& status) {
+  if (!status.IsIOError() || status.IsNoSpace()) return FromRocksDb(status, "write the change");
+  return absl::UnavailableError("cannot write the change: " + status.ToString() +
+                                "; check the disk: the server tries again by itself, at least "
+                                "every 30 s; if that does not help, restart it");
 }
 
 bool IsLockTaken(const rocksdb::Status& status) {

@@ -25,7 +25,7 @@ absl::Status Damaged(const Database& database, std::string_view what) {
 
 absl::Status WriteMeta(Database& database, const MetaRecord& meta, rocksdb::WriteBatch& batch) {
   const absl::Status added = database.Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch);
-  return added.ok() ? database.Write(batch) : added;
+  return added.ok() ? database.Write(batch, WritePurpose::kFree) : added;
 }
 
 absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {

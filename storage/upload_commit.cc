@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "google/protobuf/util/time_util.h"
 #include "storage/cloud_key.h"
 #include "storage/record_kind.h"
 
@@ -62,12 +64,17 @@ class Commit {
     }
     if (staged.has_error()) return Fail(name, staged.error().message());
     ViewRecord& view = *staged.mutable_view();
-    auto parent = HasParent(name);
+    const auto parent = ParentOf(name);
     if (!parent.ok()) return parent.status();
     if (!*parent) return Drop(name, "its stable pose does not exist any more");
+    if (IsOfAnother(**parent, staged)) {
+      return Drop(name,
+                  "its stable pose was deleted and created again since the view was sent; delete "
+                  "this upload, and send the views again");
+    }
     const auto stored = ReadRecord<ViewRecord>(database_, name);
     if (!stored.ok() && !absl::IsNotFound(stored.status())) return stored.status();
-    if (stored.ok() && !upload_.replace() && stored->content_digest() == view.content_digest()) {
+    if (stored.ok() && stored->content_digest() == view.content_digest()) {
       upload_.set_existing_count(upload_.existing_count() + 1);
       return RemoveCloud(name);
     }
@@ -94,16 +101,25 @@ class Commit {
     batch_.NoteStoredCloud(view->cloud_key());
   }
 
-  absl::StatusOr<bool> HasParent(const std::string& name) {
+  // The create time of the stable pose; nothing without one.
+  using Parent = std::optional<google::protobuf::Timestamp>;
+
+  absl::StatusOr<Parent> ParentOf(const std::string& name) {
     const auto parent = Kind<ViewRecord>::ParentOf(name);
     if (!parent.ok()) return parent.status();
-    const auto [at, is_new] = parents_.try_emplace(parent->name, false);
+    const auto [at, is_new] = parents_.try_emplace(parent->name);
     if (is_new) {
-      const auto there = database_.Contains(parent->family, parent->name);
-      if (!there.ok()) return there.status();
-      at->second = *there;
+      const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+      if (!pose.ok() && !absl::IsNotFound(pose.status())) return pose.status();
+      if (pose.ok()) at->second = pose->create_time();
     }
     return at->second;
+  }
+
+  // Views that an earlier version staged have no time.
+  static bool IsOfAnother(const google::protobuf::Timestamp& parent,
+                          const StagedViewRecord& staged) {
+    return staged.has_stable_pose_create_time() && staged.stable_pose_create_time() != parent;
   }
 
   // Leaves out a view that is staged.
@@ -129,7 +145,7 @@ class Commit {
   UploadRecord& upload_;
   ChangeBatch& batch_;
   std::int64_t visited_ = 0;
-  std::map<std::string, bool> parents_;  // whether a stable pose exists
+  std::map<std::string, Parent> parents_;
 };
 
 }  // namespace

@@ -179,7 +179,8 @@ absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
 
 absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const NewView& view) {
   const std::string& name = view.record.name();
-  if (auto parent = Kind<ViewRecord>::ParentOf(name); !parent.ok()) return parent.status();
+  const auto parent = Kind<ViewRecord>::ParentOf(name);
+  if (!parent.ok()) return parent.status();
   if (view.record.content_digest().empty() || view.packed_cloud.empty()) {
     return absl::InvalidArgumentError(name + " has no digest or no cloud; give both");
   }
@@ -208,6 +209,8 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
   }
   StagedViewRecord staged;
   *staged.mutable_view() = view.record;
+  const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+  if (pose.ok()) *staged.mutable_stable_pose_create_time() = pose->create_time();
   if (absl::Status written = Write(open, name, staged, &view.packed_cloud); !written.ok()) {
     return written;
   }

@@ -112,8 +112,8 @@ class Uploads {
                                       const std::function<bool()>& is_cancelled = nullptr);
   // Deletes an upload with its views unless it is committed, then only its record.
   absl::Status Delete(std::string_view name);
-  // Deletes the uploads that were created before `open_limit` if they are not committed, and before
-  // `committed_limit` if they are. Returns the names of the former.
+  // Deletes the uploads that were created before `open_limit` and are not committed, and those that
+  // were committed before `committed_limit`. Returns the names of the former.
   absl::StatusOr<std::vector<std::string>> DeleteOlderThan(absl::Time open_limit,
                                                            absl::Time committed_limit);
 

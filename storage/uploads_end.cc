@@ -52,7 +52,7 @@ absl::Status Uploads::Delete(std::string_view name) {
   }
   rocksdb::WriteBatch batch;
   absl::Status status = database_.Delete(Family::kUploads, name, batch);
-  if (open == nullptr) return status.ok() ? database_.Write(batch) : status;
+  if (open == nullptr) return status.ok() ? database_.Write(batch, WritePurpose::kFree) : status;
   absl::MutexLock use(&open->in_use);
   if (!open->end.ok()) {
     return absl::AbortedError(std::string(name) + " was committed or deleted meanwhile");
@@ -61,7 +61,7 @@ absl::Status Uploads::Delete(std::string_view name) {
   for (const Family family : {Family::kStagedViews, Family::kClouds}) {
     status.Update(database_.DeletePrefix(family, prefix, batch));
   }
-  if (status.ok()) status = database_.Write(batch);
+  if (status.ok()) status = database_.Write(batch, WritePurpose::kFree);
   if (status.ok()) End(name, *open, DeletedUpload(name));
   return status;
 }
@@ -79,9 +79,11 @@ absl::StatusOr<std::vector<std::string>> Uploads::DeleteOlderThan(absl::Time ope
   std::vector<UploadRecord> old;
   absl::Status status =
       VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& upload) {
-        const absl::Time created = absl::FromUnixNanos(
-            google::protobuf::util::TimeUtil::TimestampToNanoseconds(upload.create_time()));
-        if (created < (upload.has_commit_time() ? committed_limit : open_limit)) {
+        const bool is_committed = upload.has_commit_time();
+        const absl::Time begin =
+            absl::FromUnixNanos(google::protobuf::util::TimeUtil::TimestampToNanoseconds(
+                is_committed ? upload.commit_time() : upload.create_time()));
+        if (begin < (is_committed ? committed_limit : open_limit)) {
           old.push_back(upload);
         }
         return absl::OkStatus();

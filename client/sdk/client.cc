@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/sdk/client_call.h"
 #include "client/sdk/security.h"
+#include "program/proxy.h"
 #include "program/request_id.h"
 
 namespace graspdb::client {
@@ -76,6 +77,7 @@ std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool us
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
+  if (IsLocalTarget(options.server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
   return grpc::experimental::CreateCustomChannelWithInterceptors(

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/strings/cord.h"
+#include "absl/strings/string_view.h"
 #include "client/sdk/client.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -19,6 +20,10 @@ constexpr absl::Duration kLongestDelay = absl::Seconds(30);
 // leave the server idle for twice as long.
 constexpr absl::Duration kShortestSpan = absl::Milliseconds(1);
 constexpr absl::Duration kLongestSpan = absl::Seconds(1);
+
+// Of gRPC, which refuses a call itself while it has no thread for it, as after a flood of calls.
+constexpr absl::string_view kNoThread = "Server Threadpool Exhausted";
+constexpr absl::Duration kNoThreadDelay = absl::Milliseconds(100);  // as of our servers
 
 std::uint64_t RandomSeed() {
   std::random_device device;
@@ -39,6 +44,7 @@ std::optional<absl::Duration> DelayOf(const google::rpc::Status& details) {
 
 std::optional<absl::Duration> BusyDelay(const absl::Status& status) {
   if (!absl::IsResourceExhausted(status)) return std::nullopt;
+  if (status.message() == kNoThread) return kNoThreadDelay;
   const auto payload = status.GetPayload(kErrorDetails);
   google::rpc::Status details;
   if (!payload || !details.ParseFromString(std::string(*payload))) return std::nullopt;

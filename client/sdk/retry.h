@@ -15,9 +15,9 @@
 
 namespace graspdb::client {
 
-// The delay of a RESOURCE_EXHAUSTED (google.rpc.RetryInfo) that a client has returned. None for
-// other errors and where a retry is of no use: the message is too large, a disk or a quota is full,
-// or the delay is not within 0 to 30 s.
+// The delay of a RESOURCE_EXHAUSTED (google.rpc.RetryInfo, or of gRPC itself without a thread for
+// the call) that a client has returned. None for other errors and where a retry is of no use: the
+// message is too large, a disk or a quota is full, or the delay is not within 0 to 30 s.
 std::optional<absl::Duration> BusyDelay(const absl::Status& status);
 
 // Pauses between attempts, which grow and differ between clients: those that were refused together

@@ -19,6 +19,8 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "program/loopback.h"
+#include "program/proxy.h"
+#include "program/text_encoding.h"
 #include "program/tls_file_set.h"
 
 namespace graspdb::client {
@@ -52,7 +54,7 @@ bool IsServerAddress(const std::string& server) {
     return true;
   }
   const std::size_t colon = server.rfind(':');
-  if (colon == std::string::npos) return false;
+  if (colon == std::string::npos || absl::StrContains(server, "://")) return false;
   const std::string host = server.substr(0, colon);
   // An IPv6 address without brackets, whose last part is no port.
   const bool is_cut =
@@ -84,6 +86,9 @@ absl::StatusOr<std::string> ReadToken(const std::string& path) {
     return absl::FailedPreconditionError(absl::StrCat(
         "cannot read --token-file ", path, " (", std::generic_category().message(errno),
         "); give a file of `graspdb-server token --out`, or leave it out"));
+  }
+  if (absl::Status taken = TakeUtf8(absl::StrCat("--token-file ", path), &out); !taken.ok()) {
+    return absl::FailedPreconditionError(taken.message());
   }
   absl::StripAsciiWhitespace(&out);
   if (out.empty() || out.size() > kMaxTokenBytes ||
@@ -126,6 +131,9 @@ class TokenInterceptors : public grpc::experimental::ClientInterceptorFactoryInt
   const std::string path_;
 };
 
+// gRPC's text, with UNAUTHENTICATED, where the certificate has the address in CN alone.
+constexpr char kOtherHost[] = "does not match SSL server name";
+
 // What gRPC's text of a failed connection means; empty for another text.
 std::string HandshakeAdvice(const std::string& text, const SecurityOptions& options) {
   const auto has = [&](const char* part) { return absl::StrContains(text, part); };
@@ -133,13 +141,16 @@ std::string HandshakeAdvice(const std::string& text, const SecurityOptions& opti
     return absl::StrCat("its certificate has expired or is not signed by an authority of ",
                         options.ca.empty() ? "the system; give --ca" : "--ca " + options.ca);
   }
-  if (has("Hostname Verification")) {
-    return "its certificate is for other host names; give --server with a name or address in it";
+  if (has("Hostname Verification") || has(kOtherHost)) {
+    return "its certificate is for other host names; give --server with a name or address that its "
+           "subjectAltName has (an address in CN alone does not count)";
   }
   if (has("wrong version number")) return "it does not use TLS; leave out --ca, --cert and --key";
   if (has("security handshaker")) return "the files of --ca, --cert and --key cannot be used";
   if (!has("failed to connect") || !has("Socket closed")) return "";
-  if (!UsesTls(options)) return "it closed the connection; give --ca if it uses TLS";
+  if (!UsesTls(options))
+    return "it closed the connection; give --ca if it uses TLS, or close others if it has too many "
+           "(event=connections_refused in its log)";
   return options.cert.empty() ? "it needs a client certificate; give --cert and --key"
                               : "it does not accept --cert " + options.cert +
                                     ", which has expired or is signed by another authority";
@@ -150,7 +161,8 @@ absl::Status NoServer(const std::string& text, const ConnectionOptions& options)
   return absl::UnavailableError(
       advice.empty()
           ? absl::StrCat("no graspdb server is reachable at ", options.server,
-                         "; start graspdb-server or give --server HOST:PORT (", text, ")")
+                         "; start graspdb-server or give --server HOST:PORT (", text, ")",
+                         ProxyAdvice(options.server))
           : absl::StrCat("cannot connect to the server at ", options.server, ": ", advice));
 }
 
@@ -212,7 +224,8 @@ MakeTokenInterceptors(const ConnectionOptions& options) {
 absl::Status Explain(const grpc::Status& status, const ConnectionOptions& options) {
   if (status.ok()) return absl::OkStatus();
   // gRPC's own UNAVAILABLE describes sockets and has no details; the server's always has some.
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty()) {
+  if (status.error_details().empty() && (status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                                         absl::StrContains(status.error_message(), kOtherHost))) {
     return NoServer(status.error_message(), options);
   }
   const std::string& token_file = options.security.token_file;

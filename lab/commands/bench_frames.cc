@@ -81,7 +81,7 @@ void AddFrameOptions(CLI::App& command, BenchFrames* f) {
       .add_option_function<int>(
           "--verified-views", [f](int n) { f->pipeline.set_verified_view_count(n); },
           "Nearest views to verify; default: set by the server")
-      ->check(CLI::Range(1, 10'000))
+      ->check(CLI::Range(1, 100))
       ->type_name("K");
   command
       .add_option_function<double>(

@@ -19,8 +19,8 @@ constexpr char kEvalDescription[] =
     "recognised; the options for cases, seeds and meshes do not apply. graspdb-bigbird makes a "
     "capture set of BigBIRD, which repeats the paper's experiment. Of a folder with "
     "frames of real cameras and frames.json, the meshes in that file are taught and the frames "
-    "recognised; for each object that is not found, the step that lost it is printed. No server "
-    "is needed.";
+    "recognised; for each object that is not found, the step that lost it is printed, and a table "
+    "of these. No server is needed.";
 
 constexpr char kEvalFooter[] =
     "Right: ADD-S under 5 % of the diameter. Strictly right: no point farther off than 8 mm, or\n"
@@ -51,8 +51,10 @@ void AddFolderOptions(CLI::App* command, EvalArguments* arguments) {
 
 void AddPipelineOptions(CLI::App* command, EvalArguments* arguments) {
   command
-      ->add_option("--min-score", arguments->matching.min_score,
-                   "Minimum score of accepted answers; 0 rejects none")
+      ->add_option(
+          "--min-score", arguments->matching.min_score,
+          "Minimum score of accepted answers; with 0 only those that explain little of the "
+          "scan are rejected")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command
@@ -61,15 +63,18 @@ void AddPipelineOptions(CLI::App* command, EvalArguments* arguments) {
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command
-      ->add_option("--further-views", arguments->matching.further_view_count,
-                   "Total number of views to try when those do not explain an object")
+      ->add_option(
+          "--further-views", arguments->matching.further_view_count,
+          "Total number of views to try when those do not explain an object; four times as "
+          "many where sides of it are hidden")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
   command->add_flag("--without-image", arguments->without_image,
-                    "Do not judge the answers in the scan's image: what that step rejects");
-  command->add_flag("--search", arguments->search,
-                    "Also search for objects that have no cluster of their own by point pairs; "
-                    "slower, and not yet part of the server");
+                    "Do not judge the answers in the scan's image, and search nothing there: what "
+                    "segments alone give");
+  command->add_flag("--without-search", arguments->without_search,
+                    "Do not search for objects that have no cluster of their own by point pairs; "
+                    "faster where something unknown is in the scene");
 }
 
 }  // namespace
@@ -141,7 +146,8 @@ void AddEvalCommand(CLI::App& app, Action* action) {
       "--out", arguments->out,
       "Folder for a report: report.html, cases.md for documents, report.json and poses "
       "in the format of the BOP challenge; updated after every case. For frames of real "
-      "cameras: report.json and a picture of each frame with its right, wrong and lost objects");
+      "cameras: report.json, stages.md with the steps that lost the true poses, such poses and a "
+      "picture of each frame with its right, wrong and lost objects");
   command->callback([command, arguments, action] {
     arguments->command = CommandText(*command);
     *action = [arguments] { return RunEval(*arguments); };

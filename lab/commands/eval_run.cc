@@ -139,7 +139,7 @@ class Runner {
       : arguments_(arguments), writer_(std::move(writer)) {
     run_.parameters.matching = arguments.matching;
     run_.parameters.scene.verify = !arguments.without_image;
-    run_.parameters.scene.search = arguments.search;
+    run_.parameters.scene.search = !arguments.without_search && !arguments.without_image;
     run_.judge_truth = arguments.list;
     run_.own_thresholds = arguments.own_thresholds;
     run_.kept_scans = writer_ ? kDrawnAnswers : 0;

@@ -25,9 +25,9 @@ struct EvalArguments {
   recognition::MatchingParameters matching;
   bool own_thresholds = false;
   bool descriptors = false;
-  bool without_image = false;  // not SceneParameters::verify
-  bool search = false;         // SceneParameters::search
-  int composited = 0;          // scenes to render into each frame; 0: the frames as they are
+  bool without_image = false;   // not SceneParameters::verify
+  bool without_search = false;  // not SceneParameters::search
+  int composited = 0;           // scenes to render into each frame; 0: the frames as they are
   bool list = false;
   std::string out;      // folder; empty: no report
   std::string command;  // to repeat the run

@@ -12,11 +12,11 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/base/progress_line.h"
-#include "files/atomic_file.h"
 #include "lab/commands/frame_picture.h"
 #include "lab/experiment/composites.h"
 #include "lab/experiment/real_frames.h"
-#include "lab/experiment/report/report_json.h"
+#include "lab/experiment/report/frames_report.h"
+#include "lab/experiment/report/report_markdown.h"
 #include "rendering/counter_random.h"
 
 namespace graspdb::client {
@@ -25,6 +25,11 @@ namespace {
 void Print(const FrameInstance& t) {
   std::cout << absl::StrFormat("  %-20s %s\n", t.object.object,
                                t.found ? "found" : TextOf(t.lost_by));
+  if (!t.found) {
+    std::cout << absl::StrFormat("    not %s; by segments %s, in the image %s\n",
+                                 TextOf(After(t.stage())), TextOf(t.by_segments),
+                                 TextOf(t.in_image));
+  }
   std::cout << absl::StrFormat("    true pose: rank %d, %s\n", t.rank, TextOf(t.truth));
   std::cout << absl::StrFormat(
       "    answer: %s%s, score %.3f, F %.3f\n", t.best_object.empty() ? "nothing" : t.best_object,
@@ -91,14 +96,15 @@ absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& res
   return WriteShadedPicture(folder / (result.frame->name + ".png"), DrawFrame(result, points));
 }
 
-absl::Status WriteReport(const EvalArguments& arguments, const std::vector<FrameResult>& results) {
+absl::Status WriteReport(const EvalArguments& arguments, const FramesCatalogue& catalogue,
+                         const std::vector<FrameResult>& results) {
   if (arguments.out.empty()) return absl::OkStatus();
-  const auto text = FramesJson(arguments.command, results);
-  if (!text.ok()) return text.status();
-  const std::filesystem::path file = std::filesystem::path(arguments.out) / "report.json";
-  absl::Status written = WriteFileAtomically(file, *text, Durability::kProcessCrash);
+  const std::filesystem::path folder(arguments.out);
+  absl::Status written =
+      WriteFramesReport(folder, arguments.command, catalogue.object_ids(), results);
   if (written.ok()) {
-    std::cout << "report: " << file.string() << ", with a picture of each frame beside it\n";
+    std::cout << "report: " << (folder / "report.json").string()
+              << ", with stages, BOP results and a picture of each frame beside it\n";
   }
   return written;
 }
@@ -133,7 +139,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   ExperimentRun run;
   run.parameters.matching = arguments.matching;
   run.parameters.scene.verify = !arguments.without_image;
-  run.parameters.scene.search = arguments.search;
+  run.parameters.scene.search = !arguments.without_search && !arguments.without_image;
   auto progress = std::make_unique<ProgressLine>();
   run.report = [&](const std::string&, std::size_t done, std::size_t total) {
     progress->Report(static_cast<int>(done), static_cast<int>(total));
@@ -157,7 +163,8 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   }
   if (results.empty()) return absl::InvalidArgumentError("no frame shows a table to render onto");
   PrintSums(results);
-  return WriteReport(arguments, results);
+  std::cout << TableMarkdown(StageTable(results));
+  return WriteReport(arguments, **catalogue, results);
 }
 
 }  // namespace graspdb::client

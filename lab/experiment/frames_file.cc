@@ -13,6 +13,8 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "program/json_keys.h"
+#include "program/text_encoding.h"
 #include "rendering/mesh_part.h"
 
 namespace graspdb::client {
@@ -143,7 +145,8 @@ absl::StatusOr<std::vector<RealFrame>> LoadFrames(const std::filesystem::path& f
     return absl::InvalidArgumentError(absl::StrCat(path.string(), " is larger than 64 MiB"));
   }
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
   auto frames = ParseFrames(text, folder);
   if (frames.ok()) return frames;
   return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", frames.status().message()));
@@ -157,6 +160,7 @@ absl::StatusOr<std::vector<RealFrame>> ParseFrames(const std::string& text,
     return absl::InvalidArgumentError(
         absl::StrCat("it must be a JSON array of frames ", std::string(parsed.message())));
   }
+  if (absl::Status keys = CheckJsonKeys(text); !keys.ok()) return keys;
   std::vector<RealFrame> out;
   for (const Value& value : list.list_value().values()) {
     auto frame = FrameOf(value.struct_value(), folder);

@@ -48,18 +48,11 @@ std::size_t PoseAtRest(const PartSet& set, const std::string& object, const Pose
   return best;
 }
 
-// ADD-S of the part number `answered` from where its mesh is, as a share of the diameter.
-double ShareOff(const PartSet& set, std::size_t answered, const Pose& world_object,
-                const Pose& world_mesh) {
-  const MeasuredShape& shape = *set.shapes[answered];
-  const Pose truth = world_mesh * set.object_mesh[answered].inverse();
-  return ErrorOf(shape, truth, world_object).add_s_m / shape.diameter_m;
-}
-
 FrameDetection Judge(const PartSet& set, const Detection& detection, const RealFrame& frame,
                      const Pose& world_sensor) {
   const std::size_t answered = PartOf(set, detection.view->stable_pose);
   FrameDetection out{.object = set.parts[answered].object_id, .score = detection.score};
+  out.sensor_mesh = world_sensor.inverse() * detection.refined_pose * set.object_mesh[answered];
   for (std::size_t i = 0; i < frame.objects.size(); ++i) {
     const FrameObject& object = frame.objects[i];
     if (ObjectIdOf(object.object) != out.object) continue;
@@ -141,6 +134,15 @@ void AddBest(const recognition::Recognition& recognition, const FramesCatalogue&
   }
 }
 
+// Ids of the objects in the frame whose poses are known.
+std::vector<std::string> PosedObjects(const RealFrame& frame) {
+  std::vector<std::string> out;
+  for (const FrameObject& object : frame.objects) {
+    if (object.sensor_mesh) out.push_back(ObjectIdOf(object.object));
+  }
+  return out;
+}
+
 }  // namespace
 
 const char* TextOf(LostBy lost_by) {
@@ -169,6 +171,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   auto out = std::make_unique<FramesCatalogue>();
   for (const auto& [name, object] : meshes) {
     if (absl::Status added = AddMesh(object, &out->set_); !added.ok()) return added;
+    out->object_ids_.push_back(name);
   }
   out->set_.taught_count = out->set_.parts.size();
   const auto trials = RenderedTrials({.name = "real", .teach_step_deg = kTeachStepDeg}, out->set_);
@@ -197,9 +200,12 @@ FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan
                            const ExperimentRun& run, FramesCatalogue* catalogue) {
   const auto never = [] { return false; };
   FrameResult out{.frame = &frame};
+  PoseRecord record(catalogue->set(), PosedObjects(frame));
+  recognition::RecognitionParameters parameters = run.parameters;
+  parameters.matching.observer = record.Observer();
   const auto start = std::chrono::steady_clock::now();
-  const auto recognition = recognition::Recognize(scan, catalogue->snapshot(), catalogue->gallery(),
-                                                  run.parameters, never);
+  const auto recognition =
+      recognition::Recognize(scan, catalogue->snapshot(), catalogue->gallery(), parameters, never);
   out.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   recognition::StageLog log;
@@ -228,6 +234,11 @@ FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan
                    world_mesh * catalogue->set().object_mesh[part].inverse(), run.parameters);
     AddBest(*recognition, *catalogue, world_mesh, &instance);
     instance.lost_by = WhereLost(instance);
+    const auto stage_by = [&](recognition::PoseSource source) {
+      return record.StageOf(ObjectIdOf(object.object), world_mesh, source);
+    };
+    instance.by_segments = stage_by(recognition::PoseSource::kSegment);
+    instance.in_image = stage_by(recognition::PoseSource::kImage);
     if (instance.found) continue;
     out.posed.push_back({catalogue->ModelOf(part),
                          *object.sensor_mesh * catalogue->set().object_mesh[part].inverse(),

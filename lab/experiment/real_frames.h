@@ -1,6 +1,7 @@
 // Recognition of objects taught from meshes in frames of real cameras.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -12,12 +13,10 @@
 #include "lab/experiment/frames_file.h"
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/part_set.h"
+#include "lab/experiment/pose_stages.h"
 #include "lab/experiment/true_pose.h"
 
 namespace graspdb::client {
-
-// A pose is right when its ADD-S is under this share of the diameter (Hinterstoisser et al. 2012).
-inline constexpr double kFoundShare = 0.10;
 
 // Teaches the stable poses of each mesh in the frames, like `graspdb teach --mesh`.
 class FramesCatalogue {
@@ -27,6 +26,7 @@ class FramesCatalogue {
       const std::vector<RealFrame>& frames, const ExperimentRun& run);
 
   const PartSet& set() const { return set_; }
+  const std::vector<std::string>& object_ids() const { return object_ids_; }  // sorted
   Gallery& gallery() { return *gallery_; }
   const recognition::CatalogueSnapshot& snapshot() const { return snapshot_; }
   // Of the stable pose at `position` of set(), that the gallery fuses.
@@ -36,6 +36,7 @@ class FramesCatalogue {
 
  private:
   PartSet set_;
+  std::vector<std::string> object_ids_;
   std::unique_ptr<Gallery> gallery_;
   std::vector<std::shared_ptr<const recognition::SurfaceModel>> models_;
   recognition::CatalogueSnapshot snapshot_{
@@ -52,6 +53,7 @@ struct FrameDetection {
   double add_s_share = std::numeric_limits<double>::infinity();
   bool pose_unknown = false;  // the true pose is unknown
   bool again = false;         // another detection already has that instance
+  recognition::Pose sensor_mesh = recognition::Pose::Identity();  // T_sensor_mesh as answered
   std::size_t voxels = 0;
   recognition::Evidence evidence = {};
   recognition::ConfidenceFeatures features = {};
@@ -81,6 +83,10 @@ struct FrameInstance {
   double best_score = 0;
   int rank = 0;  // of the first of its views among the candidates; 0: not among them
   LostBy lost_by = LostBy::kConfidence;  // if it is not found
+  // How far its true pose came; of the sources alone kBest at most.
+  PoseStage by_segments = PoseStage::kNone;
+  PoseStage in_image = PoseStage::kNone;
+  PoseStage stage() const { return found ? PoseStage::kAccepted : std::max(by_segments, in_image); }
 };
 
 // A model to draw into the frame.

@@ -57,7 +57,8 @@ MetricsServer::~MetricsServer() = default;
 void MetricsServer::Listen(const std::string& ports) {
   exposer_ = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
       "listening_ports", ports, "num_threads", kThreads, "request_timeout_ms", kRequestMs});
-  exposer_->RegisterCollectable(source_);
+  // Of civetweb's pattern the end, without which it is the beginning of a path.
+  exposer_->RegisterCollectable(source_, "/metrics$");
 }
 
 absl::StatusOr<std::unique_ptr<MetricsServer>> MetricsServer::Start(const MetricsOptions& options,

@@ -1,6 +1,8 @@
 // Parameters of the search and the alignment, with unit and default.
 #pragma once
 
+#include "recognition/base/pose_observer.h"
+
 namespace graspdb::recognition {
 
 // How the nearest views are aligned and judged.
@@ -24,12 +26,15 @@ struct MatchingParameters {
   double max_correspondence_m = 0.03;
   // Distance at which two points stop supporting each other in the score, m.
   double support_distance_m = 0.008;
-  // An alignment with a smaller share of corresponding points is rejected.
+  // An alignment that explains a smaller share of the segment is rejected; in the single-view
+  // baseline, of the view.
   double min_inlier_fraction = 0.3;
   // A detection that scores lower is unknown, 0 to 1.
   double min_score = 0.5;
   // Whether a stable pose's own threshold replaces min_score.
   bool use_own_min_scores = true;
+  // Empty: nothing is observed, and nothing takes longer. It changes no answer.
+  PoseObserver observer = {};
 };
 
 }  // namespace graspdb::recognition

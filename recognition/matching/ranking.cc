@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "recognition/simd/rigid_transform.h"
@@ -16,9 +17,6 @@ namespace {
 // and with twice the minimum nearly so at any: then objects that differ by some mm score alike.
 constexpr double kDeviations = 4.5;
 constexpr double kFinestM = 0.0035;
-// Points outside a model's grid, which reaches 21 mm, are farther away than this, m. It must exceed
-// the limit for the same surface: doubled, that holds for parts up to 1 m in place of 0.5.
-constexpr double kFarM = 0.02;
 // Surfaces that are nowhere farther apart are the same, m, or as a share of the diameter. Chosen;
 // not measured alone. Doubled, surfaces of an object that are 6 to 12 mm apart count as one, and
 // such poses are no longer listed as ambiguous.
@@ -28,13 +26,15 @@ constexpr double kSameSurfaceShare = 0.04;
 // detections are AMBIGUOUS.
 constexpr double kEqualScores = 0.006;
 
+// Infinite outside of the grid of `to`, which reaches 21 mm: no part is so large that this is the
+// same surface.
 double LargestGapTo(const SurfaceModel& from, const Pose& to_from, const SurfaceModel& to) {
   const RigidTransform moved(to_from);
   double largest = 0;
   for (const Eigen::Vector3f& point : from.coarse.cloud.points) {
     const Eigen::Vector3f p = moved.Point(point);
     const int nearest = to.grid.Nearest(p);
-    if (nearest < 0) return kFarM;
+    if (nearest < 0) return std::numeric_limits<double>::infinity();
     const Eigen::Vector3f d = p - to.fine.cloud.points[static_cast<std::size_t>(nearest)];
     largest = std::max(largest, static_cast<double>(d.norm()));
   }

@@ -24,7 +24,8 @@ struct PoseHypothesis {
   int symmetry_order = 1;         // of the stable pose, as it was declared
   Pose rough = Pose::Identity();  // T_world_object
   Pose refined = Pose::Identity();
-  int iterations = 0;      // of the last refinement
+  int iterations = 0;      // of all refinements
+  bool converged = false;  // the last one
   bool finished = false;   // refined in full
   bool recentred = false;  // after the refinement, see recentring.h
   bool polished = false;   // refined again until nothing changed
@@ -39,8 +40,8 @@ struct PoseHypothesis {
 void RankClosely(const SoaCloud& segment, const DepthBuffer& depth_buffer,
                  double support_distance_m, std::vector<PoseHypothesis>* hypotheses);
 
-// The largest distance between two posed surfaces, from either to the other, m; limited by the
-// reach of their grids.
+// The largest distance between two posed surfaces, from either to the other, m; infinite where it
+// exceeds the reach of their grids.
 double LargestGap(const SurfaceModel& a, const Pose& world_a, const SurfaceModel& b,
                   const Pose& world_b);
 

@@ -47,7 +47,8 @@ struct RefinementOptions {
 struct Refinement {
   Pose world_object = Pose::Identity();
   int iterations = 0;
-  bool stopped = false;  // at a known place
+  bool converged = false;  // the last step moved the model by less than 0.1 mm
+  bool stopped = false;    // at a known place
 };
 using IsKnown = std::function<bool(const Pose& world_object)>;
 Refinement Refine(const SurfaceModel& model, const RefinementTarget& target, const Pose& initial,

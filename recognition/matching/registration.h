@@ -18,8 +18,9 @@ struct Registration {
   Pose target_source = Pose::Identity();  // moves source points onto the target
   bool converged = false;                 // the last step was negligible
   int iterations = 0;
-  double rms_error_m = 0;      // between corresponding points
-  double inlier_fraction = 0;  // share of the source's points with a correspondence
+  double rms_error_m = 0;  // between corresponding points
+  // Share of the source's points with a correspondence; of a model, those that face the camera.
+  double inlier_fraction = 0;
 };
 
 // Aligns `source` with the target, beginning at `initial`. Correspondences are nearest points, at

@@ -14,10 +14,6 @@ namespace {
 // Points of the segment for first looks. Doubled, one more answer on the real frames is wrong and
 // as many are right (docs/experiment.md).
 constexpr std::size_t kRoughPoints = 200;
-// Points for refinements in full; larger segments, of parts of half a metre and more, are
-// subsampled. Doubled, a finalist of such a part takes twice as long; the 40,000 points below which
-// nothing is subsampled are more than any part of 0.3 m has.
-constexpr std::size_t kFullPoints = 20'000;
 // Hypotheses that are refined in full; chosen. Doubled, the answers of docs/experiment.md are the
 // same ("same answers" below), and up to twice as many are refined.
 constexpr std::size_t kFinalists = 8;
@@ -63,14 +59,11 @@ constexpr RefinementOptions kRoughSteps = {.iterations = 6,
                                            .coarse = true,
                                            .height_deviation_m = 1e-4,
                                            .tilt_deviation_rad = 1e-3};
-// Refinement in full: with thinned edges until nearly converged, then with all. The reach shrinks
-// from 20 to 9 and from 8 to 5 mm, over as many iterations as RefinementOptions has. Chosen; not
-// measured alone. With twice the iterations either takes up to twice as long.
-constexpr RefinementOptions kFirstSteps = {.iterations = 6, .last_reach_m = 0.009, .coarse = true};
-constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
-// So that about `wanted` points are left.
-std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
-  return std::max<std::size_t>(1, segment.cloud.points.size() / wanted);
+
+void TakeRefined(const Refinement& refinement, PoseHypothesis* h) {
+  h->refined = refinement.world_object;
+  h->iterations += refinement.iterations;
+  h->converged = refinement.converged;
 }
 
 }  // namespace
@@ -134,10 +127,12 @@ absl::StatusOr<std::vector<PoseHypothesis>> SegmentMatcher::TakeRanked() {
     RecentrePose(&hypotheses_.front());
     RankClosely(columns_, depth_buffer_, parameters_.support_distance_m, &hypotheses_);
   }
+  Observe(PoseStep::kRefined, hypotheses_, &PoseHypothesis::refined);
   return std::move(hypotheses_);
 }
 
 absl::Status SegmentMatcher::TryAll(const std::vector<Start>& starts) {
+  Observe(PoseStep::kKept, starts, &Start::rough);
   const std::size_t before = hypotheses_.size();
   hypotheses_.resize(before + starts.size());
   ForEachIndex(starts.size(), [&](std::size_t i) { hypotheses_[before + i] = Tried(starts[i]); });
@@ -150,7 +145,7 @@ PoseHypothesis SegmentMatcher::Tried(const Start& start) const {
   h.symmetry_order = start.symmetry_order;
   h.view = start.view;
   h.rough = start.rough;
-  h.refined = Refine(*start.model, look_ups_->rough_target, start.rough, kRoughSteps).world_object;
+  TakeRefined(Refine(*start.model, look_ups_->rough_target, start.rough, kRoughSteps), &h);
   h.evidence = VerifyRoughly(*start.model, h.refined);
   return h;
 }
@@ -222,15 +217,13 @@ bool SegmentMatcher::Approach(const std::vector<PoseHypothesis>& finished,
   const Refinement refinement =
       Refine(*h->model, look_ups_->target, h->refined, kFirstSteps, is_finished);
   if (refinement.stopped) return false;
-  h->refined = refinement.world_object;
+  TakeRefined(refinement, h);
   h->evidence = VerifyRoughly(*h->model, h->refined);
   return true;
 }
 
 void SegmentMatcher::Finish(const RefinementOptions& options, PoseHypothesis* h) const {
-  const Refinement refinement = Refine(*h->model, look_ups_->target, h->refined, options);
-  h->refined = refinement.world_object;
-  h->iterations = refinement.iterations;
+  TakeRefined(Refine(*h->model, look_ups_->target, h->refined, options), h);
   h->evidence = VerifyClosely(*h->model, h->refined);
   h->finished = true;
 }

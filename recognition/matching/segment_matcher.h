@@ -1,6 +1,7 @@
 // Hypotheses about one segment: made from taught views, refined and judged on fused models.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -33,6 +34,22 @@ inline constexpr double kExplainsNothing = 0.01;
 // makes more cells, which no refinement uses.
 inline constexpr float kSegmentCellM = 0.006F;
 inline constexpr float kSegmentReachM = 0.021F;
+
+// Points for refinements in full; larger segments, of parts of half a metre and more, are
+// subsampled. Doubled, a finalist of such a part takes twice as long; the 40,000 points below which
+// nothing is subsampled are more than any part of 0.3 m has.
+inline constexpr std::size_t kFullPoints = 20'000;
+// So that about `wanted` points are left.
+inline std::size_t StrideFor(const Segment& segment, std::size_t wanted) {
+  return std::max<std::size_t>(1, segment.cloud.points.size() / wanted);
+}
+
+// Refinement in full: with thinned edges until nearly converged, then with all. The reach shrinks
+// from 20 to 9 and from 8 to 5 mm, over as many iterations as RefinementOptions has. Chosen; not
+// measured alone. With twice the iterations either takes up to twice as long.
+inline constexpr RefinementOptions kFirstSteps = {
+    .iterations = 6, .last_reach_m = 0.009, .coarse = true};
+inline constexpr RefinementOptions kLastSteps = {.iterations = 4, .first_reach_m = 0.008};
 
 using Views = std::vector<std::shared_ptr<const TaughtView>>;
 
@@ -89,6 +106,15 @@ class SegmentMatcher {
   };
 
   double ConfidenceOfBest() const;  // there must be one
+  // Calls the observer with the `pose` of all of them.
+  template <typename Posed>
+  void Observe(PoseStep step, const std::vector<Posed>& all, Pose Posed::*pose) const {
+    if (!parameters_.observer) return;
+    std::vector<ObservedPose> poses;
+    poses.reserve(all.size());
+    for (const Posed& one : all) poses.push_back({one.view->stable_pose, one.*pose});
+    parameters_.observer(step, PoseSource::kSegment, poses);
+  }
 
   // A view's model at an initial pose.
   struct Start {

@@ -139,6 +139,7 @@ absl::StatusOr<std::vector<SegmentMatcher::Start>> SegmentMatcher::StartsOf(
       out.back().rough = rough;
     }
   }
+  Observe(PoseStep::kProposed, out, &Start::rough);
   return out;
 }
 

@@ -16,6 +16,8 @@ using Eigen::Vector3f;
 constexpr double kAlikeM = 0.0025;
 constexpr double kAlikeShare = 0.02;  // of the diameter
 constexpr double kNearly = 2;         // times as much
+// The most that is alike: twice as much is less than kFarM, beyond which no gap is measured.
+constexpr double kMaxAlikeM = 0.009;
 constexpr double kGapShare = 0.95;
 // Distance of points outside a model's grid, m.
 constexpr float kFarM = 0.02F;
@@ -105,7 +107,7 @@ Gap GapOfTurns(const SurfaceModel& model, int count, double limit_m) {
 }  // namespace
 
 double AlikeM(const SurfaceModel& model) {
-  return std::max(kAlikeM, kAlikeShare * 2 * static_cast<double>(model.radius_m));
+  return std::clamp(kAlikeShare * 2 * static_cast<double>(model.radius_m), kAlikeM, kMaxAlikeM);
 }
 
 double NearlyAlikeM(const SurfaceModel& model) { return kNearly * AlikeM(model); }

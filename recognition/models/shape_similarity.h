@@ -13,9 +13,9 @@ struct Gap {
   double largest_m = 0;  // of 95 % of them: single points are noise
 };
 
-// Surfaces with a smaller gap (`largest_m`) are one shape to a depth camera: 2 mm, or a share of
-// the object's size. Up to NearlyAlikeM they may be taken for each other where a part is hidden or
-// the camera noisy.
+// Surfaces with a smaller gap (`largest_m`) are one shape to a depth camera: 2.5 mm, or a share of
+// the object's size, up to 9 mm. Up to NearlyAlikeM they may be taken for each other where a part
+// is hidden or the camera noisy.
 double AlikeM(const SurfaceModel& model);
 double NearlyAlikeM(const SurfaceModel& model);
 

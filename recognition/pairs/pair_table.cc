@@ -58,6 +58,18 @@ std::uint16_t ReferenceFrame::TurnOf(const Eigen::Vector3f& p) const {
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(std::floor(turn * kPerRadian)));
 }
 
+std::optional<PairFeature> FeatureOf(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1,
+                                     const Eigen::Vector3f& p2, const Eigen::Vector3f& n2) {
+  const Eigen::Vector3f d = p2 - p1;
+  const float length = d.norm();
+  if (length <= 0) return std::nullopt;
+  const Eigen::Vector3f unit = d / length;
+  constexpr int kBins = PairTable::kAngleBins;
+  const int angles =
+      (AngleBin(n1.dot(unit)) * kBins + AngleBin(n2.dot(unit))) * kBins + AngleBin(n1.dot(n2));
+  return PairFeature{length, static_cast<std::uint16_t>(angles)};
+}
+
 PairTable::PairTable(const OrientedCloud& points, float diameter_m, std::size_t crowded)
     : bins_per_m_(kDistanceBins / diameter_m) {
   constexpr std::size_t kBuckets =
@@ -69,8 +81,9 @@ PairTable::PairTable(const OrientedCloud& points, float diameter_m, std::size_t 
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
       if (i == j || (points.points[i] - points.points[j]).norm() < min_distance) continue;
-      const int bucket =
-          BucketOf(points.points[i], points.normals[i], points.points[j], points.normals[j]);
+      const auto feature =
+          FeatureOf(points.points[i], points.normals[i], points.points[j], points.normals[j]);
+      const int bucket = feature ? BucketOf(*feature) : -1;
       bucket_of[i * n + j] = bucket;
       if (bucket >= 0) counts[static_cast<std::size_t>(bucket)] += 1;
     }
@@ -94,29 +107,6 @@ PairTable::PairTable(const OrientedCloud& points, float diameter_m, std::size_t 
                                                           frame.TurnOf(points.points[j])};
     }
   }
-}
-
-int PairTable::BucketOf(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1,
-                        const Eigen::Vector3f& p2, const Eigen::Vector3f& n2) const {
-  const Eigen::Vector3f d = p2 - p1;
-  const float length = d.norm();
-  const auto distance = static_cast<int>(length * bins_per_m_);
-  if (distance >= kDistanceBins || length <= 0) return -1;
-  const Eigen::Vector3f unit = d / length;
-  return ((AngleBin(n1.dot(unit)) * kAngleBins + AngleBin(n2.dot(unit))) * kAngleBins +
-          AngleBin(n1.dot(n2))) *
-             kDistanceBins +
-         distance;
-}
-
-std::span<const PairTable::Entry> PairTable::Find(const Eigen::Vector3f& p1,
-                                                  const Eigen::Vector3f& n1,
-                                                  const Eigen::Vector3f& p2,
-                                                  const Eigen::Vector3f& n2) const {
-  const int bucket = BucketOf(p1, n1, p2, n2);
-  if (bucket < 0) return {};
-  const std::uint32_t begin = begins_[static_cast<std::size_t>(bucket)];
-  return {entries_.data() + begin, begins_[static_cast<std::size_t>(bucket) + 1] - begin};
 }
 
 }  // namespace graspdb::recognition

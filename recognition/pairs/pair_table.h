@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,18 @@ struct ReferenceFrame {
   Eigen::Matrix3f to_local;  // its rows: the normal and the axes across it
 };
 
-// Pairs of a model's points by their feature (Drost et al. 2010, section 3.2): distance, and the
-// angles between both normals and the line between the points, and between the normals. Immutable.
+// The feature of a pair of points (Drost et al. 2010, section 3.2): distance, and the angles
+// between both normals and the line between the points, and between the normals.
+struct PairFeature {
+  float length_m = 0;
+  std::uint16_t angles = 0;  // the bins of the three angles, as one number
+};
+
+// None for points that coincide.
+std::optional<PairFeature> FeatureOf(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1,
+                                     const Eigen::Vector3f& p2, const Eigen::Vector3f& n2);
+
+// Pairs of a model's points by their feature. Immutable.
 class PairTable {
  public:
   static constexpr int kAngleBins = 15;  // of 12 degrees
@@ -36,19 +47,24 @@ class PairTable {
   // emptied, since they say little. O(n^2) for n points.
   PairTable(const OrientedCloud& points, float diameter_m, std::size_t crowded);
 
-  // The pairs with the same feature as (p1, n1, p2, n2); none where they are farther apart than the
-  // diameter.
-  std::span<const Entry> Find(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1,
-                              const Eigen::Vector3f& p2, const Eigen::Vector3f& n2) const;
+  // The pairs with this feature; none where it is longer than the diameter.
+  std::span<const Entry> Find(const PairFeature& feature) const {
+    const int bucket = BucketOf(feature);
+    if (bucket < 0) return {};
+    const std::uint32_t begin = begins_[static_cast<std::size_t>(bucket)];
+    return {entries_.data() + begin, begins_[static_cast<std::size_t>(bucket) + 1] - begin};
+  }
 
   std::size_t bytes() const {
     return begins_.size() * sizeof(begins_[0]) + entries_.size() * sizeof(Entry);
   }
 
  private:
-  // -1 where the points are too far apart or coincide.
-  int BucketOf(const Eigen::Vector3f& p1, const Eigen::Vector3f& n1, const Eigen::Vector3f& p2,
-               const Eigen::Vector3f& n2) const;
+  // -1 where the points are too far apart.
+  int BucketOf(const PairFeature& feature) const {
+    const auto distance = static_cast<int>(feature.length_m * bins_per_m_);
+    return distance < kDistanceBins ? feature.angles * kDistanceBins + distance : -1;
+  }
 
   float bins_per_m_;
   std::vector<std::uint32_t> begins_;  // of each bucket in entries_, and the end

@@ -1,19 +1,22 @@
 #include "recognition/pairs/pair_votes.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
+#include "recognition/base/idle_cores.h"
 #include "recognition/simd/kernels.h"
 #include "recognition/simd/soa_cloud.h"
 
 namespace graspdb::recognition {
 namespace {
 
-// Bins of a whole turn, of 12 degrees.
+// Bins of a whole turn, of 12 degrees, and what they take in memory: whole vectors.
 constexpr std::size_t kTurnBins = 30;
+constexpr std::size_t kStride = 32;
 
 struct Peak {
-  std::uint32_t votes = 0;
+  std::uint16_t votes = 0;
   std::size_t point = 0;  // of the model
   std::size_t bin = 0;    // and the next one
 };
@@ -21,34 +24,46 @@ struct Peak {
 // Votes of one scene point: for each model point that it may be, and each turn about its normal.
 class Accumulator {
  public:
-  explicit Accumulator(std::size_t points) : votes_(points * kTurnBins, 0) {}
+  explicit Accumulator(std::size_t points) : votes_(points * kStride + 1, 0) {}
 
   void Clear() { std::ranges::fill(votes_, 0); }
   void Add(std::size_t point, std::uint16_t turn) {
-    votes_[point * kTurnBins + ((turn * kTurnBins) >> 16U)] += 1;
+    votes_[point * kStride + ((turn * kTurnBins) >> 16U)] += 1;
   }
 
   // The most votes in two bins side by side, of different model points.
-  void FindPeaks(std::size_t count, std::vector<Peak>* out) const {
+  void FindPeaks(std::size_t count, std::vector<Peak>* out) {
     out->clear();
-    for (std::size_t point = 0; point * kTurnBins < votes_.size(); ++point) {
-      Peak best;
-      const std::uint16_t* bins = votes_.data() + point * kTurnBins;
-      for (std::size_t b = 0; b < kTurnBins; ++b) {
-        const std::uint32_t votes =
-            static_cast<std::uint32_t>(bins[b]) + bins[b + 1 < kTurnBins ? b + 1 : 0];
-        if (votes > best.votes) best = {votes, point, b};
-      }
-      if (best.votes < kMinVotes) continue;
-      if (out->size() == count && best.votes <= out->back().votes) continue;
+    for (std::size_t point = 0; point * kStride + 1 < votes_.size(); ++point) {
+      const std::array<std::uint16_t, kStride> sums = SumsOf(point);
+      std::uint16_t votes = 0;
+      for (const std::uint16_t sum : sums) votes = std::max(votes, sum);
+      if (votes < kMinVotes) continue;
+      if (out->size() == count && votes <= out->back().votes) continue;
+      const auto bin = static_cast<std::size_t>(std::ranges::find(sums, votes) - sums.begin());
       if (out->size() == count) out->pop_back();
-      out->insert(std::ranges::upper_bound(*out, best.votes, std::greater(), &Peak::votes), best);
+      out->insert(std::ranges::upper_bound(*out, votes, std::greater(), &Peak::votes),
+                  {votes, point, bin});
     }
   }
 
  private:
   // Fewer agree by chance.
-  static constexpr std::uint32_t kMinVotes = 4;
+  static constexpr std::uint16_t kMinVotes = 4;
+
+  // Of each bin and the next one; 0 behind the last. The bins behind the last stay empty but for
+  // the first one's copy.
+  std::array<std::uint16_t, kStride> SumsOf(std::size_t point) {
+    std::uint16_t* bins = votes_.data() + point * kStride;
+    bins[kTurnBins] = bins[0];
+    std::array<std::uint16_t, kStride> sums;
+    for (std::size_t b = 0; b < kStride; ++b) {
+      sums[b] = static_cast<std::uint16_t>(bins[b] + bins[b + 1]);
+    }
+    bins[kTurnBins] = 0;
+    sums[kTurnBins] = sums[kTurnBins + 1] = 0;
+    return sums;
+  }
 
   std::vector<std::uint16_t> votes_;
 };
@@ -63,42 +78,83 @@ Eigen::Isometry3f PoseOf(const ReferenceFrame& scene, const ReferenceFrame& mode
   return out;
 }
 
-}  // namespace
+// References whose pairs are made at once: a model's table stays in the cache for their votes.
+constexpr std::size_t kReferencesAtOnce = 5;
 
-std::vector<Eigen::Isometry3f> VotedPoses(const PairModel& model, const OrientedCloud& scene,
-                                          const PairVotesParameters& parameters,
-                                          const IsCancelled& is_cancelled) {
-  std::vector<Eigen::Isometry3f> out;
-  Accumulator votes(model.points.points.size());
-  std::vector<Peak> peaks;
-  CancellationPoll poll(is_cancelled);
-  const std::size_t count = scene.points.size();
-  const std::size_t references = std::min(parameters.reference_count, count);
-  const float reach = model.diameter_m * model.diameter_m;
-  const SoaCloud columns(scene);
+struct ScenePair {
+  PairFeature feature;
+  std::uint16_t turn = 0;
+};
+
+// A scene point that votes, with its partners.
+struct Reference {
+  ReferenceFrame frame;
+  std::vector<ScenePair> pairs;
+};
+
+Reference ReferenceAt(std::size_t i, const OrientedCloud& scene, const SoaCloud& columns,
+                      float reach_m) {
+  Reference out{{scene.points[i], scene.normals[i]}, {}};
   const simd::Coordinates coordinates = columns.coordinates().points;
   std::vector<float> distances(coordinates.count);
-  for (std::size_t r = 0; r < references; ++r) {
-    const std::size_t i = r * count / references;
-    const ReferenceFrame frame(scene.points[i], scene.normals[i]);
-    votes.Clear();
-    if (poll.After(20 * count)) return out;
-    simd::Best().squared_distances(coordinates, frame.origin.data(), distances.data());
-    for (std::size_t j = 0; j < count; ++j) {
-      if (distances[j] > reach || i == j) continue;
-      const auto pairs =
-          model.table->Find(frame.origin, scene.normals[i], scene.points[j], scene.normals[j]);
-      if (pairs.empty()) continue;
-      const std::uint16_t turn = frame.TurnOf(scene.points[j]);
-      for (const PairTable::Entry& pair : pairs) {
-        votes.Add(pair.point, static_cast<std::uint16_t>(turn - pair.turn));
+  simd::Best().squared_distances(coordinates, out.frame.origin.data(), distances.data());
+  for (std::size_t j = 0; j < scene.points.size(); ++j) {
+    if (distances[j] > reach_m * reach_m || i == j) continue;
+    const auto feature =
+        FeatureOf(out.frame.origin, scene.normals[i], scene.points[j], scene.normals[j]);
+    if (feature) out.pairs.push_back({*feature, out.frame.TurnOf(scene.points[j])});
+  }
+  return out;
+}
+
+void Vote(const PairModel& model, const Reference& reference, std::size_t peak_count,
+          Accumulator* votes, VotedPoses* out) {
+  votes->Clear();
+  for (const ScenePair& pair : reference.pairs) {
+    for (const PairTable::Entry& entry : model.table->Find(pair.feature)) {
+      votes->Add(entry.point, static_cast<std::uint16_t>(pair.turn - entry.turn));
+    }
+  }
+  std::vector<Peak> peaks;
+  votes->FindPeaks(peak_count, &peaks);
+  for (const Peak& peak : peaks) {
+    constexpr float kBinRad = 2 * std::numbers::pi_v<float> / kTurnBins;
+    out->push_back(PoseOf(reference.frame, model.frames[peak.point],
+                          static_cast<float>(peak.bin + 1) * kBinRad));
+  }
+}
+
+}  // namespace
+
+std::vector<VotedPoses> VoteForPoses(std::span<const PairModel* const> models,
+                                     const OrientedCloud& scene,
+                                     const PairVotesParameters& parameters,
+                                     const IsCancelled& is_cancelled) {
+  float reach = 0;
+  for (const PairModel* model : models) reach = std::max(reach, model->diameter_m);
+  const SoaCloud columns(scene);
+  const std::size_t count = scene.points.size();
+  const std::size_t references = std::min(parameters.reference_count, count);
+  const std::size_t blocks = (references + kReferencesAtOnce - 1) / kReferencesAtOnce;
+  std::vector<std::vector<VotedPoses>> of_block(blocks, std::vector<VotedPoses>(models.size()));
+  ForEachIndex(blocks, [&](std::size_t block) {
+    std::vector<Reference> voters;
+    const std::size_t end = std::min(references, (block + 1) * kReferencesAtOnce);
+    for (std::size_t r = block * kReferencesAtOnce; r < end; ++r) {
+      if (is_cancelled()) return;
+      voters.push_back(ReferenceAt(r * count / references, scene, columns, reach));
+    }
+    for (std::size_t m = 0; m < models.size() && !is_cancelled(); ++m) {
+      Accumulator votes(models[m]->points.points.size());
+      for (const Reference& voter : voters) {
+        Vote(*models[m], voter, parameters.peak_count, &votes, &of_block[block][m]);
       }
     }
-    votes.FindPeaks(parameters.peak_count, &peaks);
-    for (const Peak& peak : peaks) {
-      constexpr float kBinRad = 2 * std::numbers::pi_v<float> / kTurnBins;
-      out.push_back(
-          PoseOf(frame, model.frames[peak.point], static_cast<float>(peak.bin + 1) * kBinRad));
+  });
+  std::vector<VotedPoses> out(models.size());
+  for (const auto& block : of_block) {
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      out[m].insert(out[m].end(), block[m].begin(), block[m].end());
     }
   }
   return out;

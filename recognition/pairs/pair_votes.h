@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "recognition/base/cancellation.h"
@@ -17,11 +18,15 @@ struct PairVotesParameters {
   std::size_t peak_count = 2;
 };
 
-// Poses of the model in the frame of `scene` (m, unit normals towards the sensor), at most
-// reference_count * peak_count of them. Deterministic. O(r n) for r references and n points of the
-// scene. Meaningless once cancelled.
-std::vector<Eigen::Isometry3f> VotedPoses(const PairModel& model, const OrientedCloud& scene,
-                                          const PairVotesParameters& parameters,
-                                          const IsCancelled& is_cancelled);
+using VotedPoses = std::vector<Eigen::Isometry3f>;
+
+// Poses of each model in the frame of `scene` (m, unit normals towards the sensor), at most
+// reference_count * peak_count of them. The pairs of the scene are made once for all models.
+// Deterministic, on idle cores too. O(m r n) for m models, r references and n points of the scene.
+// Meaningless once cancelled.
+std::vector<VotedPoses> VoteForPoses(std::span<const PairModel* const> models,
+                                     const OrientedCloud& scene,
+                                     const PairVotesParameters& parameters,
+                                     const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

@@ -21,11 +21,17 @@ struct Side {
 OrientedCloud ThinnedToCells(const OrientedCloud& cloud, float cell_m) {
   std::unordered_map<std::uint64_t, std::int32_t> first_side;
   std::vector<Side> sides;
+  std::uint64_t last_key = 0;
+  std::int32_t* last = nullptr;  // neighbours are mostly in the same cell
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const Eigen::Vector3f& normal = cloud.normals[i];
     const std::int32_t none = -1;
-    std::int32_t& first =
-        first_side.try_emplace(CellKey(cloud.points[i], cell_m), none).first->second;
+    const std::uint64_t key = CellKey(cloud.points[i], cell_m);
+    if (last == nullptr || key != last_key) {
+      last = &first_side.try_emplace(key, none).first->second;
+      last_key = key;
+    }
+    std::int32_t& first = *last;
     std::int32_t at = first;
     const auto faces_away = [&](const Side& side) {
       return side.normal.dot(normal) <= kSameSide * side.normal.norm();

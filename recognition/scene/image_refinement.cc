@@ -95,11 +95,9 @@ float InformationShare(const Matrix6& known, const Matrix6& ideal) {
 
 }  // namespace
 
-ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
-                              const Eigen::Isometry3f& sensor_object,
-                              const ImageRefinementParameters& parameters) {
-  ImageRefinement out;
-  out.sensor_object = sensor_object;
+Eigen::Isometry3f RefineInImage(const Frame& frame, const PairModel& model,
+                                Eigen::Isometry3f sensor_object,
+                                const ImageRefinementParameters& parameters) {
   constexpr std::size_t kFewest = 10;
   const float radius = model.diameter_m / 2;
   for (int i = 0; i < parameters.iterations; ++i) {
@@ -108,28 +106,26 @@ ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
                            : 1;
     const float reach = parameters.first_reach_m * (1 - part) + parameters.last_reach_m * part;
     const Equations equations =
-        Linearised(frame, model, AspectAt(model, out.sensor_object), out.sensor_object, reach,
+        Linearised(frame, model, AspectAt(model, sensor_object), sensor_object, reach,
                    parameters.max_points, parameters.min_normal_cosine);
-    if (equations.count < kFewest) return {out.sensor_object, false};
+    if (equations.count < kFewest) return sensor_object;
     Matrix6 left = equations.left;
     // Directions that nothing constrains stay as they are.
     left.diagonal().array() += 0.01F * equations.weights;
     const Vector6 step = left.ldlt().solve(equations.right);
     const Eigen::Vector3f turn = step.head<3>() / radius;
-    const Eigen::Vector3f center = out.sensor_object * model.center;
+    const Eigen::Vector3f center = sensor_object * model.center;
     const float angle = std::min(turn.norm(), 0.3F);
     Eigen::Isometry3f change = Eigen::Isometry3f::Identity();
     if (angle > 1e-7F) {
       change.linear() = Eigen::AngleAxisf(angle, turn.normalized()).toRotationMatrix();
     }
     change.translation() = center - change.linear() * center + step.tail<3>();
-    out.sensor_object = change * out.sensor_object;
-    // A turn is in units of the radius, so that this bounds the motion of every point.
-    out.converged = step.head<3>().norm() + step.tail<3>().norm() < parameters.converged_m;
+    sensor_object = change * sensor_object;
   }
-  out.sensor_object.linear() =
-      Eigen::Quaternionf(out.sensor_object.linear()).normalized().toRotationMatrix();
-  return out;
+  sensor_object.linear() =
+      Eigen::Quaternionf(sensor_object.linear()).normalized().toRotationMatrix();
+  return sensor_object;
 }
 
 float InformationOf(const Frame& frame, const ImageModel& model, const ModelAspect& aspect,

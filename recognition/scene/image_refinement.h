@@ -14,21 +14,14 @@ struct ImageRefinementParameters {
   std::size_t max_points = 200;
   // Between the normals of model and measurement.
   float min_normal_cosine = 0.5F;
-  // A step that moves no point of the object farther is the last that matters, m.
-  float converged_m = 0.0005F;
-};
-
-struct ImageRefinement {
-  Eigen::Isometry3f sensor_object = Eigen::Isometry3f::Identity();
-  bool converged = false;  // the last step was smaller than converged_m
 };
 
 // Point to plane with projective association (Blais and Levine 1995): each visible point of the
 // model is compared with the measurement of its pixel, along the mean of both normals (Rusinkiewicz
 // 2019). Deterministic; O(iterations * max_points).
-ImageRefinement RefineInImage(const Frame& frame, const PairModel& model,
-                              const Eigen::Isometry3f& sensor_object,
-                              const ImageRefinementParameters& parameters);
+Eigen::Isometry3f RefineInImage(const Frame& frame, const PairModel& model,
+                                Eigen::Isometry3f sensor_object,
+                                const ImageRefinementParameters& parameters);
 
 // How well the frame constrains a pose, as a share of how well the complete visible surface would,
 // in the direction where that is least: 0 to 1.

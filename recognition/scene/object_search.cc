@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <unordered_map>
 
 #include "recognition/points/cell_key.h"
-#include "recognition/points/thinned.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -20,7 +20,6 @@ constexpr float kTableNoiseM = 0.010F;
 struct Candidate {
   Eigen::Isometry3f pose;
   float score = 0;
-  bool converged = false;
 };
 
 bool IsSame(const PairModel& model, const Eigen::Isometry3f& a, const Eigen::Isometry3f& b) {
@@ -95,14 +94,14 @@ float Glance(const Frame& frame, const PairModel& model, const Eigen::Isometry3f
 
 }  // namespace
 
-OrientedCloud SceneSample(const Frame& frame, float cell_m) {
-  OrientedCloud shown;
+OrientedCloud ObjectPoints(const Frame& frame) {
+  OrientedCloud out;
   for (std::size_t i = 0; i < frame.role.size(); ++i) {
     if (frame.role[i] != PixelRole::kObject || frame.normals[i].squaredNorm() == 0) continue;
-    shown.points.push_back(frame.PointAt(i, frame.depth[i]));
-    shown.normals.push_back(frame.normals[i]);
+    out.points.push_back(frame.PointAt(i, frame.depth[i]));
+    out.normals.push_back(frame.normals[i]);
   }
-  return ThinnedToCells(shown, cell_m);
+  return out;
 }
 
 SceneHypothesis JudgePose(const Frame& frame, const ImageModel& model,
@@ -121,26 +120,33 @@ SceneHypothesis JudgePose(const Frame& frame, const ImageModel& model,
   return out;
 }
 
-std::vector<SceneHypothesis> SearchObject(const Frame& frame, const OrientedCloud& sample,
-                                          const PairModel& model,
+std::vector<SceneHypothesis> SearchObject(const Frame& frame, const PairModel& model,
+                                          const VotedPoses& voted,
                                           const ObjectSearchParameters& parameters,
-                                          const IsCancelled& is_cancelled) {
+                                          const IsCancelled& is_cancelled,
+                                          const SearchObserver& observer) {
+  const auto observe = [&](PoseStep step, const auto& all, auto pose) {
+    if (!observer) return;
+    std::vector<Eigen::Isometry3f> poses;
+    std::ranges::transform(all, std::back_inserter(poses), pose);
+    observer(step, poses);
+  };
   std::vector<Candidate> candidates;
   const SelectionParameters& check = parameters.checked;
-  for (const Eigen::Isometry3f& pose : VotedPoses(model, sample, parameters.votes, is_cancelled)) {
+  for (const Eigen::Isometry3f& pose : voted) {
     const SurfaceEvidence look =
         LookAtSurface(frame, model, AspectAt(model, pose), pose, check.points,
                       check.tolerance_factor, parameters.evidence);
     candidates.push_back({pose, look.Score()});
   }
+  observe(PoseStep::kProposed, candidates, &Candidate::pose);
   Select(check, model, /*distinct=*/false, &candidates);
+  observe(PoseStep::kKept, candidates, &Candidate::pose);
   const auto align = [&](const ImageRefinementParameters& steps,
                          const SelectionParameters& selection) {
     for (Candidate& c : candidates) {
-      const ImageRefinement aligned = RefineInImage(frame, model, c.pose, steps);
-      c = {aligned.sensor_object,
-           Glance(frame, model, aligned.sensor_object, selection, parameters.evidence),
-           aligned.converged};
+      c.pose = RefineInImage(frame, model, c.pose, steps);
+      c.score = Glance(frame, model, c.pose, selection, parameters.evidence);
     }
     Select(selection, model, /*distinct=*/true, &candidates);
   };
@@ -152,9 +158,9 @@ std::vector<SceneHypothesis> SearchObject(const Frame& frame, const OrientedClou
   out.reserve(candidates.size());
   for (const Candidate& c : candidates) {
     out.push_back(JudgePose(frame, model, c.pose, parameters));
-    out.back().converged = c.converged;
   }
   std::ranges::stable_sort(out, std::greater(), &SceneHypothesis::score);
+  observe(PoseStep::kRefined, out, &SceneHypothesis::sensor_object);
   return out;
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "recognition/base/cancellation.h"
+#include "recognition/base/pose_observer.h"
 #include "recognition/frame/frame.h"
 #include "recognition/pairs/pair_model.h"
 #include "recognition/pairs/pair_votes.h"
@@ -53,18 +56,22 @@ struct SceneHypothesis {
   std::optional<float> clearance_m;  // over the table, see ClearanceOver; absent: no table
   float information = 0;             // see InformationOf
   float score = 0;                   // for the order of hypotheses, 0 to 1
-  bool converged = false;            // of the alignment that led there
 };
 
-// Points of a frame's object pixels, one a cell of `cell_m` metres. Sensor frame.
-OrientedCloud SceneSample(const Frame& frame, float cell_m);
+// Points of a frame's object pixels. Sensor frame.
+OrientedCloud ObjectPoints(const Frame& frame);
 
-// The best hypotheses, different from each other, the best first. `sample` is SceneSample with
-// about the model's step. Deterministic. Meaningless once cancelled.
-std::vector<SceneHypothesis> SearchObject(const Frame& frame, const OrientedCloud& sample,
-                                          const PairModel& model,
+// Gets the poses (T_sensor_object) that a step of the search leaves.
+using SearchObserver = std::function<void(PoseStep, std::span<const Eigen::Isometry3f>)>;
+
+// The best hypotheses of a model, different from each other, the best first. `voted` are from
+// ObjectPoints, one a cell of about the model's step. `observer` may be empty. Deterministic.
+// Meaningless once cancelled.
+std::vector<SceneHypothesis> SearchObject(const Frame& frame, const PairModel& model,
+                                          const VotedPoses& voted,
                                           const ObjectSearchParameters& parameters,
-                                          const IsCancelled& is_cancelled);
+                                          const IsCancelled& is_cancelled,
+                                          const SearchObserver& observer = {});
 
 // All that the frame says about a pose.
 SceneHypothesis JudgePose(const Frame& frame, const ImageModel& model,

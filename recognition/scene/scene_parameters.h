@@ -5,6 +5,7 @@
 
 #include "recognition/frame/frame.h"
 #include "recognition/scene/object_search.h"
+#include "recognition/scene/scene_score.h"
 
 namespace graspdb::recognition {
 
@@ -13,13 +14,20 @@ struct SceneParameters {
   bool verify = true;
   // Whether objects are searched for by point pairs in what the answers leave over, which takes 25
   // ms of processor time an object.
-  bool search = false;
+  bool search = true;
   FrameParameters frame;
   ObjectSearchParameters object_search;
-  // Log-odds (scene_score.h) at which an answer has the score 0.5: of a segment's, to which those
-  // of its own confidence are added, and of one by point pairs alone.
-  double segment_bar = -1.25;
-  double pairs_bar = 1.2;
+  // Log-odds (scene_score.h) at which a segment's answer has the score 0.5; those of its own
+  // confidence are added.
+  double segment_bar = -0.5;
+  // How much counts against a segment's answer that its pose is unlikely by the image alone, where
+  // what is not seen counts as well: a share of its log-odds under 0.
+  double unlikely_weight = 0.2;
+  // Proposals of the search that are less likely by the image alone, log-odds, are dropped, and so
+  // are all but so many.
+  float min_proposal_log_odds = -4;
+  std::size_t max_proposals = 64;
+  ProposalWeights proposal;
   // Objects are searched for in what the accepted answers leave over, where that is at least this
   // large, m2.
   double min_area_m2 = 8e-4;

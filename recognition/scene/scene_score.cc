@@ -48,4 +48,14 @@ float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
   return weights.offset - against;
 }
 
+double ProposalScore(float log_odds, float lead, float seen_area_m2,
+                     const ProposalWeights& weights) {
+  constexpr float kSmallestM2 = 1e-4F;
+  constexpr double kAreaM2 = 0.004;
+  const double sum = weights.offset + weights.image * log_odds +
+                     weights.lead * std::clamp<double>(lead, weights.min_lead, weights.max_lead) +
+                     weights.area * std::log(std::max(seen_area_m2, kSmallestM2) / kAreaM2);
+  return 1 / (1 + std::exp(-sum));
+}
+
 }  // namespace graspdb::recognition

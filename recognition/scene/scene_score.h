@@ -57,4 +57,23 @@ inline constexpr SceneScoreWeights kContradictions = {.offset = 0,
 float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
                  const ImageEvidenceParameters& parameters, const SceneScoreWeights& weights = {});
 
+// A pose without a rival has this one, log-odds.
+inline constexpr float kNoRivalLogOdds = -6;
+
+// A logistic regression over the 590 proposals with a score of their own points of at least 0.5 in
+// 160 composites, but for the offset: that of the regression, -1.6, accepts unknown objects that
+// resemble taught ones too often (docs/adr/0034).
+struct ProposalWeights {
+  double offset = -2.4;
+  double image = 0.87;  // of SceneScore
+  double lead = 0.38;   // before the best other pose in its place, log-odds, up to max_lead
+  double area = 0.88;   // the logarithm of the seen area / 40 cm2
+  double min_lead = -1;
+  double max_lead = 3;
+};
+
+// How sure a proposal of the search is, 0 to 1, by the image and the other proposals.
+double ProposalScore(float log_odds, float lead, float seen_area_m2,
+                     const ProposalWeights& weights);
+
 }  // namespace graspdb::recognition

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
+#include "recognition/points/median_point.h"
 #include "recognition/points/normals.h"
 #include "recognition/points/voxels.h"
 #include "recognition/segmentation/clusters.h"
@@ -66,12 +67,11 @@ absl::StatusOr<Pose> WorldFromTable(const Scan& scan, const SegmentationParamete
   if (table) {
     world_sensor = WorldFromPlane(*table, Vector3d::Zero(), Vector3d::UnitZ(), Vector3d::UnitX());
   }
-  if (!world_sensor) {
-    return absl::FailedPreconditionError(
-        "the sensor pose is not known and the scan shows no table plane within 1.5 m; give a "
-        "sensor pose or a calibrated cell");
-  }
-  return *world_sensor;
+  if (world_sensor) return *world_sensor;
+  return absl::FailedPreconditionError(
+      "the sensor pose is not known and the scan shows no table plane within 1.5 m; give a sensor "
+      "pose or a calibrated cell" +
+      AndWhereMedianIs(scan, std::nullopt));
 }
 
 absl::Status FindWorldFrame(const Scan& scan, const SegmentationParameters& parameters,

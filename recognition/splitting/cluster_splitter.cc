@@ -61,7 +61,7 @@ class ClusterSplitter {
   // separated by gaps are the answer where their answers explain more than any for the whole.
   absl::StatusOr<bool> TakeCluster(AnsweredSegment whole, Answers* out) {
     Answers separated;
-    if (!Scores(whole.detection, kKnown) || !LeftOver(whole.segment, whole.detection).empty()) {
+    if (!Scores(whole.detection, kKnown) || LeavesPieces(whole.segment, whole.detection)) {
       absl::Status status = Separate(whole.segment, &separated);
       if (!status.ok()) return status;
     }
@@ -85,7 +85,7 @@ class ClusterSplitter {
       if (depth == kDepth) return TakeUnknown(std::move(whole), out);
       return false;
     }
-    if (!LeftOver(whole.segment, whole.detection).empty()) {
+    if (LeavesPieces(whole.segment, whole.detection)) {
       auto parted = depth > 0 ? TakeWith(whole.segment, whole.detection, depth, out) : false;
       if (!parted.ok() || *parted) return parted;
       whole.detection.touching = true;
@@ -158,15 +158,18 @@ class ClusterSplitter {
     for (int round = 0; round < kRounds; ++round) {
       object.segment = PartOf(input_.scan, input_.segmentation, whole,
                               Within(object.detection, OwnM(object.detection)), is_cancelled_);
-      rest = LeftOver(whole, object.detection);
-      if (object.segment.cloud.points.size() < min_count_ || rest.empty()) return false;
-      // Segments that will be rejected for their size are not recognised; `rest` is final in the
-      // last round only.
-      if (!MayReachConfidence(object.segment)) return false;
-      const bool is_last = round + 1 == kRounds;
-      if (is_last &&
-          !std::ranges::all_of(rest, [&](const Segment& s) { return MayReachConfidence(s); })) {
+      // Segments that will be rejected for their size are not recognised.
+      if (object.segment.cloud.points.size() < min_count_ || !MayReachConfidence(object.segment)) {
         return false;
+      }
+      const bool is_last = round + 1 == kRounds;
+      if (!is_last && !LeavesPieces(whole, object.detection)) return false;
+      if (is_last) {
+        rest = LeftOver(whole, object.detection);
+        if (rest.empty() ||
+            !std::ranges::all_of(rest, [&](const Segment& s) { return MayReachConfidence(s); })) {
+          return false;
+        }
       }
       auto again = RecognizeWithinLimits(object.segment);
       if (!again.ok()) return again.status();
@@ -190,7 +193,12 @@ class ClusterSplitter {
 
   // Unknown once the cluster has reached its limits.
   absl::StatusOr<Detection> RecognizeWithinLimits(const Segment& segment) {
-    if (IsAtLimit()) return Detection();
+    if (IsAtLimit()) {
+      Detection unknown;
+      unknown.point_count = segment.cloud.points.size();
+      unknown.centroid = segment.centroid;
+      return unknown;
+    }
     ++recognitions_;
     recognized_voxels_ += segment.cloud.points.size();
     return recognize_(segment);
@@ -238,6 +246,15 @@ class ClusterSplitter {
     return Pieces(PartOf(
         input_.scan, input_.segmentation, whole,
         [&](const Eigen::Vector3f& p) { return !is_its(p); }, is_cancelled_));
+  }
+
+  // Whether LeftOver has any, which is sooner known.
+  bool LeavesPieces(const Segment& whole, const Detection& answer) const {
+    const IsPartOf is_its = Within(answer, support_);
+    Points rest;
+    std::ranges::remove_copy_if(whole.cloud.points, std::back_inserter(rest), is_its);
+    return rest.size() >= min_count_ &&
+           !FindClusters(rest, piece_gap_, min_count_, is_cancelled_).empty();
   }
 
   // Connected pieces, without those smaller than an object.

@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "program/json_keys.h"
 #include "server/access/tokens.h"
 #include "storage/resource_name.h"
 
@@ -58,6 +59,9 @@ absl::StatusOr<v1::Identity> ParseLine(absl::string_view line) {
     // The parser quotes the text, which may have a token in the place of its hash.
     return absl::InvalidArgumentError(
         "is no identity in JSON; graspdb-server token NAME prints a correct line");
+  }
+  if (!CheckJsonKeys(line).ok()) {  // its error has the key, which may be a token in a wrong place
+    return absl::InvalidArgumentError("has a key twice, whose values would be added; delete one");
   }
   if (absl::Status status = CheckIdentity(identity); !status.ok()) return status;
   return identity;

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "program/log_field.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::server {
 namespace {
@@ -58,8 +59,11 @@ std::shared_ptr<const Identities> IdentitiesFile::Get() const {
 }
 
 absl::Status IdentitiesFile::Load() {
-  const absl::StatusOr<std::string> text = ReadBounded(path_);
+  absl::StatusOr<std::string> text = ReadBounded(path_);
   if (!text.ok()) return text.status();
+  if (absl::Status taken = TakeUtf8(absl::StrCat("--identities ", path_), &*text); !taken.ok()) {
+    return absl::FailedPreconditionError(taken.message());
+  }
   absl::StatusOr<Identities> parsed = Identities::Parse(*text);
   if (!parsed.ok()) {
     return absl::FailedPreconditionError(

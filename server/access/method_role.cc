@@ -19,8 +19,8 @@ v1::Role RoleOf(const google::protobuf::MethodDescriptor& method) {
 
 bool IsAudited(const google::protobuf::MethodDescriptor& method) {
   const v1::Role role = RoleOf(method);
-  return role != v1::ROLE_READ &&
-         (role != v1::ROLE_RECOGNISE || method.options().GetExtension(v1::audited));
+  const bool only_looks = role == v1::ROLE_READ || role == v1::ROLE_RECOGNISE;
+  return !only_looks || method.options().GetExtension(v1::audited);
 }
 
 bool HasRole(const v1::Identity& identity, v1::Role role) {

@@ -7,7 +7,7 @@ mkdir -p "$2" && out=$(realpath "$2")
 source "$(dirname "$0")/../server_process/server.sh"
 
 status_mib() { echo "$(($(awk "/$1/ { print \$2 }" "/proc/$server/status") / 1024))"; }
-disk_mib() { du -sm "$1" | cut -f 1; }
+disk_mib() { du -sm --exclude RESERVE "$1" | cut -f 1; }
 recognise() { "$bin/graspdb" bench --simulate --frames 32 --verified-views 10 --requests 400 >/dev/null 2>&1; }
 empty() {
   stop_server

@@ -84,6 +84,15 @@ std::string Process::WaitForLine(const std::string& start) {
 
 std::string Process::Errors() const { return client::BytesOf(err_); }
 
+bool Process::WaitForError(const std::string& text) {
+  for (;;) {
+    const bool ended = HasEnded();  // as above
+    if (Errors().find(text) != std::string::npos) return true;
+    if (ended) return false;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
 Finished RunProgram(const std::filesystem::path& folder, const std::vector<std::string>& command) {
   return Process(folder, command).Wait();
 }

@@ -31,8 +31,11 @@ class Process {
   // Waits until its standard output has a line that begins with `start`, and returns the rest of
   // the line; empty when the program ended first.
   std::string WaitForLine(const std::string& start);
-  // Its standard error so far.
+  // Its standard error so far. Logs are written by a thread of their own, so that a line may come
+  // after the answer of the call that it is about.
   std::string Errors() const;
+  // Waits until its standard error has `text`; false when the program ended without it.
+  bool WaitForError(const std::string& text);
 
  private:
   bool HasEnded();

@@ -1,11 +1,8 @@
 // Clients that hang, stay silent, do not read, or are many, and the end of a server that has them.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -23,36 +20,19 @@
 #include "graspdb/v1/change_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "tests/faults/fault_fixture.h"
+#include "tests/faults/silent_connection.h"
 
 namespace graspdb::faults {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kManyClients = 200;
+// Of the streams of a server one caller may have half.
+constexpr std::size_t kStreamsOfCaller = 128;
 // The first half of HTTP/2's preface.
 constexpr std::string_view kHalfPreface = "PRI * HTTP/2";
-
-// A TCP connection that sends some bytes and nothing after them.
-class SilentConnection {
- public:
-  SilentConnection(const std::string& server, std::string_view bytes)
-      : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port =
-        htons(static_cast<std::uint16_t>(std::stoi(server.substr(server.rfind(':') + 1))));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-    EXPECT_EQ(write(socket_, bytes.data(), bytes.size()), std::ssize(bytes));
-  }
-  ~SilentConnection() { close(socket_); }
-  SilentConnection(const SilentConnection&) = delete;
-  SilentConnection& operator=(const SilentConnection&) = delete;
-
- private:
-  const int socket_;
-};
 
 // A cell with a connection of its own, on which it watches the catalogue.
 class WatchingCell {
@@ -293,6 +273,31 @@ TEST_F(ConnectionsTest, ACallThatHangsIsEndedAfterTheDrainTime) {
   ExpectDrains();
   EXPECT_FALSE(hanging->Read(&answer));
   EXPECT_FALSE(hanging->Finish().ok());
+}
+
+TEST_F(ConnectionsTest, DoctorReportsNoStreamsWhereThereArePlaces) {
+  StartServer("db");
+  EXPECT_THAT(Graspdb({"doctor"}).out, Not(HasSubstr("refuses streams")));
+}
+
+TEST_F(ConnectionsTest, DoctorReportsThatStreamsHaveNoPlaceLeft) {
+  StartServer("db");
+  const auto stub = v1::RecognitionService::NewStub(Channel());
+  std::vector<grpc::ClientContext> contexts(kStreamsOfCaller);
+  std::vector<decltype(stub->RecognizeStream(nullptr))> idle;
+  v1::RecognizeStreamResponse answer;
+  for (grpc::ClientContext& context : contexts) {
+    idle.push_back(stub->RecognizeStream(&context));
+    ASSERT_TRUE(idle.back()->Write(v1::RecognizeStreamRequest()) && idle.back()->Read(&answer))
+        << idle.size();
+  }
+  const end_to_end::Finished doctor = Graspdb({"doctor"});
+  EXPECT_EQ(doctor.exit_status, 1);
+  EXPECT_THAT(doctor.out, HasSubstr("error    server: refuses streams: "));
+  for (const auto& stream : idle) {
+    stream->WritesDone();
+    EXPECT_TRUE(stream->Finish().ok());
+  }
 }
 
 }  // namespace

@@ -80,6 +80,51 @@ TEST_F(DamageTest, ADamagedCloudIsNamedAndAllOthersAreServed) {
   }
 }
 
+TEST_F(DamageTest, ADeletedFileOfCloudsIsNamedAndAllOtherViewsAreServed) {
+  MakeDatabase();
+  const std::filesystem::path first = Files(".blob").front();
+  std::filesystem::create_directory(Path("backups"));
+  StartServer("db", {"--backup-dir", Path("backups")});
+  constexpr int kMore = 5;  // views of another file, of some of the stable poses
+  {
+    client::Client client = Connect();
+    for (int i = 0; i < kMore; ++i) {
+      ASSERT_EQ(Teach(client, samples_.count() + i), absl::OkStatus());
+    }
+    Succeed({"backup", "create"});
+  }
+  Stop();
+  StartServer();
+  Stop();
+  ASSERT_EQ(Files(".blob").size(), 2U);
+  std::filesystem::remove(first);
+  StartServer("db", {"--backup-dir", Path("backups")});
+  client::Client client = Connect();
+  for (int i = 0; i < samples_.count(); ++i) {
+    const auto view = client.GetView(NameOf(i));
+    EXPECT_TRUE(absl::IsDataLoss(view.status())) << view.status();
+    EXPECT_THAT(std::string(view.status().message()), HasSubstr(first.filename().string()));
+  }
+  for (int i = 0; i < kMore; ++i) {
+    ExpectView(client, samples_.count() + i);
+    const auto answer = client.Recognize(samples_.Scan(i));
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    EXPECT_EQ(answer->detections(0).candidates(0).view(), NameOf(samples_.count() + i));
+  }
+  const end_to_end::Finished doctor = Graspdb({"doctor"});
+  EXPECT_EQ(doctor.exit_status, 1);
+  EXPECT_THAT(doctor.out, HasSubstr("file " + first.filename().string() + " is damaged"));
+  EXPECT_THAT(doctor.out, HasSubstr("backups/1 has it"));
+  EXPECT_THAT(Succeed({"status"}).out, HasSubstr("damaged     " + first.filename().string()));
+  EXPECT_TRUE(server_->WaitForError("event=record_left_out"));
+  ASSERT_EQ(Teach(client, 2 * samples_.count()), absl::OkStatus());
+  Stop();
+  Succeed({"backup", "restore", "--from", Path("backups"), "--to", Path("restored")});
+  StartServer("restored");
+  client::Client restored = Connect();
+  for (int i = 0; i < samples_.count() + kMore; ++i) ExpectView(restored, i);
+}
+
 TEST_F(DamageTest, DamagedSortedFilesAreNamedOrReadAsTheyWere) {
   MakeDatabase();
   int named = 0;

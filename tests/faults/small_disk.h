@@ -3,6 +3,7 @@
 
 #include <sys/mount.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -26,10 +27,12 @@ class SmallDisk {
   SmallDisk& operator=(const SmallDisk&) = delete;
 
   bool usable() const { return usable_; }
+  // For a page, of which the file system gives whole ones.
+  bool HasRoom() const { return std::filesystem::space(path_).available >= kPageBytes; }
   // Writes a file until no byte is left.
   void Fill() const {
     std::ofstream file(Ballast(), std::ios::binary | std::ios::app);
-    const std::string block(4096, 'x');
+    const std::string block(kPageBytes, 'x');
     while (file << block << std::flush) {
     }
   }
@@ -41,6 +44,8 @@ class SmallDisk {
   }
 
  private:
+  static constexpr std::size_t kPageBytes = 4096;
+
   std::string Ballast() const { return path_ + "/ballast"; }
 
   const std::string path_;

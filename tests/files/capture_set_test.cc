@@ -82,6 +82,45 @@ TEST(CaptureSet, MissingFileAndBadJsonErrorsNameThePlace) {
   EXPECT_EQ(LoadCaptureSet(folder.path()).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+// The words of other dialects of JSON.
+TEST(CaptureSet, WhatHasTwoMeaningsOrNoneIsRejected) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& text) {
+    folder.Write("captures.json", text);
+    return std::string(LoadCaptureSet(folder.path()).status().message());
+  };
+  EXPECT_THAT(error_of("// mine\n{}"), HasSubstr("line 1, column 1"));
+  EXPECT_THAT(error_of("{\n \"captures\": [] # mine\n}"), HasSubstr("line 2, column 17"));
+  EXPECT_THAT(error_of("{\"regionOfInterest\": {\"max\": {\"x\": NaN}}}"), HasSubstr("line 1"));
+  EXPECT_THAT(error_of("{\"regionOfInterest\": {\"max\": {\"x\": 0,3}}}"), HasSubstr("line 1"));
+  EXPECT_THAT(error_of("{}\n{}"), HasSubstr("line 2, column 1"));
+  EXPECT_THAT(error_of("{\"captures\": [{\"path\": \"a\",\n\"path\": \"b\"}]}"),
+              HasSubstr("\"path\" is twice in one object, again in line 2"));
+}
+
+TEST(CaptureSet, WhatHasOneMeaningIsRead) {
+  const TemporaryFolder folder;
+  for (const char* text : {"{'captures': [{'path': 'a.pcd'}]}", "{captures: [{path: \"a.pcd\"}]}",
+                           "{\"captures\": [{\"path\": \"a.pcd\",}],}"}) {
+    folder.Write("captures.json", text);
+    const auto set = LoadCaptureSet(folder.path());
+    ASSERT_TRUE(set.ok()) << text << set.status();
+    EXPECT_EQ(set->captures(0).path(), "a.pcd") << text;
+  }
+}
+
+// As editors and shells of Windows write it.
+TEST(CaptureSet, AByteOrderMarkIsSkippedAndUtf16IsNamed) {
+  const TemporaryFolder folder;
+  folder.Write("captures.json", "\xEF\xBB\xBF{\"captures\": [{\"path\": \"a.pcd\"}]}\r\n");
+  const auto set = LoadCaptureSet(folder.path());
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_EQ(set->captures_size(), 1);
+  folder.Write("captures.json", std::string("\xFF\xFE{\0}\0", 6));
+  EXPECT_THAT(std::string(LoadCaptureSet(folder.path()).status().message()),
+              HasSubstr("captures.json has the encoding UTF-16"));
+}
+
 TEST(CaptureSet, AFolderOrFileThatMayNotBeReadIsNotReportedAsMissing) {
   using std::filesystem::perms;
   const TemporaryFolder folder;

@@ -36,7 +36,7 @@ TEST(FineDepthMessage, WhatIsNotMeasuredOrFartherIsZero) {
   const auto counts = CountsFromMessage(
       FineDepthMessage(std::vector<float>{0, nan, 1.1F, 1, 0.5F}, kCameraOfFive, 1));
   ASSERT_THAT(counts, IsOk());
-  EXPECT_THAT(*counts, ElementsAre(0, 0, 0, 65535, 32768));
+  EXPECT_THAT(*counts, ElementsAre(0, 0, 0, 65534, 32767));
   const auto none =
       CountsFromMessage(FineDepthMessage(std::vector<float>(5, nan), kCameraOfFive, 0));
   ASSERT_THAT(none, IsOk());
@@ -50,6 +50,13 @@ TEST(PointsFromMessage, PixelsLieOnTheirRays) {
   EXPECT_TRUE((*points)[0].isApprox(Eigen::Vector3f(-0.01F, 0, 0.5F), 1e-5F));
   EXPECT_TRUE(std::isnan((*points)[1].z()));
   EXPECT_TRUE((*points)[4].isApprox(Eigen::Vector3f(0.02F, 0, 1), 1e-5F));
+}
+
+TEST(PointsFromMessage, ASaturatedCountIsNoMeasurement) {
+  const auto points =
+      PointsFromMessage(DepthMessage({500, 65535, 0, 0, 1000}, kCameraOfFive, 0.001));
+  ASSERT_THAT(points, IsOk());
+  EXPECT_TRUE(std::isnan((*points)[1].z()));
 }
 
 TEST(PointsFromMessage, AnInvalidImageIsRejected) {

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "files/depth_message.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
@@ -14,6 +16,7 @@ namespace graspdb::client {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
@@ -21,7 +24,7 @@ using testing::StatusIs;
 const DepthPngCamera small_camera = {
     .intrinsics = {.width = 3, .height = 2, .fx = 500.25, .fy = 501, .cx = 1, .cy = 0.5},
     .depth_unit_m = 0.0001};
-const std::vector<std::uint16_t> some_counts = {0, 1, 255, 256, 0x1234, 65535};
+const std::vector<std::uint16_t> some_counts = {0, 1, 255, 256, 0x1234, 65534};
 
 v1::DepthImage SmallImage() {
   return DepthMessage(some_counts, small_camera.intrinsics, small_camera.depth_unit_m);
@@ -106,6 +109,68 @@ TEST(DepthPng, AnImageWithoutAllItsCountsIsNotWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png"));
 }
 
+TEST(DepthPng, AnEightBitPictureIsRefusedWithItsKind) {
+  const TemporaryFolder folder;
+  const std::string picture = absl::HexStringToBytes(
+      "89504e470d0a1a0a0000000d4948445200000003000000020800000000b81f39c60000001049"
+      "444154789c636064626660616503000046001677f5c87f0000000049454e44ae426082");
+  EXPECT_THAT(ReadDepthPng(folder.Write("a.png", picture), small_camera),
+              StatusIs(absl::StatusCode::kInvalidArgument,
+                       AllOf(HasSubstr("1 channel of 8 bits"), HasSubstr("16-bit grey"))));
+}
+
+TEST(DepthPng, SaturatedAndDeclaredCountsAreNoMeasurement) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a.png";
+  const v1::DepthImage image = DepthMessage({0, 65535, 255, 32001, 7, 65534},
+                                            small_camera.intrinsics, small_camera.depth_unit_m);
+  ASSERT_THAT(WriteDepthPng(path, image), IsOk());
+  DepthPngCamera camera = small_camera;
+  EXPECT_THAT(*CountsFromMessage(*ReadDepthPng(path, camera)),
+              ElementsAre(0, 0, 255, 32001, 7, 65534));
+  camera.invalid_counts = {32001, 7};
+  EXPECT_THAT(*CountsFromMessage(*ReadDepthPng(path, camera)), ElementsAre(0, 0, 255, 0, 0, 65534));
+}
+
+// A slope of one count a column, as a table seen at an angle.
+v1::DepthImage Slope(int columns, int rows, const std::function<int(int)>& change) {
+  std::vector<std::uint16_t> counts;
+  counts.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for (int i = 0; i < columns * rows; ++i) {
+    counts.push_back(static_cast<std::uint16_t>(change(600 + i % columns)));
+  }
+  return DepthMessage(counts, {columns, rows, 500, 500, 1, 1}, 0.001);
+}
+
+TEST(DepthPng, SwappedBytesAreRefused) {
+  const TemporaryFolder folder;
+  const DepthPngCamera camera = {.intrinsics = {60, 40, 500, 500, 1, 1}};
+  const auto path = folder.path() / "a.png";
+  ASSERT_THAT(WriteDepthPng(path, Slope(60, 40, [](int count) { return count; })), IsOk());
+  EXPECT_THAT(ReadDepthPng(path, camera), IsOk());
+  for (const int shift : {0, 8}) {  // swapped, and an 8-bit picture in the high bytes
+    const auto change = [&](int count) {
+      return (count & 0xFF) << 8 | (count >> 8 << shift) % 256;
+    };
+    ASSERT_THAT(WriteDepthPng(path, Slope(60, 40, change)), IsOk());
+    EXPECT_THAT(ReadDepthPng(path, camera),
+                StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("high byte first")));
+  }
+}
+
+TEST(DepthPng, AnImageOfOneDistanceOrOfNoiseIsNotSwapped) {
+  const TemporaryFolder folder;
+  const DepthPngCamera camera = {.intrinsics = {60, 40, 500, 500, 1, 1}};
+  const auto path = folder.path() / "a.png";
+  unsigned state = 1;
+  const auto noise = [&](int) { return static_cast<int>((state = state * 1664525 + 1) >> 16U); };
+  for (const std::function<int(int)>& change :
+       {std::function<int(int)>([](int) { return 1024; }), std::function<int(int)>(noise)}) {
+    ASSERT_THAT(WriteDepthPng(path, Slope(60, 40, change)), IsOk());
+    EXPECT_THAT(ReadDepthPng(path, camera), IsOk());
+  }
+}
+
 TEST(Intrinsics, AreReadAsWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / kIntrinsicsFile;
@@ -134,6 +199,15 @@ TEST(Intrinsics, TheUnitMayHaveTheContractsName) {
       R"({"width": 4, "height": 3, "fx": 5, "fy": 5, "cx": 2, "cy": 1, "depth_unit_m": 0.0001})"));
   ASSERT_THAT(camera, IsOk());
   EXPECT_EQ(camera->depth_unit_m, 0.0001);
+}
+
+TEST(Intrinsics, MayBeginWithAByteOrderMark) {
+  const TemporaryFolder folder;
+  const auto camera = ReadIntrinsics(folder.Write(
+      "k.json",
+      "\xEF\xBB\xBF{\"width\": 4, \"height\": 3, \"fx\": 5, \"fy\": 5, \"cx\": 2, \"cy\": 1}"));
+  ASSERT_TRUE(camera.ok()) << camera.status();
+  EXPECT_EQ(camera->intrinsics.width, 4);
 }
 
 TEST(Intrinsics, ErrorsNameTheInvalidKey) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "files/point_file.h"
 #include "tests/files/temporary_folder.h"
@@ -111,6 +112,70 @@ TEST(PcdMalformed, BinaryBodies) {
   const Lines binary = {{"DATA", "binary"}};
   ExpectRefused(Header(binary), "has 0 bytes of points, and its header promises 36");
   ExpectRefused(Header(binary) + std::string(35, 'x'), "has 35 bytes");
+}
+
+// Earlier versions of PCL write one page of memory more than the points, and some bytes less for
+// the header.
+TEST(PcdMalformed, BytesBehindTheBodyAreErrorsIfNotZeros) {
+  std::vector<std::string> files = {Header({{"DATA", "binary"}}) + std::string(36, '\x3e')};
+  {
+    const TemporaryFolder folder;
+    const PointFile points{.points = recognition::Points(9, {1, 2, 3}),
+                           .normals = {},
+                           .width = 9,
+                           .height = 1,
+                           .sensor_pose = {}};
+    ASSERT_TRUE(WritePcd(folder.path() / "a.pcd", points).ok());
+    files.push_back(BytesOf(folder.path() / "a.pcd"));
+  }
+  for (const std::string& whole : files) {
+    ExpectRefused(whole + "\n", "and 1 more bytes follow");
+    ExpectRefused(whole + std::string(36, '\x3e'), "and 36 more bytes follow");
+    ExpectRefused(whole + std::string(65536, '\0'), "and 65536 more bytes follow");
+    const TemporaryFolder folder;
+    const auto read = ReadPointFile(folder.Write("b.pcd", whole + std::string(3900, '\0')));
+    EXPECT_TRUE(read.ok()) << read.status();
+  }
+}
+
+// The first four bytes of the body are the letters DATA.
+TEST(PcdMalformed, ABodyMayLookLikeAHeaderLine) {
+  const TemporaryFolder folder;
+  const std::string body = "DATA binary\nPOINTS 9\n" + std::string(15, '\x3e');
+  const auto read = ReadPointFile(folder.Write("a.pcd", Header({{"DATA", "binary"}}) + body));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->points.front().x(), 13.265934F);
+}
+
+// As cameras and laser scanners with a structure in memory write it; PCL rejects the count 0.
+TEST(PcdMalformed, PaddingFieldsAreSkipped) {
+  const TemporaryFolder folder;
+  const std::string header = Header({{"FIELDS", "x y z _ ring _"},
+                                     {"SIZE", "4 4 4 1 2 1"},
+                                     {"TYPE", "F F F U U U"},
+                                     {"COUNT", "1 1 1 4 1 0"},
+                                     {"WIDTH", "1"},
+                                     {"POINTS", "1"},
+                                     {"DATA", "binary"}});
+  const auto read = ReadPointFile(folder.Write("a.pcd", header + std::string(18, '\x3e')));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->points.size(), 1U);
+  ExpectRefused(Header({{"COUNT", "1 1 0"}}) + kRows, "COUNT line has \"0\"");
+}
+
+TEST(PcdMalformed, AByteOrderMarkIsSkipped) {
+  const TemporaryFolder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string binary = Header({{"DATA", "binary"}}) + std::string(36, '\x3e');
+  EXPECT_TRUE(ReadPointFile(folder.Write("a.pcd", mark + Header() + kRows)).ok());
+  EXPECT_TRUE(ReadPointFile(folder.Write("b.pcd", mark + binary)).ok());
+  ExpectRefused(std::string("V\0E\0R\0\n\0", 8), "has the encoding UTF-16");
+}
+
+TEST(PcdMalformed, ACopyInTextModeIsNamed) {
+  // Two bytes 0A became 0D 0A. The last two bytes are zeros, but no padding.
+  const std::string body = "abc\r\ndef\r\n" + std::string(26, 'x') + std::string(2, '\0');
+  ExpectRefused(Header({{"DATA", "binary"}}) + body, "looks like a copy in text mode");
 }
 
 std::string Compressed(std::uint32_t packed, std::uint32_t unpacked, const std::string& body) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "files/cloud_message.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
 #include "files/point_file.h"
@@ -33,6 +34,28 @@ TEST(ReadScanFile, AnImageHasTheCameraBesideItAndTheCountsOfTheFile) {
   SetScan(std::move(file->scan), &view);
   EXPECT_FALSE(view.has_cloud());
   EXPECT_EQ(view.depth_image().SerializeAsString(), written.SerializeAsString());
+}
+
+TEST(ReadScanFile, AnImageOfADistortingLensIsTheCloudOfItsUndistortedPoints) {
+  const TemporaryFolder folder;
+  const v1::DepthImage image = DepthMessage({1000, 0, 1000}, {3, 1, 3, 3, 1, 0}, 0.001);
+  ASSERT_THAT(WriteDepthPng(folder.path() / "a.png", image), IsOk());
+  const auto read = [&](const std::string& lens) {
+    folder.Write(kIntrinsicsFile,
+                 R"({"width": 3, "height": 1, "fx": 3, "fy": 3, "cx": 1, "cy": 0, )" + lens + "}");
+    return ReadScanFile(folder.path() / "a.png");
+  };
+  EXPECT_TRUE(std::holds_alternative<v1::DepthImage>(read(R"("D": [0, 0, 0, 0, 0])")->scan));
+  const auto file = read(R"("model": "Inverse Brown Conrady", "coeffs": [0.9, 0, 0, 0, 0])");
+  ASSERT_THAT(file, IsOk());
+  const auto points = PointsFromMessage(std::get<v1::PointCloud>(file->scan));
+  ASSERT_THAT(points, IsOk());
+  ASSERT_EQ(points->size(), 2U);
+  const double x = (*points)[1].x();  // as undistortPoints, in spite of the model's name
+  EXPECT_NEAR(x * (1 + 0.9 * x * x), 1.0 / 3, 1e-6);
+  EXPECT_EQ((*points)[1].z(), 1);
+  EXPECT_THAT(read(R"("k1": -9)"),  // folds the image: nothing is shown as far out
+              StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("coefficients")));
 }
 
 TEST(ReadScanFile, APointFileHasItsPointsAndItsSensorPose) {

@@ -53,7 +53,10 @@ void ReadSidecar(std::string_view text) {
   if (!camera.ok()) return;
   Require(camera->intrinsics.width > 0 && camera->intrinsics.height > 0, "a size");
   Require(camera->intrinsics.fx > 0 && camera->intrinsics.fy > 0, "a focal length");
-  Require(camera->depth_unit_m > 0, "a unit");
+  Require(camera->depth_unit_m > 0 && camera->depth_unit_m <= 0.01, "a unit");
+  Require(camera->invalid_counts.size() <= 16, "few invalid counts");
+  const auto ray = client::Undistorted(camera->lens, {0.3, -0.2});
+  Require(!ray || ray->allFinite(), "a ray or none");
 }
 
 void ReadPng(std::string bytes) {

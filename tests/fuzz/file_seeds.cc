@@ -63,6 +63,10 @@ void WriteDepthImages(const SeedWriter& out, const ScratchFolder& folder) {
   const std::filesystem::path sidecar = folder.path() / client::kIntrinsicsFile;
   Require(client::WriteIntrinsics(sidecar, camera).ok(), "a sidecar can be written");
   out.Write("depth_image", "intrinsics.json", BytesOf(sidecar));
+  out.Write("depth_image", "camera.json",
+            R"({"width": 640, "height": 480, "K": [525, 0, 319, 0, 526, 239, 0, 0, 1], )"
+            R"("depth": {"scale": 0.1, "invalid": [65535]}, "distortion_model": "plumb_bob", )"
+            R"("D": [0.1, -0.2, 0.001, 0.002, 0.05]})");
 }
 
 void WriteMeshes(const SeedWriter& out, const ScratchFolder& folder) {

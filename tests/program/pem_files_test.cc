@@ -40,6 +40,15 @@ TEST_F(PemFilesTest, CertificateAndKeyMayBeInOneFile) {
   EXPECT_THAT(Check({pair.key + pair.certificate, pair.key + pair.certificate}), IsOk());
 }
 
+// OpenSSL looks for lines that begin with dashes, and would skip the first certificate.
+TEST_F(PemFilesTest, AByteOrderMarkHidesNoCertificate) {
+  const testing::KeyPair pair = authority_.IssueForLoopback();
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_THAT(Check({mark + pair.certificate, mark + pair.key}), IsOk());
+  const std::string both = pair.certificate + authority_.certificate();
+  EXPECT_EQ(*ReadCertificates(File("--ca", mark + both)), *ReadCertificates(File("--cert", both)));
+}
+
 TEST_F(PemFilesTest, AnExpiredCertificateIsRejectedWithItsDate) {
   EXPECT_THAT(Check(authority_.IssueForLoopback(-60)),
               StatusIs(kFailed, ::testing::ContainsRegex("--cert .* expired on 20.* UTC; renew")));

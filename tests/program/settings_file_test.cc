@@ -59,6 +59,7 @@ std::optional<int> ExitOf(std::vector<std::string> words) {
   CLI::App* wait = app.add_subcommand("wait")->fallthrough();
   wait->add_option("--name", name);
   wait->add_option("FILE", file);
+  AddSettingsFile(app);
   words.insert(words.begin(), "program");
   std::vector<char*> argv;
   argv.reserve(words.size());
@@ -83,6 +84,27 @@ TEST(ParseArguments, AFlagWithoutItsValueDoesNotTakeTheNextWord) {
   EXPECT_EQ(ExitOf({"--out", "", "wait"}), std::nullopt);
   EXPECT_EQ(ExitOf({"--out=a=", "wait"}), std::nullopt);
   EXPECT_EQ(ExitOf({"wait", "--", "--name="}), std::nullopt);
+}
+
+TEST(ParseArguments, WhatOnlyAShellExpandsIsNoValue) {
+  EXPECT_EQ(ExitOf({"--out=~/base"}), 2);
+  EXPECT_EQ(ExitOf({"--out", "~"}), 2);
+  EXPECT_EQ(ExitOf({"wait", "~/file"}), 2);
+  EXPECT_EQ(ExitOf({"--out", "base~/x", "wait", "~file"}), std::nullopt);
+  const Variable out("GRASPDB_OUT", "~/base");
+  EXPECT_EQ(ExitOf({"--json"}), 2);
+}
+
+TEST(ParseArguments, AVariableHasNoQuotesAroundItsValue) {
+  for (const char* value : {"\"base\"", "'base'", "\"\""}) {
+    const Variable out("GRASPDB_OUT", value);
+    EXPECT_EQ(ExitOf({"--json"}), 2) << value;
+    EXPECT_EQ(ExitOf({"--out", "base"}), std::nullopt) << "the flag overrides " << value;
+  }
+  for (const char* value : {"a \"base\"", "\"", "'base\""}) {
+    const Variable out("GRASPDB_OUT", value);
+    EXPECT_EQ(ExitOf({"--json"}), std::nullopt) << value;
+  }
 }
 
 class SettingsFileTest : public ::testing::Test {

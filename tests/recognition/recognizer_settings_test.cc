@@ -92,6 +92,7 @@ TEST_F(RecognizerSettingsTest, WithoutAThresholdAnUnexplainedSegmentGetsTheNeare
       const Detection& detection = found->detections.at(0);
       ASSERT_TRUE(detection.view);
       ASSERT_LT(detection.score, 0.01) << object << " " << yaw;
+      EXPECT_FALSE(detection.registration.converged);
       EXPECT_EQ(detection.view->object, detection.candidates.at(0).view->object)
           << object << " " << yaw;
     }

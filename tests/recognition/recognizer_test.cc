@@ -166,6 +166,45 @@ TEST_F(RecognizerTest, PiecesOfOnePartAreOneDetectionWithoutFurtherViews) {
   }
 }
 
+// A post before it hides a part of it: all of the scan lies on the model, but not all of the model
+// on the scan.
+TEST_F(RecognizerTest, RegistrationHasTheShareOfTheModelThatTheScanShows) {
+  Solid post{Pose::Identity(), {{{-0.012, -0.006, 0}, {0.012, 0.006, 0.25}}}};
+  post.world_solid.translation().y() = -0.14;
+  Scan scan = TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 50), post});
+  scan.region = Box{{-0.5, -0.1, -0.1}, {0.5, 0.5, 0.5}};
+  const auto found =
+      Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  ASSERT_THAT(found->detections, SizeIs(1));
+  const Registration& hidden = found->detections[0].registration;
+  EXPECT_GT(found->detections[0].evidence.scan_explained, 0.9);
+  EXPECT_LT(hidden.inlier_fraction, 0.85);
+  EXPECT_GT(hidden.inlier_fraction, 0.3);
+  const Registration whole = MustDetect({TaughtShapes::Part("slab", 0, 0, 50)}).registration;
+  EXPECT_GT(whole.inlier_fraction, 0.95);
+  EXPECT_TRUE(whole.converged);
+  EXPECT_GT(whole.iterations, 10);
+}
+
+// A post hides the middle of the bracket: its farther piece moves its centroid behind the tower's.
+TEST_F(RecognizerTest, APartOfSeveralPiecesIsSortedByAllOfIt) {
+  Solid post{Pose::Identity(), {{{-0.006, -0.006, 0}, {0.006, 0.006, 0.25}}}};
+  post.world_solid.translation() = Eigen::Vector3d(-0.06, -0.14, 0);
+  Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", -0.08, 0, 110), post,
+                                 TaughtShapes::Part("tower", 0.1, 0, 10)});
+  scan.region = Box{{-0.5, -0.1, -0.1}, {0.5, 0.5, 0.5}};
+  const auto found =
+      Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
+  ASSERT_THAT(found, IsOk());
+  ASSERT_THAT(found->detections, SizeIs(2));
+  ASSERT_TRUE(found->detections[0].view && found->detections[1].view);
+  EXPECT_EQ(found->detections[0].view->object, "objects/tower");
+  const Eigen::Vector3d sensor = TaughtShapes::WorldSensor().translation();
+  EXPECT_LT((found->detections[0].centroid - sensor).norm(),
+            (found->detections[1].centroid - sensor).norm());
+}
+
 TEST_F(RecognizerTest, EmptyCatalogueGivesUnknownObjects) {
   const CatalogueSnapshot empty{3, DescriptorIndex(300), nullptr};
   const auto found = Recognize(TaughtShapes::See({TaughtShapes::Part("slab", 0, 0, 0)}), empty,
@@ -246,9 +285,9 @@ TEST_F(RecognizerTest, StagesCoverTheWholePipeline) {
   ASSERT_THAT(found, IsOk());
   std::vector<std::string> stages;
   for (const StageReport& report : found->stages) stages.push_back(report.stage);
-  EXPECT_THAT(stages,
-              ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters", "normals",
-                                     "descriptor", "match", "register", "frame", "verify"));
+  EXPECT_THAT(stages, ::testing::ElementsAre("region", "plane", "outliers", "voxels", "clusters",
+                                             "normals", "descriptor", "match", "register", "frame",
+                                             "verify", "propose"));
 }
 
 // As when two requests load a model first, or memory is short.

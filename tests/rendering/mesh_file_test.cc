@@ -152,27 +152,6 @@ TEST(MeshFile, SplitsObjPolygons) {
   EXPECT_EQ(BoundsOf(*loaded).max, Eigen::Vector3d(1, 1, 2));
 }
 
-TEST(MeshFile, AppliesNodeTransforms) {
-  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  const std::string data = absl::Base64Escape(
-      absl::string_view(reinterpret_cast<const char*>(corners), sizeof(corners)));
-  const std::string scene =
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,2]}],
-          "nodes":[{"translation":[10,0,0],"children":[1]},{"mesh":0,"scale":[2,2,2]},{"mesh":0}],
-          "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
-          "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
-                        "min":[0,0,0],"max":[1,1,0]}],
-          "bufferViews":[{"buffer":0,"byteLength":36}],
-          "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" +
-      data + R"("}]})";
-  const TemporaryFolder folder;
-  const auto loaded = LoadMesh(folder.Write("scene.gltf", scene));
-  ASSERT_TRUE(loaded.ok()) << loaded.status();
-  EXPECT_EQ(loaded->triangles.size(), 2U);
-  EXPECT_EQ(BoundsOf(*loaded).min, Eigen::Vector3d(0, 0, 0));
-  EXPECT_EQ(BoundsOf(*loaded).max, Eigen::Vector3d(12, 2, 0));
-}
-
 TEST(MeshFile, RejectsOtherFilesWithThePath) {
   const TemporaryFolder folder;
   EXPECT_EQ(LoadMesh(folder.path() / "none.ply").status().code(), absl::StatusCode::kNotFound);

@@ -41,6 +41,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "race:grpc::Slice::~Slice\n"
          "race:libupb\n"
          "race:libabsl_cord\n"
+         "race:libabsl_graphcycles_internal\n"  // its spin lock is not instrumented
          "race:libabsl_status\n"
          "race:absl::debian3::status_internal\n"  // its inline part, in our programs
          "race:absl::debian3::Status::Unref\n"    // texts that two threads have copies of

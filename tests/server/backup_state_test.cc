@@ -1,13 +1,19 @@
 // The state of the backups in CatalogStatus, and the folder that they are in.
 #include <gmock/gmock.h>
 
+#include <random>
+
 #include "tests/server/backup_service_fixture.h"
 
 namespace graspdb::testing {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 TEST_F(BackupServiceTest, StatusHasTheLastGoodBackupAndTheLastError) {
   EXPECT_FALSE(Status().backup().has_last_good_backup());
@@ -73,6 +79,53 @@ TEST_F(BackupServiceTest, TheListHasTheDamageThatAVerificationFound) {
   EXPECT_THAT(damages(), ElementsAre("", HasSubstr("private/2/")));
 }
 
+// Of so many points that the database keeps them in a file of clouds.
+v1::UploadViewsRequest LargeView() {
+  const Frame frame = Photograph("wedge", {}, 7);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> across(-0.1F, 0.1F);
+  std::uniform_real_distribution<float> height(0.0F, 0.1F);
+  recognition::Points points;
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector3d p(across(random), across(random), height(random));
+    points.push_back((frame.world_sensor.inverse() * p).cast<float>());
+  }
+  v1::UploadViewsRequest out = ViewOf("wedge", 0, "large");
+  *out.mutable_view()->mutable_cloud() = PackedCloud(points);
+  out.mutable_view()->set_segmented(true);
+  return out;
+}
+
+// Not the sorted files: RocksDB compacts some when a snapshot is released, and writes lost ones
+// again from what it has open.
+TEST_F(BackupServiceTest, ADamagedFileIsInTheNewestGoodBackupThatHasIt) {
+  Declare("wedge");
+  ASSERT_THAT(Upload(LargeView()), IsGrpcOk());
+  Create();
+  std::vector<std::filesystem::path> shared;
+  for (const auto& entry : std::filesystem::directory_iterator(options_.database)) {
+    if (entry.path().extension() == ".blob") shared.push_back(entry.path());
+  }
+  ASSERT_THAT(CreateObject("mug"), IsGrpcOk());
+  Create();
+  for (const auto& file : shared) std::filesystem::remove(file);
+  const auto backups = [&] {
+    std::vector<std::string> out;
+    const v1::CatalogStatus status = Status();
+    for (const v1::DamagedFile& file : status.server_state().damaged_files()) {
+      out.push_back(file.backup());
+    }
+    return out;
+  };
+  EXPECT_THAT(backups(), AllOf(Not(IsEmpty()), Each("backups/2")));
+  Damage(2);
+  ASSERT_EQ(Verify("backups/2").error_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_THAT(backups(), AllOf(Not(IsEmpty()), Each("backups/1")));
+  Damage(1);
+  ASSERT_EQ(Verify("backups/1").error_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_THAT(backups(), AllOf(Not(IsEmpty()), Each("")));
+}
+
 TEST_F(BackupServiceTest, ANewBackupWithADamagedFileOfAnEarlierOneDoesNotCount) {
   Teach("wedge", 2);
   Create();
@@ -133,6 +186,15 @@ TEST_F(BackupServiceTest, AServerStartsWithoutTheDiskOfItsBackupsAndUsesItLater)
   std::filesystem::create_directory(options_.backup_dir);
   EXPECT_EQ(Create().object_count(), 1);
   EXPECT_EQ(Status().backup().last_error(), "");
+}
+
+TEST_F(BackupServiceTest, StatusHasTheErrorOfAVerificationWithoutTheDisk) {
+  Create();
+  const std::filesystem::path away = folder_.path() / "away";
+  std::filesystem::rename(options_.backup_dir, away);
+  EXPECT_EQ(Verify("backups/1").error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(Status().backup().last_error(), HasSubstr("mount its disk"));
+  std::filesystem::rename(away, options_.backup_dir);
 }
 
 }  // namespace

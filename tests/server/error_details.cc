@@ -30,6 +30,10 @@ std::string ReasonOf(const grpc::Status& status) {
   return infos[0].reason();
 }
 
+bool HasRetryInfo(const grpc::Status& status) {
+  return !DetailsOf<google::rpc::RetryInfo>(status).empty();
+}
+
 std::vector<std::string> FieldsOf(const grpc::Status& status) {
   std::vector<std::string> out;
   for (const auto& request : DetailsOf<google::rpc::BadRequest>(status)) {

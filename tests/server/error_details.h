@@ -13,6 +13,9 @@ namespace graspdb::testing {
 // Reason of the google.rpc.ErrorInfo; empty without one of the domain "graspdb".
 std::string ReasonOf(const grpc::Status& status);
 
+// Whether there is a google.rpc.RetryInfo.
+bool HasRetryInfo(const grpc::Status& status);
+
 // Field paths of the google.rpc.BadRequest.
 std::vector<std::string> FieldsOf(const grpc::Status& status);
 

@@ -59,7 +59,8 @@ TEST(Identities, WrongLinesAreNamed) {
   ExpectInvalid(Line("a", "") + "{\"name\":\n", "line 2: is no identity in JSON");
   ExpectInvalid(Line("a", R"(,"role":"ROLE_ADMIN")"), "line 1: is no identity in JSON");
   ExpectInvalid(Line("a", R"(,"roles":["ROLE_KING"])"), "is no identity in JSON");
-  ExpectInvalid(Line("a", R"(,"roles":[77])"), "unknown role");
+  ExpectInvalid(R"({"name":"a","roles":[77]})", "unknown role");
+  ExpectInvalid(Line("a", R"(,"roles":["ROLE_ADMIN"])"), "has a key twice");
   ExpectInvalid(R"({"name":"a"})", "roles are missing");
   ExpectInvalid(Line("a b", ""), "is not an id");
   ExpectInvalid(Line("a", R"(,"cell":"press-3")"), "cells/{cell}");

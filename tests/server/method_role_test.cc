@@ -47,6 +47,27 @@ TEST(MethodRole, TheTableOfTheDocumentationIsThatOfTheContract) {
   for (const std::string& row : rows) EXPECT_THAT(page, ::testing::HasSubstr("\n" + row + "\n"));
 }
 
+TEST(MethodRole, AReadingMethodIsAuditedWhereItsOptionIsSet) {
+  google::protobuf::FileDescriptorProto file;
+  file.set_name("audited_test.proto");
+  file.add_message_type()->set_name("Nothing");
+  auto* service = file.add_service();
+  service->set_name("Service");
+  for (const bool audited : {false, true}) {
+    auto* method = service->add_method();
+    method->set_name(audited ? "Audited" : "Plain");
+    method->set_input_type("Nothing");
+    method->set_output_type("Nothing");
+    method->mutable_options()->SetExtension(v1::role, v1::ROLE_READ);
+    if (audited) method->mutable_options()->SetExtension(v1::audited, true);
+  }
+  google::protobuf::DescriptorPool pool(google::protobuf::DescriptorPool::generated_pool());
+  const auto* built = pool.BuildFile(file);
+  ASSERT_NE(built, nullptr);
+  EXPECT_FALSE(IsAudited(*built->service(0)->method(0)));
+  EXPECT_TRUE(IsAudited(*built->service(0)->method(1)));
+}
+
 TEST(MethodRole, AMethodWithoutRoleIsAllowedToNoIdentity) {
   v1::Identity admin;
   admin.add_roles(v1::ROLE_ADMIN);

@@ -65,6 +65,20 @@ TEST_F(ModelPreloaderTest, AllModelsAreLoadedAfterAStart) {
   EXPECT_EQ(MissesOfFrames(clouds), 0);
 }
 
+TEST_F(ModelPreloaderTest, ModelsForPointPairsAreLoadedAsWell) {
+  Follow();
+  server::ViewCloudCache clouds(*catalogue_, {}, std::size_t{1} << 30U);
+  const server::ModelPreloader preloader(*live_, clouds);
+  AwaitLoaded(preloader);
+  for (const auto& group : recognition::PairModelGroups(*live_->snapshot()->stable_poses)) {
+    const auto model = clouds.LoadPairModel(group);
+    ASSERT_THAT(model, IsOk());
+    EXPECT_NE(*model, nullptr);
+  }
+  EXPECT_EQ(clouds.pair_model_use().hits, 2);
+  EXPECT_EQ(clouds.pair_model_use().misses, 0);
+}
+
 TEST_F(ModelPreloaderTest, AfterAChangeOnlyTheChangedModelIsFusedAgain) {
   Follow();
   server::ViewCloudCache clouds(*catalogue_, {}, std::size_t{1} << 30U);
@@ -87,7 +101,7 @@ TEST_F(ModelPreloaderTest, ModelsThatFramesUseAreNotEvicted) {
     all = clouds.model_use().bytes;
   }
   // Room for two models, so that one fills the share of the preloader.
-  server::ViewCloudCache clouds(*catalogue_, {}, 5 * all / 4);
+  server::ViewCloudCache clouds(*catalogue_, {}, 2 * all);
   MissesOfFrames(clouds);
   const std::int64_t loads = CloudLoads(clouds);
   const server::ModelPreloader preloader(*live_, clouds);

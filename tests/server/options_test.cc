@@ -91,7 +91,8 @@ TEST(Options, IndexIsExactByDefault) {
 TEST(Options, FlagsAreRead) {
   const ParsedOptions parsed =
       Parse({"--db", "/d", "--listen", "127.0.0.1:0", "--queue", "3", "--descriptor", "vfh263",
-             "--voxel-size", "0.002", "--log-level", "warn", "--allow-remote-without-tls"});
+             "--voxel-size", "0.002", "--log-level", "warn", "--allow-remote-without-tls",
+             "--no-reflection"});
   ASSERT_FALSE(parsed.done);
   EXPECT_EQ(parsed.options.database, "/d");
   EXPECT_EQ(parsed.options.listen, "127.0.0.1:0");
@@ -100,6 +101,7 @@ TEST(Options, FlagsAreRead) {
   EXPECT_EQ(parsed.options.voxel_size_m, 0.002);
   EXPECT_EQ(parsed.options.log_level, "warn");
   EXPECT_TRUE(parsed.options.allow_remote_without_tls);
+  EXPECT_TRUE(parsed.options.no_reflection);
 }
 
 TEST(Options, IntervalsOfBackupsHaveUnits) {

@@ -32,6 +32,7 @@ TEST_F(RecognizeOutcomeTest, EmptyCatalogueGivesUnknownObjects) {
   EXPECT_EQ(answer.detections(0).status(), v1::UNKNOWN_OBJECT);
   EXPECT_EQ(answer.detections(0).object(), "");
   EXPECT_FALSE(answer.detections(0).has_refined_pose());
+  EXPECT_FALSE(answer.detections(0).has_registration()) << "nothing was aligned";
 }
 
 TEST_F(RecognizeOutcomeTest, LowScoreIsUnknownWithoutAPose) {

@@ -175,6 +175,25 @@ TEST_F(RecognizeTest, DepthImageGivesTheResponseOfItsCloud) {
   EXPECT_EQ(answer.SerializeAsString(), Answer(cloud).SerializeAsString());
 }
 
+TEST_F(RecognizeTest, SaturatedCountsOfADepthImageAreNoMeasurement) {
+  Teach("wedge", 4);
+  v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.x = 0.02, .turn_deg = 33}, 3));
+  *request.mutable_depth_image() =
+      DepthImageOf(Photograph("wedge", {.x = 0.02, .turn_deg = 33}, 3));
+  std::string& data = *request.mutable_depth_image()->mutable_data();
+  for (std::size_t i = 0; i < data.size(); i += 14) data[i] = data[i + 1] = 0;
+  const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_EQ(answer.status(), v1::OK);
+  int saturated = 0;
+  for (std::size_t i = 0; i < data.size(); i += 2) {
+    if (data[i] != 0 || data[i + 1] != 0) continue;
+    data[i] = data[i + 1] = static_cast<char>(0xFF);
+    ++saturated;
+  }
+  EXPECT_GT(saturated, 1000);
+  EXPECT_EQ(Answer(request).SerializeAsString(), answer.SerializeAsString());
+}
+
 TEST_F(RecognizeTest, WithoutTimingsTheSameScanGivesTheSameBytes) {
   Teach("wedge", 4);
   const v1::RecognizeRequest request = RequestOf(Photograph("wedge", {.turn_deg = 33}, 3));
@@ -196,9 +215,17 @@ TEST_F(RecognizeTest, TimingsAndTheIdOfTheCatalogueAreReturnedByDefault) {
   EXPECT_GT(answer.timings().total_ms(), answer.timings().register_ms());
   EXPECT_GT(answer.timings().register_ms(), 0);
   std::vector<std::string> stages;
-  for (const v1::StageReport& stage : answer.stages()) stages.push_back(stage.stage());
+  double segment_ms = 0;
+  double register_ms = 0;
+  for (const v1::StageReport& stage : answer.stages()) {
+    if (stages.size() < 6) segment_ms += stage.duration_ms();
+    if (stages.size() > 7) register_ms += stage.duration_ms();
+    stages.push_back(stage.stage());
+  }
+  EXPECT_NEAR(answer.timings().segment_ms(), segment_ms, 1e-6);
+  EXPECT_NEAR(answer.timings().register_ms(), register_ms, 1e-6);
   EXPECT_THAT(stages, ElementsAre("region", "plane", "outliers", "voxels", "clusters", "normals",
-                                  "descriptor", "match", "register", "frame", "verify"));
+                                  "descriptor", "match", "register", "frame", "verify", "propose"));
 }
 
 TEST_F(RecognizeTest, ASegmentedCloudNeedsNoTable) {

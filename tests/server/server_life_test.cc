@@ -59,6 +59,19 @@ TEST_F(ServerLifeTest, ReflectionListsTheServices) {
   }
 }
 
+TEST_F(ServerLifeTest, ReflectionCanBeLeftOut) {
+  options_.no_reflection = true;
+  Restart();
+  RawCall reflection(channel_, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo");
+  reflection.Write("\x3a\x01*");
+  EXPECT_EQ(reflection.Finish().error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  options_.no_reflection = false;
+  Restart();
+  RawCall again(channel_, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo");
+  ASSERT_TRUE(again.Write("\x3a\x01*"));
+  EXPECT_TRUE(again.Read());
+}
+
 TEST_F(ServerLifeTest, AddressHasTheSelectedPort) {
   EXPECT_THAT(server_->address(), ::testing::MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]*"));
   v1::CatalogStatus status;

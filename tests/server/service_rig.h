@@ -26,6 +26,12 @@ class ServiceRig {
   server::FrameRecognizer& recognizer() { return recognizer_; }
   storage::Catalogue& catalogue() { return *catalogue_; }
 
+  v1::RecognitionService::Stub& stub() { return *stub_; }
+  // To be called before the first call.
+  void LimitCalls(const server::CallPlaces::Limits& limits) {
+    access_.places = std::make_unique<server::CallPlaces>(limits);
+  }
+
   // A call with a deadline `timeout_ms` from now.
   grpc::Status Recognize(const v1::RecognizeRequest& request, int timeout_ms);
 
@@ -39,7 +45,7 @@ class ServiceRig {
   server::CatalogueCheck check_;
   server::RequestMemory memory_{std::size_t{1} << 30U};
   server::RecognitionService service_;
-  const server::AccessRules access_ = {};  // all calls are allowed
+  server::AccessRules access_ = {};  // all calls are allowed
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<v1::RecognitionService::Stub> stub_;
 };

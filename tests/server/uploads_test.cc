@@ -191,16 +191,24 @@ TEST_F(UploadsTest, AViewThatCannotBeTaughtIsReportedAndTheStreamGoesOn) {
   v1::UploadViewsRequest unnamed = ViewOf("wedge", 0, "a/b");
   v1::UploadViewsRequest orphan = ViewOf("wedge", 0, "orphan");
   orphan.set_parent("objects/wedge/stablePoses/upright");
+  v1::UploadViewsRequest long_name = ViewOf("wedge", 0, std::string(300, 'a'));
+  v1::UploadViewsRequest many_fields = ViewOf("wedge", 0, "many");
+  for (int i = 0; i < 65; ++i) many_fields.mutable_view()->mutable_cloud()->add_fields();
   std::vector<v1::WriteUploadViewsResponse> responses;
-  ASSERT_THAT(Write({bad, unnamed, orphan, ViewOf("wedge", 60, "good")}, &responses), IsGrpcOk());
-  ASSERT_EQ(responses.size(), 4U);
+  ASSERT_THAT(Write({bad, unnamed, orphan, ViewOf("wedge", 60, "good"), long_name, many_fields},
+                    &responses),
+              IsGrpcOk());
+  ASSERT_EQ(responses.size(), 6U);
   EXPECT_EQ(responses[0].error().code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(responses[0].error().message(), ::testing::HasSubstr("view.cloud.data"));
   EXPECT_EQ(responses[1].error().code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(responses[1].view(), "");
   EXPECT_EQ(responses[2].error().code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_FALSE(responses[3].has_error());
-  EXPECT_EQ(Get().failed_view_count(), 2);
+  EXPECT_EQ(responses[4].view(), "");
+  EXPECT_THAT(responses[4].error().message(), ::testing::HasSubstr("view_id"));
+  EXPECT_THAT(responses[5].error().message(), ::testing::HasSubstr("view.cloud.fields"));
+  EXPECT_EQ(Get().failed_view_count(), 3);
 
   v1::ListUploadViewsRequest list;
   list.set_parent(kUpload);
@@ -216,7 +224,17 @@ TEST_F(UploadsTest, AViewThatCannotBeTaughtIsReportedAndTheStreamGoesOn) {
   ExpectError(Commit(false, &upload), grpc::StatusCode::FAILED_PRECONDITION, "views/bad");
   ASSERT_THAT(Commit(true, &upload), IsGrpcOk());
   EXPECT_EQ(upload.created_count(), 1);
-  EXPECT_EQ(upload.failed_view_count(), 2);
+  EXPECT_EQ(upload.failed_view_count(), 3);
+}
+
+TEST_F(UploadsTest, ViewsThatCannotBeTaughtCountInTheRate) {
+  ASSERT_THAT(Create(2), IsGrpcOk());
+  v1::UploadViewsRequest bad = ViewOf("wedge", 0, "bad");
+  bad.mutable_view()->mutable_cloud()->set_point_stride(7);
+  std::vector<v1::WriteUploadViewsResponse> responses;
+  ASSERT_THAT(Write({bad}, &responses), IsGrpcOk());
+  EXPECT_GT(Get().views_per_second(), 0);
+  EXPECT_GT(Get().time_left_s(), 0);
 }
 
 TEST_F(UploadsTest, AViewThatTheCatalogueHasReplacesItsError) {

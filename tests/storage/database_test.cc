@@ -16,8 +16,6 @@
 namespace graspdb::storage {
 namespace {
 
-using ::testing::HasSubstr;
-
 class DatabaseTest : public ::testing::Test {
  protected:
   void Open() {
@@ -59,7 +57,7 @@ TEST_F(DatabaseTest, WritesAndFlushesDoNotWaitForCompactionsThatFindTheDiskFull)
   }
 }
 
-TEST_F(DatabaseTest, WithoutPlaceForANewLogWritesTakeARestart) {
+TEST_F(DatabaseTest, WritesSucceedOnceThereIsPlaceForANewLog) {
   ASSERT_NO_FATAL_FAILURE(Open());
   disk_->FailNewLogs(true);
   const std::string value(1000, 'x');
@@ -68,9 +66,9 @@ TEST_F(DatabaseTest, WithoutPlaceForANewLogWritesTakeARestart) {
   while (written.ok()) written = Write(Family::kMeta, value);
   EXPECT_TRUE(absl::IsResourceExhausted(written)) << written;
   disk_->FailNewLogs(false);
-  const absl::Status again = Write(Family::kMeta, value);
-  EXPECT_TRUE(absl::IsUnavailable(again)) << again;
-  EXPECT_THAT(std::string(again.message()), HasSubstr("restart the server"));
+  absl::Status again = Write(Family::kMeta, value);
+  while (absl::IsResourceExhausted(again)) again = Write(Family::kMeta, value);
+  EXPECT_TRUE(again.ok()) << again;
   ASSERT_NO_FATAL_FAILURE(Open());
   EXPECT_EQ(*database_->Get(Family::kMeta, "row"), value);
   EXPECT_TRUE(Write(Family::kMeta, value).ok());

@@ -22,6 +22,7 @@ class WatchedFile : public rocksdb::FSWritableFileOwnerWrapper {
 
   rocksdb::IOStatus Append(const rocksdb::Slice& data, const rocksdb::IOOptions& options,
                            rocksdb::IODebugContext* context) override {
+    const auto changing = disk_->Changing();
     if (auto running = disk_->Running(); !running.ok()) return running;
     const std::size_t taken = disk_->Take(data.size());
     size_ += taken;
@@ -36,11 +37,13 @@ class WatchedFile : public rocksdb::FSWritableFileOwnerWrapper {
   }
   rocksdb::IOStatus Sync(const rocksdb::IOOptions& options,
                          rocksdb::IODebugContext* context) override {
+    const auto changing = disk_->Changing();
     const rocksdb::IOStatus allowed = disk_->Synced(name_, size_);
     return allowed.ok() ? FSWritableFileOwnerWrapper::Sync(options, context) : allowed;
   }
   rocksdb::IOStatus Fsync(const rocksdb::IOOptions& options,
                           rocksdb::IODebugContext* context) override {
+    const auto changing = disk_->Changing();
     const rocksdb::IOStatus allowed = disk_->Synced(name_, size_);
     return allowed.ok() ? FSWritableFileOwnerWrapper::Fsync(options, context) : allowed;
   }
@@ -59,12 +62,14 @@ class WatchedDirectory : public rocksdb::FSDirectoryWrapper {
 
   rocksdb::IOStatus Fsync(const rocksdb::IOOptions& options,
                           rocksdb::IODebugContext* context) override {
+    const auto changing = disk_->Changing();
     const rocksdb::IOStatus allowed = disk_->NamesSynced(name_);
     return allowed.ok() ? FSDirectoryWrapper::Fsync(options, context) : allowed;
   }
   rocksdb::IOStatus FsyncWithDirOptions(const rocksdb::IOOptions& options,
                                         rocksdb::IODebugContext* context,
                                         const rocksdb::DirFsyncOptions& what) override {
+    const auto changing = disk_->Changing();
     const rocksdb::IOStatus allowed = disk_->NamesSynced(name_);
     return allowed.ok() ? FSDirectoryWrapper::FsyncWithDirOptions(options, context, what) : allowed;
   }
@@ -98,6 +103,7 @@ rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
                                               const rocksdb::FileOptions& options,
                                               std::unique_ptr<rocksdb::FSWritableFile>* file,
                                               rocksdb::IODebugContext* context) {
+  const auto changing = Changing();
   if (auto running = Running(); !running.ok()) return running;
   if (fail_new_logs_ && name.ends_with(".log")) return rocksdb::IOStatus::NoSpace("no inode left");
   std::optional<std::string> before = BytesIfThere(name);
@@ -114,6 +120,7 @@ rocksdb::IOStatus FaultyDisk::NewWritableFile(const std::string& name,
 rocksdb::IOStatus FaultyDisk::RenameFile(const std::string& from, const std::string& to,
                                          const rocksdb::IOOptions& options,
                                          rocksdb::IODebugContext* context) {
+  const auto changing = Changing();
   if (auto running = Running(); !running.ok()) return running;
   std::optional<std::string> before = BytesIfThere(to);
   rocksdb::IOStatus renamed = target()->RenameFile(from, to, options, context);
@@ -128,6 +135,7 @@ rocksdb::IOStatus FaultyDisk::RenameFile(const std::string& from, const std::str
 
 rocksdb::IOStatus FaultyDisk::DeleteFile(const std::string& name, const rocksdb::IOOptions& options,
                                          rocksdb::IODebugContext* context) {
+  const auto changing = Changing();
   if (auto running = Running(); !running.ok()) return running;
   return target()->DeleteFile(name, options, context);
 }
@@ -157,6 +165,7 @@ rocksdb::IOStatus FaultyDisk::GetFreeSpace(const std::string& /*path*/,
 
 rocksdb::IOStatus FaultyDisk::Running() const {
   if (stopped_) return rocksdb::IOStatus::IOError("the power is gone");
+  if (fail_files_) return rocksdb::IOStatus::IOError("Read-only file system");
   return rocksdb::IOStatus::OK();
 }
 
@@ -191,7 +200,7 @@ rocksdb::IOStatus FaultyDisk::SortedFileMayEnd() {
   if (failing_sorted_files_ <= 0) return rocksdb::IOStatus::OK();
   --failing_sorted_files_;
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  return full;
+  return sorted_files_find_it_full_ ? full : rocksdb::IOStatus::IOError("Input/output error");
 }
 
 std::size_t FaultyDisk::Take(std::size_t bytes) {
@@ -201,6 +210,12 @@ std::size_t FaultyDisk::Take(std::size_t bytes) {
     taken = std::min(left, static_cast<std::int64_t>(bytes));
   } while (!space_.compare_exchange_weak(left, left - taken));
   return static_cast<std::size_t>(taken);
+}
+
+void FaultyDisk::CopyOpen(const std::string& from, const std::string& to, Unsynced bytes) {
+  const std::unique_lock nothing_changes(changing_);
+  CopyDatabase(from, to);
+  if (bytes == Unsynced::kLost) LosePower(to);
 }
 
 void FaultyDisk::LosePower(const std::string& directory) {

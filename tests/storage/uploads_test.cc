@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "google/protobuf/util/time_util.h"
 #include "gtest/gtest.h"
 #include "storage/resource_name.h"
 #include "tests/storage/catalogue_fixture.h"
@@ -161,6 +162,40 @@ TEST_F(UploadsTest, AViewThatIsSentAgainReplacesItsError) {
   EXPECT_TRUE(absl::IsAlreadyExists(Stage(0, 2).status()));
 }
 
+TEST_F(UploadsTest, AnIdenticalViewIsNotReplaced) {
+  Create();
+  StageAll(2);
+  ASSERT_TRUE(Commit(false).ok());
+  const std::int64_t revision = catalogue_->revision();
+  const auto before = TakePicture(*catalogue_);
+  ASSERT_TRUE(uploads().Delete(kUpload).ok());
+  Create(kUpload, true);
+  StageAll(2);
+  const auto committed = Commit(false);
+  ASSERT_TRUE(committed.ok()) << committed.status();
+  EXPECT_EQ(committed->existing_count(), 2);
+  EXPECT_EQ(committed->replaced_count(), 0);
+  EXPECT_EQ(catalogue_->revision(), revision);
+  EXPECT_EQ(*TakePicture(*catalogue_), *before);
+}
+
+TEST_F(UploadsTest, ViewsAreNotForAStablePoseThatIsCreatedAgain) {
+  Create();
+  StageAll(2);
+  const auto pose = catalogue_->GetStablePose("objects/mug/stablePoses/upright");
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  ASSERT_TRUE(catalogue_->DeleteObject("objects/mug", true, "").ok());
+  ASSERT_TRUE(catalogue_->CreateObject(MakeObject("mug")).ok());
+  ASSERT_TRUE(catalogue_->CreateStablePose(MakeStablePose("mug", "upright")).ok());
+  const absl::Status refused = Commit(false).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_NE(refused.message().find("created again"), std::string::npos) << refused;
+  const auto committed = Commit(true);
+  ASSERT_TRUE(committed.ok()) << committed.status();
+  EXPECT_EQ(committed->failed_count(), 2);
+  EXPECT_EQ(catalogue_->counts().views, 0);
+}
+
 TEST_F(UploadsTest, ATakenNameIsAConflictOrReplaced) {
   ASSERT_TRUE(catalogue_->PutView(MakeView(ViewNameOf(0), 100)).ok());
   ASSERT_TRUE(catalogue_->PutView(MakeView(ViewNameOf(1), 1, 6000)).ok());
@@ -175,7 +210,8 @@ TEST_F(UploadsTest, ATakenNameIsAConflictOrReplaced) {
   StageAll(3);
   const auto committed = Commit(false);
   ASSERT_TRUE(committed.ok()) << committed.status();
-  EXPECT_EQ(committed->replaced_count(), 2);
+  EXPECT_EQ(committed->replaced_count(), 1);
+  EXPECT_EQ(committed->existing_count(), 1) << "it is identical";
   EXPECT_EQ(committed->created_count(), 1);
   EXPECT_EQ(catalogue_->counts().views, 3);
   EXPECT_EQ(*catalogue_->GetPackedCloud(ViewNameOf(0)),
@@ -269,11 +305,16 @@ TEST_F(UploadsTest, OldUploadsAreDeleted) {
   Create();
   StageAll(1);
   ASSERT_TRUE(Commit(false).ok());
-  EXPECT_TRUE(uploads().DeleteOlderThan(kNow, kNow)->empty());
+  // The time of a committed one begins with the commit.
+  const absl::Time committed =
+      absl::FromUnixNanos(google::protobuf::util::TimeUtil::TimestampToNanoseconds(
+          uploads().Get(kUpload)->commit_time()));
+  EXPECT_TRUE(uploads().DeleteOlderThan(kNow, committed)->empty());
   const absl::Time later = kNow + absl::Seconds(1);
-  EXPECT_EQ(*uploads().DeleteOlderThan(later, kNow), std::vector<std::string>{"uploads/forgotten"});
+  EXPECT_EQ(*uploads().DeleteOlderThan(later, committed),
+            std::vector<std::string>{"uploads/forgotten"});
   EXPECT_TRUE(uploads().Get(kUpload).ok());
-  EXPECT_TRUE(uploads().DeleteOlderThan(later, later)->empty());
+  EXPECT_TRUE(uploads().DeleteOlderThan(later, committed + absl::Seconds(1))->empty());
   const absl::Status missing = uploads().Get(kUpload).status();
   EXPECT_TRUE(absl::IsNotFound(missing));
   EXPECT_EQ(missing.message(),

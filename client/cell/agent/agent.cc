@@ -108,7 +108,7 @@ struct Agent::Parts {
 
   void Keep(const JobReport& report) {
     if (black_box == nullptr) return;
-    std::optional<v1::Bundle> bundle = BundleOf(report);
+    std::optional<v1::Bundle> bundle = BundleOf(report, cell.server_version());
     if (!bundle) return;
     const bool is_kept = options.black_box_all || report.poses.empty() ||
                          IsTroubled(*bundle, options.black_box_score);

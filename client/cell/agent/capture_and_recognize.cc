@@ -48,6 +48,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   capture->request.Clear();
   capture->camera = absl::OkStatus();
   capture->request_id.clear();
+  capture->catalog_revision = last_revision_;
   const absl::StatusOr<KeptCell> cell = cell_.Get(deadline);
   if (!cell.ok()) return cell.status();
   capture->cell = *cell;
@@ -70,6 +71,7 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   if (BusyDelay(response.status())) return response.status();  // Run waits for so long
   if (!response.ok()) return Refusal(response.status());
   capture->response = *std::move(response);
+  last_revision_ = capture->catalog_revision = capture->response.catalog_revision();
   // After an outage; robots and monitoring need not wait for the next periodic read.
   if (!cell_.state().ok()) (void)cell_.Refresh(deadline - MonotonicTime::Now());
   return absl::OkStatus();

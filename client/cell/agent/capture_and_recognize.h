@@ -1,6 +1,8 @@
 // One capture and its recognition result.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,9 +21,10 @@ namespace graspdb::client {
 struct CaptureResult {
   v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame
   v1::RecognizeResponse response;
-  absl::Status camera;                                       // of the last attempt to get a frame
-  absl::Status answered;                                     // the server's status for the request
-  std::string request_id;                                    // of the last call; empty without one
+  absl::Status camera;                // of the last attempt to get a frame
+  absl::Status answered;              // the server's status for the request
+  std::string request_id;             // of the last call; empty without one
+  std::int64_t catalog_revision = 0;  // of the response, or of an earlier one; 0: unknown
   MonotonicTime frame_time = MonotonicTime::InfinitePast();  // of the last frame
   KeptCell cell;                                             // used for the request
   absl::Duration camera_time = absl::ZeroDuration();         // waiting for the frame
@@ -56,6 +59,7 @@ class CaptureAndRecognize {
   Client& client_;
   CellCache& cell_;
   const std::string name_;
+  std::atomic<std::int64_t> last_revision_ = 0;
   StopFlag stopped_;
 };
 

@@ -10,6 +10,9 @@
 namespace graspdb::client {
 namespace {
 
+// Reads of the cell between two of the server's version: a server may be replaced between them.
+constexpr int kTurnsOfVersion = 12;
+
 absl::StatusOr<KeptCell> Kept(const std::string& name, const absl::StatusOr<v1::Cell>& cell) {
   if (absl::IsNotFound(cell.status())) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -53,12 +56,16 @@ absl::StatusOr<KeptCell> CellCache::Get(MonotonicTime deadline) {
 }
 
 absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
+  const std::uint64_t number = ++requests_;
   const absl::StatusOr<v1::Cell> answer = client_.GetCell(name_, timeout);
   absl::StatusOr<KeptCell> cell = Kept(name_, answer);
   // The server may be slower than its caller, or gone: state_ stays.
   if (timeout && absl::IsDeadlineExceeded(cell.status())) return cell.status();
   absl::MutexLock lock(&mutex_);
-  if (state_.code() != cell.status().code()) {
+  // Two threads refresh: an answer that is older than the one that is kept does not replace it.
+  if (number < kept_request_) return cell.status();
+  kept_request_ = number;
+  if (!is_state_known_ || state_.code() != cell.status().code()) {
     if (cell.ok()) {
       spdlog::info("event=server_there cell={}", name_);
     } else {
@@ -70,6 +77,7 @@ absl::Status CellCache::Refresh(std::optional<absl::Duration> timeout) {
     }
   }
   state_ = cell.status();
+  is_state_known_ = true;
   // The cached cell stays valid while the server is unavailable or busy.
   if (cell.ok() || absl::IsFailedPrecondition(state_)) cell_ = std::move(cell);
   return state_;
@@ -80,9 +88,26 @@ absl::Status CellCache::state() const {
   return state_;
 }
 
+std::string CellCache::server_version() const {
+  absl::MutexLock lock(&mutex_);
+  return server_version_;
+}
+
+void CellCache::ReadServerVersion() {
+  const auto status = client_.GetCatalogStatus();
+  if (!status.ok()) return;
+  absl::MutexLock lock(&mutex_);
+  server_version_ = status->server_version();
+}
+
 void CellCache::Watch() {
+  bool was_there = false;
+  int turn = 0;
   do {
-    (void)Refresh();  // stored in state_ and logged
+    const bool is_there = Refresh().ok();  // otherwise stored in state_ and logged
+    if (is_there && (!was_there || turn % kTurnsOfVersion == 0)) ReadServerVersion();
+    was_there = is_there;
+    ++turn;
   } while (!stop_.Wait(absl::ToChronoNanoseconds(period_)));
 }
 

@@ -1,6 +1,8 @@
 // The cell's record on the server, kept up to date.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <thread>
@@ -43,8 +45,12 @@ class CellCache {
   // Status of the last read that had all of the client's time.
   absl::Status state() const;
 
+  // Read after an outage of the server, and every twelfth period; empty before.
+  std::string server_version() const;
+
  private:
   void Watch();
+  void ReadServerVersion();
 
   Client& client_;
   const std::string name_;
@@ -52,6 +58,10 @@ class CellCache {
   mutable absl::Mutex mutex_;
   absl::StatusOr<KeptCell> cell_ ABSL_GUARDED_BY(mutex_);
   absl::Status state_ ABSL_GUARDED_BY(mutex_);
+  bool is_state_known_ ABSL_GUARDED_BY(mutex_) = false;  // and logged
+  std::string server_version_ ABSL_GUARDED_BY(mutex_);
+  std::atomic<std::uint64_t> requests_ = 0;
+  std::uint64_t kept_request_ ABSL_GUARDED_BY(mutex_) = 0;  // whose answer they are
   StopFlag stop_;
   std::thread thread_;
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "program/background_log.h"
 #include "program/version.h"
 
 namespace graspdb::client {
@@ -57,6 +58,9 @@ MetricFamilies CellMetrics::Collect(const CellState& state) const {
                     {sample(state.bundles.kept, "result", "kept"),
                      sample(state.bundles.dropped, "result", "dropped"),
                      sample(state.bundles.failed, "result", "failed")}),
+          CounterOf("graspdb_cell_log_lost_lines_total",
+                    "Lines of the log that were lost, as its reader did not read.",
+                    {sample(LostLogLines())}),
           jobs_.Collect(),
           empty_jobs_.Collect(),
           job_times_.Collect(),

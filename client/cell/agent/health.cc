@@ -1,6 +1,6 @@
 #include "client/cell/agent/health.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "program/connection_acceptor.h"
+#include "program/listen_address.h"
 #include "program/stop_flag.h"
 
 namespace graspdb::client {
@@ -19,17 +21,23 @@ constexpr char kService[] = "graspdb.cell";
 
 class Health::Watch {
  public:
-  Watch(std::unique_ptr<grpc::Server> server, std::string address, std::function<bool()> is_ready,
-        absl::Duration period)
-      : server_(std::move(server)),
+  Watch(std::unique_ptr<grpc::CallbackGenericService> others, std::unique_ptr<grpc::Server> server,
+        std::unique_ptr<ConnectionAcceptor> acceptor, std::string address,
+        std::function<bool()> is_ready, absl::Duration period)
+      : others_(std::move(others)),
+        server_(std::move(server)),
+        acceptor_(std::move(acceptor)),
         address_(std::move(address)),
         is_ready_(std::move(is_ready)),
         period_(period),
-        thread_([this] { Run(); }) {}
+        thread_([this] { Run(); }) {
+    acceptor_->Start();
+  }
 
   ~Watch() {
     stop_.Raise();
     thread_.join();
+    acceptor_->Stop();
     server_->Shutdown(std::chrono::system_clock::now());
   }
 
@@ -44,7 +52,9 @@ class Health::Watch {
     } while (!stop_.Wait(absl::ToChronoNanoseconds(period_)));
   }
 
+  const std::unique_ptr<grpc::CallbackGenericService> others_;
   const std::unique_ptr<grpc::Server> server_;
+  const std::unique_ptr<ConnectionAcceptor> acceptor_;
   const std::string address_;
   const std::function<bool()> is_ready_;
   const absl::Duration period_;
@@ -60,22 +70,27 @@ const std::string& Health::address() const { return watch_->address(); }
 absl::StatusOr<std::unique_ptr<Health>> Health::Start(const std::string& listen,
                                                       std::function<bool()> is_ready,
                                                       absl::Duration period) {
-  grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort(listen, grpc::InsecureServerCredentials(), &port);
-  // Otherwise two cells could share the port and answer each other's checks.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
-  if (server == nullptr || port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", listen,
-                     " for the health service; is the port in use? Choose another --health"));
+  const absl::StatusOr<ListenAddress> address = ParseListenAddress("--health", listen);
+  if (!address.ok()) return address.status();
+  absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
+      ConnectionAcceptor::Listen(*address);
+  if (!acceptor.ok()) {
+    return absl::UnavailableError(absl::StrCat(
+        "cannot listen on ", listen, " for the health service (", acceptor.status().message(),
+        "); is the port in use? Choose another --health"));
   }
-  const std::string address = absl::StrCat(listen.substr(0, listen.rfind(':')), ":", port);
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::ServerBuilder builder;
+  (*acceptor)->AddTo(builder, grpc::InsecureServerCredentials());
+  // For all other methods: without a service gRPC does not start.
+  auto others = std::make_unique<grpc::CallbackGenericService>();
+  builder.RegisterCallbackGenericService(others.get());
+  std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  if (server == nullptr) return absl::InternalError("gRPC does not start the health service");
+  const std::string at = absl::StrCat(address->host, ":", (*acceptor)->port());
   return std::unique_ptr<Health>(
-      new Health(std::make_unique<Watch>(std::move(server), address, std::move(is_ready), period)));
+      new Health(std::make_unique<Watch>(std::move(others), std::move(server), *std::move(acceptor),
+                                         at, std::move(is_ready), period)));
 }
 
 }  // namespace graspdb::client

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "client/cell/agent/cell_runner.h"
 #include "graspdb/v1/bundle.pb.h"
@@ -9,7 +10,7 @@
 namespace graspdb::client {
 
 // The bundle of a job, ready for replay: with what the server answered, not what the robot got.
-// nullopt if no request was made, e.g. without a camera frame.
-std::optional<v1::Bundle> BundleOf(const JobReport& report);
+// nullopt if no request was made, e.g. without a camera frame. The version may be empty.
+std::optional<v1::Bundle> BundleOf(const JobReport& report, const std::string& server_version);
 
 }  // namespace graspdb::client

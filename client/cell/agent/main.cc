@@ -8,8 +8,9 @@
 #include "client/cell/agent/agent.h"
 #include "client/cell/agent/agent_options.h"
 #include "client/cell/sensors/open_sensor.h"
+#include "program/background_log.h"
+#include "program/descriptor_limit.h"
 #include "program/health_command.h"
-#include "program/log.h"
 #include "program/log_field.h"
 #include "program/standard_streams.h"
 #include "program/stop_signal.h"
@@ -35,9 +36,10 @@ int Run(int argc, char** argv) {
   const ParsedAgentOptions parsed = ParseAgentOptions(argc, argv);
   if (parsed.done) return WithOutputWritten("graspdb-cell", parsed.exit_status);
   const AgentOptions& options = parsed.options;
+  if (const absl::Status limit = RaiseDescriptorLimit(); !limit.ok()) return Fail(limit);
 
   const StopSignal stop;
-  StartLog("graspdb-cell", options.log_level);
+  StartBackgroundLog("graspdb-cell", options.log_level);
   SensorSettings settings;
   settings.max_age = absl::Seconds(options.max_frame_age_s);
   absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenSensor(options.sensor, settings);

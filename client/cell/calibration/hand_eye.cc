@@ -5,11 +5,14 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cell/calibration/flange_positions.h"
 #include "client/cell/calibration/hand_eye_equation.h"
+#include "client/cell/calibration/hand_eye_refinement.h"
 #include "client/cell/robots/rotation_vector.h"
 #include "recognition/base/units.h"
 
@@ -19,16 +22,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using recognition::Pose;
-using Vector12d = Eigen::Matrix<double, 12, 1>;
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-// Whitened error above which a sample is an outlier: a false detection, or the target slipped.
-constexpr double kMaxInlierSize = 10;
 constexpr std::size_t kSubset = 4;
 constexpr int kSubsets = 200;
-constexpr int kSteps = 20;
 // Minimum turn of the robot about each of two axes, root mean square over pairs.
 constexpr double kMinTurnRad = 8 * recognition::kRadiansPerDegree;
+// Standard deviation of the camera's position in any direction.
+constexpr double kMaxWeakestM = 0.02;
 
 using Equations = std::vector<HandEyeEquation>;
 
@@ -73,39 +73,6 @@ HandEyeSolution SolveRobustly(const Equations& equations) {
   return best;
 }
 
-Pose Moved(const Pose& pose, const Vector6d& step) {
-  Pose by = Pose::Identity();
-  by.linear() = FromRotationVector(step.head<3>());
-  by.translation() = step.tail<3>();
-  return pose * by;
-}
-
-// The Jacobian of the error is the identity for Y, and minus the adjoint of B^-1 for X.
-HandEyeSolution Refine(const Equations& equations, HandEyeSolution solution) {
-  for (int step = 0; step < kSteps; ++step) {
-    Matrix12d hessian = Matrix12d::Zero();
-    Vector12d gradient = Vector12d::Zero();
-    for (const HandEyeEquation& equation : equations) {
-      const Matrix6d whiten = WhiteningOf(equation, solution);
-      const Vector6d error = whiten * ErrorOf(equation, solution);
-      const double share = error.norm() / kMaxInlierSize;
-      if (share >= 1) continue;
-      Eigen::Matrix<double, 6, 12> rows;
-      rows << -AdjointOf(equation.b.inverse()), Matrix6d::Identity();
-      rows = (whiten * rows).eval();
-      const double weight = (1 - share * share) * (1 - share * share);  // Tukey's
-      hessian += weight * rows.transpose() * rows;
-      gradient += weight * rows.transpose() * error;
-    }
-    hessian.diagonal().array() += 1e-9;
-    const Vector12d move = -hessian.ldlt().solve(gradient);
-    solution.x = Moved(solution.x, move.head<6>());
-    solution.y = Moved(solution.y, move.tail<6>());
-    if (move.norm() < 1e-12) break;
-  }
-  return solution;
-}
-
 // The robot's turn about the second of its main axes.
 double SecondTurn(const Equations& equations) {
   Matrix3d moments = Matrix3d::Zero();
@@ -127,6 +94,29 @@ absl::Status CheckTurns(const Equations& equations) {
       "the poses are too similar: the robot turned by %.1f degrees about a second axis, at least "
       "%.0f are needed; tilt the tool to different sides",
       turn / recognition::kRadiansPerDegree, kMinTurnRad / recognition::kRadiansPerDegree));
+}
+
+// For the end of an error about poses that do not agree.
+std::string ScaleHint(const Equations& equations) {
+  const auto scale = WrongScaleOf(equations, SolveClosedForm(equations).x.linear());
+  if (!scale) return "";
+  return absl::StrFormat(
+      " They would agree if its positions were multiplied by %.3g: check their unit.", *scale);
+}
+
+absl::Status CheckCertainty(const Equations& used, const HandEye& found) {
+  if (found.certainty.weakest_m > kMaxWeakestM) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the poses leave the camera's position uncertain by %.0f mm in one direction, at most %.0f "
+        "are accepted; tilt the tool more, to different sides, and change the distance",
+        recognition::kMmPerM * found.certainty.weakest_m, recognition::kMmPerM * kMaxWeakestM));
+  }
+  const auto scale = WrongScaleOf(used, found.mount_camera.linear());
+  if (!scale) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "the flange's positions fit the target's if they are multiplied by %.3g; check their unit, "
+      "and the camera's",
+      *scale));
 }
 
 std::vector<HandEyeResidual> ResidualsOf(const Equations& equations,
@@ -152,7 +142,8 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
                      kMinHandEyeSamples, " are needed; add poses"));
   }
   if (absl::Status status = CheckTurns(all); !status.ok()) return status;
-  const HandEyeSolution solution = Refine(all, SolveRobustly(all));
+  if (absl::Status status = CheckFlangePositions(samples); !status.ok()) return status;
+  const HandEyeSolution solution = Refine(all, SolveRobustly(all)).solution;
   HandEye out;
   out.mount_camera = solution.x;
   out.mount_target = solution.y;
@@ -170,7 +161,8 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
         "only ", used.size(), " of ", all.size(),
         " poses agree with each other; is the target firmly gripped or fixed, and always "
         "recognised? Are the flange's poses in the robot's base frame, and in the format that is "
-        "sent?"));
+        "sent?",
+        ScaleHint(all)));
   }
   if (used.size() < kMinHandEyeSamples) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -181,6 +173,8 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
   const auto count = static_cast<double>(used.size());
   out.shift_m = std::sqrt(out.shift_m / count);
   out.turn_rad = std::sqrt(out.turn_rad / count);
+  out.certainty = CertaintyOf(used, solution);
+  if (absl::Status status = CheckCertainty(used, out); !status.ok()) return status;
   return out;
 }
 

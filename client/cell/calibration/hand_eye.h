@@ -29,6 +29,15 @@ struct HandEyeResidual {
   bool used = true;  // false: outlier, left out
 };
 
+// How far a calibration can be trusted.
+struct HandEyeCertainty {
+  // Standard deviation of the camera's position in the direction that the poses show worst, m.
+  double weakest_m = 0;
+  // Root mean square error of each sample used under the calibration by the others.
+  double left_out_shift_m = 0;
+  double left_out_turn_rad = 0;
+};
+
 struct HandEye {
   // T_base_camera of a fixed camera, T_flange_camera of one on the flange.
   recognition::Pose mount_camera = recognition::Pose::Identity();
@@ -37,6 +46,7 @@ struct HandEye {
   std::vector<HandEyeResidual> residuals;  // of the samples, in their order
   double shift_m = 0;                      // root mean square of those used
   double turn_rad = 0;
+  HandEyeCertainty certainty = {};
 };
 
 // Fewer samples are not accepted.
@@ -47,8 +57,9 @@ inline constexpr std::size_t kMinHandEyeSamples = 6;
 // Hand-Eye Calibration Problem Using the Kronecker Product", ASME J. Mechanisms and Robotics 5(3),
 // 2013; on many small subsets of the samples, because some may be outliers, and then by
 // Gauss-Newton over all inliers. Deterministic. FAILED_PRECONDITION when there are too few samples,
-// when the robot turned about one axis only or hardly at all, or when fewer than half of the
-// samples, or too few, agree.
+// when the robot turned about one axis only or hardly at all, when its positions cannot be a
+// flange's in metres or do not fit in scale, when they leave the camera's position uncertain, or
+// when fewer than half of the samples, or too few, agree.
 absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, CameraMount mount);
 
 // Residuals of other samples under an existing calibration, given by its camera and target.

@@ -131,9 +131,13 @@ absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
                         .used = 0,
                         .poses = samples.size()};
   for (const HandEyeResidual& residual : hand_eye->residuals) out.used += residual.used ? 1 : 0;
-  spdlog::info("event=hand_eye_calibrated cell={} used={} poses={} shift_mm={:.2f} turn_deg={:.2f}",
-               setup_.cell, out.used, out.poses, kMmPerM * out.shift_m,
-               kDegreesPerRadian * out.turn_rad);
+  const HandEyeCertainty& certainty = hand_eye->certainty;
+  spdlog::info(
+      "event=hand_eye_calibrated cell={} used={} poses={} shift_mm={:.2f} turn_deg={:.2f} "
+      "left_out_shift_mm={:.2f} left_out_turn_deg={:.2f} weakest_mm={:.2f}",
+      setup_.cell, out.used, out.poses, kMmPerM * out.shift_m, kDegreesPerRadian * out.turn_rad,
+      kMmPerM * certainty.left_out_shift_m, kDegreesPerRadian * certainty.left_out_turn_rad,
+      kMmPerM * certainty.weakest_m);
   return out;
 }
 

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/backup/restore_command.h"
+#include "program/printable_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -33,7 +34,7 @@ absl::StatusOr<std::string> ChooseBackup(Client& client, const BackupOptions& op
 absl::Status Print(const GlobalOptions& global, const v1::Backup& backup) {
   if (global.json) return PrintJson(backup);
   if (!backup.damage().empty()) {
-    std::printf("%-12s %s\n", backup.name().c_str(), backup.damage().c_str());
+    std::printf("%-12s %s\n", backup.name().c_str(), PrintableText(backup.damage()).c_str());
     return absl::OkStatus();
   }
   std::printf("%s\n", absl::StrFormat(

@@ -5,12 +5,16 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "client/sdk/security.h"
 #include "program/client_flags.h"
 #include "program/log.h"
+#include "program/printable_text.h"
 #include "program/settings_file.h"
 #include "program/version.h"
 
@@ -32,6 +36,14 @@ bool IsWrongUsage(const absl::Status& status, const GlobalOptions& global) {
   return !usage.ok() && status == usage;
 }
 
+// Its text may have names of files and of others' records. Some have several lines.
+std::string LinesOf(const absl::Status& status) {
+  const std::vector<std::string> lines = absl::StrSplit(status.message(), '\n');
+  return absl::StrJoin(lines, "\n", [](std::string* out, const std::string& line) {
+    out->append(PrintableText(line));
+  });
+}
+
 int Execute(const GlobalOptions& global, const Action& action) {
   absl::Status status;
   try {
@@ -45,7 +57,7 @@ int Execute(const GlobalOptions& global, const Action& action) {
       HasNoServer(status) && !files.ok()) {
     status = files;
   }
-  std::fprintf(stderr, "graspdb: %s\n", std::string(status.message()).c_str());
+  std::fprintf(stderr, "graspdb: %s\n", LinesOf(status).c_str());
   if (const std::string id = RequestIdOf(status); global.verbose && !id.empty()) {
     std::fprintf(stderr, "graspdb: request id %s\n", id.c_str());
   }

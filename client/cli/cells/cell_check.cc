@@ -17,6 +17,7 @@
 #include "client/cli/cells/table_scan.h"
 #include "files/json_object.h"
 #include "files/pose_message.h"
+#include "program/text_encoding.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
@@ -55,9 +56,12 @@ struct PosedFrame {
 absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  if (absl::Status taken = TakeUtf8(path, &text); !taken.ok()) return taken;
+  std::istringstream lines(text);
   std::vector<PosedFrame> out;
   std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
+  for (int number = 1; std::getline(lines, line); ++number) {
     std::ranges::replace(line, ',', ' ');
     if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
     std::istringstream words(line);

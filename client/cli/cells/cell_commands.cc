@@ -10,8 +10,11 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/cell_text.h"
+#include "client/cli/cells/cell_units.h"
 #include "client/cli/cells/commands.h"
+#include "program/json_keys.h"
 #include "program/printable_text.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::client {
 namespace {
@@ -62,9 +65,13 @@ void SetBox(const std::vector<double>& values, v1::AxisAlignedBox* out) {
 absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (absl::Status taken = TakeUtf8(path, &text); !taken.ok()) return taken;
   const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
-  if (status.ok()) return absl::OkStatus();
+  if (status.ok()) {
+    const absl::Status keys = CheckJsonKeys(text);
+    return keys.ok() ? keys : absl::InvalidArgumentError(absl::StrCat(path, ": ", keys.message()));
+  }
   std::string reason(status.message());  // its other lines quote the text
   reason.resize(std::min(reason.size(), reason.find('\n')));
   return absl::InvalidArgumentError(absl::StrCat(
@@ -92,6 +99,7 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
     cell->mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   }
   if (options.include_drafts) cell->set_include_drafts(*options.include_drafts);
+  if (absl::Status status = CheckCellUnits(*cell); !status.ok()) return status;
   cell->set_name(ResourceName("cells", options.id));
   cell->clear_etag();
   auto* mask = request.mutable_update_mask();

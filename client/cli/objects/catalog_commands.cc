@@ -167,7 +167,8 @@ std::string BackupsText(const v1::BackupStatus& status) {
                            status.last_good_backup().catalog_revision(),
                            BytesText(status.last_good_backup().byte_count()));
   }
-  if (!status.last_error().empty()) absl::StrAppend(&text, "; failed: ", status.last_error());
+  if (!status.last_error().empty())
+    absl::StrAppend(&text, "; failed: ", PrintableText(status.last_error()));
   return text;
 }
 
@@ -176,6 +177,15 @@ void PrintServerState(const v1::ServerState& state) {
               BytesText(state.database_disk().available_byte_count()).c_str(),
               BytesText(state.database_disk().byte_count()).c_str(),
               BytesText(state.database_byte_count()).c_str());
+  if (state.has_write_fault()) {
+    std::printf("writes      fail since %s: %s\n",
+                LocalTimeText(state.write_fault().time()).c_str(),
+                PrintableText(state.write_fault().error()).c_str());
+  }
+  for (const v1::DamagedFile& file : state.damaged_files()) {
+    std::printf("damaged     %s: %s\n", PrintableText(file.name()).c_str(),
+                PrintableText(file.error()).c_str());
+  }
   if (state.has_certificate_expire_time()) {
     std::printf("certificate until %s\n", LocalTimeText(state.certificate_expire_time()).c_str());
   }
@@ -225,7 +235,9 @@ void AddObjectsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
   list->callback(
       [=, &global] { *action = [=, &global] { return ListObjects(global, *deleted); }; });
   auto id = std::make_shared<std::string>();
-  CLI::App* show = AddCommand(*objects, "show", "Print an object with its stable poses and grasps");
+  CLI::App* show = AddCommand(*objects, "show",
+                              "Print an object with its stable poses and grasps; with --json the "
+                              "object alone, and `grasps list --json` the others");
   show->add_option("OBJECT", *id, "Id, e.g. mug")->required();
   show->callback([=, &global] { *action = [=, &global] { return ShowObject(global, *id); }; });
   CLI::App* check =

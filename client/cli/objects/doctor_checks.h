@@ -16,6 +16,12 @@
 
 namespace graspdb::client {
 
+// Whether the camera of a cell sees its region, as far as its pose is known.
+void CheckCameraView(const v1::Cell& cell, Findings* out);
+
+// Whether the settings of a cell let something be recognised.
+void CheckMinScore(const v1::Cell& cell, Findings* out);
+
 // The server: version, records that are left out, memory.
 void CheckServer(const v1::CatalogStatus& status, std::string_view client_version, Findings* out);
 

@@ -14,6 +14,7 @@
 #include "client/teaching/turntable/look_alikes_text.h"
 #include "files/json_object.h"
 #include "program/pem_files.h"
+#include "program/printable_text.h"
 #include "program/version.h"
 
 namespace graspdb::client {
@@ -47,6 +48,7 @@ class Doctor {
 
  private:
   absl::Status CheckState(const v1::CatalogStatus& status, absl::Time before);
+  void CheckStreams();
   absl::Status CheckObjects();
   absl::Status CheckPoses(const v1::Object& object);
   absl::Status CheckProposals();
@@ -156,6 +158,8 @@ absl::Status Doctor::CheckState(const v1::CatalogStatus& status, absl::Time befo
   if (!status.has_server_state()) return absl::OkStatus();  // an older server
   const v1::ServerState& state = status.server_state();
   CheckClock(state, before, now, &out_);
+  CheckWrites(state, &out_);
+  CheckDatabaseFiles(state, &out_);
   CheckFiles(state, &out_);
   if (state.has_certificate_expire_time()) {
     CheckCertificate("server", "--tls-cert",
@@ -164,11 +168,24 @@ absl::Status Doctor::CheckState(const v1::CatalogStatus& status, absl::Time befo
   return absl::OkStatus();
 }
 
+// By trying one, that of the change stream.
+void Doctor::CheckStreams() {
+  const absl::Status watched =
+      client_.WatchCatalog({}, [](const v1::WatchCatalogResponse& /*heartbeat*/) {
+        return absl::CancelledError("the stream begins");
+      });
+  if (!absl::IsResourceExhausted(watched)) return;
+  AddFinding(Severity::kError, "server",
+             absl::StrCat("refuses streams: ", PrintableText(std::string(watched.message()))),
+             &out_);
+}
+
 absl::Status Doctor::CheckAll() {
   const absl::Time before = absl::Now();
   const auto status = client_.GetCatalogStatus();
   if (!status.ok()) return status.status();
   if (absl::Status checked = CheckState(*status, before); !checked.ok()) return checked;
+  CheckStreams();
   auto uploads = client_.ListUploads();
   if (!uploads.ok()) return uploads.status();
   uploads_ = *std::move(uploads);
@@ -177,6 +194,8 @@ absl::Status Doctor::CheckAll() {
   if (!cells.ok()) return cells.status();
   for (const v1::Cell& cell : *cells) {
     CheckCell(cell, &out_);
+    CheckCameraView(cell, &out_);
+    CheckMinScore(cell, &out_);
     CheckLabels(cell, labels_, &out_);
   }
   for (const v1::Upload& upload : uploads_) CheckUpload(upload, absl::Now(), &out_);

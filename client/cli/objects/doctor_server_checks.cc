@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
+#include "program/printable_text.h"
 
 namespace graspdb::client {
 namespace {
@@ -81,10 +82,11 @@ void CheckBackups(const v1::CatalogStatus& status, Findings* out) {
   const v1::BackupStatus& backup = status.backup();
   const bool is_scheduled = backup.interval_s() > 0;
   if (!backup.last_error().empty()) {
-    AddFinding(Severity::kWarning, kServer,
-               absl::StrCat("making, verifying or deleting a backup failed: ", backup.last_error(),
-                            "; then run: graspdb backup create"),
-               out);
+    AddFinding(
+        Severity::kWarning, kServer,
+        absl::StrCat("making, verifying or deleting a backup failed: ",
+                     PrintableText(backup.last_error()), "; then run: graspdb backup create"),
+        out);
   }
   if (!backup.has_last_good_backup()) {
     if (is_scheduled && backup.last_error().empty() && status.uptime_s() < kFirstBackupS) return;
@@ -114,6 +116,30 @@ void CheckDisks(const v1::CatalogStatus& status, Findings* out) {
   if (status.backup().has_disk()) {
     CheckDisk(status.backup().disk(), state.database_byte_count(), "backups",
               "free space, lower --backup-keep, or run: graspdb backup delete", out);
+  }
+}
+
+void CheckWrites(const v1::ServerState& state, Findings* out) {
+  if (!state.has_write_fault()) return;
+  AddFinding(
+      Severity::kError, kServer,
+      absl::StrCat("writes fail since ", MinuteText(TimeFrom(state.write_fault().time())),
+                   ", while it still recognises: ", PrintableText(state.write_fault().error())),
+      out);
+}
+
+void CheckDatabaseFiles(const v1::ServerState& state, Findings* out) {
+  for (const v1::DamagedFile& file : state.damaged_files()) {
+    AddFinding(Severity::kError, kServer,
+               absl::StrCat("its database's file ", PrintableText(file.name()), " is damaged (",
+                            PrintableText(file.error()), "); ",
+                            file.backup().empty()
+                                ? "no backup of this catalogue has it: teach its views again "
+                                  "(event=record_left_out in the log)"
+                                : absl::StrCat(PrintableText(file.backup()),
+                                               " has it: stop the server, and restore that backup "
+                                               "into an empty folder")),
+               out);
   }
 }
 

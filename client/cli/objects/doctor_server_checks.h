@@ -15,6 +15,12 @@ void CheckBackups(const v1::CatalogStatus& status, Findings* out);
 // Space on the disks of the database and of the backups.
 void CheckDisks(const v1::CatalogStatus& status, Findings* out);
 
+// Changes that the server rejects since its disk fails or is full.
+void CheckWrites(const v1::ServerState& state, Findings* out);
+
+// Files of the database that are missing or damaged.
+void CheckDatabaseFiles(const v1::ServerState& state, Findings* out);
+
 // Files of the settings that cannot be used, and audit records that are lost.
 void CheckFiles(const v1::ServerState& state, Findings* out);
 

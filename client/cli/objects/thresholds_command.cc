@@ -78,8 +78,9 @@ void AddThresholdsCommand(CLI::App& objects, const GlobalOptions& global, Action
   auto options = std::make_shared<ThresholdsOptions>();
   CLI::App* command = AddCommand(
       objects, "thresholds",
-      "Propose minimum scores of stable poses: recognises each taught view without itself, and "
-      "without its object, and proposes a lower minimum score for stable poses whose correct "
+      "Propose minimum scores of stable poses: recognises up to eight views of each without "
+      "itself, "
+      "and without its object, and proposes a lower minimum score for stable poses whose correct "
       "detections score low. Run it again after teaching more.");
   command->add_option("OBJECT", options->id, "Id, e.g. mug; default: all objects");
   command->add_flag("--apply", options->apply,

@@ -87,9 +87,8 @@ void AddUploadsCommand(CLI::App& app, const GlobalOptions& global, Action* actio
     command->add_option("UPLOAD", *id, "Id, as in the list")->required();
     return command;
   };
-  add("show", "Print an upload and its failed views")->callback([=, &global] {
-    *action = [=, &global] { return ShowUpload(global, *id); };
-  });
+  add("show", "Print an upload and its failed views; with --json the upload alone")
+      ->callback([=, &global] { *action = [=, &global] { return ShowUpload(global, *id); }; });
   auto skip_failed = std::make_shared<bool>(false);
   CLI::App* commit = add("commit", "Make the views of an upload part of the catalogue");
   commit->add_flag("--skip-failed", *skip_failed, "Without those that cannot be taught");

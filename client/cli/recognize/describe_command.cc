@@ -26,8 +26,8 @@ without normals is downsampled to 3 mm voxels and its normals are estimated in a
 of 10 mm, as on the server. The viewpoint is the sensor's position in the frame of the
 points: 0,0,0 for points in the sensor frame.
 
-The bins of VFH-263 and MVFH-300 sum to 1, with equal shares for all parts; each part of
-VFH-308 sums to 100, as in the Point Cloud Library.
+The bins of VFH-263, MVFH-300 and GSH-288 sum to 1, with equal shares for all parts; each part
+of VFH-308 sums to 100, as in the Point Cloud Library.
 
 Example: graspdb describe mug.pcd --descriptor vfh308 --json)";
 

@@ -7,6 +7,7 @@
 #include "client/cli/base/splits.h"
 #include "client/cli/recognize/commands.h"
 #include "client/cli/recognize/picture_writer.h"
+#include "client/cli/recognize/scan_hint.h"
 #include "client/cli/recognize/scan_source.h"
 #include "client/cli/recognize/scoreboard.h"
 
@@ -28,19 +29,26 @@ errors. Without a sensor pose (captures.json, the VIEWPOINT line or the cell) th
 frame is fitted to the table in front of the sensor.
 
 With --json each scan prints one line {"path": ..., "response": ...}, or {"path": ...,
-"error": ...} if the scan was rejected; the exit status is then 1.
+"error": ...} if the scan was rejected; the exit status is then 1. "hint" is there too
+for each EMPTY_REGION and NO_CLUSTER, and for other scans without an object whose points lie
+at an unusual place.
 
 Examples:
   graspdb recognize scan.pcd
   graspdb recognize captures/monday --split QUERY --json | jq .response.status
   graspdb recognize captures/monday --split QUERY --pictures /tmp/pictures)";
 
-void PrintJsonLine(const std::string& path, const std::string& key, const std::string& json) {
-  // Protobuf's JSON printer quotes the path.
+// Protobuf's JSON printer quotes it.
+std::string QuotedJson(const std::string& text) {
   google::protobuf::Value quoted;
-  quoted.set_string_value(path);
-  std::printf("{\"path\":%s,\"%s\":%s}\n", ToJson(quoted).value_or("\"\"").c_str(), key.c_str(),
-              json.c_str());
+  quoted.set_string_value(text);
+  return ToJson(quoted).value_or("\"\"");
+}
+
+void PrintJsonLine(const std::string& path, const std::string& key, const std::string& json,
+                   const std::string& hint = "") {
+  std::printf("{\"path\":%s,\"%s\":%s%s%s}\n", QuotedJson(path).c_str(), key.c_str(), json.c_str(),
+              hint.empty() ? "" : ",\"hint\":", hint.empty() ? "" : QuotedJson(hint).c_str());
 }
 
 std::string ErrorJson(const absl::Status& status) {
@@ -61,12 +69,14 @@ absl::Status RecognizeOne(Client& client, const GlobalOptions& global,
   request->set_omit_timings(options.stable);
   absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(*request);
   if (!response.ok()) return response.status();
+  const std::string hint = ScanHint(*request, *response);
   if (global.json) {
     absl::StatusOr<std::string> json = ToJson(*response);
     if (!json.ok()) return json.status();
-    PrintJsonLine(task.path, "response", *json);
+    PrintJsonLine(task.path, "response", *json, hint);
   } else {
     board->Add(task, *response);
+    if (!hint.empty()) std::printf("  %s\n", hint.c_str());
   }
   if (options.pictures.empty()) return absl::OkStatus();
   return WritePicture(client, options.pictures, task, *request, *response);

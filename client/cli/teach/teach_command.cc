@@ -16,6 +16,7 @@
 #include "files/capture_check.h"
 #include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
+#include "rendering/outward_faces.h"
 
 namespace graspdb::client {
 namespace {
@@ -53,9 +54,19 @@ Examples:
   graspdb teach bracket --mesh bracket.stl --unit mm --cell press-3
   graspdb teach bracket --mesh bracket.stl --unit mm --poses 1,3 --look-down 55 --distance 0.9)";
 
+// A scan may have a few triangles that no turn makes consistent.
+constexpr double kMaxOpposedShare = 0.005;
+
 absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
   const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
   if (!mesh.ok()) return mesh.status();
+  if (const double opposed = OpposedShare(*mesh); opposed > kMaxOpposedShare) {
+    std::fprintf(stderr,
+                 "graspdb: warning: of %.1f %% of the edges of %s both triangles turn against each "
+                 "other, and its surface is open or has one side only, so its outside is not "
+                 "known; turn its faces alike in the program that made it\n",
+                 100 * opposed, options.mesh.c_str());
+  }
   CadOptions cad;
   cad.poses = {.min_probability = options.min_probability,
                .stands_rad = options.stands_deg * std::numbers::pi / 180};

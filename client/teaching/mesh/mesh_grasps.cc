@@ -12,6 +12,8 @@
 #include "client/teaching/mesh/top_grasps.h"
 #include "files/capture_check.h"
 #include "files/pose_message.h"
+#include "program/json_keys.h"
+#include "program/text_encoding.h"
 
 namespace graspdb::client {
 namespace {
@@ -39,6 +41,7 @@ absl::StatusOr<std::string> ReadText(const fs::path& path) {
   if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     return Bad(path, " is not a readable file; name a JSON file");
   }
+  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
   return text;
 }
 
@@ -54,6 +57,9 @@ absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
     return Bad(path, absl::StrCat(
                          " is not {\"grasps\": [...]}: ", complaint.substr(0, complaint.find('\n')),
                          "; use the format of `graspdb teach --dry-run --json`"));
+  }
+  if (absl::Status keys = CheckJsonKeys(*text); !keys.ok()) {
+    return Bad(path, absl::StrCat(": ", keys.message()));
   }
   if (read.grasps().empty()) return Bad(path, " has no grasps; give {\"grasps\": [...]}");
   v1::CapturedStablePose grasps;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "client/teaching/mesh/even_samples.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::client {
@@ -13,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int kSamples = 6000;
+constexpr int kSamples = 12'000;
 constexpr int kDirections = 24;      // over half a turn
 constexpr double kMinPlayM = 0.003;  // on each side of the object when the gripper comes down
 constexpr double kPlayM = 0.010;     // on each side, if it can open that far
@@ -23,6 +24,11 @@ constexpr float kMinCosine = 0.9397F;  // of 20 degrees
 // in the grasp.
 constexpr double kMaxLever = 0.5;
 constexpr double kMinTouchM2 = 8e-6;
+// Share of the pads that counts as full contact, since few samples lie on them.
+constexpr double kFullContact = 0.85;
+// Values that differ by less are equal; of equal grasps the first one is proposed, so that rounding
+// does not decide.
+constexpr double kEqualValue = 1e-3;
 constexpr double kOtherGraspRad = 45 * std::numbers::pi / 180;
 
 struct Candidate {
@@ -32,12 +38,29 @@ struct Candidate {
   double value = 0;
 };
 
+// The first of those that are as good as the best one; null without one.
+const Candidate* FirstOfBest(const std::vector<const Candidate*>& candidates) {
+  if (candidates.empty()) return nullptr;
+  const auto value = [](const Candidate* one) { return one->value; };
+  const double best = (*std::ranges::max_element(candidates, {}, value))->value;
+  return *std::ranges::find_if(
+      candidates, [&](const Candidate* one) { return one->value >= best - kEqualValue; });
+}
+
+const Candidate* FirstOfBest(const std::vector<Candidate>& candidates) {
+  std::vector<const Candidate*> all;
+  all.reserve(candidates.size());
+  for (const Candidate& one : candidates) all.push_back(&one);
+  return FirstOfBest(all);
+}
+
 // The object turned so that the fingers close along x.
 class Turned {
  public:
-  Turned(const recognition::OrientedCloud& surface, double area_of_sample, const Vector3d& mass,
-         double closing_rad, const ParallelGripper& gripper)
-      : area_of_sample_(area_of_sample), closing_rad_(closing_rad), gripper_(gripper) {
+  Turned(const EvenSamples& samples, const Vector3d& mass, double closing_rad,
+         const ParallelGripper& gripper)
+      : areas_(samples.areas), closing_rad_(closing_rad), gripper_(gripper) {
+    const recognition::OrientedCloud& surface = samples.cloud;
     const Eigen::AngleAxisd turn(-closing_rad, Vector3d::UnitZ());
     const Eigen::Matrix3f forth = turn.toRotationMatrix().cast<float>();
     mass_ = turn * mass;
@@ -51,7 +74,7 @@ class Turned {
   }
 
   std::optional<Candidate> Best() const {
-    std::optional<Candidate> best;
+    std::vector<Candidate> fitting;
     const double deep = std::max(kOffTableM, mass_.z() - gripper_.pad_height_m / 2);
     const double highest = top_ - gripper_.finger_length_m;
     const double step = gripper_.finger_width_m / 4;
@@ -59,11 +82,11 @@ class Turned {
     for (const double tips : {kOffTableM, deep, top_ - gripper_.pad_height_m}) {
       if (tips < std::max(kOffTableM, highest)) continue;
       for (int k = -steps; k <= steps; ++k) {
-        const auto found = At(mass_.y() + k * step, tips);
-        if (found && (!best || found->value > best->value)) best = found;
+        if (const auto found = At(mass_.y() + k * step, tips)) fitting.push_back(*found);
       }
     }
-    return best;
+    const Candidate* best = FirstOfBest(fitting);
+    return best == nullptr ? std::nullopt : std::optional(*best);
   }
 
  private:
@@ -94,30 +117,32 @@ class Turned {
     const Span span = SpanOf(y, tips);
     const auto width = static_cast<double>(span.high - span.low);
     if (span.is_empty || width + 2 * kMinPlayM > gripper_.max_opening_m) return std::nullopt;
-    int low = 0;
-    int high = 0;
+    double low = 0;
+    double high = 0;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Vector3f& p = points_[i];
       if (!IsSwept(p, y, tips) || static_cast<double>(p.z()) > tips + gripper_.pad_height_m) {
         continue;
       }
-      low += p.x() < span.low + static_cast<float>(kTouchDepthM) && cosines_[i] < -kMinCosine;
-      high += p.x() > span.high - static_cast<float>(kTouchDepthM) && cosines_[i] > kMinCosine;
+      const bool is_low = p.x() < span.low + static_cast<float>(kTouchDepthM);
+      const bool is_high = p.x() > span.high - static_cast<float>(kTouchDepthM);
+      if (is_low && cosines_[i] < -kMinCosine) low += areas_[i];
+      if (is_high && cosines_[i] > kMinCosine) high += areas_[i];
     }
-    const double touching = area_of_sample_ * std::min(low, high);
+    const double touching = std::min(low, high);
     if (touching < kMinTouchM2) return std::nullopt;
     const double x = static_cast<double>(span.low + span.high) / 2;
     const double lever = std::hypot(y - mass_.y(), x - mass_.x());
     if (lever > kMaxLever * reach_) return std::nullopt;
     const double pad = gripper_.finger_width_m * gripper_.pad_height_m;
-    const double value = std::min(1.0, touching / pad) - 2 * lever / gripper_.max_opening_m -
-                         0.5 * width / gripper_.max_opening_m;
+    const double value = std::min(1.0, touching / (kFullContact * pad)) -
+                         2 * lever / gripper_.max_opening_m - 0.5 * width / gripper_.max_opening_m;
     const Eigen::AngleAxisd back(closing_rad_, Vector3d::UnitZ());
     return Candidate{closing_rad_, back * Vector3d(x, y, tips + gripper_.pad_height_m / 2), width,
                      value};
   }
 
-  double area_of_sample_;
+  const std::vector<double>& areas_;
   double closing_rad_;
   const ParallelGripper& gripper_;
   Vector3d mass_;
@@ -146,24 +171,25 @@ double AngleBetween(double a, double b) {
 
 std::vector<v1::Grasp> ProposeTopGrasps(const GraspedObject& object,
                                         const ParallelGripper& gripper) {
-  const recognition::OrientedCloud surface =
-      SampleOrientedSurface(*object.mesh, kSamples, /*seed=*/1);
-  const double area_of_sample = AreaOf(*object.mesh) / kSamples;
+  const EvenSamples samples = SampleEvenly(*object.mesh, kSamples);
   std::vector<Candidate> found;
   for (int k = 0; k < (object.any_turn ? 1 : kDirections); ++k) {
-    const Turned turned(surface, area_of_sample, object.mass_center,
-                        std::numbers::pi * k / kDirections, gripper);
+    const Turned turned(samples, object.mass_center, std::numbers::pi * k / kDirections, gripper);
     if (const auto best = turned.Best()) found.push_back(*best);
   }
-  std::ranges::stable_sort(found, std::greater(), &Candidate::value);
   std::vector<v1::Grasp> out;
-  if (found.empty()) return out;
-  out.push_back(GraspOf(found.front(), "top", 1, gripper));
+  const Candidate* best = FirstOfBest(found);
+  if (best == nullptr) return out;
+  out.push_back(GraspOf(*best, "top", 1, gripper));
   if (object.any_turn) return out;
-  const auto other = std::ranges::find_if(found, [&](const Candidate& c) {
-    return AngleBetween(c.closing_rad, found.front().closing_rad) >= kOtherGraspRad - 1e-9;
-  });
-  if (other != found.end()) out.push_back(GraspOf(*other, "top-2", 0, gripper));
+  std::vector<const Candidate*> others;
+  for (const Candidate& one : found) {
+    if (AngleBetween(one.closing_rad, best->closing_rad) >= kOtherGraspRad - 1e-9) {
+      others.push_back(&one);
+    }
+  }
+  const Candidate* other = FirstOfBest(others);
+  if (other != nullptr) out.push_back(GraspOf(*other, "top-2", 0, gripper));
   return out;
 }
 

@@ -35,8 +35,8 @@ struct GraspedObject {
 // (a friction of 0.36). These are the outermost faces at and above the height of the tips, within
 // the width of the fingers, so the fingers come down beside the object and not on it. The tips stay
 // kOffTableM above the table, and the palm clear of the object. The score rises with the contact
-// area of the pads and falls with the distance from the centre of mass and with the width.
-// Deterministic; thread-safe.
+// area of the pads and falls with the distance from the centre of mass and with the width. It does
+// not depend on how the surface is divided into triangles. Deterministic; thread-safe.
 std::vector<v1::Grasp> ProposeTopGrasps(const GraspedObject& object,
                                         const ParallelGripper& gripper);
 

@@ -1,5 +1,6 @@
 #include "lab/experiment/report/bop_csv.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +11,7 @@
 namespace graspdb::client {
 namespace {
 
+constexpr char kBopHeader[] = "scene_id,im_id,obj_id,score,R,t,time\n";
 constexpr int kSceneId = 1;
 constexpr char kBopMethod[] = "graspdb_";
 constexpr char kBopEnd[] = "-test.csv";
@@ -31,10 +33,18 @@ std::string Field(const std::string& text) {
   return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
 }
 
+std::string BopLine(std::size_t image, std::size_t object, double score,
+                    const recognition::Pose& camera_object, double milliseconds) {
+  const Eigen::Vector3d t = camera_object.translation() * 1e3;
+  return absl::StrFormat("%d,%d,%d,%.9g,%s,%.9g %.9g %.9g,%.6f\n", kSceneId, image, object, score,
+                         RotationText(camera_object.linear()), t.x(), t.y(), t.z(),
+                         milliseconds / 1e3);
+}
+
 }  // namespace
 
-std::string BopFileName(const ExperimentCase& experiment) {
-  const std::string dataset = absl::StrReplaceAll(experiment.name, {{"-", ""}, {"_", ""}});
+std::string BopFileName(const std::string& case_name) {
+  const std::string dataset = absl::StrReplaceAll(case_name, {{"-", ""}, {"_", ""}});
   return absl::StrCat(kBopMethod, dataset, kBopEnd);
 }
 
@@ -43,15 +53,11 @@ bool IsBopFileName(const std::string& name) {
 }
 
 std::string BopCsv(const CaseResult& result) {
-  std::string out = "scene_id,im_id,obj_id,score,R,t,time\n";
+  std::string out = kBopHeader;
   for (const Answer& a : result.answers) {
     const std::optional<std::size_t> part = PartOfFound(a, result.set);
     if (!part) continue;
-    const recognition::Pose camera_object = a.world_sensor.inverse() * a.found;
-    const Eigen::Vector3d t = camera_object.translation() * 1e3;
-    absl::StrAppendFormat(&out, "%d,%d,%d,%.9g,%s,%.9g %.9g %.9g,%.6f\n", kSceneId, a.scene,
-                          *part + 1, a.score, RotationText(camera_object.linear()), t.x(), t.y(),
-                          t.z(), a.milliseconds / 1e3);
+    out += BopLine(a.scene, *part + 1, a.score, a.world_sensor.inverse() * a.found, a.milliseconds);
   }
   return out;
 }
@@ -64,6 +70,27 @@ std::string BopObjects(const CaseResult& result) {
     const Workpiece& part = result.set.parts[i];
     absl::StrAppend(&out, Field(result.experiment.name), ",", i + 1, ",", Field(part.object_id),
                     ",", Field(part.stable_pose_id), "\n");
+  }
+  return out;
+}
+
+std::string BopCsv(const std::vector<FrameResult>& results,
+                   const std::vector<std::string>& object_ids) {
+  std::string out = kBopHeader;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    for (const FrameDetection& d : results[i].detections) {
+      const auto object = std::ranges::find(object_ids, d.object) - object_ids.begin();
+      out += BopLine(i, static_cast<std::size_t>(object) + 1, d.score, d.sensor_mesh,
+                     results[i].milliseconds);
+    }
+  }
+  return out;
+}
+
+std::string BopObjects(const std::vector<std::string>& object_ids) {
+  std::string out = BopObjectsHeader();
+  for (std::size_t i = 0; i < object_ids.size(); ++i) {
+    absl::StrAppend(&out, kBopFrames, ",", i + 1, ",", Field(object_ids[i]), ",\n");
   }
   return out;
 }

@@ -5,14 +5,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lab/experiment/experiment.h"
+#include "lab/experiment/real_frames.h"
 
 namespace graspdb::client {
 
 // "graspdb_hidden20-test.csv" for the case "hidden-20": METHOD_DATASET-SPLIT.csv. The toolkit cuts
 // the name at '_' and '-', so that the case's own ones go.
-std::string BopFileName(const ExperimentCase& experiment);
+std::string BopFileName(const std::string& case_name);
 
 // Whether it may be the name of such a file, of any case.
 bool IsBopFileName(const std::string& name);
@@ -27,5 +29,13 @@ std::string BopCsv(const CaseResult& result);
 // after BopObjectsHeader().
 std::string BopObjectsHeader();
 std::string BopObjects(const CaseResult& result);
+
+// The same of frames of real cameras, whose case is kBopFrames. im_id is the position of the frame
+// in `results`, from 0, and obj_id that of the object in `object_ids`, from 1. R and t are
+// T_camera_mesh, of the mesh as its file has it.
+inline constexpr char kBopFrames[] = "frames";
+std::string BopCsv(const std::vector<FrameResult>& results,
+                   const std::vector<std::string>& object_ids);
+std::string BopObjects(const std::vector<std::string>& object_ids);
 
 }  // namespace graspdb::client

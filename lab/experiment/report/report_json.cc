@@ -119,7 +119,10 @@ void FillAnswer(const Answer& a, const PartSet& set, JsonObject out) {
 
 void FillInstance(const FrameInstance& instance, JsonObject out) {
   out.Set(Json("object", instance.object.object), Json("found", instance.found),
-          Json("true_pose_score", instance.truth.whole.confidence));
+          Json("true_pose_score", instance.truth.whole.confidence),
+          Json("stage", TextOf(instance.stage())),
+          Json("stage_by_segments", TextOf(instance.by_segments)),
+          Json("stage_in_image", TextOf(instance.in_image)));
   if (!instance.found) out.Set(Json("lost_by", TextOf(instance.lost_by)));
 }
 

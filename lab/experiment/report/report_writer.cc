@@ -63,7 +63,7 @@ absl::Status ReportWriter::Add(const CaseResult& result) {
   rows_.push_back(RowOf(result));
   cases_.push_back(CaseAsJson(result));
   absl::StrAppend(&bop_objects_, BopObjects(result));
-  absl::Status written = WriteFile(folder_ / BopFileName(result.experiment), BopCsv(result));
+  absl::Status written = WriteFile(folder_ / BopFileName(result.experiment.name), BopCsv(result));
   return written.ok() ? Write() : written;
 }
 

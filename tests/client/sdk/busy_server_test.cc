@@ -174,6 +174,13 @@ TEST(BusyDelayTest, IsThatOfTheRetryInfo) {
   EXPECT_EQ(delay_of(kCode, BusyFor(-absl::Seconds(1)).error_details()), std::nullopt);
 }
 
+TEST(BusyDelayTest, IsThatOfOurServersWhereGrpcHasNoThread) {
+  EXPECT_EQ(BusyDelay(absl::ResourceExhaustedError("Server Threadpool Exhausted")),
+            absl::Milliseconds(100));
+  EXPECT_EQ(BusyDelay(absl::ResourceExhaustedError("Received message larger than max")),
+            std::nullopt);
+}
+
 TEST(BackoffTest, ClientsThatWereRefusedTogetherComeBackAtDifferentTimes) {
   constexpr absl::Duration kDelay = absl::Milliseconds(100);
   constexpr int kCells = 100;

@@ -47,9 +47,9 @@ TEST_F(ConnectionOptionsTest, HalfAPairIsTheErrorOfEveryCall) {
 }
 
 TEST_F(ConnectionOptionsTest, AServerNeedsAPort) {
-  for (const char* server :
-       {"", "127.0.0.1", "localhost", "localhost:", ":50051", "[::1]", "::1", "fe80::1:50051",
-        "2001:db8:0:0:0:0:0:1", "127.0.0.1:0", "127.0.0.1:65536", "localhost:x"}) {
+  for (const char* server : {"", "127.0.0.1", "localhost", "localhost:", ":50051", "[::1]", "::1",
+                             "fe80::1:50051", "2001:db8:0:0:0:0:0:1", "127.0.0.1:0",
+                             "127.0.0.1:65536", "localhost:x", "http://127.0.0.1:50051"}) {
     EXPECT_THAT(Call({}, server),
                 StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("is not HOST:PORT; give")))
         << server;

@@ -12,6 +12,7 @@
 #include "server/server.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/certificates.h"
+#include "tests/testing/scoped_variable.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {
@@ -20,6 +21,8 @@ namespace {
 using graspdb::testing::Authority;
 using graspdb::testing::IsOk;
 using graspdb::testing::KeyPair;
+using graspdb::testing::NoProxy;
+using graspdb::testing::ScopedVariable;
 using graspdb::testing::StatusIs;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -161,6 +164,31 @@ TEST_F(SecurityTest, AServerThatTheClientDoesNotTrustIsRejected) {
   server_.reset();
   Start();
   EXPECT_THAT(Status(Trusting()), StatusIs(kUnavailable, HasSubstr("other host names")));
+}
+
+TEST_F(SecurityTest, AnAddressInTheCommonNameAloneIsExplained) {
+  WritePair("server", plant_.Issue("127.0.0.1", ""));
+  Start();
+  EXPECT_THAT(Status(Trusting()),
+              StatusIs(kUnavailable, AllOf(HasSubstr("subjectAltName"), HasSubstr("CN"))));
+}
+
+TEST_F(SecurityTest, NoProxyIsUsedForALoopbackAddress) {
+  const NoProxy no_proxy;
+  const ScopedVariable proxy("http_proxy", "http://127.0.0.1:9");
+  Start();
+  EXPECT_THAT(Status(Trusting()), IsOk());
+  options_.tls = {};
+  server_.reset();
+  Start();
+  EXPECT_THAT(Status({}), IsOk());
+}
+
+TEST_F(SecurityTest, AProxyThatDoesNotLeadToTheServerIsNamed) {
+  const NoProxy no_proxy;
+  const ScopedVariable proxy("http_proxy", "http://127.0.0.1:9");
+  EXPECT_THAT(Connect({}, "server.invalid:50051").GetCatalogStatus(),
+              StatusIs(kUnavailable, AllOf(HasSubstr("http_proxy"), HasSubstr("no_proxy"))));
 }
 
 TEST_F(SecurityTest, TlsOnOneSideOnlyIsReported) {

@@ -54,6 +54,11 @@ TEST_F(BenchFramesTest, AppliesTheSettingsToEveryScan) {
   EXPECT_EQ(DescribeRequests(*requests), "2 clouds, 0.00 MB each");
 }
 
+TEST_F(BenchFramesTest, MoreViewsThanTheServerVerifiesAreWrongUsage) {
+  EXPECT_THAT(Requests(WriteScan("a.pcd") + " --verified-views 100"), IsOk());
+  EXPECT_THROW((void)Requests(WriteScan("a.pcd") + " --verified-views 101"), CLI::ValidationError);
+}
+
 TEST_F(BenchFramesTest, LeavesUnsetFieldsToTheServer) {
   const auto requests = Requests(WriteScan("a.pcd"));
   ASSERT_THAT(requests, IsOk());

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "files/point_file.h"
+#include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/trial.h"
 #include "rendering/mesh_file.h"
@@ -88,8 +89,13 @@ TEST_F(RealFramesTest, FindsAnObjectAtItsTruePose) {
   EXPECT_GT(result->instances[0].truth.whole.confidence, 0.5);
   EXPECT_GT(result->instances[0].truth.own_share(), 0.9);
   EXPECT_EQ(result->instances[0].rank, 1);
+  EXPECT_EQ(result->instances[0].stage(), PoseStage::kAccepted);
+  EXPECT_EQ(result->instances[0].by_segments, PoseStage::kBest);
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_FALSE(result->detections[0].IsWrong());
+  const Pose& sensor_mesh = *result->frame->objects[0].sensor_mesh;
+  EXPECT_LT((result->detections[0].sensor_mesh.inverse() * sensor_mesh).translation().norm(),
+            0.005);
   const auto json = FramesJson("graspdb eval", {*result});
   ASSERT_THAT(json, IsOk());
   for (const char* text :
@@ -105,6 +111,7 @@ TEST_F(RealFramesTest, CountsAMisplacedObjectAsMissedAndWrong) {
   ASSERT_EQ(result->instances.size(), 1U);
   EXPECT_FALSE(result->instances[0].found);
   EXPECT_EQ(result->instances[0].lost_by, LostBy::kSegmentation);
+  EXPECT_EQ(result->instances[0].stage(), PoseStage::kNone);
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_TRUE(result->detections[0].IsWrong());
 }
@@ -122,6 +129,21 @@ TEST_F(RealFramesTest, AnObjectThatIsNotInTheFrameIsWrongWithoutAPoseError) {
   const auto json = FramesJson("graspdb eval", {*result});
   ASSERT_THAT(json, IsOk());
   EXPECT_THAT(*json, HasSubstr("\"add_s_share\": null"));
+}
+
+TEST_F(RealFramesTest, AReportHasFiguresStagesAndBopResults) {
+  WriteFrame("l-bracket", Pose::Identity());
+  const auto result = Recognize();
+  ASSERT_THAT(result, IsOk());
+  ASSERT_THAT(WriteFramesReport(folder_.path(), "graspdb eval", {"l-bracket"}, {*result}), IsOk());
+  const auto text_of = [&](const std::string& name) {
+    std::ifstream file(folder_.path() / name);
+    return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  };
+  EXPECT_THAT(text_of("report.json"), HasSubstr("\"stage\": \"accepted\""));
+  EXPECT_THAT(text_of("stages.md"), HasSubstr("| accepted | 0 | 1 | 1 |"));
+  EXPECT_THAT(text_of("graspdb_frames-test.csv"), HasSubstr("\n1,0,1,"));
+  EXPECT_THAT(text_of("bop_objects.csv"), HasSubstr("\nframes,1,l-bracket,"));
 }
 
 TEST_F(RealFramesTest, RejectsAMalformedFileWithTheFrame) {

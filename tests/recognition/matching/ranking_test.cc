@@ -45,6 +45,8 @@ TEST(LargestGap, IsThatOfTheFarthestPoint) {
   moved.translation().z() = 0.012;
   EXPECT_NEAR(LargestGap(plate, Turn(10), plate, moved), 0.012, 0.002);
   EXPECT_GE(LargestGap(plate, Turn(0), plate, Turn(90)), 0.019);
+  moved.translation().z() = 0.2;
+  EXPECT_GE(LargestGap(plate, Turn(10), plate, moved), 0.2);
 }
 
 // TaughtShapes, and the tower once more under another name.

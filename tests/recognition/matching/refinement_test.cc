@@ -91,6 +91,17 @@ TEST_F(RefinementTest, AFlatPlateDoesNotSlide) {
   EXPECT_LT(std::abs(found.translation().z()), 1e-4);
 }
 
+TEST_F(RefinementTest, ARefinementThatStillMovesHasNotConverged) {
+  Pose initial = truth_;
+  initial.translation() += Eigen::Vector3d(0.006, -0.004, 0.002);
+  const Refinement first = Refine(model_, Target(false), initial, {.iterations = 1});
+  EXPECT_FALSE(first.converged);
+  EXPECT_EQ(first.iterations, 1);
+  EXPECT_TRUE(Refine(model_, Target(false), initial, {.iterations = 20}).converged);
+  initial.translation().x() += 1;
+  EXPECT_FALSE(Refine(model_, Target(false), initial, {}).converged) << "nothing is near";
+}
+
 TEST_F(RefinementTest, WithoutCorrespondencesTheInitialPoseStays) {
   Pose initial = truth_;
   initial.translation().x() += 1;

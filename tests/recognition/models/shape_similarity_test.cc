@@ -11,7 +11,7 @@ namespace {
 // The walls and the top of a prism of `corners` at radius `radius_m`, 6 cm high, with its first
 // corner at `turn_rad`; with a nose on one side where `nose_m` is not 0.
 SurfaceModel Prism(int corners, double radius_m, double nose_m = 0, double turn_rad = 0) {
-  constexpr double kStep = 0.0025;
+  const double step = radius_m < 0.2 ? 0.0025 : 0.01;
   constexpr double kHeight = 0.06;
   OrientedCloud out;
   const auto add = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& n) {
@@ -24,14 +24,14 @@ SurfaceModel Prism(int corners, double radius_m, double nose_m = 0, double turn_
   const double side = 2 * radius_m * std::sin(half);
   for (int k = 0; k < corners; ++k) {
     const Eigen::AngleAxisd to_side(2 * half * k, Eigen::Vector3d::UnitZ());
-    for (double along = -side / 2; along < side / 2; along += kStep) {
-      for (double z = 0; z < kHeight; z += kStep) {
+    for (double along = -side / 2; along < side / 2; along += step) {
+      for (double z = 0; z < kHeight; z += step) {
         add(to_side * Eigen::Vector3d(inner, along, z), to_side * Eigen::Vector3d::UnitX());
       }
     }
   }
-  for (double along = 0; nose_m > 0 && along < nose_m; along += kStep) {
-    for (double z = 0; z < kHeight; z += kStep) {
+  for (double along = 0; nose_m > 0 && along < nose_m; along += step) {
+    for (double z = 0; z < kHeight; z += step) {
       add({inner + along, 0.004, z}, Eigen::Vector3d::UnitY());
       add({inner + along, -0.004, z}, -Eigen::Vector3d::UnitY());
     }
@@ -51,6 +51,17 @@ TEST(FindSymmetry, OfPrismsIsTheNumberOfCorners) {
 TEST(FindSymmetry, OfARoundObjectIsAnyTurn) { EXPECT_EQ(FindSymmetry(Prism(72, 0.04)).order, 0); }
 
 TEST(FindSymmetry, ANoseBreaksIt) { EXPECT_EQ(FindSymmetry(Prism(4, 0.04, 0.04)).order, 1); }
+
+// Their size allows larger gaps than can be measured.
+TEST(FindSymmetry, OfLargePrismsIsTheNumberOfCorners) {
+  EXPECT_EQ(FindSymmetry(Prism(4, 0.35)).order, 4);
+  EXPECT_EQ(FindSymmetry(Prism(4, 0.35, 0.3)).order, 1);
+}
+
+TEST(FindShapeSimilarity, LargeObjectsOfOtherShapesAreNotAlike) {
+  EXPECT_FALSE(FindShapeSimilarity(Prism(4, 0.35), Prism(6, 0.35)));
+  EXPECT_TRUE(FindShapeSimilarity(Prism(4, 0.35), Prism(4, 0.35, 0, 0.5)));
+}
 
 TEST(FindShapeSimilarity, TheSameObjectTaughtTwiceIsFoundInItsTurn) {
   const SurfaceModel a = Prism(4, 0.04, 0.04);

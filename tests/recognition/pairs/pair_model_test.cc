@@ -79,7 +79,8 @@ TEST(PairModelTest, EveryPairOfTheModelIsFound) {
     for (std::size_t j = 0; j < points.size(); j += 11) {
       if ((points[i] - points[j]).norm() < 0.02F) continue;
       tried += 1;
-      for (const auto& entry : model->table->Find(points[i], normals[i], points[j], normals[j])) {
+      const auto feature = FeatureOf(points[i], normals[i], points[j], normals[j]);
+      for (const auto& entry : model->table->Find(feature.value())) {
         if (entry.point == i) {
           found += 1;
           break;
@@ -89,6 +90,11 @@ TEST(PairModelTest, EveryPairOfTheModelIsFound) {
   }
   // Buckets with too many pairs are empty.
   EXPECT_GT(found, tried / 2);
+}
+
+VotedPoses PosesVotedFor(const PairModel& model, const OrientedCloud& scene) {
+  const PairModel* models[] = {&model};
+  return VoteForPoses(models, scene, {}, [] { return false; }).front();
 }
 
 TEST(PairVotesTest, APoseIsFoundWhereTheModelIs) {
@@ -101,7 +107,7 @@ TEST(PairVotesTest, APoseIsFoundWhereTheModelIs) {
   truth.translation() = Eigen::Vector3f(0.1F, -0.05F, 0.7F);
   const OrientedCloud scene = SeenFromAbove(*model, truth);
   std::size_t near = 0;
-  for (const auto& pose : VotedPoses(*model, scene, {}, [] { return false; })) {
+  for (const auto& pose : PosesVotedFor(*model, scene)) {
     const Eigen::AngleAxisf turn(Eigen::Matrix3f(truth.linear().transpose() * pose.linear()));
     if ((truth.inverse() * pose).translation().norm() < 0.015F && std::abs(turn.angle()) < 0.3F) {
       near += 1;
@@ -114,10 +120,31 @@ TEST(PairVotesTest, TheSameVotesGiveTheSamePoses) {
   const auto model = MakePairModel(KnobbedBox(), {});
   ASSERT_NE(model, nullptr);
   const OrientedCloud scene = SeenFromAbove(*model, Eigen::Isometry3f::Identity());
-  const auto a = VotedPoses(*model, scene, {}, [] { return false; });
-  const auto b = VotedPoses(*model, scene, {}, [] { return false; });
+  const auto a = PosesVotedFor(*model, scene);
+  const auto b = PosesVotedFor(*model, scene);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].matrix(), b[i].matrix());
+}
+
+TEST(PairVotesTest, EachOfSeveralModelsGetsThePosesThatItGetsAlone) {
+  const OrientedCloud box = KnobbedBox();
+  OrientedCloud half = box;
+  for (Eigen::Vector3f& p : half.points) p *= 0.5F;
+  const auto large = MakePairModel(box, {});
+  const auto small = MakePairModel(half, {});
+  ASSERT_NE(large, nullptr);
+  ASSERT_NE(small, nullptr);
+  const OrientedCloud scene = SeenFromAbove(*large, Eigen::Isometry3f::Identity());
+  const PairModel* models[] = {small.get(), large.get()};
+  const auto together = VoteForPoses(models, scene, {}, [] { return false; });
+  for (std::size_t m = 0; m < 2; ++m) {
+    const VotedPoses alone = PosesVotedFor(*models[m], scene);
+    EXPECT_FALSE(alone.empty());
+    ASSERT_EQ(together[m].size(), alone.size());
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      EXPECT_EQ(together[m][i].matrix(), alone[i].matrix());
+    }
+  }
 }
 
 TEST(PairModelTest, PartsFarApartDoNotFillTheMemory) {

@@ -146,6 +146,40 @@ TEST_F(TouchingTest, RecognitionsOfHugeClustersAreLimited) {
   EXPECT_EQ(calls, 2);  // the blocks, and not the halves as well
 }
 
+// A row of 27 blocks, 1 cm apart: more than are recognised. The first one is known.
+TEST_F(TouchingTest, PartsBeyondTheLimitHaveTheirPlaceAndSize) {
+  Scan scan;
+  Segmentation seen;
+  Segment whole;
+  for (int i = 0; i < 27 * 216; ++i) {
+    const int x = i / 216 * 10 + i % 6;
+    whole.cloud.points.emplace_back(0.003F * static_cast<float>(x),
+                                    0.003F * static_cast<float>(i / 6 % 6),
+                                    0.003F * static_cast<float>(i / 36 % 6));
+    whole.cloud.normals.emplace_back(0.0F, 0.0F, 1.0F);
+  }
+  int calls = 0;
+  const RecognizeAlone recognize_first = [&](const Segment& segment) {
+    Detection out;
+    out.point_count = segment.cloud.points.size();
+    out.centroid = segment.centroid;
+    if (calls++ > 0) return out;
+    out.view = std::make_shared<const TaughtView>();
+    out.model = std::make_shared<const SurfaceModel>(segment.cloud, 1);
+    out.score = out.evidence.scan_explained = 1;
+    return out;
+  };
+  const auto objects = PartTouching({scan, seen, whole}, Detection(), SplittingOptions(),
+                                    recognize_first, recognize_first, [] { return false; });
+  ASSERT_THAT(objects, IsOk());
+  ASSERT_THAT(*objects, SizeIs(27));
+  EXPECT_LT(calls, 27);
+  for (const AnsweredSegment& object : *objects) {
+    EXPECT_EQ(object.detection.point_count, 216U);
+    EXPECT_EQ(object.detection.centroid, object.segment.centroid);
+  }
+}
+
 TEST_F(TouchingTest, AnUnknownObjectIsNotSplit) {
   const auto found = See({UnknownSolid(0, 0), UnknownSolid(0.1, 0.02)});
   ASSERT_THAT(found, SizeIs(1));

@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "absl/time/clock.h"
 #include "tests/client/cell/agent/scripted_server.h"
 #include "tests/testing/status_matchers.h"
 
@@ -47,6 +48,21 @@ TEST_F(CellCacheTest, AMissingCellIsNotLoggedAsALostServer) {
                                                         HasSubstr("graspdb cells set press-3"))));
 }
 
+TEST_F(CellCacheTest, TheServersVersionIsReadAgainAfterAnOutage) {
+  Answer(grpc::Status::OK);
+  Client client = server_.Connect();
+  CellCache cache(client, "cells/press-3", absl::Milliseconds(1));
+  const auto wait_until = [](const auto& holds) {
+    while (!holds()) absl::SleepFor(absl::Milliseconds(1));
+  };
+  wait_until([&] { return cache.server_version() == "9.8"; });
+  Answer({grpc::StatusCode::UNAVAILABLE, "gone"});
+  wait_until([&] { return !cache.state().ok(); });
+  server_.Change([](ScriptedServer& server) { server.version = "9.9"; });
+  Answer(grpc::Status::OK);
+  wait_until([&] { return cache.server_version() == "9.9"; });
+}
+
 TEST_F(CellCacheTest, AServerThatDoesNotAnswerIsLost) {
   Answer(grpc::Status::OK);
   Client client = server_.Connect();
@@ -55,6 +71,17 @@ TEST_F(CellCacheTest, AServerThatDoesNotAnswerIsLost) {
   Answer({grpc::StatusCode::UNAVAILABLE, "gone"});
   EXPECT_THAT(cache.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
   EXPECT_THAT(log_->last_formatted(), Contains(HasSubstr("event=server_lost")));
+}
+
+TEST_F(CellCacheTest, AServerThatIsAwayFromTheStartIsLoggedOnce) {
+  Answer({grpc::StatusCode::UNAVAILABLE, "away"});
+  Client client = server_.Connect();
+  CellCache cache(client, "cells/press-3", absl::Hours(1));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THAT(cache.Refresh(), StatusIs(absl::StatusCode::kUnavailable));
+  }
+  EXPECT_THAT(log_->last_formatted(),
+              ElementsAre(AllOf(HasSubstr("event=server_lost"), HasSubstr("away"))));
 }
 
 }  // namespace

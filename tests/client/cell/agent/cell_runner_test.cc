@@ -174,7 +174,7 @@ TEST_F(CellRunnerTest, SendsTheRequestIdThatItReports) {
   ASSERT_THAT(Run(1), IsOk());
   ASSERT_THAT(reports_, SizeIs(1));
   EXPECT_THAT(received, ::testing::ElementsAre(reports_[0].capture.request_id));
-  const std::optional<v1::Bundle> bundle = BundleOf(reports_[0]);
+  const std::optional<v1::Bundle> bundle = BundleOf(reports_[0], "9.8");
   ASSERT_TRUE(bundle);
   EXPECT_EQ(bundle->request_id(), received[0]);
 }
@@ -195,9 +195,27 @@ TEST_F(CellRunnerTest, ABundleHasTheAnswerOfTheServer) {
   ASSERT_THAT(reports_, SizeIs(2));
   v1::RecognizeResponse mug;
   ASSERT_TRUE(MugOnTheTable({}, &mug).ok());
-  EXPECT_TRUE(CompareReplay(*BundleOf(reports_[0]), mug).is_same);
-  EXPECT_TRUE(CompareReplay(*BundleOf(reports_[1]), absl::InvalidArgumentError("the scan is empty"))
-                  .is_same);
+  EXPECT_TRUE(CompareReplay(*BundleOf(reports_[0], "9.8"), mug).is_same);
+  EXPECT_TRUE(
+      CompareReplay(*BundleOf(reports_[1], "9.8"), absl::InvalidArgumentError("the scan is empty"))
+          .is_same);
+}
+
+TEST_F(CellRunnerTest, ABundleHasTheLastKnownRevisionAndTheServersVersion) {
+  ASSERT_THAT(Run(1), IsOk());
+  server_.Change([](ScriptedServer& server) {
+    server.recognize = [](const v1::RecognizeRequest&, v1::RecognizeResponse*) {
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "the scan is empty");
+    };
+  });
+  EXPECT_THAT(Run(1), StatusIs(absl::StatusCode::kDataLoss));
+  ASSERT_THAT(reports_, SizeIs(2));
+  for (const JobReport& report : reports_) {
+    const std::optional<v1::Bundle> bundle = BundleOf(report, "9.8");
+    ASSERT_TRUE(bundle);
+    EXPECT_EQ(bundle->catalog_revision(), 7);
+    EXPECT_EQ(bundle->server_version(), "9.8");
+  }
 }
 
 TEST_F(CellRunnerTest, CountsJobsAndPicksForMetrics) {

@@ -70,6 +70,14 @@ grpc::Status ScriptedServer::UpdateStablePose(grpc::ServerContext* /*context*/,
   return grpc::Status::OK;
 }
 
+grpc::Status ScriptedServer::GetCatalogStatus(grpc::ServerContext* /*context*/,
+                                              const v1::GetCatalogStatusRequest* /*request*/,
+                                              v1::CatalogStatus* response) {
+  absl::MutexLock lock(&mutex_);
+  response->set_server_version(version);
+  return grpc::Status::OK;
+}
+
 grpc::Status ScriptedServer::ReportGraspOutcome(grpc::ServerContext* /*context*/,
                                                 const v1::ReportGraspOutcomeRequest* request,
                                                 v1::ReportGraspOutcomeResponse* /*response*/) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "absl/synchronization/mutex.h"
 #include "client/sdk/client.h"
@@ -35,6 +36,7 @@ class ScriptedServer : private v1::RecognitionService::Service,
   std::function<grpc::Status(v1::ListObjectsResponse*)> list_objects;
   std::function<grpc::Status(const v1::ReportGraspOutcomeRequest&)> report_outcome;
   v1::StablePose stable_pose;  // for GetStablePose and UpdateStablePose
+  std::string version = "9.8";
 
  private:
   grpc::Status Recognize(grpc::ServerContext* context, const v1::RecognizeRequest* request,
@@ -50,7 +52,9 @@ class ScriptedServer : private v1::RecognitionService::Service,
   grpc::Status UpdateStablePose(grpc::ServerContext* /*context*/,
                                 const v1::UpdateStablePoseRequest* request,
                                 v1::StablePose* response) override;
-
+  grpc::Status GetCatalogStatus(grpc::ServerContext* /*context*/,
+                                const v1::GetCatalogStatusRequest* /*request*/,
+                                v1::CatalogStatus* response) override;
   grpc::Status ReportGraspOutcome(grpc::ServerContext* /*context*/,
                                   const v1::ReportGraspOutcomeRequest* request,
                                   v1::ReportGraspOutcomeResponse* response) override;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -196,6 +197,162 @@ TEST_P(HandEyeTest, CheckReturnsTheErrorOfAnExistingCalibration) {
   for (const HandEyeResidual& r : CheckHandEye(samples, GetParam(), pushed, cell.target)) {
     EXPECT_NEAR(r.shift_m, 0.004, 1e-9);
     EXPECT_LT(r.turn_rad, 1e-7);
+  }
+}
+
+TEST_P(HandEyeTest, CertaintyIsOfTheSizeOfTheNoise) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Cell cell(GetParam(), seed);
+    const auto samples = cell.Drive(12, 0.8, 0.0003, 0.12 * recognition::kRadiansPerDegree);
+    const auto found = SolveHandEye(samples, GetParam());
+    ASSERT_THAT(found, IsOk());
+    const HandEyeCertainty& certainty = found->certainty;
+    EXPECT_GE(certainty.left_out_shift_m, found->shift_m) << seed;
+    EXPECT_LT(certainty.left_out_shift_m, 0.006) << seed;
+    EXPECT_LT(certainty.left_out_turn_rad, 0.01) << seed;
+    EXPECT_GT(certainty.weakest_m, 0.0002) << seed;
+    EXPECT_LT(certainty.weakest_m, 0.008) << seed;
+    EXPECT_LT(ShiftBetween(found->mount_camera, cell.camera), 5 * certainty.weakest_m) << seed;
+  }
+}
+
+std::vector<HandEyeSample> Scaled(std::vector<HandEyeSample> samples, double factor) {
+  for (HandEyeSample& sample : samples) sample.base_flange.translation() *= factor;
+  return samples;
+}
+
+TEST_P(HandEyeTest, PositionsInAnotherUnitAreRefused) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Cell cell(GetParam(), seed);
+    const auto samples = cell.Drive(9, 0.5, 0.0003, 0.1 * recognition::kRadiansPerDegree);
+    for (const double factor : {0.001, 1000.0}) {  // metres for millimetres, and back
+      EXPECT_THAT(SolveHandEye(Scaled(samples, factor), GetParam()),
+                  StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("metres")))
+          << factor;
+    }
+    for (const double factor : {0.01, 0.1, 1 / 25.4, 10.0}) {  // decimetres, centimetres, inches
+      EXPECT_THAT(SolveHandEye(Scaled(samples, factor), GetParam()),
+                  StatusIs(absl::StatusCode::kFailedPrecondition,
+                           ::testing::AnyOf(HasSubstr("unit"), HasSubstr("metres"))))
+          << factor;
+    }
+  }
+}
+
+// Poses as other programs have sent them.
+TEST_P(HandEyeTest, PosesInAnotherFormatAreRefused) {
+  const auto inverse = [](const Pose& pose) { return pose.inverse(); };
+  const auto w_first = [](const Pose& pose) {
+    const Eigen::Quaterniond q(pose.linear());
+    Pose out = pose;
+    out.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+    return out;
+  };
+  const auto other_order = [](const Pose& pose) {  // Euler's angles about x, y, z as of z, y, x
+    const Vector3d angles = pose.linear().eulerAngles(0, 1, 2);
+    Pose out = pose;
+    out.linear() =
+        (AngleAxisd(angles[2], Vector3d::UnitZ()) * AngleAxisd(angles[1], Vector3d::UnitY()) *
+         AngleAxisd(angles[0], Vector3d::UnitX()))
+            .toRotationMatrix();
+    return out;
+  };
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Cell cell(GetParam(), seed);
+    const auto good = cell.Drive(10, 0.6, 0.0003, 0.1 * recognition::kRadiansPerDegree);
+    for (const std::function<Pose(const Pose&)>& format :
+         {std::function<Pose(const Pose&)>(inverse), std::function<Pose(const Pose&)>(w_first),
+          std::function<Pose(const Pose&)>(other_order)}) {
+      std::vector<HandEyeSample> samples = good;
+      for (HandEyeSample& sample : samples) sample.base_flange = format(sample.base_flange);
+      EXPECT_THAT(SolveHandEye(samples, GetParam()),
+                  StatusIs(absl::StatusCode::kFailedPrecondition));
+    }
+    // One detection failed, and each later one is paired with the pose before it.
+    std::vector<HandEyeSample> samples = good;
+    for (std::size_t i = 3; i < samples.size(); ++i) {
+      samples[i - 1].camera_target = good[i].camera_target;
+    }
+    EXPECT_THAT(SolveHandEye(samples, GetParam()),
+                StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("agree")));
+  }
+}
+
+TEST_P(HandEyeTest, HalfTurnsAndRepeatedPosesDoNoHarm) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Cell cell(GetParam(), seed);
+    auto samples = cell.Drive(8, 0.5);
+    samples.insert(samples.end(), 4, samples.front());
+    const Pose half_turn = PoseOf(Vector3d::Zero(), std::numbers::pi, Vector3d::UnitZ());
+    HandEyeSample turned = samples[1];
+    turned.base_flange = turned.base_flange * half_turn;
+    turned.camera_target = GetParam() == CameraMount::kFixed
+                               ? cell.camera.inverse() * turned.base_flange * cell.target
+                               : cell.camera.inverse() * turned.base_flange.inverse() * cell.target;
+    samples.push_back(turned);
+    const auto found = SolveHandEye(samples, GetParam());
+    ASSERT_THAT(found, IsOk());
+    EXPECT_LT(ShiftBetween(found->mount_camera, cell.camera), 1e-8);
+  }
+}
+
+TEST_P(HandEyeTest, ARobotThatTurnsInPlaceOrDoesNotTurnIsRefused) {
+  Cell cell(GetParam(), 1);
+  auto samples = cell.Drive(10, 0.6);
+  for (HandEyeSample& sample : samples) {
+    sample.base_flange.translation() = Vector3d(0.5, 0, 0.4);
+    sample.camera_target = GetParam() == CameraMount::kFixed
+                               ? cell.camera.inverse() * sample.base_flange * cell.target
+                               : cell.camera.inverse() * sample.base_flange.inverse() * cell.target;
+  }
+  EXPECT_THAT(SolveHandEye(samples, GetParam()),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("hardly moves")));
+  samples = cell.Drive(10, 0.6);
+  for (HandEyeSample& sample : samples) sample.base_flange.linear().setIdentity();
+  EXPECT_THAT(SolveHandEye(samples, GetParam()),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("too similar")));
+}
+
+// The camera is always at the same distance from the target, and looks at it.
+class HandEyeOnASphereTest : public ::testing::Test {
+ protected:
+  std::vector<HandEyeSample> Drive(int poses, std::uint64_t seed, double shift_noise_m,
+                                   double turn_noise_rad) const {
+    Cell noise(CameraMount::kOnFlange, seed);
+    std::vector<HandEyeSample> samples;
+    for (int i = 0; i < poses; ++i) {
+      HandEyeSample sample;
+      sample.camera_target = PoseOf({0, 0, 0.6}, std::numbers::pi, {1, 0, 0}) *
+                             PoseOf({0, 0, 0}, 0.3 + 0.1 * (i % 3), {std::cos(i), std::sin(i), 0}) *
+                             PoseOf({0, 0, 0}, 2.1 * i, {0, 0, 1});
+      sample.base_flange = PoseOf({0.5, 0.1, 0}, 0.6, {0, 0, 1}) * sample.camera_target.inverse() *
+                           camera_.inverse();
+      sample.camera_target = sample.camera_target * noise.Noise(shift_noise_m, turn_noise_rad);
+      samples.push_back(sample);
+    }
+    return samples;
+  }
+
+  const Pose camera_ = PoseOf({0.04, -0.01, 0.06}, 0.8, {0, 0, 1});
+};
+
+TEST_F(HandEyeOnASphereTest, GoodPositionsAreAcceptedInSpiteOfNoise) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const auto found = SolveHandEye(Drive(20, seed, 0.004, 0.004), CameraMount::kOnFlange);
+    ASSERT_THAT(found, IsOk()) << seed;
+    EXPECT_LT(ShiftBetween(found->mount_camera, camera_), 0.02) << seed;
+  }
+}
+
+TEST_F(HandEyeOnASphereTest, PositionsInMetresForMillimetresAreRefused) {
+  const std::vector<HandEyeSample> samples = Drive(9, 1, 0, 0);
+  const auto found = SolveHandEye(samples, CameraMount::kOnFlange);
+  ASSERT_THAT(found, IsOk());
+  EXPECT_LT(ShiftBetween(found->mount_camera, camera_), 1e-6);
+  for (const double factor : {0.001, 1 / 25.4, 1000.0}) {
+    EXPECT_THAT(SolveHandEye(Scaled(samples, factor), CameraMount::kOnFlange),
+                StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("millimetres")))
+        << factor;
   }
 }
 

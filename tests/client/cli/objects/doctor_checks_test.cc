@@ -190,6 +190,38 @@ TEST(DoctorChecks, PlacesOfACellInMillimetresOrBelowTheTable) {
   EXPECT_THAT(out, ElementsAre(Finds(Severity::kWarning, "not above the table")));
 }
 
+TEST(DoctorChecks, ARegionThatTheCameraDoesNotSee) {
+  v1::Cell cell = GoodCell();
+  Findings out;
+  cell.mutable_sensor_pose()->mutable_position()->set_z(1);
+  v1::Quaternion* orientation = cell.mutable_sensor_pose()->mutable_orientation();
+  orientation->set_x(1);  // looks down
+  orientation->set_w(0);
+  CheckCameraView(cell, &out);
+  EXPECT_THAT(out, IsEmpty());
+  orientation->set_x(0);  // looks up
+  orientation->set_w(1);
+  CheckCameraView(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "does not see its region")));
+  orientation->set_x(1);
+  orientation->set_w(0);
+  SetBox(0.2, 30, cell.mutable_region_of_interest());  // far beside it
+  out.clear();
+  CheckCameraView(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "does not see its region")));
+}
+
+TEST(DoctorChecks, AMinimumScoreThatNothingReaches) {
+  v1::Cell cell = GoodCell();
+  Findings out;
+  cell.mutable_pipeline()->set_min_score(0.99);
+  CheckMinScore(cell, &out);
+  EXPECT_THAT(out, IsEmpty());
+  cell.mutable_pipeline()->set_min_score(1);
+  CheckMinScore(cell, &out);
+  EXPECT_THAT(out, ElementsAre(Finds(Severity::kError, "minimum score is 1")));
+}
+
 TEST(DoctorChecks, ACellWithLabelsOfNoObject) {
   v1::Cell cell = GoodCell();
   Findings out;

@@ -125,6 +125,34 @@ TEST(DoctorServerChecks, ADiskWithoutSpaceForTheDatabaseAgain) {
   EXPECT_THAT(out, ElementsAre(IsFinding(Severity::kWarning, "the database has 51.0 GiB")));
 }
 
+TEST(DoctorServerChecks, ChangesThatAreRejected) {
+  v1::ServerState state;
+  Findings out;
+  CheckWrites(state, &out);
+  EXPECT_THAT(out, IsEmpty());
+  state.mutable_write_fault()->set_error("cannot write the change: Read-only file system");
+  CheckWrites(state, &out);
+  EXPECT_THAT(out, ElementsAre(IsFinding(Severity::kError, "Read-only file system")));
+  state.mutable_write_fault()->set_error("cannot write \x1b[2J");
+  CheckWrites(state, &out);
+  EXPECT_EQ(out.back().text.find('\x1b'), std::string::npos) << out.back().text;
+}
+
+TEST(DoctorServerChecks, DamagedFilesOfTheDatabase) {
+  v1::ServerState state;
+  v1::DamagedFile* file = state.add_damaged_files();
+  file->set_name("000012.blob");
+  file->set_error("No such file or \x1b[2Jdirectory");
+  *state.add_damaged_files() = *file;
+  file->set_backup("backups/7");
+  Findings out;
+  CheckDatabaseFiles(state, &out);
+  EXPECT_THAT(out, ElementsAre(IsFinding(Severity::kError, "backups/7 has it"),
+                               IsFinding(Severity::kError, "no backup of this catalogue has it")));
+  EXPECT_THAT(out.front().text,
+              HasSubstr("000012.blob is damaged (No such file or ?[2Jdirectory)"));
+}
+
 TEST(DoctorServerChecks, FilesThatCannotBeUsed) {
   v1::ServerState state;
   v1::FileFault* fault = state.add_file_faults();

@@ -81,6 +81,11 @@ TEST_F(GraspsFileTest, GraspsAreRead) {
   EXPECT_EQ(grasps->front().tcp_pose().position().z(), 0.1);
 }
 
+TEST_F(GraspsFileTest, AByteOrderMarkIsSkipped) {
+  EXPECT_THAT(Load(std::string("\xEF\xBB\xBF{\"grasps\":[") + kTop + "]}"), IsOk());
+  EXPECT_THAT(Load(std::string("{\0\n\0", 4)).status().message(), HasSubstr("encoding UTF-16"));
+}
+
 TEST_F(GraspsFileTest, ErrorsNameTheProblem) {
   const std::string top = kTop;
   EXPECT_THAT(LoadGrasps(folder_.path() / "none").status().message(), HasSubstr("not exist"));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 
 #include "files/pose_message.h"
@@ -75,6 +76,47 @@ TEST(TopGrasps, AStandingCanHasOneAcrossItsMiddle) {
   const auto grasps = ProposeTopGrasps({&can, {0, 0, 0.025}, true}, {});
   ASSERT_EQ(grasps.size(), 1U);
   EXPECT_LT(FromMessage(grasps[0].tcp_pose()).translation().head<2>().norm(), 0.002);
+}
+
+// Each triangle as four.
+TriangleMesh Divided(const TriangleMesh& mesh) {
+  TriangleMesh out;
+  for (const std::array<int, 3>& t : mesh.triangles) {
+    const auto first = static_cast<int>(out.vertices.size());
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3f& a = mesh.vertices[static_cast<std::size_t>(t[k])];
+      const Eigen::Vector3f& b = mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])];
+      out.vertices.push_back(a);
+      out.vertices.emplace_back((a + b) / 2);
+    }
+    for (const std::array<int, 3>& part :
+         {std::array{0, 1, 5}, std::array{1, 2, 3}, std::array{5, 3, 4}, std::array{1, 3, 5}}) {
+      out.triangles.push_back({first + part[0], first + part[1], first + part[2]});
+    }
+  }
+  return out;
+}
+
+TEST(TopGrasps, DoNotDependOnTheTriangles) {
+  const TriangleMesh angle = ExtrudeAlongX(
+      {{-0.05F, 0}, {0.01F, 0}, {0.01F, 0.06F}, {-0.01F, 0.06F}, {-0.01F, 0.02F}, {-0.05F, 0.02F}},
+      -0.02F, 0.02F);
+  for (const TriangleMesh& part : {angle, BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.05F}),
+                                   CylinderSolid({0, 0}, 0.02F, 0, 0.05F)}) {
+    for (const double turn_rad : {0.0, 0.2}) {
+      const TriangleMesh mesh =
+          Transformed(part, Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())));
+      const auto grasps = GraspsOf(mesh);
+      const auto divided = GraspsOf(Divided(Divided(mesh)));
+      ASSERT_FALSE(grasps.empty());
+      ASSERT_EQ(grasps.size(), divided.size());
+      for (std::size_t i = 0; i < grasps.size(); ++i) {
+        EXPECT_NEAR(grasps[i].gripper_opening_m(), divided[i].gripper_opening_m(), 1e-5);
+        EXPECT_TRUE(
+            FromMessage(grasps[i].tcp_pose()).isApprox(FromMessage(divided[i].tcp_pose()), 1e-4));
+      }
+    }
+  }
 }
 
 TEST(TopGrasps, ThePalmStaysOffATallObject) {

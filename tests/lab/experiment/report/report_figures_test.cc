@@ -6,6 +6,7 @@
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/report/bop_csv.h"
 #include "lab/experiment/report/case_figures.h"
+#include "lab/experiment/report/frames_report.h"
 #include "tests/lab/experiment/hand_made_case.h"
 
 namespace graspdb::client {
@@ -29,7 +30,7 @@ TEST(BopCsv, PrintsPosesInTheCameraFrameInMillimetres) {
   // In the camera y and z are turned over: x stays, y = -0.2 m, z = 1 - 0.05 m.
   EXPECT_EQ(absl::StrReplaceAll(lines[1], {{"-0 ", "0 "}, {"-0,", "0,"}}),
             "1,7,2,0.95,0 -1 0 -1 0 0 0 0 -1,100 -200 950,0.040000");
-  EXPECT_EQ(BopFileName(result.experiment), "graspdb_anywhere-test.csv");
+  EXPECT_EQ(BopFileName(result.experiment.name), "graspdb_anywhere-test.csv");
 }
 
 TEST(BopCsv, NamesWhatWasAnsweredAndLeavesOutWhatWasNot) {
@@ -38,7 +39,41 @@ TEST(BopCsv, NamesWhatWasAnsweredAndLeavesOutWhatWasNot) {
   ASSERT_THAT(lines, SizeIs(5));
   EXPECT_THAT(lines[3],
               StartsWith("1,2,2,0.62,"));  // the answer, not the query
-  EXPECT_EQ(BopFileName(result.experiment), "graspdb_hidden20-test.csv");
+  EXPECT_EQ(BopFileName(result.experiment.name), "graspdb_hidden20-test.csv");
+}
+
+TEST(BopCsv, OfFramesHasTheMeshInTheCameraFrame) {
+  FrameDetection found{.object = "nut", .score = 0.75};
+  found.sensor_mesh.translation() = Eigen::Vector3d(0.1, 0, 0.8);
+  FrameResult frame{.milliseconds = 40};
+  frame.detections = {found};
+  const std::vector<std::string> objects = {"bolt", "nut"};
+  EXPECT_EQ(BopCsv({FrameResult(), frame}, objects),
+            "scene_id,im_id,obj_id,score,R,t,time\n"
+            "1,1,2,0.75,1 0 0 0 1 0 0 0 1,100 0 800,0.040000\n");
+  EXPECT_EQ(BopObjects(objects), "case,obj_id,object,stable_pose\nframes,1,bolt,\nframes,2,nut,\n");
+}
+
+// Everything that reached a stage has passed those before.
+TEST(StageTable, CountsTruePosesByStageAndArrangement) {
+  RealFrame separated{
+      .name = {}, .path = {}, .sensor = {}, .arrangement = "tabletop, separated", .objects = {}};
+  RealFrame heap = separated;
+  heap.arrangement = "heap";
+  const FrameInstance found{.object = {}, .found = true, .by_segments = PoseStage::kBest};
+  const FrameInstance lost{
+      .object = {}, .by_segments = PoseStage::kKept, .in_image = PoseStage::kRefined};
+  const std::vector<FrameResult> results = {{.frame = &separated, .instances = {found, lost}},
+                                            {.frame = &heap, .instances = {FrameInstance()}}};
+  EXPECT_THAT(StageTable(results),
+              ElementsAre(ElementsAre("true poses", "separated", "other", "all", "by segments",
+                                      "in the image"),
+                          ElementsAre("all", "2", "1", "3", "", ""),
+                          ElementsAre("proposed", "2", "0", "2", "2", "1"),
+                          ElementsAre("kept", "2", "0", "2", "2", "1"),
+                          ElementsAre("refined", "2", "0", "2", "1", "1"),
+                          ElementsAre("best of its object", "1", "0", "1", "1", "0"),
+                          ElementsAre("accepted", "1", "0", "1", "", "")));
 }
 
 TEST(CaseFigures, CountObjectByObject) {

@@ -1,0 +1,55 @@
+// Cells whose camera or settings leave nothing to recognise.
+#include <cmath>
+
+#include "client/cli/objects/doctor_checks.h"
+#include "files/pose_message.h"
+
+namespace graspdb::client {
+namespace {
+
+// Half the angle that a wide depth camera sees, rad (Azure Kinect, wide: 60 degrees). Smaller,
+// regions at the edge of its image are taken for invisible.
+constexpr double kMaxViewAngle = 1.05;
+// Points of the region along each side. Doubled, eight times as many are tried.
+constexpr int kSteps = 9;
+// No score is higher.
+constexpr double kHighestScore = 1;
+
+bool IsInView(const Eigen::Vector3d& point) {  // in the sensor frame
+  return point.z() > 0 && std::atan2(std::hypot(point.x(), point.y()), point.z()) <= kMaxViewAngle;
+}
+
+bool IsSeen(const v1::AxisAlignedBox& region, const recognition::Pose& sensor_world) {
+  const auto at = [](double min, double max, int step) {
+    return min + (max - min) * step / (kSteps - 1);
+  };
+  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+    const Eigen::Vector3d point(at(region.min().x(), region.max().x(), i % kSteps),
+                                at(region.min().y(), region.max().y(), i / kSteps % kSteps),
+                                at(region.min().z(), region.max().z(), i / kSteps / kSteps));
+    if (IsInView(sensor_world * point)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void CheckCameraView(const v1::Cell& cell, Findings* out) {
+  if (!cell.has_sensor_pose() || !cell.has_region_of_interest()) return;
+  const recognition::Pose world_sensor = FromMessage(cell.sensor_pose());
+  if (IsSeen(cell.region_of_interest(), world_sensor.inverse())) return;
+  AddFinding(Severity::kError, cell.name(),
+             "its camera does not see its region, so nothing is recognised; correct the region, or "
+             "the sensor pose with: graspdb cells level",
+             out);
+}
+
+void CheckMinScore(const v1::Cell& cell, Findings* out) {
+  if (!cell.pipeline().has_min_score() || cell.pipeline().min_score() < kHighestScore) return;
+  AddFinding(Severity::kError, cell.name(),
+             "its minimum score is 1, which no detection reaches, so nothing is recognised; lower "
+             "it: graspdb cells set",
+             out);
+}
+
+}  // namespace graspdb::client

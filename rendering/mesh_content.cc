@@ -1,0 +1,172 @@
+#include "rendering/mesh_content.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "files/ply_file.h"
+#include "files/ply_header.h"
+#include "program/text_encoding.h"
+#include "rendering/plain_obj.h"
+#include "rendering/stated_unit.h"
+#include "rendering/stl_facets.h"
+
+namespace graspdb::client {
+namespace {
+
+constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{2} << 30;
+
+using Named = std::pair<std::string_view, std::string_view>;
+
+// INVALID_ARGUMENT for another ending than those of the formats that are read.
+absl::Status CheckFormat(const std::string& ending) {
+  constexpr std::array<Named, 12> kOthers = {{{".dae", "a Collada file"},
+                                              {".3mf", "a 3MF file"},
+                                              {".gltf", "a glTF file"},
+                                              {".glb", "a glTF file"},
+                                              {".fbx", "an FBX file"},
+                                              {".3ds", "a 3D Studio file"},
+                                              {".x3d", "an X3D file"},
+                                              {".wrl", "a VRML file"},
+                                              {".off", "an OFF file"},
+                                              {".amf", "an AMF file"},
+                                              {".step", "a STEP file, which has no triangles"},
+                                              {".stp", "a STEP file, which has no triangles"}}};
+  if (ending == ".ply" || ending == ".obj" || ending == ".stl") return absl::OkStatus();
+  const auto* other = std::ranges::find(kOthers, std::string_view(ending), &Named::first);
+  return absl::InvalidArgumentError(
+      absl::StrCat("it is ",
+                   other == kOthers.end() ? absl::StrCat("a file with the ending \"", ending, "\"")
+                                          : std::string(other->second),
+                   ", whose units and axes are not read; export it as PLY, OBJ or STL"));
+}
+
+absl::StatusOr<std::string> BytesIn(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream in(path, std::ios::binary);
+  if (error || !in) return absl::InvalidArgumentError("it cannot be opened; make it readable");
+  if (size > kMaxMeshBytes) return absl::InvalidArgumentError("it is larger than 2 GiB");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
+}
+
+// The first of `lines` that begins with one of `starts` and states a unit.
+void TakeUnit(absl::string_view lines, std::initializer_list<absl::string_view> starts,
+              UnitText text, MeshContent& content) {
+  for (absl::string_view line : absl::StrSplit(lines, '\n')) {
+    line = absl::StripAsciiWhitespace(line);
+    const auto is_start = [&](absl::string_view start) { return absl::StartsWith(line, start); };
+    if (std::ranges::none_of(starts, is_start)) continue;
+    content.unit_m = StatedUnit({line.data(), line.size()}, text);
+    if (!content.unit_m) continue;
+    content.unit_line = std::string(line);
+    return;
+  }
+}
+
+bool IsListOfCorners(const PlyHeader::Property& property) {
+  const bool is_real =
+      property.type == PlyHeader::Type::kFloat32 || property.type == PlyHeader::Type::kFloat64;
+  return property.is_list && !is_real &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+absl::Status CheckElements(const PlyHeader& header) {
+  const auto face = std::ranges::find(header.elements, "face", &PlyHeader::Element::name);
+  if (std::ranges::find(header.elements, "tristrips", &PlyHeader::Element::name) !=
+      header.elements.end()) {
+    return absl::InvalidArgumentError(
+        "triangle strips (its element tristrips) are not supported; export it with triangles");
+  }
+  if (face == header.elements.end()) {
+    return absl::InvalidArgumentError("it has no element named face, as of a cloud");
+  }
+  if (std::ranges::any_of(face->properties, IsListOfCorners)) return absl::OkStatus();
+  return absl::InvalidArgumentError("its faces have no list named vertex_indices or vertex_index");
+}
+
+// assimp takes each line of text for a row.
+absl::Status CheckLines(const PlyHeader& header, absl::string_view body) {
+  std::int64_t rows = 0;
+  for (const PlyHeader::Element& element : header.elements) {
+    if (!element.properties.empty()) rows += element.count;
+  }
+  std::int64_t lines = 0;
+  for (const absl::string_view line : absl::StrSplit(body, '\n')) {
+    lines += absl::StripAsciiWhitespace(line).empty() ? 0 : 1;
+  }
+  if (lines == rows) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("its ", rows, " rows go over ", lines,
+                   " lines, as RealSense's do; export it with one line for each, or in binary"));
+}
+
+// assimp never returns from some damaged PLY files, so our own reader reads them first. It also
+// drops a binary body's first byte where it looks like one more line end of the header
+// (github.com/assimp/assimp/issues/5341), and misreads all that follows: an element of one letter
+// comes before all others. It is named 1, since assimp reads the count of an unknown element at
+// the position of its name.
+absl::Status PreparePly(const std::filesystem::path& path, MeshContent& content) {
+  if (const auto points = ReadPly(path); !points.ok()) {
+    return absl::InvalidArgumentError(absl::StripPrefix(
+        points.status().message(), absl::StrCat(path.string(), " cannot be read: ")));
+  }
+  if (absl::Status taken = TakeUtf8("it", &content.bytes); !taken.ok()) return taken;
+  const absl::StatusOr<PlyHeader> header = ParsePlyHeader(content.bytes);
+  if (!header.ok()) return header.status();
+  if (absl::Status faces = CheckElements(*header); !faces.ok()) return faces;
+  TakeUnit(absl::string_view(content.bytes).substr(0, header->body_offset), {"comment", "obj_info"},
+           UnitText::kComment, content);
+  if (header->encoding == PlyHeader::Encoding::kAscii) {
+    return CheckLines(*header, absl::string_view(content.bytes).substr(header->body_offset));
+  }
+  if (header->elements_offset == 0) return absl::OkStatus();
+  content.bytes.insert(header->body_offset, 1, 'x');
+  content.bytes.insert(header->elements_offset, "element 1 1\nproperty uchar pad\n");
+  return absl::OkStatus();
+}
+
+absl::Status PrepareObjOrStl(MeshContent& content) {
+  const bool is_obj = content.format == "obj";
+  const bool is_text = is_obj || !IsBinaryStl(content.bytes);
+  absl::Status taken = is_text ? TakeUtf8("it", &content.bytes) : absl::OkStatus();
+  if (!taken.ok()) return taken;
+  if (is_obj) {
+    TakeUnit(content.bytes, {"#"}, UnitText::kComment, content);
+  } else {
+    TakeUnit(StlDescription(content.bytes), {""}, UnitText::kName, content);
+  }
+  absl::StatusOr<std::string> plain = is_obj ? PlainObj(content.bytes) : BinaryStl(content.bytes);
+  if (!plain.ok()) return plain.status();
+  content.bytes = *std::move(plain);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<MeshContent> ReadMeshContent(const std::filesystem::path& path) {
+  const std::string ending = absl::AsciiStrToLower(path.extension().string());
+  if (absl::Status format = CheckFormat(ending); !format.ok()) return format;
+  absl::StatusOr<std::string> bytes = BytesIn(path);
+  if (!bytes.ok()) return bytes.status();
+  MeshContent content{
+      .bytes = *std::move(bytes), .format = ending.substr(1), .unit_m = {}, .unit_line = {}};
+  absl::Status prepared =
+      content.format == "ply" ? PreparePly(path, content) : PrepareObjOrStl(content);
+  if (!prepared.ok()) return prepared;
+  return content;
+}
+
+}  // namespace graspdb::client
