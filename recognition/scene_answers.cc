@@ -1,7 +1,7 @@
 #include "recognition/scene_answers.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <optional>
 
 #include "recognition/scene/explained_pixels.h"
@@ -15,13 +15,12 @@ namespace {
 
 // A proposal may share so many of its pixels with answers.
 constexpr double kMaxExplainedShare = 0.3;
-// A segment is a new detection's where so many of its points lie on it, and touches it where fewer
-// do.
-constexpr double kOwnShare = 0.6;
+// A segment is explained where so many of its points lie on detections.
+constexpr double kExplainedShare = 0.6;
+// A detection touches what else is in a segment where some of the segment's points lie on it, but
+// not nearly all.
 constexpr double kTouchingShare = 0.05;
-// No confidence in an answer is nearer to 0 or 1.
-constexpr double kMinConfidence = 0.015;
-double ScoreOf(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
+constexpr double kNearlyAll = 0.9;
 
 void Reject(double score, Detection* detection) {
   detection->score = std::min(detection->score, score);
@@ -51,9 +50,9 @@ class Scene {
     return input_.is_cancelled() ? absl::CancelledError("cancelled while explaining the scene")
                                  : absl::OkStatus();
   }
-  double ShareOn(const std::vector<bool>& pixels, const Segment& segment) const;
-  void TakeSegments(const std::vector<bool>& pixels, Detection* found,
-                    std::vector<AnsweredSegment>* answers) const;
+  double ShareWhere(const Segment& segment, const std::function<bool(std::size_t)>& holds) const;
+  void Touch(const std::vector<bool>& pixels, Detection* found,
+             std::vector<AnsweredSegment>* answers) const;
 
   const SceneInput& input_;
   const Pose world_sensor_;
@@ -76,12 +75,7 @@ void Scene::VerifyOne(Detection* detection) {
   const Eigen::Isometry3f sensor_object =
       (world_sensor_.inverse() * detection->refined_pose).cast<float>();
   const SceneHypothesis judged = JudgePose(frame_, model, sensor_object, scene.object_search);
-  const double own = std::clamp(detection->score, kMinConfidence, 1 - kMinConfidence);
-  const ImageEvidenceParameters& evidence = scene.object_search.evidence;
-  const double unlikely = std::min(0.0F, SceneScore(frame_, judged, evidence));
-  const double score =
-      ScoreOf(SceneScore(frame_, judged, evidence, kContradictions) +
-              scene.unlikely_weight * unlikely + std::log(own / (1 - own)) - scene.segment_bar);
+  const double score = AnswerScore(frame_, judged, detection->score, scene);
   const double min_score =
       MinScore(StablePoseOf(input_.catalogue, *detection), input_.parameters.matching);
   if (score < std::min(0.5, min_score)) {
@@ -102,39 +96,45 @@ absl::Status Scene::Explain(std::vector<SceneProposal> proposals,
     answer.detection = std::move(proposal.detection);
     CompleteDetection(StablePoseOf(input_.catalogue, answer.detection), input_.parameters.workspace,
                       &answer.detection);
-    TakeSegments(pixels, &answer.detection, answers);
+    Touch(pixels, &answer.detection, answers);
     recognition::Explain(pixels, &frame_);
     answers->push_back(std::move(answer));
   }
+  // What is explained now is no unknown object.
+  std::erase_if(*answers, [&](const AnsweredSegment& answer) {
+    return answer.detection.view == nullptr && ShareWhere(answer.segment, [&](std::size_t pixel) {
+                                                 return frame_.role[pixel] == PixelRole::kExplained;
+                                               }) >= kExplainedShare;
+  });
   return absl::OkStatus();
 }
 
-double Scene::ShareOn(const std::vector<bool>& pixels, const Segment& segment) const {
+// The share of the segment's points in pixels for which `holds` is true.
+double Scene::ShareWhere(const Segment& segment,
+                         const std::function<bool(std::size_t)>& holds) const {
   if (segment.cloud.points.empty()) return 0;
   const Eigen::Isometry3f sensor_world = world_sensor_.inverse().cast<float>();
   const auto is_on = [&](const Eigen::Vector3f& p) {
     const std::ptrdiff_t pixel = frame_.PixelOf(sensor_world * p);
-    return pixel >= 0 && pixels[static_cast<std::size_t>(pixel)];
+    return pixel >= 0 && holds(static_cast<std::size_t>(pixel));
   };
   return static_cast<double>(std::ranges::count_if(segment.cloud.points, is_on)) /
          static_cast<double>(segment.cloud.points.size());
 }
 
-// Unknown segments that lie on a new detection are removed. One that lies there in part touches it.
-void Scene::TakeSegments(const std::vector<bool>& pixels, Detection* found,
-                         std::vector<AnsweredSegment>* answers) const {
-  std::erase_if(*answers, [&](AnsweredSegment& answer) {
-    if (answer.detection.view != nullptr) return false;
-    const double share = ShareOn(pixels, answer.segment);
-    if (share < kOwnShare) {
-      const bool touches = share >= kTouchingShare;
-      answer.detection.touching = answer.detection.touching || touches;
-      found->touching = found->touching || touches;
-      return false;
-    }
-    if (found->candidates.empty()) found->candidates = std::move(answer.detection.candidates);
-    return true;
-  });
+// A new detection gets the candidates of the segment that it lies on. It touches what else is in
+// that segment.
+void Scene::Touch(const std::vector<bool>& pixels, Detection* found,
+                  std::vector<AnsweredSegment>* answers) const {
+  for (AnsweredSegment& answer : *answers) {
+    const double share =
+        ShareWhere(answer.segment, [&](std::size_t pixel) { return pixels[pixel]; });
+    if (share < kTouchingShare) continue;
+    if (found->candidates.empty()) found->candidates = answer.detection.candidates;
+    if (share >= kNearlyAll) continue;
+    answer.detection.touching = true;
+    found->touching = true;
+  }
 }
 
 std::size_t AcceptedCount(const std::vector<AnsweredSegment>& answers) {
@@ -202,7 +202,7 @@ absl::Status ExplainScene(const Scan& scan, const Segmentation& segmentation,
   if (!proposals.ok()) return proposals.status();
   if (proposals->empty()) return absl::OkStatus();
   log->Measure("confirm", proposals->size(), [&] {
-    status = ConfirmProposals(input, scene.frame(), &*proposals);
+    status = ConfirmProposals(input, scene.frame(), *answers, &*proposals);
     return proposals->size();
   });
   if (!status.ok()) return status;

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "recognition/answered_segment.h"
 #include "recognition/base/stages.h"
 #include "recognition/frame/frame.h"
 #include "recognition/recognizer.h"
-#include "recognition/splitting/answered_segment.h"
 
 namespace graspdb::recognition {
 

@@ -6,6 +6,7 @@
 #include "recognition/matching/refinement.h"
 #include "recognition/matching/segment_matcher.h"
 #include "recognition/segment_recognition.h"
+#include "recognition/segmentation/segment_part.h"
 #include "recognition/verification/confidence.h"
 #include "recognition/verification/verification.h"
 
@@ -38,15 +39,30 @@ Eigen::Vector3d TowardsSensor(const Pose& world_object, const Pose& world_sensor
 // An object no farther than this from the table stands on it, m.
 constexpr float kStandsWithinM = 0.010F;
 
-// Aligns the model with its own points, and judges it on them.
-void AlignWithOwnPoints(const OwnPoints& own, bool stands, const MatchingParameters& matching,
-                        const IsCancelled& is_cancelled, Detection* d) {
-  const Segment& segment = own.segment;
+// Maximum distance of an object's own points from its model, in deviations, and its lower limit, m.
+constexpr double kDeviations = 3;
+constexpr double kFinestM = 0.0035;
+
+// The points of `segment` that lie on the aligned model. Those of a touching neighbour do not.
+Segment OnModel(const OwnPoints& own, const Segment& segment, const Detection& d, double reach_m) {
+  const auto limit = static_cast<float>(
+      std::clamp(kDeviations * d.evidence.rms_m, std::min(kFinestM, reach_m), reach_m));
+  const Eigen::Isometry3f object_world = d.refined_pose.inverse().cast<float>();
+  return PartOf(own.scan, own.segmentation, segment, [&](const Eigen::Vector3f& p) {
+    return d.model->DistanceTo(object_world * p) < limit;
+  });
+}
+
+// Aligns the model with `segment`, and judges it on that.
+void AlignWith(const OwnPoints& own, const Segment& segment, bool stands,
+               const MatchingParameters& matching, const IsCancelled& is_cancelled, Detection* d) {
   const DepthBuffer depth_buffer(own.depths, own.segmentation.world_sensor, segment);
   const SoaCloud columns(segment.cloud, StrideFor(segment, kFullPoints));
   const NearestGrid grid(segment.cloud.points, kSegmentCellM, kSegmentReachM, is_cancelled);
   const RefinementTarget target{segment.cloud, columns, grid,
                                 depth_buffer,  stands,  own.segmentation.table};
+  d->point_count = segment.cloud.points.size();
+  d->centroid = segment.centroid;
   const Refinement first = Refine(*d->model, target, d->rough_pose, kFirstSteps);
   const Refinement last = Refine(*d->model, target, first.world_object, kLastSteps);
   d->refined_pose = last.world_object;
@@ -62,6 +78,16 @@ void AlignWithOwnPoints(const OwnPoints& own, bool stands, const MatchingParamet
                      .inlier_fraction = d->evidence.confirmed};
 }
 
+bool IsTilted(const Pose& world_object, const RecognitionParameters& parameters) {
+  return world_object.linear()(2, 2) < std::cos(parameters.scene.max_tilt_rad);
+}
+
+bool Stands(const SceneHypothesis& hypothesis, const Pose& world_object,
+            const RecognitionParameters& parameters) {
+  return !IsTilted(world_object, parameters) && hypothesis.clearance_m &&
+         std::abs(*hypothesis.clearance_m) < kStandsWithinM;
+}
+
 }  // namespace
 
 absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypothesis,
@@ -72,9 +98,8 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
   const Pose& world_sensor = own.segmentation.world_sensor;
   const Pose world_model = world_sensor * hypothesis.sensor_object.cast<double>();
   const auto [stable_pose, world_object, upright] = MostUpright(stable_poses, world_model);
-  const bool is_tilted = upright < std::cos(parameters.scene.max_tilt_rad);
   std::optional<Detection> out;
-  if (is_tilted && !stable_pose->object_mesh) return out;
+  if (IsTilted(world_object, parameters) && !stable_pose->object_mesh) return out;
   Detection& d = out.emplace();
   const Eigen::Vector3d here = TowardsSensor(world_object, world_sensor);
   d.view = *std::ranges::max_element(stable_pose->views, {}, [&here](const auto& view) {
@@ -85,11 +110,24 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
   d.model = *std::move(surface);
   if (d.model == nullptr) return std::nullopt;
   d.rough_pose = world_object;
-  d.point_count = own.segment.cloud.points.size();
-  d.centroid = own.segment.centroid;
-  const bool stands =
-      !is_tilted && hypothesis.clearance_m && std::abs(*hypothesis.clearance_m) < kStandsWithinM;
-  AlignWithOwnPoints(own, stands, parameters.matching, is_cancelled, &d);
+  AlignWith(own, own.segment, Stands(hypothesis, world_object, parameters), parameters.matching,
+            is_cancelled, &d);
+  return out;
+}
+
+std::optional<Detection> WithoutNeighbours(const SceneHypothesis& hypothesis,
+                                           const Detection& detection, const OwnPoints& own,
+                                           const RecognitionParameters& parameters,
+                                           const IsCancelled& is_cancelled) {
+  const Segment on_model =
+      OnModel(own, own.segment, detection, parameters.matching.support_distance_m);
+  const auto fewest = static_cast<std::size_t>(parameters.segmentation.min_cluster_point_count);
+  if (on_model.cloud.points.size() < fewest) return std::nullopt;
+  Detection out = detection;
+  out.rough_pose = detection.refined_pose;
+  AlignWith(own, on_model, Stands(hypothesis, detection.rough_pose, parameters),
+            parameters.matching, is_cancelled, &out);
+  out.rough_pose = detection.rough_pose;
   return out;
 }
 

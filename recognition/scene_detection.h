@@ -15,6 +15,7 @@ namespace graspdb::recognition {
 
 // A proposal with the scan's points that lie on it.
 struct OwnPoints {
+  const Scan& scan;
   const ScanDepths& depths;
   const Segmentation& segmentation;
   const Segment& segment;
@@ -29,5 +30,12 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
                                                      const OwnPoints& own, ViewClouds& clouds,
                                                      const RecognitionParameters& parameters,
                                                      const IsCancelled& is_cancelled);
+
+// The same detection aligned without the points beside the model, which are those of neighbours
+// that touch it. Absent where too few points are left.
+std::optional<Detection> WithoutNeighbours(const SceneHypothesis& hypothesis,
+                                           const Detection& detection, const OwnPoints& own,
+                                           const RecognitionParameters& parameters,
+                                           const IsCancelled& is_cancelled);
 
 }  // namespace graspdb::recognition

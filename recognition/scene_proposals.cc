@@ -8,6 +8,7 @@
 
 #include "recognition/base/idle_cores.h"
 #include "recognition/points/thinned.h"
+#include "recognition/scene/explained_clusters.h"
 #include "recognition/scene/explained_pixels.h"
 #include "recognition/scene/scene_score.h"
 #include "recognition/scene_detection.h"
@@ -147,42 +148,76 @@ class OwnPointsFinder {
   std::unique_ptr<const ScanDepths> depths_;
 };
 
+// A pose that was aligned with points of the scan.
+struct AlignedPose {
+  Detection detection;
+  Eigen::Isometry3f sensor_model = Eigen::Isometry3f::Identity();
+  SceneHypothesis judged;
+};
+
 // A proposal after its alignment.
 struct Aligned {
-  std::optional<Detection> detection;  // absent: rejected
-  Eigen::Isometry3f sensor_model = Eigen::Isometry3f::Identity();
-  float log_odds = 0;  // by the image, the worse of before and after the alignment
-  float seen_area_m2 = 0;
+  std::optional<AlignedPose> pose;  // absent: rejected
+  float log_odds = 0;               // by the image, the worse of before and after the alignment
+  // Without the points of neighbours. Absent where too few are left.
+  std::optional<AlignedPose> alone;
 };
 
 absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
                               const OwnPointsFinder& finder, const SceneProposal& proposal) {
   Aligned out;
   const SceneParameters& scene = input.parameters.scene;
-  const Segment own =
+  const Segment segment =
       finder.On(PixelsOn(frame, *proposal.model, proposal.hypothesis.sensor_object));
   const auto fewest =
       static_cast<std::size_t>(input.parameters.segmentation.min_cluster_point_count);
-  if (own.cloud.points.size() < fewest) return out;
-  auto detection = DetectionOf(proposal.hypothesis, proposal.stable_poses,
-                               {finder.depths(), input.segmentation, own}, input.clouds,
+  if (segment.cloud.points.size() < fewest) return out;
+  const OwnPoints own{input.scan, finder.depths(), input.segmentation, segment};
+  auto detection = DetectionOf(proposal.hypothesis, proposal.stable_poses, own, input.clouds,
                                input.parameters, input.is_cancelled);
   if (absl::IsDataLoss(detection.status())) return out;  // as in ProposeObjects
   if (!detection.ok()) return detection.status();
   if (!*detection) return out;
   const TaughtStablePose* taught = StablePoseOf(input.catalogue, **detection);
   if (taught == nullptr) return out;
-  out.sensor_model = (input.segmentation.world_sensor.inverse() * (*detection)->refined_pose *
-                      taught->object_mesh.value_or(Pose::Identity()))
-                         .cast<float>();
-  const SceneHypothesis judged =
-      JudgePose(frame, *proposal.model, out.sensor_model, scene.object_search);
+  const auto judged = [&](Detection aligned) {
+    const Eigen::Isometry3f sensor_model =
+        (input.segmentation.world_sensor.inverse() * aligned.refined_pose *
+         taught->object_mesh.value_or(Pose::Identity()))
+            .cast<float>();
+    return AlignedPose{std::move(aligned), sensor_model,
+                       JudgePose(frame, *proposal.model, sensor_model, scene.object_search)};
+  };
+  auto alone = WithoutNeighbours(proposal.hypothesis, **detection, own, input.parameters,
+                                 input.is_cancelled);
+  if (alone) out.alone = judged(*std::move(alone));
+  out.pose = judged(**std::move(detection));
   const ImageEvidenceParameters& evidence = scene.object_search.evidence;
   out.log_odds = std::min(SceneScore(frame, proposal.hypothesis, evidence),
-                          SceneScore(frame, judged, evidence));
-  out.seen_area_m2 = judged.surface.seen_area_m2;
-  out.detection = **std::move(detection);
+                          SceneScore(frame, out.pose->judged, evidence));
   return out;
+}
+
+// Proposals that explain a cluster completely, alone or with others.
+std::vector<bool> WhichExplainClusters(const SceneInput& input, const Frame& frame,
+                                       const std::vector<AnsweredSegment>& answers,
+                                       const std::vector<SceneProposal>& proposals,
+                                       const std::vector<Aligned>& aligned) {
+  std::vector<std::optional<ClusterCandidate>> candidates(aligned.size());
+  for (std::size_t i = 0; i < aligned.size(); ++i) {
+    const std::optional<AlignedPose>& alone = aligned[i].alone;
+    if (!alone || alone->detection.score < MinScore(StablePoseOf(input.catalogue, alone->detection),
+                                                    input.parameters.matching)) {
+      continue;
+    }
+    candidates[i] = {PixelsOn(frame, *proposals[i].model, alone->sensor_model),
+                     alone->detection.score, aligned[i].log_odds};
+  }
+  std::vector<const Indices*> clusters;
+  clusters.reserve(answers.size());
+  for (const AnsweredSegment& answer : answers) clusters.push_back(&answer.segment.indices);
+  return WhichExplainClusters(frame, ClusterPixelsOf(input.scan, frame, clusters), candidates,
+                              input.parameters.scene.clusters);
 }
 
 // How much more likely proposal `i` is than the best other one in its place. Turns of one object
@@ -191,11 +226,11 @@ float LeadOf(std::size_t i, const std::vector<SceneProposal>& proposals,
              const std::vector<Aligned>& aligned) {
   float rival = kNoRivalLogOdds;
   const PairModel& model = *proposals[i].model;
-  const Eigen::Vector3f center = aligned[i].sensor_model * model.center;
+  const Eigen::Vector3f center = aligned[i].pose->sensor_model * model.center;
   for (std::size_t j = 0; j < proposals.size(); ++j) {
-    if (j == i || !aligned[j].detection) continue;
+    if (j == i || !aligned[j].pose) continue;
     const PairModel& other = *proposals[j].model;
-    const float distance = (aligned[j].sensor_model * other.center - center).norm();
+    const float distance = (aligned[j].pose->sensor_model * other.center - center).norm();
     const float diameter = std::max(model.diameter_m, other.diameter_m);
     if (distance > kSamePlaceShare * diameter) continue;
     if (&model == &other && distance < kSamePoseShare * diameter) continue;
@@ -251,7 +286,21 @@ absl::StatusOr<std::vector<SceneProposal>> ProposeObjects(
   return out;
 }
 
+double AnswerScore(const Frame& frame, const SceneHypothesis& judged, double own,
+                   const SceneParameters& scene) {
+  // No confidence in an answer is nearer to 0 or 1.
+  constexpr double kMinConfidence = 0.015;
+  own = std::clamp(own, kMinConfidence, 1 - kMinConfidence);
+  const ImageEvidenceParameters& evidence = scene.object_search.evidence;
+  const double unlikely = std::min(0.0F, SceneScore(frame, judged, evidence));
+  const double log_odds = SceneScore(frame, judged, evidence, kContradictions) +
+                          scene.unlikely_weight * unlikely + std::log(own / (1 - own)) -
+                          scene.segment_bar;
+  return 1 / (1 + std::exp(-log_odds));
+}
+
 absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
+                              const std::vector<AnsweredSegment>& answers,
                               std::vector<SceneProposal>* proposals) {
   if (proposals->empty()) return absl::OkStatus();
   const OwnPointsFinder finder(input, frame);
@@ -265,15 +314,23 @@ absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
     if (!one.ok()) return one.status();
     aligned.push_back(*std::move(one));
   }
+  const std::vector<bool> completes =
+      WhichExplainClusters(input, frame, answers, *proposals, aligned);
   for (std::size_t i = 0; i < aligned.size(); ++i) {
-    if (!aligned[i].detection) continue;
+    if (!aligned[i].pose) continue;
     SceneProposal& proposal = (*proposals)[i];
-    proposal.sensor_model = aligned[i].sensor_model;
-    proposal.detection = *aligned[i].detection;
-    proposal.detection.score =
-        std::min(proposal.detection.score,
-                 ProposalScore(aligned[i].log_odds, LeadOf(i, *proposals, aligned),
-                               aligned[i].seen_area_m2, input.parameters.scene.proposal));
+    const SceneParameters& scene = input.parameters.scene;
+    const AlignedPose& pose = *aligned[i].pose;
+    const double by_itself = std::min(
+        pose.detection.score, ProposalScore(aligned[i].log_odds, LeadOf(i, *proposals, aligned),
+                                            pose.judged.surface.seen_area_m2, scene.proposal));
+    const double own = completes[i] ? aligned[i].alone->detection.score : 0;
+    const double together =
+        completes[i] ? std::min(own, AnswerScore(frame, aligned[i].alone->judged, own, scene)) : 0;
+    const AlignedPose& taken = together > by_itself ? *aligned[i].alone : pose;
+    proposal.sensor_model = taken.sensor_model;
+    proposal.detection = taken.detection;
+    proposal.detection.score = std::max(together, by_itself);
   }
   const MatchingParameters& matching = input.parameters.matching;
   std::erase_if(*proposals, [&](const SceneProposal& p) {

@@ -6,12 +6,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "recognition/answered_segment.h"
 #include "recognition/frame/frame.h"
 #include "recognition/matching/detection.h"
 #include "recognition/models/taught.h"
 #include "recognition/recognizer.h"
 #include "recognition/scene/object_search.h"
-#include "recognition/splitting/answered_segment.h"
 
 namespace graspdb::recognition {
 
@@ -44,6 +44,12 @@ absl::StatusOr<std::vector<SceneProposal>> ProposeObjects(
 // beside the other proposals, and leaves those that are accepted, the most likely first. About 2 ms
 // of processor time a proposal. Errors as LoadModel; CANCELLED.
 absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
+                              const std::vector<AnsweredSegment>& answers,
                               std::vector<SceneProposal>* proposals);
+
+// The score of an answer that explains a segment: that of its own points, and what in the image
+// speaks against it.
+double AnswerScore(const Frame& frame, const SceneHypothesis& judged, double own,
+                   const SceneParameters& scene);
 
 }  // namespace graspdb::recognition

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
-#include <mutex>
 #include <utility>
 
 #include "recognition/base/idle_cores.h"
-#include "recognition/splitting/cluster_splitter.h"
-#include "recognition/splitting/fragments.h"
+#include "recognition/fragments.h"
 #include "recognition/verification/confidence.h"
 
 namespace graspdb::recognition {
@@ -42,7 +39,7 @@ SegmentAnswers::SegmentAnswers(const Scan& scan, const Segmentation& segmentatio
       is_cancelled_(is_cancelled),
       budget_(static_cast<std::size_t>(parameters.matching.further_view_budget),
               std::chrono::duration<double>(parameters.matching.search_ceiling_s)),
-      work_(segmentation.segments.size(), Work{{}, budget_, {}, {}}) {}
+      work_(segmentation.segments.size(), Work{{}, budget_, {}}) {}
 
 absl::StatusOr<std::vector<AnsweredSegment>> SegmentAnswers::Take(
     const std::function<void()>& beside) {
@@ -55,14 +52,16 @@ absl::StatusOr<std::vector<AnsweredSegment>> SegmentAnswers::Take(
   if (status = JoinPieces(&answers); !status.ok()) return status;
   ShareBudget(answers);
   status = ForEach(
-      &answers, [this](AnsweredSegment* a) { return Finish(a); }, beside);
+      &answers,
+      [this](AnsweredSegment* a) {
+        absl::Status done = a->detection.model == nullptr ? Answer(a) : absl::OkStatus();
+        if (done.ok()) a->detection.touching = IsTouching(*a);
+        return done;
+      },
+      beside);
   if (!status.ok()) return status;
-  Answers out;
-  for (const AnsweredSegment& answer : answers) {
-    std::ranges::move(WorkOn(answer).parts, std::back_inserter(out));
-  }
-  JoinFragments(parameters_.matching.support_distance_m, &out);
-  return out;
+  JoinFragments(parameters_.matching.support_distance_m, &answers);
+  return answers;
 }
 
 void SegmentAnswers::Report(StageLog* log, Recognition* out) const {
@@ -182,39 +181,13 @@ void SegmentAnswers::ShareBudget(const Answers& answers) {
   for (Work& work : work_) work.budget = budget_.Share(static_cast<std::size_t>(open));
 }
 
-absl::Status SegmentAnswers::Finish(AnsweredSegment* answer) {
-  if (answer->detection.model == nullptr) {
-    if (absl::Status status = Answer(answer); !status.ok()) return status;
+bool SegmentAnswers::IsTouching(const AnsweredSegment& answer) const {
+  if (answer.detection.view == nullptr || answer.detection.model == nullptr || scan_.segmented) {
+    return false;
   }
-  Work& work = WorkOn(*answer);
-  auto parts = Part(std::move(*answer), &work);
-  if (!parts.ok()) return parts.status();
-  work.parts = *std::move(parts);
-  return absl::OkStatus();
-}
-
-// One segment may be several objects.
-absl::StatusOr<SegmentAnswers::Answers> SegmentAnswers::Part(AnsweredSegment answer, Work* work) {
-  // A scan of one object alone is never split.
-  if (parameters_.matching.verified_view_count <= 1 || scan_.segmented) return Answers{answer};
-  const SplittingOptions options{
-      .min_count = static_cast<std::size_t>(parameters_.segmentation.min_cluster_point_count),
-      .support_distance_m = parameters_.matching.support_distance_m,
-      .voxel_size_m = parameters_.descriptor.voxel_size_m};
-  const auto recognize = [&](const Segment& s) {
-    return SearchIn(s, &work->log)->Answer(&work->budget);
-  };
-  std::mutex mutex;
-  const auto glance = [&](const Segment& s) {
-    SearchBudget half = work->budget.ForHalf();
-    StageLog log;
-    auto half_answer = SearchIn(s, &log)->QuickAnswer(half);
-    const std::lock_guard lock(mutex);
-    work->log.Add(log);
-    return half_answer;
-  };
-  return PartTouching({scan_, segmentation_, answer.segment}, std::move(answer.detection), options,
-                      recognize, glance, is_cancelled_);
+  return LeavesPieces(
+      answer, parameters_.matching.support_distance_m, parameters_.descriptor.voxel_size_m,
+      static_cast<std::size_t>(parameters_.segmentation.min_cluster_point_count), is_cancelled_);
 }
 
 std::shared_ptr<SegmentRecognition> SegmentAnswers::SearchIn(const Segment& segment,

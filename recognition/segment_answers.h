@@ -7,11 +7,11 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "recognition/answered_segment.h"
 #include "recognition/base/search_budget.h"
 #include "recognition/base/stages.h"
 #include "recognition/segment_recognition.h"
 #include "recognition/segmentation/unions.h"
-#include "recognition/splitting/answered_segment.h"
 #include "recognition/verification/scan_depths.h"
 
 namespace graspdb::recognition {
@@ -38,7 +38,6 @@ class SegmentAnswers {
     StageLog log;
     SearchBudget budget;
     std::shared_ptr<SegmentRecognition> search;  // that has not ended
-    Answers parts;
   };
 
   Work& WorkOn(const AnsweredSegment& answer);
@@ -50,8 +49,7 @@ class SegmentAnswers {
   absl::Status JoinPieces(Answers* answers);
   absl::StatusOr<AnsweredSegment> TryUnion(const Segment& a, const Segment& b, StageLog* log);
   void ShareBudget(const Answers& answers);
-  absl::Status Finish(AnsweredSegment* answer);
-  absl::StatusOr<Answers> Part(AnsweredSegment answer, Work* work);
+  bool IsTouching(const AnsweredSegment& answer) const;
   std::shared_ptr<SegmentRecognition> SearchIn(const Segment& segment, StageLog* log);
 
   const Scan& scan_;

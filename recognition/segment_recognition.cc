@@ -130,20 +130,6 @@ absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   return explained;
 }
 
-absl::StatusOr<Detection> SegmentRecognition::QuickAnswer(SearchBudget& budget) {
-  const auto views = static_cast<int>(budget.left());
-  if (out_.rejected_by || !MayBeAccepted() || !FindNearest(views)) return std::move(out_);
-  absl::Status status;
-  log_->Measure("register", out_.point_count, [&] {
-    status = BeginSearch().TryScreened(budget);
-    if (status.ok()) status = TakeBest();
-    return out_.point_count;
-  });
-  if (!status.ok()) return status;
-  Decide();
-  return std::move(out_);
-}
-
 ModelSearch& SegmentRecognition::BeginSearch() {
   return search_.emplace(input_, depths_, *descriptor_, matches_, catalogue_, clouds_,
                          parameters_.matching, is_cancelled_);

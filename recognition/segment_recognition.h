@@ -30,10 +30,6 @@ class SegmentRecognition {
   // `further` allows; none where that is null. Ends the search.
   absl::StatusOr<Detection> Answer(SearchBudget* further);
 
-  // A quick answer in place of both steps: from as many views as `budget` allows, all of them
-  // screened.
-  absl::StatusOr<Detection> QuickAnswer(SearchBudget& budget);
-
  private:
   bool FindNearest(int count);
   bool MayBeAccepted() const;

@@ -15,15 +15,8 @@ class SearchBudget {
   using Clock = std::chrono::steady_clock;
 
   SearchBudget(std::size_t hypotheses, std::chrono::duration<double> ceiling)
-      : SearchBudget(hypotheses, kRefined,
+      : SearchBudget(hypotheses,
                      Clock::now() + std::chrono::duration_cast<Clock::duration>(ceiling)) {}
-
-  // For half of a cluster, whose answer only initialises its partition. Of 288 touching objects
-  // 97.2 % were right with 20 refined and 60 screened views, and 95.8 % without these; since the
-  // confidence was fitted on real frames 96.5 % are, also with 60 screened views alone. All views
-  // give no more. Four times as many refined ones give no more either, and cost frames of unknown
-  // objects 7 of 50 ms.
-  SearchBudget ForHalf() const { return {kHalfHypotheses, kHalfRefined, end_}; }
 
   // False when nothing is left; `count` is then added to the untried views.
   bool Take(std::size_t count) {
@@ -43,11 +36,11 @@ class SearchBudget {
 
   // One of `count` equal shares of the rest.
   SearchBudget Share(std::size_t count) const {
-    return {left_ / std::max<std::size_t>(1, count), refined_, end_};
+    return {left_ / std::max<std::size_t>(1, count), end_};
   }
 
   // Hypotheses that one search refines after the screening.
-  std::size_t refined() const { return refined_; }
+  static std::size_t refined() { return kRefined; }
   std::size_t left() const { return left_; }
   std::size_t untried() const { return untried_; }
   bool out_of_time() const { return out_of_time_; }
@@ -57,14 +50,10 @@ class SearchBudget {
   // among the first ten after screening, and at most the 41st of up to 640. Doubled, unknown
   // objects take half as long again, and no more are found there.
   static constexpr std::size_t kRefined = 24;
-  static constexpr std::size_t kHalfHypotheses = 60;
-  static constexpr std::size_t kHalfRefined = 4;
 
-  SearchBudget(std::size_t hypotheses, std::size_t refined, Clock::time_point end)
-      : left_(hypotheses), refined_(refined), end_(end) {}
+  SearchBudget(std::size_t hypotheses, Clock::time_point end) : left_(hypotheses), end_(end) {}
 
   std::size_t left_;
-  std::size_t refined_;
   std::size_t untried_ = 0;
   Clock::time_point end_;
   bool out_of_time_ = false;

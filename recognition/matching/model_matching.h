@@ -39,13 +39,6 @@ class ModelSearch {
   // required (min_score 0), the nearest view alone.
   absl::Status TryFurther(SearchBudget& budget);
 
-  // Tries the nearest views only, all of them screened, in place of both: as many as the budget
-  // allows.
-  absl::Status TryScreened(SearchBudget& budget) {
-    matcher_.LimitToInitialPose();
-    return matcher_.ProposeBest(nearest_, hidden_, budget);
-  }
-
   // Ranked (see RankClosely), different from each other. Ends the search. CANCELLED.
   absl::StatusOr<std::vector<PoseHypothesis>> TakeRanked() { return matcher_.TakeRanked(); }
 

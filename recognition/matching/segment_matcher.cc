@@ -17,9 +17,6 @@ constexpr std::size_t kRoughPoints = 200;
 // Hypotheses that are refined in full; chosen. Doubled, the answers of docs/experiment.md are the
 // same ("same answers" below), and up to twice as many are refined.
 constexpr std::size_t kFinalists = 8;
-// And where the answer is only an initial pose: of 288 touching objects as many are right as with
-// all of them, polished (ADR 24). Doubled, same answers.
-constexpr std::size_t kInitialPoseFinalists = 2;
 // With a hypothesis of this score (0 to 1, chosen) and of this confidence no other view is tried: a
 // brick that explained 95 % of a padlock had ended its search at a confidence of 0.80 (ADR 23).
 // Twice as far from 1, either has the same answers.
@@ -163,10 +160,9 @@ absl::Status SegmentMatcher::FinishBest() {
       hypotheses_.front().evidence.score < kExplainsLittle) {
     return CheckNotCancelled();
   }
-  if (only_initial_pose_) KeepBest(kInitialPoseFinalists, &hypotheses_);
   if (absl::Status status = FinishAll(); !status.ok()) return status;
   KeepBest(kFinalists, &hypotheses_);
-  if (!only_initial_pose_) Polish();
+  Polish();
   return CheckNotCancelled();
 }
 

@@ -82,9 +82,6 @@ class SegmentMatcher {
   bool IsExplainedWhole() const;
   bool ExplainsNothing() const;
 
-  // From now on refines fewer hypotheses in full: the answer only initialises another search.
-  void LimitToInitialPose() { only_initial_pose_ = true; }
-
   void Forget() { hypotheses_.clear(); }
 
   const DepthBuffer& depth_buffer() const { return depth_buffer_; }
@@ -166,7 +163,6 @@ class SegmentMatcher {
   const SoaCloud columns_;
   const SoaCloud rough_columns_;    // some of them
   const ReachableShare reachable_;  // of the same
-  bool only_initial_pose_ = false;
   std::optional<LookUps> look_ups_;
   std::unordered_map<const void*, Model> models_;  // by stable pose, or by view
   std::vector<PoseHypothesis> hypotheses_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "recognition/frame/frame.h"
+#include "recognition/scene/explained_clusters.h"
 #include "recognition/scene/object_search.h"
 #include "recognition/scene/scene_score.h"
 
@@ -25,9 +26,11 @@ struct SceneParameters {
   double unlikely_weight = 0.2;
   // Proposals of the search that are less likely by the image alone, log-odds, are dropped, and so
   // are all but so many.
-  float min_proposal_log_odds = -4;
+  float min_proposal_log_odds = -7;
   std::size_t max_proposals = 64;
   ProposalWeights proposal;
+  // Proposals that explain a cluster completely are judged as its answers, by segment_bar.
+  ClusterParameters clusters;
   // Objects are searched for in what the accepted answers leave over, where that is at least this
   // large, m2.
   double min_area_m2 = 8e-4;

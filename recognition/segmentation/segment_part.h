@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 
 #include "recognition/base/cancellation.h"
 #include "recognition/points/scan.h"
@@ -13,17 +12,9 @@ namespace graspdb::recognition {
 // Whether a point (world frame, m) belongs to a part.
 using IsPartOf = std::function<bool(const Eigen::Vector3f& world)>;
 
-// Which part a point (world frame, m) belongs to, from 0; negative: to none.
-using PartNumber = std::function<int(const Eigen::Vector3f& world)>;
-
 // The voxels and the scan's points of `whole` for which `is_part` is true, in their order; the
 // centroid is theirs. O(n) calls for n points. Where cancelled, the result is meaningless.
 Segment PartOf(const Scan& scan, const Segmentation& segmentation, const Segment& whole,
                const IsPartOf& is_part, const IsCancelled& is_cancelled = {});
-
-// The same for `count` parts at once.
-std::vector<Segment> PartsOf(const Scan& scan, const Segmentation& segmentation,
-                             const Segment& whole, std::size_t count, const PartNumber& number,
-                             const IsCancelled& is_cancelled = {});
 
 }  // namespace graspdb::recognition

@@ -17,17 +17,7 @@ namespace {
 using ::graspdb::testing::IsOk;
 using ::graspdb::testing::LargestCornerError;
 using ::graspdb::testing::Solid;
-using ::graspdb::testing::TakePicture;
 using ::graspdb::testing::TaughtShapes;
-
-// 1.25 mm a pixel at 0.6 m, about as many as depth cameras have.
-CameraIntrinsics FineCamera() {
-  CameraIntrinsics out = ::graspdb::testing::SmallCamera();
-  out.width *= 2;
-  out.height *= 2;
-  for (double* value : {&out.fx, &out.fy, &out.cx, &out.cy}) *value *= 2;
-  return out;
-}
 
 // Something that was never taught.
 Solid Unknown(double x, double y, double height) {
@@ -42,13 +32,7 @@ class SceneAnswersTest : public ::testing::Test {
  protected:
   // The answers must not depend on how busy the machine is.
   SceneAnswersTest() { parameters_.matching.search_ceiling_s = 600; }
-  static Scan See(const std::vector<Solid>& parts) {
-    Scan scan;
-    scan.points = TakePicture({parts}, TaughtShapes::WorldSensor(), FineCamera()).points;
-    scan.width = FineCamera().width;
-    scan.world_sensor = TaughtShapes::WorldSensor();
-    return scan;
-  }
+  static Scan See(const std::vector<Solid>& parts) { return TaughtShapes::SeeFinely(parts); }
   absl::StatusOr<Recognition> Run(const Scan& scan) {
     return Recognize(scan, taught_.snapshot(), taught_, parameters_, [] { return false; });
   }

@@ -70,6 +70,18 @@ recognition::Scan TaughtShapes::See(const std::vector<Solid>& parts) {
   return scan;
 }
 
+recognition::Scan TaughtShapes::SeeFinely(const std::vector<Solid>& parts) {
+  recognition::CameraIntrinsics camera = SmallCamera();
+  camera.width *= 2;
+  camera.height *= 2;
+  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value *= 2;
+  recognition::Scan scan;
+  scan.points = TakePicture({parts}, WorldSensor(), camera).points;
+  scan.width = camera.width;
+  scan.world_sensor = WorldSensor();
+  return scan;
+}
+
 void TaughtShapes::Teach(const std::string& object, std::vector<recognition::TaughtGrasp> grasps) {
   const std::string object_name = "objects/" + object;
   const std::string pose_name = object_name + "/stablePoses/upright";

@@ -5,9 +5,9 @@
 namespace graspdb::recognition {
 namespace {
 
-class PartsOfTest : public ::testing::Test {
+class PartOfTest : public ::testing::Test {
  protected:
-  PartsOfTest() {
+  PartOfTest() {
     for (int i = 0; i < 100'000; ++i) {
       scan_.points.emplace_back(static_cast<float>(i), 0.0F, 0.0F);
       whole_.indices.push_back(i);
@@ -21,20 +21,18 @@ class PartsOfTest : public ::testing::Test {
   Segment whole_;
 };
 
-TEST_F(PartsOfTest, EachPartHasItsVoxelsAndItsPointsOfTheScan) {
-  const PartNumber number = [](const Eigen::Vector3f& p) {
-    const int place = static_cast<int>(p.x()) % 3;
-    return place == 2 ? -1 : place;
+TEST_F(PartOfTest, HasItsVoxelsAndItsPointsOfTheScan) {
+  const IsPartOf is_part = [](const Eigen::Vector3f& p) {
+    return static_cast<int>(p.x()) % 3 == 1;
   };
-  const auto parts = PartsOf(scan_, seen_, whole_, 2, number);
-  ASSERT_EQ(parts.size(), 2U);
-  EXPECT_EQ(parts[0].cloud.points.size(), 33'334U);
-  EXPECT_EQ(parts[0].indices.size(), 33'334U);
-  EXPECT_EQ(parts[1].cloud.normals.size(), 33'333U);
-  EXPECT_EQ(parts[1].indices.front(), 1);
+  const Segment part = PartOf(scan_, seen_, whole_, is_part);
+  EXPECT_EQ(part.cloud.points.size(), 33'333U);
+  EXPECT_EQ(part.cloud.normals.size(), 33'333U);
+  EXPECT_EQ(part.indices.size(), 33'333U);
+  EXPECT_EQ(part.indices.front(), 1);
 }
 
-TEST_F(PartsOfTest, StopsWhenCancelled) {
+TEST_F(PartOfTest, StopsWhenCancelled) {
   int looked = 0;
   const IsPartOf is_part = [&](const Eigen::Vector3f&) { return ++looked > 0; };
   PartOf(scan_, seen_, whole_, is_part, [&] { return looked > 0; });

@@ -1,15 +1,21 @@
-#include "recognition/splitting/fragments.h"
+#include "recognition/fragments.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
 #include <utility>
+
+#include "recognition/segmentation/clusters.h"
 
 namespace graspdb::recognition {
 namespace {
 
 // Minimum share of a segment's points on the model.
 constexpr double kShare = 0.8;
+// Minimum gap between the pieces that an object leaves over, m, and in voxels.
+constexpr double kPieceGapM = 0.01;
+constexpr double kPieceGapVoxels = 3.3;
 
 void Take(const Detection& piece, Detection* whole) {
   const auto of_piece = static_cast<double>(piece.point_count);
@@ -35,6 +41,19 @@ bool LiesOn(const Segment& segment, const Detection& whole, double support_dista
     near += whole.model->DistanceTo(object_world * p) < static_cast<float>(support_distance_m);
   }
   return static_cast<double>(near) >= kShare * static_cast<double>(segment.cloud.points.size());
+}
+
+bool LeavesPieces(const AnsweredSegment& answer, double support_distance_m, double voxel_size_m,
+                  std::size_t min_count, const IsCancelled& is_cancelled) {
+  const Eigen::Isometry3f object_world = answer.detection.refined_pose.inverse().cast<float>();
+  const auto reach = static_cast<float>(support_distance_m);
+  Points rest;
+  std::ranges::copy_if(answer.segment.cloud.points, std::back_inserter(rest),
+                       [&](const Eigen::Vector3f& p) {
+                         return answer.detection.model->DistanceTo(object_world * p) >= reach;
+                       });
+  const double gap_m = std::max(kPieceGapM, kPieceGapVoxels * voxel_size_m);
+  return rest.size() >= min_count && !FindClusters(rest, gap_m, min_count, is_cancelled).empty();
 }
 
 void JoinFragments(double support_distance_m, std::vector<AnsweredSegment>* answers) {

@@ -1,4 +1,4 @@
-#include "recognition/splitting/fragments.h"
+#include "recognition/fragments.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
