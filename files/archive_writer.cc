@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "files/archive_file.h"
 #include "files/archive_format.h"
-#include "storage/crc32c.h"
-#include "storage/little_endian.h"
+#include "storage/base/crc32c.h"
+#include "storage/base/little_endian.h"
 
 namespace graspdb::client {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "storage/folder_sync.h"
+#include "storage/base/folder_sync.h"
 
 namespace graspdb::client {
 namespace {

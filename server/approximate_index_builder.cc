@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "program/log_field.h"
 #include "recognition/index/recall.h"
-#include "storage/approximate_file.h"
+#include "storage/database/approximate_file.h"
 
 namespace graspdb::server {
 namespace {

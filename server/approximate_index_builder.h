@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "server/live_catalogue.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -6,7 +6,7 @@
 #include <exception>
 #include <future>
 
-#include "storage/change_author.h"
+#include "storage/changes/change_author.h"
 
 namespace graspdb::server {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "graspdb/v1/backup.pb.h"
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 
 namespace graspdb::server {
 

@@ -18,7 +18,7 @@
 #include "program/printable_text.h"
 #include "program/settings_file.h"
 #include "server/backup_messages.h"
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 
 namespace graspdb::server {
 namespace {

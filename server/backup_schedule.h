@@ -8,7 +8,7 @@
 #include "absl/time/time.h"
 #include "program/stop_flag.h"
 #include "server/catalogue_backups.h"
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 
 namespace graspdb::server {
 

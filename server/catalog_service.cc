@@ -13,7 +13,7 @@
 #include "server/records.h"
 #include "server/respond.h"
 #include "server/scan_from_proto.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

@@ -12,7 +12,7 @@
 #include "server/memory_budget.h"
 #include "server/teacher.h"
 #include "server/view_cloud_cache.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

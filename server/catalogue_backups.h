@@ -17,8 +17,8 @@
 #include "absl/time/time.h"
 #include "graspdb/v1/backup.pb.h"
 #include "server/options.h"
-#include "storage/backups.h"
-#include "storage/catalogue.h"
+#include "storage/backups/backups.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

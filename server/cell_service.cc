@@ -9,7 +9,7 @@
 #include "server/record_checks.h"
 #include "server/respond.h"
 #include "server/update_mask.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "graspdb/v1/cell_service.grpc.pb.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -8,7 +8,7 @@
 #include "program/log_field.h"
 #include "server/convert.h"
 #include "server/records.h"
-#include "storage/family.h"
+#include "storage/database/family.h"
 
 namespace graspdb::server {
 namespace {

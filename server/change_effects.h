@@ -8,7 +8,7 @@
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/index/descriptor_index.h"
 #include "server/taught_poses.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

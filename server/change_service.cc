@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
 #include "server/handle.h"
-#include "storage/family.h"
+#include "storage/database/family.h"
 
 namespace graspdb::server {
 namespace {

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/errors.h"
 #include "server/request_limits.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

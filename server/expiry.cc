@@ -8,8 +8,8 @@
 #include <string>
 
 #include "program/log_field.h"
-#include "storage/history.h"
-#include "storage/uploads.h"
+#include "storage/history/history.h"
+#include "storage/uploads/uploads.h"
 
 namespace graspdb::server {
 namespace {

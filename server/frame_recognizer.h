@@ -5,7 +5,7 @@
 #include "graspdb/v1/recognition_service.pb.h"
 #include "recognition/recognizer.h"
 #include "server/live_catalogue.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -13,7 +13,7 @@
 #include "server/call_guard.h"
 #include "server/errors.h"
 #include "server/request_limits.h"
-#include "storage/change_author.h"
+#include "storage/changes/change_author.h"
 
 namespace graspdb::server {
 namespace {

@@ -10,7 +10,7 @@
 #include "server/change_effects.h"
 #include "server/load_views.h"
 #include "server/records.h"
-#include "storage/family.h"
+#include "storage/database/family.h"
 
 namespace graspdb::server {
 namespace {

@@ -21,7 +21,7 @@
 #include "server/filtered_snapshots.h"
 #include "server/loaded_views.h"
 #include "server/taught_poses.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -13,7 +13,7 @@
 #include "program/log_field.h"
 #include "server/change_effects.h"
 #include "server/records.h"
-#include "storage/uploads.h"
+#include "storage/uploads/uploads.h"
 
 namespace graspdb::server {
 namespace {

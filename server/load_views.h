@@ -9,7 +9,7 @@
 #include "recognition/base/cancellation.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "server/loaded_views.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -14,7 +14,7 @@
 #include "server/handle.h"
 #include "server/load_views.h"
 #include "server/respond.h"
-#include "storage/family.h"
+#include "storage/database/family.h"
 
 namespace graspdb::server {
 namespace {

@@ -4,8 +4,8 @@
 #include "absl/time/time.h"
 #include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "recognition/descriptors/descriptor_parameters.h"
-#include "storage/catalogue.h"
-#include "storage/history.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/history/history.h"
 
 namespace graspdb::server {
 

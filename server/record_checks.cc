@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 

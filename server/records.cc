@@ -7,9 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "recognition/segmentation/segmentation.h"
 #include "server/convert.h"
-#include "storage/packed_cloud.h"
-#include "storage/resource_name.h"
-#include "storage/restore_advice.h"
+#include "storage/base/restore_advice.h"
+#include "storage/records/packed_cloud.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

@@ -10,8 +10,8 @@
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/index/descriptor_index.h"
 #include "recognition/models/taught.h"
-#include "storage/packed_cloud.h"
 #include "storage/records.pb.h"
+#include "storage/records/packed_cloud.h"
 
 namespace graspdb::server {
 

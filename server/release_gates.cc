@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "storage/family.h"
+#include "storage/database/family.h"
 
 namespace graspdb::server {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -10,7 +10,7 @@
 #include "server/errors.h"
 #include "server/paging.h"
 #include "server/request_limits.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

@@ -43,7 +43,7 @@
 #include "server/upload_service.h"
 #include "server/view_cloud_cache.h"
 #include "server/write_watch.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 namespace {

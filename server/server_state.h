@@ -8,7 +8,7 @@
 #include "server/call_guard.h"
 #include "server/catalogue_backups.h"
 #include "server/live_catalogue.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

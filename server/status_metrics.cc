@@ -8,7 +8,7 @@
 #include "program/background_log.h"
 #include "program/pem_files.h"
 #include "program/version.h"
-#include "storage/uploads.h"
+#include "storage/uploads/uploads.h"
 
 namespace graspdb::server {
 namespace {

@@ -18,7 +18,7 @@
 #include "server/live_catalogue.h"
 #include "server/memory_budget.h"
 #include "server/view_cloud_cache.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

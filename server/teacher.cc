@@ -12,8 +12,8 @@
 #include "server/errors.h"
 #include "server/records.h"
 #include "server/scan_from_proto.h"
-#include "storage/crc32c.h"
-#include "storage/packed_cloud.h"
+#include "storage/base/crc32c.h"
+#include "storage/records/packed_cloud.h"
 
 namespace graspdb::server {
 namespace {

@@ -11,7 +11,7 @@
 #include "server/handle.h"
 #include "server/load_views.h"
 #include "server/respond.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

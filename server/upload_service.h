@@ -13,8 +13,8 @@
 #include "server/memory_budget.h"
 #include "server/teacher.h"
 #include "server/upload_rate.h"
-#include "storage/catalogue.h"
-#include "storage/uploads.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/uploads/uploads.h"
 
 namespace graspdb::server {
 

@@ -9,7 +9,7 @@
 #include "server/errors.h"
 #include "server/handle.h"
 #include "server/request_limits.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 

@@ -8,7 +8,7 @@
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/models/taught.h"
 #include "server/lru_cache.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

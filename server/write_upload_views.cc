@@ -8,7 +8,7 @@
 #include "server/handle.h"
 #include "server/request_limits.h"
 #include "server/upload_service.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "program/stop_flag.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 

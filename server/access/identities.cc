@@ -12,7 +12,7 @@
 #include "absl/strings/str_split.h"
 #include "program/json_keys.h"
 #include "server/access/tokens.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

@@ -19,8 +19,8 @@
 #include "server/access/identities.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"
-#include "storage/folder_sync.h"
-#include "storage/resource_name.h"
+#include "storage/base/folder_sync.h"
+#include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {

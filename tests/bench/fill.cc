@@ -13,8 +13,8 @@
 #include "server/convert.h"
 #include "server/digest.h"
 #include "server/records.h"
-#include "storage/catalogue.h"
-#include "storage/packed_cloud.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/records/packed_cloud.h"
 #include "tests/bench/seen_parts.h"
 
 namespace graspdb::bench {

@@ -9,8 +9,8 @@
 #include "files/archive_writer.h"
 #include "files/cloud_message.h"
 #include "files/pose_message.h"
-#include "storage/crc32c.h"
-#include "storage/little_endian.h"
+#include "storage/base/crc32c.h"
+#include "storage/base/little_endian.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

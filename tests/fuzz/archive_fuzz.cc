@@ -9,8 +9,8 @@
 
 #include "files/archive_index.h"
 #include "files/archive_writer.h"
-#include "storage/crc32c.h"
-#include "storage/little_endian.h"
+#include "storage/base/crc32c.h"
+#include "storage/base/little_endian.h"
 #include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"

@@ -8,7 +8,7 @@
 #include "files/depth_png.h"
 #include "files/point_file.h"
 #include "rendering/mesh_file.h"
-#include "storage/little_endian.h"
+#include "storage/base/little_endian.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 #include "tests/fuzz/scratch_folder.h"

@@ -8,7 +8,7 @@
 #include "server/frame_recognizer.h"
 #include "server/live_catalogue.h"
 #include "server/view_cloud_cache.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/message_target.h"
 #include "tests/fuzz/requirement.h"

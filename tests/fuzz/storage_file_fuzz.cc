@@ -5,12 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include "storage/approximate_file.h"
-#include "storage/backup_record.h"
-#include "storage/crc32c.h"
-#include "storage/little_endian.h"
-#include "storage/log_check.h"
-#include "storage/packed_cloud.h"
+#include "storage/backups/backup_record.h"
+#include "storage/base/crc32c.h"
+#include "storage/base/little_endian.h"
+#include "storage/database/approximate_file.h"
+#include "storage/database/log_check.h"
+#include "storage/records/packed_cloud.h"
 #include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"

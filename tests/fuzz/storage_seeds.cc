@@ -1,9 +1,9 @@
 #include <iterator>
 
-#include "storage/approximate_file.h"
-#include "storage/catalogue.h"
-#include "storage/family.h"
-#include "storage/packed_cloud.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/database/approximate_file.h"
+#include "storage/database/family.h"
+#include "storage/records/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/operations.pb.h"
 #include "tests/fuzz/requirement.h"

@@ -42,7 +42,7 @@ forbid '(server|storage)/' client lab
 forbid '(storage|server|files|graspdb|google|grpc|grpcpp)/|\S+\.pb\.h' recognition
 forbid 'recognition/' storage
 forbid 'program/(?!uuid\.h)' storage
-forbid 'storage/(?!(crc32c|little_endian|folder_sync)\.h)' files
+forbid 'storage/(?!base/(crc32c|little_endian|folder_sync)\.h)' files
 forbid 'lab/' recognition program storage server files rendering pictures client
 forbid 'pcl/' recognition program storage server files rendering pictures client lab
 exit $failed

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/approximate_file.h"
+#include "storage/database/approximate_file.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 

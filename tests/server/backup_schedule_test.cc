@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "graspdb/v1/change_service.grpc.pb.h"
-#include "storage/backups.h"
-#include "storage/catalogue.h"
+#include "storage/backups/backups.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

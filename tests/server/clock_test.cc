@@ -17,9 +17,9 @@
 #include "server/catalogue_backups.h"
 #include "server/expiry.h"
 #include "server/upload_rate.h"
-#include "storage/catalogue.h"
-#include "storage/history.h"
-#include "storage/uploads.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/history/history.h"
+#include "storage/uploads/uploads.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/taught_poses.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "program/stop_flag.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

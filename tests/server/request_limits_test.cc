@@ -9,7 +9,7 @@
 
 #include <functional>
 
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/server/raw_call.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"

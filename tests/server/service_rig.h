@@ -12,7 +12,7 @@
 #include "server/live_catalogue.h"
 #include "server/recognition_service.h"
 #include "server/view_cloud_cache.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 namespace graspdb::testing {
 

@@ -1,7 +1,7 @@
 // Teaching: UploadViews.
 #include <gmock/gmock.h>
 
-#include "storage/crc32c.h"
+#include "storage/base/crc32c.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

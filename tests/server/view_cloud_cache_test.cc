@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "server/records.h"
-#include "storage/packed_cloud.h"
+#include "storage/records/packed_cloud.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

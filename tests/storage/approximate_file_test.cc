@@ -1,4 +1,4 @@
-#include "storage/approximate_file.h"
+#include "storage/database/approximate_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

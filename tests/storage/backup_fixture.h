@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "storage/backups.h"
-#include "storage/catalogue.h"
+#include "storage/backups/backups.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/other_process.h"
 

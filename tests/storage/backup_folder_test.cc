@@ -4,7 +4,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 #include "tests/storage/backup_fixture.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/testing/unreadable_folder.h"

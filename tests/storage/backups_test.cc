@@ -1,5 +1,5 @@
 // Backups: made online, shared files, listed, deleted.
-#include "storage/backups.h"
+#include "storage/backups/backups.h"
 
 #include <atomic>
 #include <filesystem>
@@ -10,8 +10,8 @@
 #include "absl/time/clock.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/watched_reads.h"
+#include "storage/backups/watched_reads.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/storage/backup_fixture.h"
 #include "tests/storage/catalogue_fixture.h"
 

@@ -4,8 +4,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/resource_name.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/records/resource_name.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 

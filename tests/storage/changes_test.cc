@@ -7,7 +7,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

@@ -5,9 +5,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/log_check.h"
-#include "storage/revision_floor.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/database/log_check.h"
+#include "storage/database/revision_floor.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 

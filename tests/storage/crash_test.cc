@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/history.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/history/history.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/other_process.h"

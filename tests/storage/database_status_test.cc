@@ -1,11 +1,11 @@
 // Figures of the database.
-#include "storage/database_status.h"
+#include "storage/database/database_status.h"
 
 #include <filesystem>
 #include <string>
 
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

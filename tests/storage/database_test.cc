@@ -1,5 +1,5 @@
 // The database below the catalogue, on a full disk.
-#include "storage/database.h"
+#include "storage/database/database.h"
 
 #include <chrono>
 #include <memory>

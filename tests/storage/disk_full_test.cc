@@ -8,9 +8,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/backups.h"
-#include "storage/catalogue.h"
-#include "storage/uploads.h"
+#include "storage/backups/backups.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/uploads/uploads.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/faulty_disk.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// As storage/database.cc waits between its attempts.
+// As storage/database/database.cc waits between its attempts.
 constexpr std::chrono::milliseconds kBetweenRecoveries{1050};
 
 class DiskFullTest : public ::testing::Test {

@@ -4,8 +4,8 @@
 
 #include "gtest/gtest.h"
 #include "program/uuid.h"
-#include "storage/packed_cloud.h"
-#include "storage/schema.h"
+#include "storage/changes/schema.h"
+#include "storage/records/packed_cloud.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

@@ -1,8 +1,8 @@
 // Stored outcomes of grasps.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/schema.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/changes/schema.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 

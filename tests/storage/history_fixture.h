@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "storage/database.h"
-#include "storage/history.h"
+#include "storage/database/database.h"
+#include "storage/history/history.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

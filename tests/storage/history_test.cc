@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "gmock/gmock.h"
-#include "storage/change_author.h"
-#include "storage/schema.h"
-#include "storage/uploads.h"
+#include "storage/changes/change_author.h"
+#include "storage/changes/schema.h"
+#include "storage/uploads/uploads.h"
 #include "tests/storage/history_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 

@@ -5,9 +5,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/change_key.h"
-#include "storage/resource_name.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/database/family.h"
+#include "storage/records/resource_name.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 

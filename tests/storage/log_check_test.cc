@@ -1,10 +1,10 @@
-#include "storage/log_check.h"
+#include "storage/database/log_check.h"
 
 #include <cstdint>
 #include <string>
 
 #include "gtest/gtest.h"
-#include "storage/crc32c.h"
+#include "storage/base/crc32c.h"
 
 namespace graspdb::storage {
 namespace {

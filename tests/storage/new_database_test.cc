@@ -5,8 +5,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/schema.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/changes/schema.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/testing/unreadable_folder.h"
 #include "tests/testing/watched_syncs.h"

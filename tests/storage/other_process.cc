@@ -19,9 +19,9 @@
 #include <string>
 #include <utility>
 
-#include "storage/backups.h"
-#include "storage/catalogue.h"
-#include "storage/history.h"
+#include "storage/backups/backups.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/history/history.h"
 
 namespace graspdb::storage {
 namespace {

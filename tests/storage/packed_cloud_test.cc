@@ -1,4 +1,4 @@
-#include "storage/packed_cloud.h"
+#include "storage/records/packed_cloud.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "storage/crc32c.h"
+#include "storage/base/crc32c.h"
 
 namespace graspdb::storage {
 namespace {

@@ -1,5 +1,5 @@
 // Requests that are sent again.
-#include "storage/requests.h"
+#include "storage/changes/requests.h"
 
 #include <sys/wait.h>
 
@@ -7,8 +7,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/catalogue.h"
-#include "storage/schema.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/changes/schema.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/other_process.h"

@@ -1,4 +1,4 @@
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 
 #include <string>
 

@@ -7,9 +7,9 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/backup_record.h"
-#include "storage/backups.h"
-#include "storage/schema.h"
+#include "storage/backups/backup_record.h"
+#include "storage/backups/backups.h"
+#include "storage/changes/schema.h"
 #include "tests/storage/backup_fixture.h"
 #include "tests/storage/rocksdb_access.h"
 #include "tests/testing/watched_syncs.h"

@@ -1,5 +1,5 @@
 // Migrations, with steps made up for the test.
-#include "storage/schema.h"
+#include "storage/changes/schema.h"
 
 #include <memory>
 #include <optional>

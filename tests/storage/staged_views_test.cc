@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "storage/uploads.h"
+#include "storage/uploads/uploads.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

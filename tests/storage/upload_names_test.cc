@@ -2,7 +2,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "storage/uploads.h"
+#include "storage/uploads/uploads.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

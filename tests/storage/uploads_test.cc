@@ -1,5 +1,5 @@
 // Bulk uploads: durable at once, visible together.
-#include "storage/uploads.h"
+#include "storage/uploads/uploads.h"
 
 #include <string>
 #include <thread>
@@ -7,7 +7,7 @@
 
 #include "google/protobuf/util/time_util.h"
 #include "gtest/gtest.h"
-#include "storage/resource_name.h"
+#include "storage/records/resource_name.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

@@ -1,0 +1,237 @@
+// Backups: the functions that read a backup's contents.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "rocksdb/env.h"
+#include "storage/backups/backup_engine.h"
+#include "storage/backups/backups.h"
+#include "storage/backups/difference.h"
+#include "storage/backups/operation_mark.h"
+#include "storage/backups/restore_folder.h"
+#include "storage/backups/watched_reads.h"
+#include "storage/changes/schema.h"
+#include "storage/database/database.h"
+#include "storage/database/database_directory.h"
+#include "storage/database/log_check.h"
+#include "storage/database/revision_floor.h"
+#include "storage/database/rocksdb_status.h"
+
+namespace graspdb::storage {
+namespace {
+
+absl::Status Cancelled() { return absl::CancelledError("cancelled; nothing was changed"); }
+
+// A backup that is open for reading.
+struct OpenBackup {
+  std::unique_ptr<rocksdb::Env> files;  // used by the engine
+  std::unique_ptr<rocksdb::BackupEngineReadOnly> engine;
+  rocksdb::BackupInfo info;
+  Backup backup;
+};
+
+absl::StatusOr<OpenBackup> OpenBackupToRead(BackupId id, const std::string& directory,
+                                            const BackupProgress& progress) {
+  OpenBackup out;
+  out.files = WatchReads(progress);
+  auto engine = OpenToRead(directory, out.files.get());
+  if (!engine.ok()) return progress.IsCancelled() ? Cancelled() : engine.status();
+  out.engine = *std::move(engine);
+  auto info = FindBackup(*out.engine, id, directory);
+  if (!info.ok()) return info.status();
+  out.info = *std::move(info);
+  out.backup = DescribeBackup(out.info, directory);
+  const int version = out.backup.record.meta().schema_version();
+  if (version <= kSchemaVersion) return out;
+  return absl::FailedPreconditionError(
+      "backup " + std::to_string(id) + " in " + directory + " has schema version " +
+      std::to_string(version) + "; this program supports up to " + std::to_string(kSchemaVersion) +
+      "; use the newer program that made it");
+}
+
+// The status of reading all bytes of a backup.
+absl::Status ReadStatus(const rocksdb::Status& status, const OpenBackup& open,
+                        const std::string& directory, const std::string& action,
+                        const BackupProgress& progress) {
+  if (status.ok()) return absl::OkStatus();
+  if (progress.IsCancelled()) return Cancelled();
+  if (status.IsCorruption() || status.IsNotFound() || status.IsPathNotFound()) {
+    return DamagedBackup(open.backup.id, directory, status.ToString());
+  }
+  return FromBackupEngine(status, action + " backup " + std::to_string(open.backup.id), directory);
+}
+
+// The database in a backup.
+absl::StatusOr<std::unique_ptr<Database>> OpenContent(const OpenBackup& open) {
+  return Database::OpenReadOnly(open.info.name_for_open, open.info.env_for_open.get());
+}
+
+// Whether a database has the revision that the backup's record names.
+absl::Status CheckContent(const absl::StatusOr<std::unique_ptr<Database>>& database,
+                          const OpenBackup& open, const std::string& directory) {
+  if (!database.ok()) {
+    return DamagedBackup(open.backup.id, directory, std::string(database.status().message()));
+  }
+  const auto meta = ReadMeta(**database);
+  if (!meta.ok()) {
+    return DamagedBackup(open.backup.id, directory, std::string(meta.status().message()));
+  }
+  if (meta->SerializeAsString() == open.backup.record.meta().SerializeAsString()) {
+    return absl::OkStatus();
+  }
+  return DamagedBackup(open.backup.id, directory,
+                       "it has revision " + std::to_string(meta->revision()) + " and not " +
+                           std::to_string(open.backup.record.meta().revision()));
+}
+
+// Holds the lock of a database as a server does, so that none changes it meanwhile. A database
+// whose lock is missing or may not be written has no server here.
+class DatabaseLock {
+ public:
+  explicit DatabaseLock(const std::string& directory) {
+    const std::string path = directory + "/LOCK";  // RocksDB's name
+    std::error_code unknown;
+    if (!std::filesystem::exists(path, unknown)) return;
+    is_taken_ = IsLockTaken(rocksdb::Env::Default()->LockFile(path, &lock_));
+  }
+  ~DatabaseLock() {
+    if (lock_ != nullptr) rocksdb::Env::Default()->UnlockFile(lock_).PermitUncheckedError();
+  }
+  DatabaseLock(const DatabaseLock&) = delete;
+  DatabaseLock& operator=(const DatabaseLock&) = delete;
+
+  // By another process.
+  bool is_taken() const { return is_taken_; }
+
+ private:
+  rocksdb::FileLock* lock_ = nullptr;
+  bool is_taken_ = false;
+};
+
+// The name in the database of a file in a backup. Those that backups share have more in theirs:
+// 000012_s6ZZ...blob.
+std::string DatabaseName(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  return stem.substr(0, stem.find('_')) + file.extension().string();
+}
+
+// Gives a restored database an id of its own: its next changes get revisions that changes of the
+// original had.
+absl::Status GiveNewId(const std::string& directory) {
+  const auto database = Database::Open(directory, {.create_if_missing = false});
+  if (!database.ok()) return database.status();
+  auto meta = ReadMeta(**database);
+  return meta.ok() ? RenewCatalogId(**database, *meta) : meta.status();
+}
+
+}  // namespace
+
+absl::StatusOr<Backup> Backups::Verify(BackupId id, const BackupProgress& progress) const {
+  const OperationMark mark(running_);
+  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+  absl::Status status = ReadStatus(verified, *open, directory_, "verify", progress);
+  if (!status.ok()) return status;
+  status = CheckContent(OpenContent(*open), *open, directory_);
+  if (status.ok()) return open->backup;
+  return progress.IsCancelled() ? Cancelled() : status;
+}
+
+absl::StatusOr<Backup> Backups::Restore(BackupId id, const std::string& database,
+                                        const BackupProgress& progress) const {
+  const auto folder = RestoreFolder::Make(database);
+  if (!folder.ok()) return folder.status();
+  const std::string path = (*folder)->path();
+  // Ends before the folder, into which its threads write.
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  rocksdb::Status copied =
+      open->engine->RestoreDBFromBackup(rocksdb::RestoreOptions(), id, path, path);
+  // The error of a restore does not name the damaged file, that of a verification does.
+  if (copied.IsCorruption()) {
+    const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+    if (verified.IsCorruption()) copied = verified;
+  }
+  absl::Status status = ReadStatus(copied, *open, directory_, "restore", progress);
+  if (status.ok()) status = CheckLogs(path);
+  if (status.ok()) status = CheckContent(Database::OpenReadOnly(path, nullptr), *open, directory_);
+  if (status.ok()) status = GiveNewId(path);
+  if (status.ok()) status = WriteRevisionFloor(path, open->backup.record.meta().revision());
+  if (status.ok()) status = (*folder)->Publish();
+  if (!status.ok()) return status;
+  return open->backup;
+}
+
+absl::StatusOr<Backup> Backups::Compare(BackupId id, const Catalogue& catalogue,
+                                        const BackupProgress& progress,
+                                        DifferenceVisitor visit) const {
+  const Database::Snapshot snapshot = catalogue.database_->TakeSnapshot();
+  return CompareWith({*catalogue.database_, snapshot.get()}, id, progress, visit);
+}
+
+absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database,
+                                        const BackupProgress& progress,
+                                        DifferenceVisitor visit) const {
+  const auto found = InspectDirectory(database);
+  if (!found.ok()) return found.status();
+  if (*found == DirectoryContent::kNothing) {
+    return absl::NotFoundError("there is no database at " + database);
+  }
+  const DatabaseLock lock(database);
+  if (lock.is_taken()) {
+    return absl::FailedPreconditionError("the database at " + database +
+                                         " is in use by another process; stop it, or compare with "
+                                         "its catalogue: graspdb backup diff");
+  }
+  const auto there = Database::OpenReadOnly(database, nullptr);
+  if (!there.ok()) return there.status();
+  return CompareWith({**there}, id, progress, visit);
+}
+
+absl::StatusOr<Backup> Backups::CompareWith(const DatabaseState& there, BackupId id,
+                                            const BackupProgress& progress,
+                                            DifferenceVisitor visit) const {
+  const auto open = OpenBackupToRead(id, directory_, progress);
+  if (!open.ok()) return open.status();
+  const auto content = OpenContent(*open);
+  absl::Status status = content.status();
+  if (status.ok()) status = FindDifferences(there, {**content}, progress, visit);
+  if (status.ok()) return open->backup;
+  return progress.IsCancelled() ? Cancelled() : status;
+}
+
+absl::StatusOr<std::map<std::string, BackupId>> Backups::FindFiles(
+    const std::string& catalog_id, const std::vector<std::string>& names,
+    const std::set<BackupId>& left_out) const {
+  absl::MutexLock lock(&listing_mutex_);
+  const auto engine = OpenToRead(directory_, nullptr);
+  if (!engine.ok()) return engine.status();
+  std::vector<rocksdb::BackupInfo> infos;  // the oldest first
+  (*engine)->GetBackupInfo(&infos, /*include_file_details=*/true);
+  std::map<std::string, BackupId> out;
+  for (const rocksdb::BackupInfo& info : infos) {
+    const Backup backup = DescribeBackup(info, directory_);
+    if (!backup.state.ok() || left_out.contains(backup.id) ||
+        backup.record.meta().catalog_id() != catalog_id) {
+      continue;
+    }
+    std::set<std::string> there;
+    for (const rocksdb::BackupFileInfo& file : info.file_details) {
+      there.insert(DatabaseName(file.relative_filename));
+    }
+    for (const std::string& name : names) {
+      if (there.contains(name)) out[name] = backup.id;
+    }
+  }
+  return out;
+}
+
+}  // namespace graspdb::storage

@@ -1,0 +1,169 @@
+#include "storage/uploads/upload_commit.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "google/protobuf/util/time_util.h"
+#include "storage/records/record_kind.h"
+
+namespace graspdb::storage {
+namespace {
+
+// About a millisecond. Doubled, a commit that is cancelled holds other writers for two.
+constexpr std::int64_t kViewsPerPoll = 100;
+
+class Commit {
+ public:
+  Commit(const Database& database, bool skip_failed, const std::function<bool()>& is_cancelled,
+         UploadRecord* upload, ChangeBatch& batch)
+      : database_(database),
+        skip_failed_(skip_failed),
+        is_cancelled_(is_cancelled),
+        upload_(*upload),
+        batch_(batch) {}
+
+  absl::Status Run() {
+    const std::string prefix = StagedKey(upload_, "");
+    absl::Status scanned = database_.Scan(
+        Family::kStagedViews, prefix, "",
+        [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+          if (visited_++ % kViewsPerPoll == 0) {
+            if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;
+          }
+          const std::string name(key.substr(prefix.size()));
+          if (absl::Status added = Add(name, value); !added.ok()) return added;
+          if (auto removed = database_.Delete(Family::kStagedViews, key, batch_.rocks());
+              !removed.ok()) {
+            return removed;
+          }
+          return true;
+        });
+    if (!scanned.ok()) return scanned;
+    if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;  // for the last time
+    upload_.set_commit_revision(batch_.meta().revision());
+    *upload_.mutable_commit_time() = batch_.time();
+    return database_.Put(Family::kUploads, upload_.name(), upload_.SerializeAsString(),
+                         batch_.rocks());
+  }
+
+ private:
+  absl::Status CheckNotCancelled() const {
+    if (!is_cancelled_ || !is_cancelled_()) return absl::OkStatus();
+    return absl::CancelledError(upload_.name() +
+                                " was not committed, its views are safe; commit it again");
+  }
+
+  absl::Status Add(const std::string& name, std::string_view value) {
+    StagedViewRecord staged;
+    if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+      return DamagedRecord(StagedKey(upload_, name));
+    }
+    if (staged.has_error()) return Fail(name, staged.error().message());
+    ViewRecord& view = *staged.mutable_view();
+    const auto parent = ParentOf(name);
+    if (!parent.ok()) return parent.status();
+    if (!*parent) return Drop(name, "its stable pose does not exist any more");
+    if (IsOfAnother(**parent, staged)) {
+      return Drop(name,
+                  "its stable pose was deleted and created again since the view was sent; delete "
+                  "this upload, and send the views again");
+    }
+    const auto stored = ReadRecord<ViewRecord>(database_, name);
+    if (!stored.ok() && !absl::IsNotFound(stored.status())) return stored.status();
+    if (stored.ok() && stored->content_digest() == view.content_digest()) {
+      upload_.set_existing_count(upload_.existing_count() + 1);
+      return RemoveCloud(name);
+    }
+    if (stored.ok() && !upload_.replace()) {
+      return Drop(name, "the catalogue has a view of that name with other content");
+    }
+    Publish(name, stored.ok() ? &*stored : nullptr, &view);
+    return absl::OkStatus();
+  }
+
+  void Publish(const std::string& name, const ViewRecord* replaced, ViewRecord* view) {
+    if (batch_.changes().empty()) batch_.Begin();
+    *view->mutable_create_time() = batch_.time();
+    view->set_cloud_key(StagedKey(upload_, name));
+    if (replaced != nullptr) {
+      batch_.NoteRemovedCloud(CloudKeyOf(*replaced));
+      batch_.Replace(Family::kViews, name, replaced->SerializeAsString(),
+                     view->SerializeAsString());
+      upload_.set_replaced_count(upload_.replaced_count() + 1);
+    } else {
+      batch_.Insert(Family::kViews, name, view->SerializeAsString());
+      upload_.set_created_count(upload_.created_count() + 1);
+    }
+    batch_.NoteStoredCloud(view->cloud_key());
+  }
+
+  // The create time of the stable pose; nothing without one.
+  using Parent = std::optional<google::protobuf::Timestamp>;
+
+  absl::StatusOr<Parent> ParentOf(const std::string& name) {
+    const auto parent = Kind<ViewRecord>::ParentOf(name);
+    if (!parent.ok()) return parent.status();
+    const auto [at, is_new] = parents_.try_emplace(parent->name);
+    if (is_new) {
+      const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+      if (!pose.ok() && !absl::IsNotFound(pose.status())) return pose.status();
+      if (pose.ok()) at->second = pose->create_time();
+    }
+    return at->second;
+  }
+
+  // Views that an earlier version staged have no time.
+  static bool IsOfAnother(const google::protobuf::Timestamp& parent,
+                          const StagedViewRecord& staged) {
+    return staged.has_stable_pose_create_time() && staged.stable_pose_create_time() != parent;
+  }
+
+  // Leaves out a view that is staged.
+  absl::Status Drop(const std::string& name, const std::string& why) {
+    absl::Status failed = Fail(name, why);
+    return failed.ok() ? RemoveCloud(name) : failed;
+  }
+
+  absl::Status Fail(const std::string& name, const std::string& why) {
+    upload_.set_failed_count(upload_.failed_count() + 1);
+    if (skip_failed_) return absl::OkStatus();
+    return FailedView(upload_, name, why);
+  }
+
+  // Not in the change record: no reader ever got it.
+  absl::Status RemoveCloud(const std::string& name) {
+    return database_.Delete(Family::kClouds, StagedKey(upload_, name), batch_.rocks());
+  }
+
+  const Database& database_;
+  const bool skip_failed_;
+  const std::function<bool()>& is_cancelled_;
+  UploadRecord& upload_;
+  ChangeBatch& batch_;
+  std::int64_t visited_ = 0;
+  std::map<std::string, Parent> parents_;
+};
+
+}  // namespace
+
+std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
+  return upload.staging_prefix() + "/" + std::string(view_name);
+}
+
+absl::Status FailedView(const UploadRecord& upload, std::string_view view_name,
+                        std::string_view why) {
+  return absl::FailedPreconditionError(absl::StrCat(
+      upload.name(), " cannot be committed as a whole: ", std::string(view_name), ": ",
+      std::string(why), "; list its failed views, send them again or commit without them"));
+}
+
+absl::Status AddCommit(const Database& database, bool skip_failed,
+                       const std::function<bool()>& is_cancelled, UploadRecord* upload,
+                       ChangeBatch& batch) {
+  return Commit(database, skip_failed, is_cancelled, upload, batch).Run();
+}
+
+}  // namespace graspdb::storage

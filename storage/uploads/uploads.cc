@@ -1,0 +1,263 @@
+#include "storage/uploads/uploads.h"
+
+#include <random>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "google/protobuf/util/time_util.h"
+#include "storage/changes/change_log.h"
+#include "storage/database/database.h"
+#include "storage/records/record_kind.h"
+#include "storage/records/record_list.h"
+#include "storage/uploads/open_upload.h"
+#include "storage/uploads/upload_commit.h"
+
+namespace graspdb::storage {
+namespace {
+
+using google::protobuf::util::TimeUtil;
+
+}  // namespace
+
+absl::Status CommittedUpload(std::string_view name) {
+  return absl::FailedPreconditionError(
+      absl::StrCat(std::string(name), " is committed already; create another upload"));
+}
+
+absl::Status DeletedUpload(std::string_view name) {
+  return absl::AbortedError(absl::StrCat(
+      std::string(name), " was deleted meanwhile; create an upload and send all views to it"));
+}
+
+absl::StatusOr<UploadRecord> Uploads::Create(const UploadRecord& wanted, absl::Time now) {
+  if (auto valid = Kind<UploadRecord>::ParentOf(wanted.name()); !valid.ok()) return valid.status();
+  absl::MutexLock lock(&mutex_);
+  const auto taken = database_.Contains(Family::kUploads, wanted.name());
+  if (!taken.ok()) return taken.status();
+  if (*taken) return AlreadyExists(Kind<UploadRecord>::kWord, wanted.name());
+  std::size_t open = 0;
+  const absl::Status counted =
+      VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& other) {
+        if (!other.has_commit_time()) ++open;
+        return absl::OkStatus();
+      });
+  if (!counted.ok()) return counted;
+  if (open >= kMaxOpenUploads) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(open, " uploads are open; commit or delete some of them first"));
+  }
+  UploadRecord record;
+  record.set_name(wanted.name());
+  record.set_replace(wanted.replace());
+  record.set_expected_view_count(wanted.expected_view_count());
+  *record.mutable_create_time() = TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(now));
+  // Random, since a name may be used again while the clouds of its first upload are in use.
+  std::random_device random;
+  const auto number = (static_cast<std::uint64_t>(random()) << 32U) | random();
+  record.set_staging_prefix(absl::StrCat("uploads/", absl::Hex(number, absl::kZeroPad16)));
+  rocksdb::WriteBatch batch;
+  absl::Status written =
+      database_.Put(Family::kUploads, record.name(), record.SerializeAsString(), batch);
+  if (written.ok()) written = database_.Write(batch);
+  if (!written.ok()) return written;
+  return record;
+}
+
+absl::StatusOr<UploadRecord> Uploads::Get(std::string_view name) const {
+  return ReadRecord<UploadRecord>(database_, name);
+}
+
+absl::StatusOr<Page<UploadRecord>> Uploads::List(std::size_t page_size,
+                                                 std::string_view after_name) const {
+  return ListRecords<UploadRecord>(database_, "", page_size, after_name);
+}
+
+absl::StatusOr<StagedCounts> Uploads::CountsOf(const UploadRecord& upload) {
+  if (upload.has_commit_time()) return StagedCounts();
+  const auto open = OpenOf(upload.name());
+  // Committed meanwhile.
+  if (absl::IsFailedPrecondition(open.status())) return StagedCounts();
+  if (!open.ok()) return open.status();
+  absl::MutexLock lock(&(*open)->names);
+  return (*open)->stored;
+}
+
+absl::StatusOr<Page<StagedItem>> Uploads::ListItems(const UploadRecord& upload,
+                                                    std::size_t page_size,
+                                                    std::string_view after_name) const {
+  const std::string prefix = StagedKey(upload, "");
+  const std::string after = after_name.empty() ? "" : StagedKey(upload, after_name);
+  if (auto valid = CheckPage(page_size, prefix, after); !valid.ok()) return valid;
+  Page<StagedItem> page;
+  std::size_t bytes = 0;
+  const absl::Status scanned = database_.Scan(
+      Family::kStagedViews, prefix, after,
+      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+        StagedViewRecord staged;
+        if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+          return DamagedRecord(key);
+        }
+        bytes += key.size() + staged.error().message().size();
+        if (EndsPage(page_size, bytes, &page)) return false;
+        page.records.push_back({std::string(key.substr(prefix.size())),
+                                absl::Status(static_cast<absl::StatusCode>(staged.error().code()),
+                                             staged.error().message())});
+        return true;
+      });
+  if (!scanned.ok()) return scanned;
+  return page;
+}
+
+absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
+  absl::MutexLock lock(&mutex_);
+  if (const auto found = open_.find(name); found != open_.end()) return found->second;
+  auto record = Get(name);
+  if (!record.ok()) return record.status();
+  if (record->has_commit_time()) return CommittedUpload(name);
+  auto open = std::make_shared<Open>();
+  open->record = *std::move(record);
+  const std::string prefix = StagedKey(open->record, "");
+  absl::MutexLock names_lock(&open->names);
+  const absl::Status scanned =
+      database_.Scan(Family::kStagedViews, prefix, "",
+                     [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+                       StagedViewRecord staged;
+                       if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+                         return DamagedRecord(key);
+                       }
+                       ++(staged.has_error() ? open->stored.errors : open->stored.views);
+                       open->views[std::string(key.substr(prefix.size()))] = {
+                           staged.view().content_digest(), true};
+                       return true;
+                     });
+  if (!scanned.ok()) return scanned;
+  staged_views_ += open->views.size();
+  return open_.emplace(name, std::move(open)).first->second;
+}
+
+absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(const UploadRecord& upload) {
+  auto open = OpenOf(upload.name());
+  if (open.ok() && (*open)->record.staging_prefix() != upload.staging_prefix()) {
+    return DeletedUpload(upload.name());
+  }
+  return open;
+}
+
+absl::Status Uploads::CountAll() {
+  if (all_counted_) return absl::OkStatus();
+  std::vector<std::string> names;
+  absl::Status visited =
+      VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& upload) {
+        if (!upload.has_commit_time()) names.push_back(upload.name());
+        return absl::OkStatus();
+      });
+  if (!visited.ok()) return visited;
+  // One that is damaged stops those only who use it.
+  for (const std::string& name : names) OpenOf(name).status().IgnoreError();
+  all_counted_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status Uploads::CountNew(const Open& open) {
+  if (open.views.size() >= kMaxStagedViews) {
+    return absl::ResourceExhaustedError(absl::StrCat("the upload has ", kMaxStagedViews,
+                                                     " views, the most that it can have; "
+                                                     "commit it and create another one"));
+  }
+  if (staged_views_.fetch_add(1) < max_staged_views_) return absl::OkStatus();
+  --staged_views_;
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the open uploads have ", max_staged_views_,
+                   " views, the most that they can have together; commit or delete one of them"));
+}
+
+absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
+  const auto open = OpenOf(name);
+  if (!open.ok()) return open.status();
+  return (*open)->record;
+}
+
+absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const NewView& view) {
+  const std::string& name = view.record.name();
+  const auto parent = Kind<ViewRecord>::ParentOf(name);
+  if (!parent.ok()) return parent.status();
+  if (view.record.content_digest().empty() || view.packed_cloud.empty()) {
+    return absl::InvalidArgumentError(name + " has no digest or no cloud; give both");
+  }
+  if (auto counted = CountAll(); !counted.ok()) return counted;
+  const auto found = OpenOf(upload);
+  if (!found.ok()) return found.status();
+  Open& open = **found;
+  absl::ReaderMutexLock use(&open.in_use);
+  if (!open.end.ok()) return open.end;
+  {
+    absl::MutexLock lock(&open.names);
+    open.AwaitStored(name);
+    const Open::View* known = open.Find(name);
+    if (known != nullptr && !known->digest.empty()) {
+      if (known->digest == view.record.content_digest()) return PutViewOutcome::kExisting;
+      return absl::AlreadyExistsError(name +
+                                      " was sent with other content in this upload; choose another "
+                                      "id");
+    }
+    if (known == nullptr) {
+      if (auto counted = CountNew(open); !counted.ok()) return counted;
+    } else {
+      --open.stored.errors;
+    }
+    open.views[name] = {view.record.content_digest(), false};
+  }
+  StagedViewRecord staged;
+  *staged.mutable_view() = view.record;
+  const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+  if (pose.ok()) *staged.mutable_stable_pose_create_time() = pose->create_time();
+  if (absl::Status written = Write(open, name, staged, &view.packed_cloud); !written.ok()) {
+    return written;
+  }
+  return PutViewOutcome::kCreated;
+}
+
+absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view view_name,
+                                 const absl::Status& error) {
+  if (auto parent = Kind<ViewRecord>::ParentOf(view_name); !parent.ok()) return parent.status();
+  if (auto counted = CountAll(); !counted.ok()) return counted;
+  const auto found = OpenOf(upload);
+  if (!found.ok()) return found.status();
+  Open& open = **found;
+  absl::ReaderMutexLock use(&open.in_use);
+  if (!open.end.ok()) return open.end;
+  const std::string name(view_name);
+  {
+    absl::MutexLock lock(&open.names);
+    open.AwaitStored(name);
+    if (open.Find(name) != nullptr || open.views.size() >= kMaxStagedViews) return absl::OkStatus();
+    if (auto counted = CountNew(open); !counted.ok()) return counted;
+    open.views[name] = {"", false};
+  }
+  StagedViewRecord staged;
+  staged.mutable_error()->set_code(static_cast<int>(error.code()));
+  staged.mutable_error()->set_message(std::string(error.message()));
+  return Write(open, name, staged, nullptr);
+}
+
+// Of a view that is in `open.views` and not stored; removes it from there on an error.
+absl::Status Uploads::Write(Open& open, const std::string& view_name,
+                            const StagedViewRecord& record, const std::string* packed_cloud) {
+  const std::string key = StagedKey(open.record, view_name);
+  rocksdb::WriteBatch batch;
+  absl::Status status = database_.Put(Family::kStagedViews, key, record.SerializeAsString(), batch);
+  if (packed_cloud != nullptr) {
+    status.Update(database_.Put(Family::kClouds, key, *packed_cloud, batch));
+  }
+  if (status.ok()) status = database_.Write(batch);
+  absl::MutexLock lock(&open.names);
+  if (status.ok()) {
+    open.views[view_name].is_stored = true;
+    ++(packed_cloud == nullptr ? open.stored.errors : open.stored.views);
+  } else {
+    staged_views_ -= open.views.erase(view_name);
+  }
+  return status;
+}
+
+}  // namespace graspdb::storage
