@@ -15,8 +15,8 @@
 #include "program/stop_signal.h"
 #include "program/version.h"
 #include "server/access/token_command.h"
-#include "server/backup_program.h"
-#include "server/options.h"
+#include "server/backups/backup_program.h"
+#include "server/base/options.h"
 #include "server/server.h"
 
 namespace graspdb::server {

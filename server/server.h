@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "recognition/base/cancellation.h"
 #include "recognition/recognizer.h"
-#include "server/options.h"
+#include "server/base/options.h"
 
 namespace graspdb::server {
 

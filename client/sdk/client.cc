@@ -53,7 +53,7 @@ constexpr int kLongestReconnectMs = 1'000;
 // In spite of its name the option is not a minimum of the delay.
 constexpr int kConnectMs = 4'000;
 // Milliseconds without a message during a call after which the server gets a ping, at least 10 s
-// (server/dead_connections.cc), and after which the connection is closed if the ping or sent data
+// (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
 // are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
 // power is back at the server. Doubled, a server without power is noticed after 20 s.
 constexpr int kKeepaliveMs = 20'000;

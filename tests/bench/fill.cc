@@ -10,9 +10,9 @@
 #include "client/cli/base/progress_line.h"
 #include "lab/experiment/experiment_run.h"
 #include "rendering/sample_parts.h"
-#include "server/convert.h"
-#include "server/digest.h"
-#include "server/records.h"
+#include "server/live/records.h"
+#include "server/requests/convert.h"
+#include "server/requests/write_id.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/bench/seen_parts.h"
@@ -37,7 +37,7 @@ std::string StablePoseName(const client::Workpiece& part, const Variant& variant
   return absl::StrFormat("objects/%s/stablePoses/%s", ObjectId(part, variant), part.stable_pose_id);
 }
 
-// Makes a view like server/teacher.cc.
+// Makes a view like server/catalogue/teacher.cc.
 absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vector3f& factors,
                                           const std::string& name, bool object_poses) {
   const recognition::DescriptorParameters parameters;

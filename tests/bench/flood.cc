@@ -16,7 +16,7 @@
 #include "absl/time/time.h"
 #include "client/sdk/client.h"
 #include "recognition/base/types.h"
-#include "server/scan_from_proto.h"
+#include "server/requests/scan_from_proto.h"
 
 namespace graspdb::bench {
 namespace {

@@ -15,7 +15,7 @@
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "recognition/base/types.h"
-#include "server/scan_from_proto.h"
+#include "server/requests/scan_from_proto.h"
 
 namespace graspdb::bench {
 namespace {

@@ -14,7 +14,7 @@ codes() {
     sed 's/absl::\(.*\)Error(/\1/; s/\([a-z]\)\([A-Z]\)/\1_\2/g' | tr '[:lower:]' '[:upper:]' | sort -u
 }
 # Reasons are literals, the last argument of WithReason.
-sources() { grep -rl --include='*.cc' 'WithReason(' server | grep -v '^server/errors\.cc$'; }
+sources() { grep -rl --include='*.cc' 'WithReason(' server | grep -v '^server/base/errors\.cc$'; }
 reasons() { sources | xargs grep -ohE '"[A-Z][A-Z_]+"\)' | tr -d '")' | sort; }
 
 failed=0

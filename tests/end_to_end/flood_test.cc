@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/sdk/client.h"
-#include "server/scan_from_proto.h"
+#include "server/requests/scan_from_proto.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "server/answer.h"
-#include "server/frame_recognizer.h"
-#include "server/live_catalogue.h"
-#include "server/view_cloud_cache.h"
+#include "server/live/live_catalogue.h"
+#include "server/live/view_cloud_cache.h"
+#include "server/recognition/answer.h"
+#include "server/recognition/frame_recognizer.h"
 #include "storage/catalogue/catalogue.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/message_target.h"

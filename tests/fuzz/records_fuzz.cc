@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "server/frame_recognizer.h"
-#include "server/live_catalogue.h"
-#include "server/view_cloud_cache.h"
+#include "server/live/live_catalogue.h"
+#include "server/live/view_cloud_cache.h"
+#include "server/recognition/frame_recognizer.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/database/family.h"
 #include "storage/records/packed_cloud.h"

@@ -12,7 +12,7 @@
 #include "client/cell/agent/agent_options.h"
 #include "client/cell/agent/calibration_config.h"
 #include "client/cell/sensors/sensor_spec.h"
-#include "server/options.h"
+#include "server/base/options.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 

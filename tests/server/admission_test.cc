@@ -1,4 +1,4 @@
-#include "server/admission.h"
+#include "server/calls/admission.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // --index flann.
-#include "server/approximate_index_builder.h"
+#include "server/live/approximate_index_builder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "server/background.h"
+#include "server/base/background.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "server/bounded_text.h"
+#include "server/base/bounded_text.h"
 
 #include <gmock/gmock.h>
 

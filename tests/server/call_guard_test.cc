@@ -1,5 +1,5 @@
 // Identities and roles of calls.
-#include "server/call_guard.h"
+#include "server/calls/call_guard.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/unknown_field_set.h>

@@ -1,4 +1,4 @@
-#include "server/call_places.h"
+#include "server/calls/call_places.h"
 
 #include <gmock/gmock.h>
 #include <spdlog/sinks/ostream_sink.h>

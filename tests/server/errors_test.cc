@@ -1,4 +1,4 @@
-#include "server/errors.h"
+#include "server/base/errors.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
@@ -9,8 +9,8 @@
 
 #include "absl/strings/cord.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
-#include "server/call_guard.h"
-#include "server/handle.h"
+#include "server/calls/call_guard.h"
+#include "server/calls/handle.h"
 #include "tests/server/error_details.h"
 
 namespace graspdb::server {

@@ -1,5 +1,5 @@
 // Filters that are kept for the next frames.
-#include "server/filtered_snapshots.h"
+#include "server/live/filtered_snapshots.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/taught_poses.h"
+#include "server/live/taught_poses.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {

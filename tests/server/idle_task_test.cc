@@ -1,4 +1,4 @@
-#include "server/idle_task.h"
+#include "server/live/idle_task.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <new>
 
-#include "server/health.h"
-#include "server/live_catalogue.h"
+#include "server/live/live_catalogue.h"
+#include "server/status/health.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/server/raw_call.h"
 #include "tests/testing/status_matchers.h"

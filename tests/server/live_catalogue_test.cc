@@ -1,10 +1,10 @@
 // The catalogue in memory: it follows every change, and recomputes descriptors when the
 // server's parameters change.
-#include "server/live_catalogue.h"
+#include "server/live/live_catalogue.h"
 
 #include <gmock/gmock.h>
 
-#include "server/records.h"
+#include "server/live/records.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,4 +1,4 @@
-#include "server/lru_cache.h"
+#include "server/base/lru_cache.h"
 
 #include <gmock/gmock.h>
 

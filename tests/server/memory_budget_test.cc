@@ -1,4 +1,4 @@
-#include "server/memory_budget.h"
+#include "server/calls/memory_budget.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

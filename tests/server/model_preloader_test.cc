@@ -1,5 +1,5 @@
 // Models are in memory before the first frame needs them.
-#include "server/model_preloader.h"
+#include "server/live/model_preloader.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "server/records.h"
+#include "server/live/records.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 

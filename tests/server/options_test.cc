@@ -1,4 +1,4 @@
-#include "server/options.h"
+#include "server/base/options.h"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
-#include "server/paging.h"
+#include "server/requests/paging.h"
 
 #include <gmock/gmock.h>
 
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "tests/server/error_details.h"
 #include "tests/testing/status_matchers.h"
 

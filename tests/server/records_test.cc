@@ -1,4 +1,4 @@
-#include "server/records.h"
+#include "server/live/records.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // Fields of requests that exceed their limits are rejected, with their path, in every method;
 // records from before the limits stay accessible.
-#include "server/request_limits.h"
+#include "server/requests/request_limits.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>

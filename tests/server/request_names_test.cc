@@ -1,4 +1,4 @@
-#include "server/request_names.h"
+#include "server/requests/request_names.h"
 
 #include <gtest/gtest.h>
 

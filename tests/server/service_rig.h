@@ -6,12 +6,12 @@
 #include <memory>
 
 #include "graspdb/v1/recognition_service.grpc.pb.h"
-#include "server/admission.h"
-#include "server/call_guard.h"
-#include "server/frame_recognizer.h"
-#include "server/live_catalogue.h"
-#include "server/recognition_service.h"
-#include "server/view_cloud_cache.h"
+#include "server/calls/admission.h"
+#include "server/calls/call_guard.h"
+#include "server/live/live_catalogue.h"
+#include "server/live/view_cloud_cache.h"
+#include "server/recognition/frame_recognizer.h"
+#include "server/recognition/recognition_service.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace graspdb::testing {

@@ -1,4 +1,4 @@
-#include "server/taught_poses.h"
+#include "server/live/taught_poses.h"
 
 #include <gmock/gmock.h>
 

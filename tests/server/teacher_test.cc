@@ -1,10 +1,10 @@
 // The view that is stored of an upload.
-#include "server/teacher.h"
+#include "server/catalogue/teacher.h"
 
 #include <gmock/gmock.h>
 
-#include "server/convert.h"
-#include "server/records.h"
+#include "server/live/records.h"
+#include "server/requests/convert.h"
 #include "tests/server/server_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,10 +1,9 @@
-#include "server/update_mask.h"
-
 #include <gmock/gmock.h>
 
 #include <array>
 
 #include "graspdb/v1/cell.pb.h"
+#include "server/requests/record_checks.h"
 #include "tests/server/error_details.h"
 #include "tests/testing/status_matchers.h"
 

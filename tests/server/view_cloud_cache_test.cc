@@ -1,8 +1,8 @@
-#include "server/view_cloud_cache.h"
+#include "server/live/view_cloud_cache.h"
 
 #include <gmock/gmock.h>
 
-#include "server/records.h"
+#include "server/live/records.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

@@ -13,8 +13,8 @@
 #include "client/sdk/retry.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
-#include "server/admission.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
+#include "server/calls/admission.h"
 #include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"
 

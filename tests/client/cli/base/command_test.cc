@@ -14,7 +14,7 @@
 #include "client/cli/base/command_line.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "server/errors.h"
+#include "server/base/errors.h"
 #include "tests/testing/busy_status.h"
 
 namespace graspdb::client {

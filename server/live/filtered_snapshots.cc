@@ -1,0 +1,113 @@
+#include "server/live/filtered_snapshots.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "server/live/taught_poses.h"
+
+namespace graspdb::server {
+namespace {
+
+// Filters whose results are kept; a cell with another one waits while its chunks are copied: 1 s
+// for 100,000 views. Doubled, more memory: see below.
+constexpr std::size_t kMaxFilters = 16;
+// Copied views of all filters together, for each view of the catalogue. They are copied where
+// hidden views are near them, 1.5 KB each. Doubled, twice as much memory.
+constexpr std::size_t kMaxCopies = 2;
+// A filter that is not used keeps the chunks of its last revision. Doubled, memory for cells that
+// stopped is kept longer.
+constexpr std::chrono::minutes kMaxIdle{10};
+
+// Views that a filter does not share with the whole index.
+std::size_t CopiesIn(const recognition::DescriptorIndex::FilteredChunks& chunks) {
+  std::size_t out = 0;
+  for (const auto& [whole, visible] : chunks) {
+    if (visible != nullptr && visible != whole) out += visible->size();
+  }
+  return out;
+}
+
+}  // namespace
+
+struct FilteredSnapshots::Filter {
+  explicit Filter(Visibility visibility_in) : visibility(std::move(visibility_in)) {}
+
+  const Visibility visibility;
+  absl::Mutex mutex;
+  std::weak_ptr<const LiveSnapshot> base ABSL_GUARDED_BY(mutex);  // of `result`
+  std::shared_ptr<const ReleaseGates> gates ABSL_GUARDED_BY(mutex);
+  std::shared_ptr<const recognition::CatalogueSnapshot> result ABSL_GUARDED_BY(mutex);
+  recognition::DescriptorIndex::FilteredChunks chunks ABSL_GUARDED_BY(mutex);
+  std::atomic<std::size_t> copy_count = 0;     // views
+  std::chrono::steady_clock::time_point used;  // guarded by the mutex of the list
+
+  std::shared_ptr<const recognition::CatalogueSnapshot> Apply(
+      const std::shared_ptr<const LiveSnapshot>& next) ABSL_LOCKS_EXCLUDED(mutex);
+};
+
+std::shared_ptr<const recognition::CatalogueSnapshot> FilteredSnapshots::Filter::Apply(
+    const std::shared_ptr<const LiveSnapshot>& next) {
+  absl::MutexLock lock(&mutex);
+  if (base.lock() == next) return result;
+  if (gates != next->gates) chunks.clear();
+  const auto shows = [&](const std::string& object, const std::string& pose) {
+    return next->gates->Shows(object, pose, visibility);
+  };
+  auto poses = std::make_shared<TaughtPoses>();
+  for (const auto& [name, pose] : *next->stable_poses) {
+    if (shows(name.substr(0, name.find("/stablePoses/")), name)) poses->emplace(name, pose);
+  }
+  auto filtered = std::make_shared<recognition::CatalogueSnapshot>(recognition::CatalogueSnapshot{
+      next->revision,
+      next->index.Filtered(
+          [&](const recognition::TaughtView& view) { return shows(view.object, view.stable_pose); },
+          &chunks),
+      std::move(poses)});
+  copy_count = CopiesIn(chunks);
+  base = next;
+  gates = next->gates;
+  result = std::move(filtered);
+  return result;
+}
+
+std::shared_ptr<const recognition::CatalogueSnapshot> FilteredSnapshots::Get(
+    const std::shared_ptr<const LiveSnapshot>& base, const Visibility& visibility) {
+  std::shared_ptr<const recognition::CatalogueSnapshot> result = base;
+  if (!base->gates->ShowsAll(visibility)) result = FilterOf(visibility)->Apply(base);
+  Bound(base->index.view_count());
+  return result;
+}
+
+std::shared_ptr<FilteredSnapshots::Filter> FilteredSnapshots::FilterOf(
+    const Visibility& visibility) {
+  absl::MutexLock lock(&mutex_);
+  auto found = std::ranges::find(filters_, visibility, [](const auto& filter) -> const Visibility& {
+    return filter->visibility;
+  });
+  if (found == filters_.end()) {
+    found = filters_.insert(filters_.begin(), std::make_shared<Filter>(visibility));
+  }
+  filters_.splice(filters_.begin(), filters_, found);
+  filters_.front()->used = std::chrono::steady_clock::now();
+  return filters_.front();
+}
+
+void FilteredSnapshots::Bound(std::size_t base_view_count) {
+  std::list<std::shared_ptr<Filter>> dropped;  // released after the lock
+  absl::MutexLock lock(&mutex_);
+  const auto idle_before = std::chrono::steady_clock::now() - kMaxIdle;
+  std::size_t count = 0;
+  std::size_t copies = 0;
+  for (auto filter = filters_.begin(); filter != filters_.end(); ++filter) {
+    copies += (*filter)->copy_count;
+    const bool fits = ++count <= kMaxFilters && copies <= kMaxCopies * base_view_count;
+    if ((count == 1 || fits) && (*filter)->used >= idle_before) continue;
+    dropped.splice(dropped.begin(), filters_, filter, filters_.end());
+    break;
+  }
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,201 @@
+#include "server/requests/convert.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "server/base/errors.h"
+#include "server/requests/request_limits.h"
+#include "storage/records/resource_name.h"
+
+namespace graspdb::server {
+namespace {
+
+constexpr double kMaxPosition = 1000;  // m
+constexpr double kNormTolerance = 1e-3;
+// Of a quaternion that was normalised in double precision. Doubled, nothing changes.
+constexpr double kNormRounding = 1e-14;
+
+Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+// Copies a field that is set, if it is in [lo, hi].
+template <typename T, typename U>
+absl::Status Apply(bool given, T value, T lo, T hi, std::string_view path, std::string_view field,
+                   U* target) {
+  if (!given) return absl::OkStatus();
+  if (!(value >= lo && value <= hi)) {
+    return InvalidField(FieldPath(path, field),
+                        absl::StrCat("is ", value, "; it must lie in ", lo, " to ", hi));
+  }
+  *target = value;
+  return absl::OkStatus();
+}
+
+absl::Status CheckLength(double length_m, std::string_view path, std::string_view field) {
+  if (length_m >= 0 && length_m <= 10) return absl::OkStatus();
+  return InvalidField(FieldPath(path, field), "must lie in 0 to 10 m");
+}
+
+absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
+                                                        std::string_view path) {
+  absl::Status status =
+      AtField(FieldPath(path, "grasp_id"), storage::ValidateResourceId(grasp.grasp_id()));
+  status.Update(CheckLength(grasp.approach_distance_m(), path, "approach_distance_m"));
+  status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
+  status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
+  if (!status.ok()) return status;
+  absl::StatusOr<recognition::Pose> tcp =
+      PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose"));
+  if (!tcp.ok()) return tcp.status();
+  recognition::TaughtGrasp out;
+  out.id = grasp.grasp_id();
+  out.object_tcp = *tcp;
+  out.approach_distance_m = grasp.approach_distance_m();
+  out.gripper_opening_m = grasp.gripper_opening_m();
+  out.retreat_distance_m = grasp.retreat_distance_m();
+  out.priority = grasp.priority();
+  const v1::Grasp::FreeTurn& turn = grasp.free_turn();
+  if (!(turn.min_deg() >= -360 && turn.min_deg() <= turn.max_deg() && turn.max_deg() <= 360)) {
+    return InvalidField(FieldPath(path, "free_turn"),
+                        "must have min_deg up to max_deg, both in -360 to 360 degrees");
+  }
+  if (grasp.has_free_turn()) {
+    constexpr double kDegree = std::numbers::pi / 180;
+    out.free_turn = {turn.min_deg() * kDegree, turn.max_deg() * kDegree};
+  }
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
+  const Eigen::Vector3d position = VectorFromProto(pose.position());
+  if (!position.allFinite() || position.norm() > kMaxPosition) {
+    return InvalidField(FieldPath(path, "position"),
+                        "must be finite and within 1000 m of the origin");
+  }
+  const v1::Quaternion& q = pose.orientation();
+  const Eigen::Quaterniond rotation(q.w(), q.x(), q.y(), q.z());
+  const double norm = rotation.norm();
+  if (!(std::abs(norm - 1) <= kNormTolerance)) {
+    return InvalidField(FieldPath(path, "orientation"),
+                        absl::StrCat("has norm ", norm, "; a rotation is a unit quaternion"));
+  }
+  recognition::Pose out = recognition::Pose::Identity();
+  out.linear() = rotation.normalized().toRotationMatrix();
+  out.translation() = position;
+  return out;
+}
+
+v1::Pose PoseToProto(const recognition::Pose& pose) {
+  v1::Pose out;
+  *out.mutable_position() = VectorToProto(pose.translation());
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() = -q.coeffs();  // unique representation
+  out.mutable_orientation()->set_x(q.x());
+  out.mutable_orientation()->set_y(q.y());
+  out.mutable_orientation()->set_z(q.z());
+  out.mutable_orientation()->set_w(q.w());
+  return out;
+}
+
+v1::Pose StoredPose(const v1::Pose& given, const recognition::Pose& parsed) {
+  const v1::Quaternion& q = given.orientation();
+  const double norm = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).norm();
+  if (q.w() < 0 || std::abs(norm - 1) > kNormRounding) return PoseToProto(parsed);
+  v1::Pose out = given;
+  out.mutable_position();  // absent is the origin
+  out.DiscardUnknownFields();
+  return out;
+}
+
+absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box,
+                                              std::string_view path) {
+  recognition::Box out{VectorFromProto(box.min()), VectorFromProto(box.max())};
+  if (!out.min.allFinite() || !out.max.allFinite()) {
+    return InvalidField(path, "must have finite corners");
+  }
+  if ((out.min.array() >= out.max.array()).any()) {
+    return InvalidField(path, "is empty: min must be smaller than max in x, y and z");
+  }
+  return out;
+}
+
+v1::Vector3 VectorToProto(const Eigen::Vector3d& v) {
+  v1::Vector3 out;
+  out.set_x(v.x());
+  out.set_y(v.y());
+  out.set_z(v.z());
+  return out;
+}
+
+absl::Status ApplyPipeline(const v1::PipelineParameters& p, std::string_view path,
+                           recognition::RecognitionParameters* parameters) {
+  auto& s = parameters->segmentation;
+  auto& m = parameters->matching;
+  absl::Status status;
+  status.Update(Apply(p.has_plane_distance_m(), p.plane_distance_m(), 0.0005, 0.1, path,
+                      "plane_distance_m", &s.plane_distance_m));
+  status.Update(Apply(p.has_outlier_neighbor_count(), p.outlier_neighbor_count(), 0, 200, path,
+                      "outlier_neighbor_count", &s.outlier_neighbor_count));
+  status.Update(Apply(p.has_outlier_deviation_factor(), p.outlier_deviation_factor(), 0.1, 100.0,
+                      path, "outlier_deviation_factor", &s.outlier_deviation_factor));
+  status.Update(Apply(p.has_cluster_tolerance_m(), p.cluster_tolerance_m(), 0.003, 0.2, path,
+                      "cluster_tolerance_m", &s.cluster_tolerance_m));
+  status.Update(Apply(p.has_min_cluster_point_count(), p.min_cluster_point_count(), 10, 100000,
+                      path, "min_cluster_point_count", &s.min_cluster_point_count));
+  status.Update(Apply(p.has_verified_view_count(), p.verified_view_count(), 1, 100, path,
+                      "verified_view_count", &m.verified_view_count));
+  status.Update(Apply(p.has_icp_iteration_count(), p.icp_iteration_count(), 0, 1000, path,
+                      "icp_iteration_count", &m.icp_iteration_count));
+  status.Update(Apply(p.has_min_score(), p.min_score(), 0.0, 1.0, path, "min_score", &m.min_score));
+  status.Update(
+      Apply(p.has_max_range_m(), p.max_range_m(), 0.1, 100.0, path, "max_range_m", &s.max_range_m));
+  status.Update(Apply(p.has_max_object_size_m(), p.max_object_size_m(), 0.01, 5.0, path,
+                      "max_object_size_m", &s.max_object_size_m));
+  status.Update(Apply(p.has_further_view_count(), p.further_view_count(), 0, 10'000, path,
+                      "further_view_count", &m.further_view_count));
+  status.Update(Apply(p.has_further_view_budget(), p.further_view_budget(), 0, 100'000, path,
+                      "further_view_budget", &m.further_view_budget));
+  return status;
+}
+
+absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::StablePose& pose) {
+  recognition::TaughtStablePose out;
+  out.name = pose.name();
+  out.symmetry_order = pose.has_symmetry_order() ? pose.symmetry_order() : 1;
+  if (out.symmetry_order < 0 || out.symmetry_order > 360) {
+    return InvalidField("stable_pose.symmetry_order",
+                        "must lie in 0 (any turn) to 360, 1 for no symmetry");
+  }
+  if (pose.has_min_score()) {
+    if (!(pose.min_score() >= 0 && pose.min_score() <= 1)) {
+      return InvalidField("stable_pose.min_score", "must lie in 0 to 1");
+    }
+    out.min_score = pose.min_score();
+  }
+  if (pose.has_mesh_pose()) {
+    absl::StatusOr<recognition::Pose> mesh =
+        PoseFromProto(pose.mesh_pose(), "stable_pose.mesh_pose");
+    if (!mesh.ok()) return mesh.status();
+    out.object_mesh = *mesh;
+  }
+  if (pose.grasps_size() > kMaxGrasps) {
+    return InvalidField("stable_pose.grasps",
+                        absl::StrCat("has more than ", kMaxGrasps, " grasps"));
+  }
+  std::set<std::string> ids;
+  for (int i = 0; i < pose.grasps_size(); ++i) {
+    const std::string path = absl::StrCat("stable_pose.grasps[", i, "]");
+    absl::StatusOr<recognition::TaughtGrasp> grasp = GraspFromProto(pose.grasps(i), path);
+    if (!grasp.ok()) return grasp.status();
+    if (!ids.insert(grasp->id).second) {
+      return InvalidField(FieldPath(path, "grasp_id"), "must be unique within the stable pose");
+    }
+    out.grasps.push_back(*std::move(grasp));
+  }
+  return out;
+}
+
+}  // namespace graspdb::server

@@ -1,0 +1,55 @@
+// Conversion of a StatusOr to a response.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "server/base/bounded_text.h"
+#include "server/base/errors.h"
+#include "server/requests/paging.h"
+#include "server/requests/request_limits.h"
+#include "storage/catalogue/catalogue.h"
+
+namespace graspdb::server {
+
+// A record for a response: one that was stored before the limits existed may exceed the size of a
+// response.
+template <typename T>
+T Answerable(T record) {
+  if constexpr (requires { record.display_name(); }) {
+    record.DiscardUnknownFields();
+    if (record.display_name().size() > kMaxNameBytes) {
+      record.set_display_name(BoundedText(record.display_name(), kMaxNameBytes));
+    }
+  }
+  return record;
+}
+
+// Moves the value into the response, or returns the error, with the field `path` if it
+// is an invalid name.
+template <typename T>
+absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* response) {
+  if (!result.ok()) return AtField(path, result.status());
+  *response = Answerable(*std::move(result));
+  return absl::OkStatus();
+}
+
+// Lists a page: `list(page_size, after_name)` returns the records, whose names begin with
+// `prefix`, `add(record)` adds one to the response.
+template <typename Request, typename Response, typename List, typename Add>
+absl::Status RespondPage(const Request& request, const std::string& prefix, List&& list, Add&& add,
+                         Response* response) {
+  absl::StatusOr<std::size_t> size = PageSize(request.page_size());
+  if (!size.ok()) return size.status();
+  absl::StatusOr<std::string> after = NameFromPageToken(request.page_token(), prefix);
+  if (!after.ok()) return after.status();
+  auto page = list(*size, *after);
+  if (!page.ok()) return AtField("parent", page.status());
+  if (page->more) response->set_next_page_token(PageTokenAfter(page->records.back().name()));
+  for (auto& record : page->records) add(Answerable(std::move(record)));
+  return absl::OkStatus();
+}
+
+}  // namespace graspdb::server
