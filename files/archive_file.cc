@@ -15,7 +15,7 @@
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // Maximum bytes of a record beside the points of a view: a stable pose with all of its grasps has
@@ -152,4 +152,4 @@ absl::StatusOr<ArchiveItem> ArchiveFile::ReadAt(std::int64_t offset) const {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

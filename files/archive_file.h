@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "graspdb/v1/archive.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // The end of an archive's name, by which commands distinguish it from a folder that does not exist.
 inline constexpr std::string_view kArchiveSuffix = ".graspdb";
@@ -61,4 +61,4 @@ class ArchiveFile {
   std::int64_t size_ = 0;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // The last byte is the version of the format.
 inline constexpr std::string_view kArchiveMagic{"GAR\x01", 4};
@@ -14,4 +14,4 @@ inline constexpr std::string_view kArchiveMagic{"GAR\x01", 4};
 inline constexpr std::size_t kArchiveFrameHeaderBytes = 8;
 inline constexpr std::size_t kArchiveLengthBytes = 4;
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -12,7 +12,7 @@
 #include "absl/strings/escaping.h"
 #include "files/cloud_message.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 constexpr std::size_t kMaxIdBytes = 63;
@@ -154,4 +154,4 @@ absl::StatusOr<ArchiveIndex> IndexArchive(const ArchiveFile& file, const OnArchi
   return Indexer(file).Run(on_bytes);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

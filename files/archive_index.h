@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "files/archive_file.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 enum class ArchiveKind : std::uint8_t { kObject, kStablePose, kView };
 
@@ -38,4 +38,4 @@ using OnArchiveBytes = std::function<absl::Status(std::int64_t)>;
 // and a cloud of packed floats, counts, and nothing after the end. DATA_LOSS with the offset.
 absl::StatusOr<ArchiveIndex> IndexArchive(const ArchiveFile& file, const OnArchiveBytes& on_bytes);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

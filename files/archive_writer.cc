@@ -12,7 +12,7 @@
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // zstd's default: higher levels take several times as long and save some per cent of a cloud.
@@ -51,4 +51,4 @@ absl::Status ArchiveWriter::Add(const v1::ArchiveRecord& record) {
 
 absl::Status ArchiveWriter::Finish() { return file_->Commit(Existing::kKeep); }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

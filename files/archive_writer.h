@@ -10,7 +10,7 @@
 #include "files/atomic_file.h"
 #include "graspdb/v1/archive.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Writes one record after the other; the memory is that of a record. The same records give the same
 // bytes. Not thread-safe. Errors of WriteFileAtomically.
@@ -31,4 +31,4 @@ class ArchiveWriter {
   std::unique_ptr<AtomicFile> file_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

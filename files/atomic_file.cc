@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "storage/base/folder_sync.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 absl::Status StatusOf(int error, const std::string& text) {
@@ -146,4 +146,4 @@ absl::Status FlushNames(const std::filesystem::path& folder) {
   return error ? FolderFailed(folder, "flush", error) : absl::OkStatus();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Whether a file must survive a power failure right after it was written. Waiting
 // for the disk takes milliseconds, on a busy one far longer.
@@ -74,4 +74,4 @@ absl::Status MakeDurableFolder(const std::filesystem::path& folder);
 // path; the files are there even so. Thread-safe.
 absl::Status FlushNames(const std::filesystem::path& folder);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

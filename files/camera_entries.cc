@@ -6,7 +6,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using google::protobuf::Value;
@@ -97,4 +97,4 @@ absl::StatusOr<std::vector<CameraEntry>> CameraEntriesOf(const google::protobuf:
   return collector.TakeSorted();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 struct CameraEntry {
   std::string path;             // of its keys, for messages: "depth.scale"
@@ -22,4 +22,4 @@ struct CameraEntry {
 // are nested deeper than any program nests a camera.
 absl::StatusOr<std::vector<CameraEntry>> CameraEntriesOf(const google::protobuf::Struct& document);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "files/pose_message.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // Longer than any length of a grasp that is in metres; the server rejects distances beyond it.
@@ -213,4 +213,4 @@ absl::Status CheckDistances(const v1::CaptureSet& set) {
   return absl::OkStatus();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "graspdb/v1/capture_set.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // INVALID_ARGUMENT with the place, as "captures[3].path …", when
 // - an object, a stable pose or a grasp has no id or a duplicate one,
@@ -32,4 +32,4 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
 // object. Capture sets may have others while nothing is taught with them.
 absl::Status CheckId(const std::string& id, const std::string& field);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

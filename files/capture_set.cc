@@ -16,7 +16,7 @@
 #include "program/json_keys.h"
 #include "program/text_encoding.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ std::vector<const v1::Capture*> CapturesOf(const v1::CaptureSet& set,
   return captures;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "graspdb/v1/capture_set.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Name of the description within the folder.
 inline constexpr char kCaptureSetFile[] = "captures.json";
@@ -33,4 +33,4 @@ absl::Status SaveCaptureSet(const std::filesystem::path& folder, const v1::Captu
 std::vector<const v1::Capture*> CapturesOf(const v1::CaptureSet& set,
                                            std::optional<v1::Capture::Split> split = std::nullopt);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -3,7 +3,7 @@
 #include "files/atomic_file.h"
 #include "files/capture_set.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 absl::Status CaptureSetWriter::AddCloud(const std::string& path, const PointFile& cloud) {
   const std::filesystem::path file = folder_ / path;
@@ -22,4 +22,4 @@ absl::Status CaptureSetWriter::Finish(const v1::CaptureSet& set) {
   return SaveCaptureSet(folder_, set);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

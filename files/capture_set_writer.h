@@ -10,7 +10,7 @@
 #include "files/point_file.h"
 #include "graspdb/v1/capture_set.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Writes the clouds and then the description. Waits for the disk once for each cloud, and at the
 // end once for each folder. Not thread-safe.
@@ -31,4 +31,4 @@ class CaptureSetWriter {
   std::set<std::filesystem::path> cloud_folders_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

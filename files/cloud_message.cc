@@ -6,7 +6,7 @@
 
 #include "absl/strings/escaping.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 constexpr int kStride = 12;
@@ -59,4 +59,4 @@ std::string ContentId(const v1::View& view) {
   return IdOf(image.SerializeAsString());
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 #include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/geometry.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Points as packed x, y, z floats. `width`: columns of the image, row by row; 0 if not an image.
 v1::PointCloud CloudMessage(const recognition::Points& points, int width);
@@ -21,4 +21,4 @@ absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& clou
 // An id computed from the view's points or depth image: the same capture gives the same id.
 std::string ContentId(const v1::View& view);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

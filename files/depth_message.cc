@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "recognition/points/depth_image.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 v1::CameraIntrinsics ToMessage(const recognition::CameraIntrinsics& camera) {
   v1::CameraIntrinsics out;
@@ -97,4 +97,4 @@ double DepthUnit(const v1::DepthImage& image) {
   return image.depth_unit_m() == 0 ? 0.001 : image.depth_unit_m();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

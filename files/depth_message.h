@@ -9,7 +9,7 @@
 #include "graspdb/v1/geometry.pb.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // The count of cameras that do not write 0 where nothing was measured: saturated.
 inline constexpr std::uint16_t kNoCount = 65535;
@@ -37,4 +37,4 @@ double DepthUnit(const v1::DepthImage& image);
 v1::CameraIntrinsics ToMessage(const recognition::CameraIntrinsics& camera);
 recognition::CameraIntrinsics FromMessage(const v1::CameraIntrinsics& message);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -20,7 +20,7 @@
 #include "files/atomic_file.h"
 #include "files/depth_message.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 constexpr std::uint32_t kLongestSide = 8192;  // pixels; more than any depth camera has
@@ -239,4 +239,4 @@ absl::Status WriteDepthPng(const std::filesystem::path& path, const v1::DepthIma
   return WriteFileAtomically(path, file.written, Durability::kProcessCrash);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -11,7 +11,7 @@
 #include "graspdb/v1/geometry.pb.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // The sidecar file with the camera of the images in a folder, as JSON:
 //   {"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5,
@@ -50,4 +50,4 @@ absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
 // does not match the intrinsics; otherwise the errors of WriteFileAtomically.
 absl::Status WriteDepthPng(const std::filesystem::path& path, const v1::DepthImage& image);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -21,7 +21,7 @@
 #include "program/json_keys.h"
 #include "program/text_encoding.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 constexpr std::size_t kMaxSidecarBytes = std::size_t{1} << 16U;
@@ -191,4 +191,4 @@ absl::Status WriteIntrinsics(const std::filesystem::path& path, const DepthPngCa
   return WriteFileAtomically(path, *text, Durability::kProcessCrash);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

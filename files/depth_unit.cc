@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "recognition/base/units.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using recognition::kMmPerM;
@@ -154,4 +154,4 @@ absl::StatusOr<std::vector<std::uint16_t>> InvalidCountsOf(
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "files/camera_entries.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Metres per count; 0.001 where no key names a unit. Programs use the same names for different
 // units, but no depth camera has two of these, so the number decides for keys of scales and
@@ -23,4 +23,4 @@ absl::StatusOr<double> DepthUnitOf(const std::vector<CameraEntry>& entries);
 // The counts that the file declares as no measurement, besides 0 and 65535.
 absl::StatusOr<std::vector<std::uint16_t>> InvalidCountsOf(const std::vector<CameraEntry>& entries);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

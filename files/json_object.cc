@@ -10,7 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // Sorts maps by their keys; the order of a hash table would differ from run to run.
@@ -53,4 +53,4 @@ absl::StatusOr<std::string> PrintDocument(const google::protobuf::Struct& docume
       absl::StrCat("the report cannot be written as JSON: ", std::string(printed.message())));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

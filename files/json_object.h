@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Null where the number is not finite, which JSON cannot represent.
 google::protobuf::Value JsonNumber(double number);
@@ -75,4 +75,4 @@ enum class JsonLayout { kOneLine, kIndented };
 absl::StatusOr<std::string> PrintDocument(const google::protobuf::Struct& document,
                                           JsonLayout layout);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

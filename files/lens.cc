@@ -8,7 +8,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using Eigen::Vector2d;
@@ -159,4 +159,4 @@ absl::StatusOr<Lens> LensOf(const std::vector<CameraEntry>& entries) {
       absl::StrCat("the model of its distortion is not known here", kLensAdvice));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "files/camera_entries.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 struct Lens {
   // k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order: radial, tangential, radial, and the radial
@@ -29,4 +29,4 @@ std::optional<Eigen::Vector2d> Undistorted(const Lens& lens, const Eigen::Vector
 // skewed pixels; RealSense's `coeffs` without their `model`; other numbers of coefficients.
 absl::StatusOr<Lens> LensOf(const std::vector<CameraEntry>& entries);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

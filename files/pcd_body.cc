@@ -16,7 +16,7 @@
 #include "absl/strings/str_split.h"
 #include "files/surplus_bytes.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PCD bodies are little-endian");
@@ -128,4 +128,4 @@ absl::Status CheckPcdBody(const std::filesystem::path& path, const PcdHeader& he
   return Damaged(path, "its encoding is unknown");
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

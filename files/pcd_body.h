@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "files/pcd_header.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Ascii: all rows exist and have the number of finite or "nan" values that the header
 // declares. Binary: the file is long enough. Compressed: both sizes at the start of
@@ -15,4 +15,4 @@ namespace graspdb::client {
 // INVALID_ARGUMENT with the path, the error, its place and advice.
 absl::Status CheckPcdBody(const std::filesystem::path& path, const PcdHeader& header);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -17,7 +17,7 @@
 #include "files/point_file.h"
 #include "program/text_encoding.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -252,4 +252,4 @@ absl::StatusOr<PcdHeader> ReadPcdHeader(const std::filesystem::path& path) {
                                                  "; write the cloud again as a PCD file"));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

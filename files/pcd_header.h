@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // A PCD header; see the file format page of PCL.
 struct PcdHeader {
@@ -47,4 +47,4 @@ struct PcdHeader {
 // INVALID_ARGUMENT with the path and the first invalid line.
 absl::StatusOr<PcdHeader> ReadPcdHeader(const std::filesystem::path& path);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -16,7 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // A field that is one floating-point number.
@@ -191,4 +191,4 @@ absl::StatusOr<PointFile> DecodePcd(const std::filesystem::path& path, const Pcd
   return file;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 #include "files/pcd_header.h"
 #include "files/point_file.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Decodes a file that passed ReadPcdHeader and CheckPcdBody; `sensor_pose` is left empty. PCL's
 // reader is not used, as it parses the header again, interprets some lines differently and then
@@ -19,4 +19,4 @@ absl::StatusOr<PointFile> DecodePcd(const std::filesystem::path& path, const Pcd
 // The bytes of a binary_compressed PCD file; `file` must be consistent, as WritePcd checks.
 std::string EncodePcd(const PointFile& file);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

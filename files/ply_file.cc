@@ -21,7 +21,7 @@
 #include "files/ply_header.h"
 #include "files/surplus_bytes.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using Type = PlyHeader::Type;
@@ -286,4 +286,4 @@ absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path) {
                                                  "; write it again as a PLY file"));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "files/point_file.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Reads the vertices of a PLY file, see ReadPointFile; faces and other elements
 // are ignored. PCL's PLY reader is not used, as it crashes on well-formed meshes
@@ -15,4 +15,4 @@ namespace graspdb::client {
 // INVALID_ARGUMENT with the path, the error and advice.
 absl::StatusOr<PointFile> ReadPly(const std::filesystem::path& path);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -9,7 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "program/text_encoding.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using Type = PlyHeader::Type;
@@ -138,4 +138,4 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
       "it is not a whole PLY file, as no end_header line ends its header");
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // A PLY header.
 struct PlyHeader {
@@ -46,4 +46,4 @@ int SizeOf(PlyHeader::Type type);
 // INVALID_ARGUMENT with the first invalid line, without a path.
 absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -12,7 +12,7 @@
 #include "files/pcd_points.h"
 #include "files/ply_file.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -94,4 +94,4 @@ absl::Status WritePcd(const fs::path& path, const PointFile& file, Durability du
   return WriteFileAtomically(path, EncodePcd(file), durability);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -10,7 +10,7 @@
 #include "files/atomic_file.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Files that declare more points are rejected before anything is allocated.
 inline constexpr int kMaxPoints = 10'000'000;
@@ -53,4 +53,4 @@ absl::StatusOr<PointFile> ReadPointFile(const std::filesystem::path& path);
 absl::Status WritePcd(const std::filesystem::path& path, const PointFile& file,
                       Durability durability = Durability::kProcessCrash);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;
@@ -59,4 +59,4 @@ absl::Status CheckPose(const v1::Pose& message, std::string_view field) {
   return absl::OkStatus();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -7,7 +7,7 @@
 #include "graspdb/v1/geometry.pb.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // T_a_b, metres; the quaternion is normalised and has w >= 0.
 v1::Pose ToMessage(const recognition::Pose& pose);
@@ -21,4 +21,4 @@ recognition::Box FromMessage(const v1::AxisAlignedBox& message);
 // norm of the quaternion is off one by more than 1e-3.
 absl::Status CheckPose(const v1::Pose& message, std::string_view field);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

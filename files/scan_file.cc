@@ -12,7 +12,7 @@
 #include "files/depth_png.h"
 #include "files/point_file.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 std::string ExtensionOf(const std::filesystem::path& path) {
@@ -69,4 +69,4 @@ absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path) {
                       absl::StrCat(path.string(), " ", points.status().message()));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 #include "files/scan_message.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 struct ScanFile {
   ScanMessage scan;
@@ -24,4 +24,4 @@ bool IsScanFile(const std::filesystem::path& path);
 // of its undistorted points: its pixels are no pinhole image. Errors as their readers. Thread-safe.
 absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -6,7 +6,7 @@
 
 #include "graspdb/v1/geometry.pb.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 using ScanMessage = std::variant<v1::DepthImage, v1::PointCloud>;
 
@@ -20,4 +20,4 @@ void SetScan(ScanMessage scan, Message* message) {
   }
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

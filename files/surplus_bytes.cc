@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 // The largest page of memory of a common system.
@@ -57,4 +57,4 @@ std::string SurplusError(const std::filesystem::path& path, std::uint64_t body_o
                       surplus, " more bytes follow");
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 // Why the bytes behind a binary body show that the file at `path` is damaged; empty without such
 // bytes. The body begins at byte `body_offset`, and its header promises `promised` bytes.
@@ -15,4 +15,4 @@ namespace graspdb::client {
 std::string SurplusError(const std::filesystem::path& path, std::uint64_t body_offset,
                          std::uint64_t promised);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -76,16 +76,16 @@ void TakeUnit(absl::string_view lines, std::initializer_list<absl::string_view> 
   }
 }
 
-bool IsListOfCorners(const PlyHeader::Property& property) {
-  const bool is_real =
-      property.type == PlyHeader::Type::kFloat32 || property.type == PlyHeader::Type::kFloat64;
+bool IsListOfCorners(const files::PlyHeader::Property& property) {
+  const bool is_real = property.type == files::PlyHeader::Type::kFloat32 ||
+                       property.type == files::PlyHeader::Type::kFloat64;
   return property.is_list && !is_real &&
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-absl::Status CheckElements(const PlyHeader& header) {
-  const auto face = std::ranges::find(header.elements, "face", &PlyHeader::Element::name);
-  if (std::ranges::find(header.elements, "tristrips", &PlyHeader::Element::name) !=
+absl::Status CheckElements(const files::PlyHeader& header) {
+  const auto face = std::ranges::find(header.elements, "face", &files::PlyHeader::Element::name);
+  if (std::ranges::find(header.elements, "tristrips", &files::PlyHeader::Element::name) !=
       header.elements.end()) {
     return absl::InvalidArgumentError(
         "triangle strips (its element tristrips) are not supported; export it with triangles");
@@ -98,9 +98,9 @@ absl::Status CheckElements(const PlyHeader& header) {
 }
 
 // assimp takes each line of text for a row.
-absl::Status CheckLines(const PlyHeader& header, absl::string_view body) {
+absl::Status CheckLines(const files::PlyHeader& header, absl::string_view body) {
   std::int64_t rows = 0;
-  for (const PlyHeader::Element& element : header.elements) {
+  for (const files::PlyHeader::Element& element : header.elements) {
     if (!element.properties.empty()) rows += element.count;
   }
   std::int64_t lines = 0;
@@ -119,17 +119,17 @@ absl::Status CheckLines(const PlyHeader& header, absl::string_view body) {
 // comes before all others. It is named 1, since assimp reads the count of an unknown element at
 // the position of its name.
 absl::Status PreparePly(const std::filesystem::path& path, MeshContent& content) {
-  if (const auto points = ReadPly(path); !points.ok()) {
+  if (const auto points = files::ReadPly(path); !points.ok()) {
     return absl::InvalidArgumentError(absl::StripPrefix(
         points.status().message(), absl::StrCat(path.string(), " cannot be read: ")));
   }
   if (absl::Status taken = TakeUtf8("it", &content.bytes); !taken.ok()) return taken;
-  const absl::StatusOr<PlyHeader> header = ParsePlyHeader(content.bytes);
+  const absl::StatusOr<files::PlyHeader> header = files::ParsePlyHeader(content.bytes);
   if (!header.ok()) return header.status();
   if (absl::Status faces = CheckElements(*header); !faces.ok()) return faces;
   TakeUnit(absl::string_view(content.bytes).substr(0, header->body_offset), {"comment", "obj_info"},
            UnitText::kComment, content);
-  if (header->encoding == PlyHeader::Encoding::kAscii) {
+  if (header->encoding == files::PlyHeader::Encoding::kAscii) {
     return CheckLines(*header, absl::string_view(content.bytes).substr(header->body_offset));
   }
   if (header->elements_offset == 0) return absl::OkStatus();

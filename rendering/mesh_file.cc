@@ -205,7 +205,7 @@ absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh&
     bytes.push_back(3);
     for (const int i : t) AppendBytes(bytes, i);
   }
-  return WriteFileAtomically(path, bytes, Durability::kProcessCrash);
+  return files::WriteFileAtomically(path, bytes, files::Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::client

@@ -71,12 +71,12 @@ absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<
       capture.set_path(absl::StrCat(scene.path, "-", i + 1));
     }
   }
-  return SaveCaptureSet(folder, set);
+  return files::SaveCaptureSet(folder, set);
 }
 
 absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
                                          const std::vector<Workpiece>& parts) {
-  const absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(folder);
+  const absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(folder);
   if (absl::IsNotFound(set.status())) return absl::UnavailableError(set.status().message());
   if (!set.ok()) return set.status();
   if (absl::Status one = CheckOneScene(folder, *set); !one.ok()) return one;
@@ -85,8 +85,8 @@ absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
   for (const v1::Capture& capture : set->captures()) {
     const absl::StatusOr<std::size_t> part = PartOf(parts, capture);
     if (!part.ok()) return part.status();
-    out.placements.push_back({*part, FromMessage(capture.object_pose())});
-    out.world_sensor = FromMessage(capture.sensor_pose());
+    out.placements.push_back({*part, files::FromMessage(capture.object_pose())});
+    out.world_sensor = files::FromMessage(capture.sensor_pose());
   }
   out.seed = SeedOf(*set);
   return out;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::int32_t kNamedSurface = 0;  // the first placement of a capture
 
 absl::Status RemoveOldSet(const fs::path& folder, bool overwrite) {
-  const fs::path description = folder / kCaptureSetFile;
+  const fs::path description = folder / files::kCaptureSetFile;
   std::error_code error;
   if (!fs::exists(description, error)) return absl::OkStatus();
   if (!overwrite) {
@@ -50,8 +50,10 @@ void KeepNamedSurface(DepthFrame& frame) {
   }
 }
 
-absl::StatusOr<PointFile> Take(const DepthCamera& camera, const std::vector<Workpiece>& parts,
-                               const PlannedCapture& capture, const SimulationOptions& options) {
+absl::StatusOr<files::PointFile> Take(const DepthCamera& camera,
+                                      const std::vector<Workpiece>& parts,
+                                      const PlannedCapture& capture,
+                                      const SimulationOptions& options) {
   absl::StatusOr<DepthFrame> frame = camera.Render(SceneOf(parts, capture, options.with_table),
                                                    capture.world_sensor, capture.seed);
   if (!frame.ok()) return frame.status();
@@ -63,11 +65,11 @@ absl::StatusOr<PointFile> Take(const DepthCamera& camera, const std::vector<Work
         camera.model().max_depth_m, " m, choose another distance"));
   }
   if (options.segmented) KeepNamedSurface(*frame);
-  return PointFile{.points = ToPoints(*frame, camera.model().intrinsics),
-                   .normals = {},
-                   .width = frame->width,
-                   .height = frame->height,
-                   .sensor_pose = capture.world_sensor};
+  return files::PointFile{.points = ToPoints(*frame, camera.model().intrinsics),
+                          .normals = {},
+                          .width = frame->width,
+                          .height = frame->height,
+                          .sensor_pose = capture.world_sensor};
 }
 
 absl::Status WriteMeshes(const fs::path& folder, const std::vector<Workpiece>& parts) {
@@ -105,8 +107,8 @@ v1::Capture CaptureOf(const std::vector<Workpiece>& parts, const PlannedCapture&
   capture.set_split(planned.split);
   capture.set_object_id(parts[placement.part].object_id);
   capture.set_stable_pose_id(parts[placement.part].stable_pose_id);
-  *capture.mutable_object_pose() = ToMessage(placement.world_object);
-  *capture.mutable_sensor_pose() = ToMessage(planned.world_sensor);
+  *capture.mutable_object_pose() = files::ToMessage(placement.world_object);
+  *capture.mutable_sensor_pose() = files::ToMessage(planned.world_sensor);
   return capture;
 }
 
@@ -133,15 +135,15 @@ absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece
       return absl::CancelledError(absl::StrCat("stopped after ", i, " of ", plan.size(),
                                                " captures; run it again to complete the set"));
     }
-    absl::StatusOr<PointFile> cloud = Take(*camera, parts, plan[i], options);
+    absl::StatusOr<files::PointFile> cloud = Take(*camera, parts, plan[i], options);
     if (!cloud.ok()) return cloud.status();
-    if (absl::Status file = WritePcd(folder / plan[i].path, *cloud); !file.ok()) return file;
+    if (absl::Status file = files::WritePcd(folder / plan[i].path, *cloud); !file.ok()) return file;
     v1::Capture& capture = *set.add_captures();
     capture = CaptureOf(parts, plan[i], plan[i].placements.front());
     capture.set_segmented(options.segmented);
     if (watch.report) watch.report(static_cast<int>(i) + 1, static_cast<int>(plan.size()));
   }
-  return SaveCaptureSet(folder, set);
+  return files::SaveCaptureSet(folder, set);
 }
 
 }  // namespace graspdb::client

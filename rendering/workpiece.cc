@@ -19,7 +19,7 @@ v1::Grasp TopGrasp(const std::string& grasp_id, const Eigen::Vector3d& position,
   pose.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   v1::Grasp grasp;
   grasp.set_grasp_id(grasp_id);
-  *grasp.mutable_tcp_pose() = ToMessage(pose);
+  *grasp.mutable_tcp_pose() = files::ToMessage(pose);
   grasp.set_approach_distance_m(kApproachDistanceM);
   grasp.set_gripper_opening_m(gripper_opening_m);
   return grasp;
@@ -33,7 +33,7 @@ v1::CapturedObject DeclarationOf(const Workpiece& workpiece) {
   v1::CapturedStablePose* pose = object.add_stable_poses();
   pose->set_stable_pose_id(workpiece.stable_pose_id);
   pose->set_symmetry_order(workpiece.symmetry_order);
-  if (workpiece.object_mesh) *pose->mutable_mesh_pose() = ToMessage(*workpiece.object_mesh);
+  if (workpiece.object_mesh) *pose->mutable_mesh_pose() = files::ToMessage(*workpiece.object_mesh);
   for (const v1::Grasp& grasp : workpiece.grasps) *pose->add_grasps() = grasp;
   return object;
 }

@@ -74,13 +74,13 @@ class Comparer {
         missing_(options.objects.begin(), options.objects.end()),
         wanted_(missing_) {
     if (options.base == nullptr) return;
-    for (const ArchiveEntry& entry : options.base->index.entries) {
+    for (const files::ArchiveEntry& entry : options.base->index.entries) {
       base_.emplace(entry.name, entry.offset);
     }
   }
 
   absl::StatusOr<ArchiveComparison> Run() {
-    const std::vector<ArchiveEntry>& entries = archive_.index.entries;
+    const std::vector<files::ArchiveEntry>& entries = archive_.index.entries;
     out_.actions.assign(entries.size(), ArchiveAction::kSkip);
     for (entry_ = 0; entry_ < entries.size(); ++entry_) {
       if (watch_.cancelled && watch_.cancelled()) {
@@ -99,25 +99,25 @@ class Comparer {
   }
 
  private:
-  absl::Status Compare(const ArchiveEntry& entry) {
-    if (entry.kind != ArchiveKind::kView) EndStablePose();
-    if (entry.kind == ArchiveKind::kObject) {
+  absl::Status Compare(const files::ArchiveEntry& entry) {
+    if (entry.kind != files::ArchiveKind::kView) EndStablePose();
+    if (entry.kind == files::ArchiveKind::kObject) {
       missing_.erase(entry.name);
       is_wanted_ = wanted_.empty() || wanted_.contains(entry.name);
     }
     if (!is_wanted_) return absl::OkStatus();
     switch (entry.kind) {
-      case ArchiveKind::kObject:
+      case files::ArchiveKind::kObject:
         return CompareObject(entry);
-      case ArchiveKind::kStablePose:
+      case files::ArchiveKind::kStablePose:
         return CompareStablePose(entry);
-      case ArchiveKind::kView:
+      case files::ArchiveKind::kView:
         return CompareView(entry);
     }
     return absl::OkStatus();
   }
 
-  absl::Status CompareObject(const ArchiveEntry& entry) {
+  absl::Status CompareObject(const files::ArchiveEntry& entry) {
     poses_.clear();
     const absl::StatusOr<v1::Object> server = client_.GetObject(entry.name);
     if (absl::IsNotFound(server.status())) return Note(entry, ArchiveState::kNew);
@@ -128,7 +128,7 @@ class Comparer {
     return Judge(entry, *server);
   }
 
-  absl::Status CompareStablePose(const ArchiveEntry& entry) {
+  absl::Status CompareStablePose(const files::ArchiveEntry& entry) {
     const auto server = poses_.find(entry.name);
     if (server == poses_.end()) return Note(entry, ArchiveState::kNew);
     absl::StatusOr<std::vector<v1::View>> views = client_.ListViews(entry.name);
@@ -148,11 +148,11 @@ class Comparer {
     views_.clear();
   }
 
-  absl::Status CompareView(const ArchiveEntry& entry) {
+  absl::Status CompareView(const files::ArchiveEntry& entry) {
     const auto listed = views_.find(entry.name);
     if (listed == views_.end()) return Note(entry, ArchiveState::kNew);
     ++matched_view_count_;
-    const absl::StatusOr<ArchiveItem> item = archive_.file.ReadAt(entry.offset);
+    const absl::StatusOr<files::ArchiveItem> item = archive_.file.ReadAt(entry.offset);
     if (!item.ok()) return item.status();
     // The cloud is needed only where it decides.
     if (!MayBeSame(item->record.view(), listed->second) && base_.empty()) {
@@ -165,18 +165,18 @@ class Comparer {
   }
 
   template <typename Record>
-  absl::Status Judge(const ArchiveEntry& entry, const Record& server) {
-    const absl::StatusOr<ArchiveItem> item = archive_.file.ReadAt(entry.offset);
+  absl::Status Judge(const files::ArchiveEntry& entry, const Record& server) {
+    const absl::StatusOr<files::ArchiveItem> item = archive_.file.ReadAt(entry.offset);
     if (!item.ok()) return item.status();
     return JudgeBy(entry, RecordOf(item->record, &server), server);
   }
 
   template <typename Record>
-  absl::Status JudgeBy(const ArchiveEntry& entry, const Record& file, const Record& server) {
+  absl::Status JudgeBy(const files::ArchiveEntry& entry, const Record& file, const Record& server) {
     if (IsSame(file, server)) return Note(entry, ArchiveState::kSame);
     ArchiveState state = ArchiveState::kConflict;
     if (const auto found = base_.find(entry.name); found != base_.end()) {
-      const absl::StatusOr<ArchiveItem> item = options_.base->file.ReadAt(found->second);
+      const absl::StatusOr<files::ArchiveItem> item = options_.base->file.ReadAt(found->second);
       if (!item.ok()) return item.status();
       const Record& base = RecordOf(item->record, &server);
       if (IsSame(base, file)) state = ArchiveState::kOlder;
@@ -185,15 +185,15 @@ class Comparer {
     return Note(entry, state, LaterOf(file, server), EtagOf(server));
   }
 
-  absl::Status Note(const ArchiveEntry& entry, ArchiveState state,
+  absl::Status Note(const files::ArchiveEntry& entry, ArchiveState state,
                     LaterChange later = LaterChange::kUnknown, std::string etag = "") {
     ArchiveAction action = ActionOf(state, later, options_.on_conflict);
-    const bool is_view = entry.kind == ArchiveKind::kView;
+    const bool is_view = entry.kind == files::ArchiveKind::kView;
     if (is_view && conflict_) action = BesideConflict(state, action);
-    if (entry.kind == ArchiveKind::kStablePose && state == ArchiveState::kConflict) {
+    if (entry.kind == files::ArchiveKind::kStablePose && state == ArchiveState::kConflict) {
       conflict_ = action;
     }
-    if (entry.kind != ArchiveKind::kObject) {
+    if (entry.kind != files::ArchiveKind::kObject) {
       takes_ |= action == ArchiveAction::kCreate || action == ArchiveAction::kReplace;
       stays_ |= action == ArchiveAction::kKeep;
     }

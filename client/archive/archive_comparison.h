@@ -74,8 +74,8 @@ struct ArchiveComparison {
 
 // An archive with its index; both outlive their users.
 struct OpenArchive {
-  const ArchiveFile& file;
-  const ArchiveIndex& index;
+  const files::ArchiveFile& file;
+  const files::ArchiveIndex& index;
 };
 
 struct ComparisonOptions {

@@ -17,7 +17,7 @@ constexpr std::size_t kViewsAtOnce = 4;
 
 class ArchiveExport {
  public:
-  ArchiveExport(Client& client, ArchiveWriter writer, const ExportWatch& watch)
+  ArchiveExport(Client& client, files::ArchiveWriter writer, const ExportWatch& watch)
       : client_(client), writer_(std::move(writer)), watch_(watch) {}
 
   absl::StatusOr<ExportResult> Run(const std::vector<std::string>& names) {
@@ -139,7 +139,7 @@ class ArchiveExport {
   }
 
   Client& client_;
-  ArchiveWriter writer_;
+  files::ArchiveWriter writer_;
   const ExportWatch& watch_;
   std::int64_t total_ = 0;
   ExportResult result_;
@@ -152,7 +152,7 @@ absl::StatusOr<ExportResult> ExportArchive(Client& client, std::vector<std::stri
                                            const ExportWatch& watch) {
   std::ranges::sort(objects);
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
-  absl::StatusOr<ArchiveWriter> writer = ArchiveWriter::Create(path);
+  absl::StatusOr<files::ArchiveWriter> writer = files::ArchiveWriter::Create(path);
   if (!writer.ok()) return writer.status();
   return ArchiveExport(client, *std::move(writer), watch).Run(objects);
 }

@@ -27,10 +27,11 @@ bool IsSent(ArchiveAction action) {
 }
 
 // The entries of the views to send.
-std::vector<std::size_t> ViewsOf(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+std::vector<std::size_t> ViewsOf(const files::ArchiveIndex& index,
+                                 const ArchiveComparison& comparison) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < index.entries.size(); ++i) {
-    if (index.entries[i].kind == ArchiveKind::kView && IsSent(comparison.actions[i])) {
+    if (index.entries[i].kind == files::ArchiveKind::kView && IsSent(comparison.actions[i])) {
       out.push_back(i);
     }
   }
@@ -95,13 +96,13 @@ class ArchiveImport {
 
   absl::Status CreateParents() {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
-      const ArchiveEntry& entry = entries_[i];
-      if (entry.kind == ArchiveKind::kView) continue;
+      const files::ArchiveEntry& entry = entries_[i];
+      if (entry.kind == files::ArchiveKind::kView) continue;
       if (comparison_.actions[i] != ArchiveAction::kCreate) continue;
       if (absl::Status go = GoOn(); !go.ok()) return go;
-      const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+      const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
       if (!item.ok()) return item.status();
-      absl::Status created = entry.kind == ArchiveKind::kObject
+      absl::Status created = entry.kind == files::ArchiveKind::kObject
                                  ? CreateObject(entry.name, item->record.object())
                                  : CreateStablePose(entry.name, item->record.stable_pose());
       if (!created.ok()) return AtRecord(entry.name, created);
@@ -153,8 +154,8 @@ class ArchiveImport {
 
   // From several threads.
   absl::Status MakeView(std::size_t i, v1::UploadViewsRequest* request) const {
-    const ArchiveEntry& entry = entries_[views_[i]];
-    absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+    const files::ArchiveEntry& entry = entries_[views_[i]];
+    absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
     if (!item.ok()) return item.status();
     request->set_parent(StablePoseOf(entry.name));
     request->set_view_id(IdOf(entry.name));
@@ -172,13 +173,13 @@ class ArchiveImport {
   absl::Status ReplaceParents() {
     absl::Status changed;
     for (const ArchiveDifference& difference : comparison_.differences) {
-      const ArchiveEntry& entry = entries_[difference.entry];
-      if (difference.action != ArchiveAction::kReplace || entry.kind == ArchiveKind::kView) {
+      const files::ArchiveEntry& entry = entries_[difference.entry];
+      if (difference.action != ArchiveAction::kReplace || entry.kind == files::ArchiveKind::kView) {
         continue;
       }
-      const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+      const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
       if (!item.ok()) return item.status();
-      absl::Status replaced = entry.kind == ArchiveKind::kObject
+      absl::Status replaced = entry.kind == files::ArchiveKind::kObject
                                   ? Replace(item->record.object(), difference.etag)
                                   : Replace(item->record.stable_pose(), difference.etag);
       changed.Update(replaced);
@@ -208,12 +209,12 @@ class ArchiveImport {
 
   // Of a stable pose whose grasps are those of the file.
   absl::Status RaiseOutcomes(std::size_t i) {
-    const ArchiveEntry& entry = entries_[i];
+    const files::ArchiveEntry& entry = entries_[i];
     const ArchiveAction action = comparison_.actions[i];
     const bool is_of_file = action == ArchiveAction::kNothing || IsSent(action);
-    if (entry.kind != ArchiveKind::kStablePose || !is_of_file) return absl::OkStatus();
+    if (entry.kind != files::ArchiveKind::kStablePose || !is_of_file) return absl::OkStatus();
     if (absl::Status go = GoOn(); !go.ok()) return go;
-    const absl::StatusOr<ArchiveItem> item = file_.ReadAt(entry.offset);
+    const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
     if (!item.ok()) return item.status();
     const absl::StatusOr<bool> raised =
         RaiseOutcomesTo(item->record.stable_pose(), client_, [this] { return GoOn(); });
@@ -223,8 +224,8 @@ class ArchiveImport {
   }
 
   Client& client_;
-  const ArchiveFile& file_;
-  const std::vector<ArchiveEntry>& entries_;
+  const files::ArchiveFile& file_;
+  const std::vector<files::ArchiveEntry>& entries_;
   const ArchiveComparison& comparison_;
   const ArchiveImportOptions& options_;
   const UploadWatch& watch_;
@@ -236,7 +237,7 @@ class ArchiveImport {
 
 }  // namespace
 
-std::vector<std::string> UploadIdsOf(const ArchiveIndex& index,
+std::vector<std::string> UploadIdsOf(const files::ArchiveIndex& index,
                                      const ArchiveComparison& comparison) {
   const std::vector<std::size_t> views = ViewsOf(index, comparison);
   const bool replaces = ReplacesAny(views, comparison);

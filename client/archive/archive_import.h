@@ -28,7 +28,7 @@ struct ArchiveImportCounts {
 // The ids of the bulk uploads of an import, most often one: each has as many views as the contract
 // allows. The same file with the same decisions has the same ids, so that an interrupted import is
 // continued.
-std::vector<std::string> UploadIdsOf(const ArchiveIndex& index,
+std::vector<std::string> UploadIdsOf(const files::ArchiveIndex& index,
                                      const ArchiveComparison& comparison);
 
 // Does what the comparison decided: creates objects and stable poses, which recognition does not

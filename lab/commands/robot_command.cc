@@ -54,14 +54,14 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
     return absl::OkStatus();
   }
   google::protobuf::Struct document;
-  JsonObject object(&document);
-  object.Set(Json("shown", pick.shown), Json("code", GriCodeName(pick.code)),
-             Json("held", pick.held));
+  files::JsonObject object(&document);
+  object.Set(files::Json("shown", pick.shown), files::Json("code", GriCodeName(pick.code)),
+             files::Json("held", pick.held));
   if (pick.code == GriCode::kNoError) {
-    object.Set(Json("object", pick.error.object), Json("grasp", pick.error.grasp_id),
-               Json("shift_mm", 1000 * pick.error.shift_m),
-               Json("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi),
-               Json("cycle_ms", Milliseconds(pick.latency)));
+    object.Set(files::Json("object", pick.error.object), files::Json("grasp", pick.error.grasp_id),
+               files::Json("shift_mm", 1000 * pick.error.shift_m),
+               files::Json("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi),
+               files::Json("cycle_ms", Milliseconds(pick.latency)));
   }
   return PrintJson(document);
 }
@@ -94,9 +94,11 @@ absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, dou
     return absl::OkStatus();
   }
   google::protobuf::Struct document;
-  JsonObject object(&document);
-  object.Set(Json("picks", picks), Json("held", held), Json("with_pose", times.count()));
-  if (times.count() > 0) object.Set(Json("cycle_p50_ms", p50_ms), Json("cycle_p99_ms", p99_ms));
+  files::JsonObject object(&document);
+  object.Set(files::Json("picks", picks), files::Json("held", held),
+             files::Json("with_pose", times.count()));
+  if (times.count() > 0)
+    object.Set(files::Json("cycle_p50_ms", p50_ms), files::Json("cycle_p99_ms", p99_ms));
   return PrintJson(document);
 }
 

@@ -86,9 +86,10 @@ absl::Status CheckUnit(const recognition::Points& points, const std::string& fil
 
 absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
   const auto& [capture, part] = source.captures[i];
-  const auto file = ReadScanFile(source.folder / capture.path());
+  const auto file = files::ReadScanFile(source.folder / capture.path());
   if (!file.ok()) return file.status();
-  auto points = std::visit([](const auto& scan) { return PointsFromMessage(scan); }, file->scan);
+  auto points =
+      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, file->scan);
   if (!points.ok()) return points.status();
   if (absl::Status unit = CheckUnit(*points, capture.path()); !unit.ok()) return unit;
   Trial out{.scan = {.points = *std::move(points),
@@ -99,8 +100,8 @@ absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
             .seen = {},
             .posed = capture.has_object_pose(),
             .file = capture.path()};
-  if (capture.has_sensor_pose()) out.scan.world_sensor = FromMessage(capture.sensor_pose());
-  if (out.posed) out.truth.front().world_object = FromMessage(capture.object_pose());
+  if (capture.has_sensor_pose()) out.scan.world_sensor = files::FromMessage(capture.sensor_pose());
+  if (out.posed) out.truth.front().world_object = files::FromMessage(capture.object_pose());
   out.seen.push_back(out.truth.front().world_object.translation());
   return out;
 }
@@ -109,7 +110,7 @@ absl::StatusOr<Source> SourceOf(const std::vector<const v1::Capture*>& captures,
                                 const std::filesystem::path& folder, const v1::CaptureSet& of,
                                 PartSet* set) {
   Source out{.folder = folder, .region = std::nullopt, .captures = {}};
-  if (of.has_region_of_interest()) out.region = FromMessage(of.region_of_interest());
+  if (of.has_region_of_interest()) out.region = files::FromMessage(of.region_of_interest());
   for (const v1::Capture* capture : captures) {
     auto part = PartOf(*capture, folder, of, set);
     if (!part.ok()) return part.status();
@@ -144,7 +145,7 @@ TrialSource TrialsOf(Source source) {
 
 absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& folder,
                                                 bool leave_one_out) {
-  const auto loaded = LoadCaptureSet(folder);
+  const auto loaded = files::LoadCaptureSet(folder);
   if (!loaded.ok()) return loaded.status();
   std::vector<const v1::Capture*> taught;
   std::vector<const v1::Capture*> queried;

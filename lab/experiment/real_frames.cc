@@ -188,7 +188,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
 }
 
 absl::StatusOr<recognition::Scan> ReadScan(const RealFrame& frame) {
-  auto file = ReadPointFile(frame.path);
+  auto file = files::ReadPointFile(frame.path);
   if (!file.ok()) return file.status();
   return recognition::Scan{.points = std::move(file->points),
                            .world_sensor = file->sensor_pose,

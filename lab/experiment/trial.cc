@@ -108,7 +108,7 @@ absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
   if (!frame.ok()) return frame.status();
   Trial out{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
                      .world_sensor = capture.world_sensor,
-                     .region = FromMessage(SimulatedRegion()),
+                     .region = files::FromMessage(SimulatedRegion()),
                      .segmented = false,
                      .width = camera_.model().intrinsics.width},
             .truth = capture.placements,

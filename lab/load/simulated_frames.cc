@@ -30,8 +30,8 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const Simulat
     if (!frame.ok()) return frame.status();
     v1::RecognizeRequest& request = out.emplace_back();
     *request.mutable_depth_image() =
-        DepthMessage(ToCounts(*frame, kDepthUnitM), frames.camera.intrinsics, kDepthUnitM);
-    *request.mutable_sensor_pose() = ToMessage(capture.world_sensor);
+        files::DepthMessage(ToCounts(*frame, kDepthUnitM), frames.camera.intrinsics, kDepthUnitM);
+    *request.mutable_sensor_pose() = files::ToMessage(capture.world_sensor);
     *request.mutable_region_of_interest() = SimulatedRegion();
   }
   return out;

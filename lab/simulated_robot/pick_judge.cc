@@ -23,7 +23,7 @@ double NearestTurn(int symmetry_order, const Eigen::Matrix3d& taught,
 }
 
 PickError ErrorOf(const Workpiece& part, const v1::Grasp& grasp, const Pose& object_tcp) {
-  const Pose taught = FromMessage(grasp.tcp_pose());
+  const Pose taught = files::FromMessage(grasp.tcp_pose());
   Pose turned = Pose::Identity();
   turned.rotate(
       Eigen::AngleAxisd(NearestTurn(part.symmetry_order, taught.linear(), object_tcp.linear()),

@@ -59,10 +59,10 @@ class Views {
     request->set_parent(StablePoseOf(i));
     request->set_view_id(absl::StrCat("v", i));
     v1::View& view = *request->mutable_view();
-    *view.mutable_cloud() = client::CloudMessage(points, 0);
+    *view.mutable_cloud() = files::CloudMessage(points, 0);
     view.set_segmented(true);
-    *view.mutable_sensor_pose() = client::ToMessage(seen.world_sensor);
-    *view.mutable_object_pose() = client::ToMessage(seen.world_object);
+    *view.mutable_sensor_pose() = files::ToMessage(seen.world_sensor);
+    *view.mutable_object_pose() = files::ToMessage(seen.world_object);
     return absl::OkStatus();
   }
 

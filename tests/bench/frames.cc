@@ -71,7 +71,7 @@ Frame RenderObjects(const std::string& name, const client::DepthCameraModel& mod
 
 // The pose from the segmentation replaces a calibration, so that both programs have the same input.
 std::optional<Frame> ReadFrame(const std::filesystem::path& path) {
-  auto file = client::ReadPointFile(path);
+  auto file = files::ReadPointFile(path);
   if (!file.ok()) return std::nullopt;
   Frame out;
   out.name = path.stem().string();

@@ -30,7 +30,7 @@ class CatalogueServer {
   const std::string& address() const { return server_->address(); }
 
  private:
-  client::TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
   std::unique_ptr<server::Server> server_;
   std::unique_ptr<client::Client> client_;
 };

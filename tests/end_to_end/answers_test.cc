@@ -51,7 +51,7 @@ TEST_F(AnswersTest, PrintsErrorsFromTheGroundTruth) {
   EXPECT_THAT(outcome.out, HasSubstr("(ADD-S) 100.0 % (3 of 3)"));
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(pictures)) {
-    EXPECT_THAT(client::BytesOf(entry.path()), ::testing::StartsWith("\x89PNG"));
+    EXPECT_THAT(files::BytesOf(entry.path()), ::testing::StartsWith("\x89PNG"));
     ++count;
   }
   EXPECT_EQ(count, 3);

@@ -17,7 +17,7 @@ using Words = std::vector<std::string>;
 struct BadInput {
   std::string name;
   // Writes the files and returns the arguments.
-  std::function<Words(const client::TemporaryFolder&)> make;
+  std::function<Words(const files::TemporaryFolder&)> make;
   std::string words;
 };
 
@@ -39,7 +39,7 @@ TEST_P(BadInputTest, FailsWithOneSentenceAndChangesNothing) {
 BadInput File(const std::string& name, const std::string& file, const std::string& bytes,
               const std::string& words) {
   return {name,
-          [=](const client::TemporaryFolder& folder) -> Words {
+          [=](const files::TemporaryFolder& folder) -> Words {
             return {"recognize", folder.Write(file, bytes).string()};
           },
           words};
@@ -49,7 +49,7 @@ BadInput File(const std::string& name, const std::string& file, const std::strin
 BadInput Set(const std::string& name, const std::string& command, const std::string& json,
              const std::string& words) {
   return {name,
-          [=](const client::TemporaryFolder& folder) -> Words {
+          [=](const files::TemporaryFolder& folder) -> Words {
             folder.Write("captures.json", json);
             folder.Write("cloud.pcd", AsciiPcd(CurvedPatch(400)));
             return {command, folder.path().string()};
@@ -58,7 +58,7 @@ BadInput Set(const std::string& name, const std::string& command, const std::str
 }
 
 BadInput Arguments(const std::string& name, const Words& arguments, const std::string& words) {
-  return {name, [=](const client::TemporaryFolder&) { return arguments; }, words};
+  return {name, [=](const files::TemporaryFolder&) { return arguments; }, words};
 }
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
@@ -106,7 +106,7 @@ std::vector<BadInput> Sets() {
       Arguments("MissingFile", {"recognize", "/nonexistent/a.pcd"}, "/nonexistent/a.pcd"),
       Arguments("MissingSet", {"import", "/nonexistent/set"}, "captures.json"),
       {"FolderWithoutSet",
-       [](const client::TemporaryFolder& folder) -> Words {
+       [](const files::TemporaryFolder& folder) -> Words {
          return {"recognize", folder.path().string()};
        },
        "captures.json"},
@@ -131,7 +131,7 @@ std::vector<BadInput> Sets() {
 
 std::vector<BadInput> Names() {
   const auto recognize_with_cell = [](const std::string& cell) {
-    return [=](const client::TemporaryFolder& folder) -> Words {
+    return [=](const files::TemporaryFolder& folder) -> Words {
       return {"recognize", folder.Write("a.pcd", AsciiPcd(CurvedPatch(400))).string(), "--cell",
               cell};
     };
@@ -151,18 +151,18 @@ std::vector<BadInput> Names() {
       Arguments("CellFromAMissingFile", {"cells", "set", "c", "--from", "/nonexistent/cell.json"},
                 "/nonexistent/cell.json"),
       {"CellFromNoJson",
-       [](const client::TemporaryFolder& folder) -> Words {
+       [](const files::TemporaryFolder& folder) -> Words {
          return {"cells", "set", "c", "--from", folder.Write("c.json", "{]").string()};
        },
        "c.json"},
       {"DescribeFromAViewpointThatIsNone",
-       [](const client::TemporaryFolder& folder) -> Words {
+       [](const files::TemporaryFolder& folder) -> Words {
          return {"describe", folder.Write("a.pcd", AsciiPcd(CurvedPatch(100))).string(),
                  "--viewpoint", "inf,0,0"};
        },
        "viewpoint must be finite"},
       {"DescribeOfPointsInOnePlace",
-       [](const client::TemporaryFolder& folder) -> Words {
+       [](const files::TemporaryFolder& folder) -> Words {
          const recognition::Points points(50, Eigen::Vector3f(0.1F, 0.2F, 0.6F));
          return {"describe", folder.Write("a.pcd", AsciiPcd(points)).string()};
        },

@@ -41,8 +41,8 @@ void CellProgramsTest::StartCell() {
   ASSERT_THAT(scenes, IsOk());
   scenes_ = *scenes;
   v1::Cell cell;
-  *cell.mutable_sensor_pose() = client::ToMessage(scenes_[0].world_sensor);
-  *cell.mutable_robot_base_pose() = client::ToMessage(WorldBase());
+  *cell.mutable_sensor_pose() = files::ToMessage(scenes_[0].world_sensor);
+  *cell.mutable_robot_base_pose() = files::ToMessage(WorldBase());
   std::string json;
   ASSERT_TRUE(google::protobuf::util::MessageToJsonString(cell, &json).ok());
   std::ofstream(Path("cell.json")) << json;

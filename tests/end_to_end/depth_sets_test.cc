@@ -25,7 +25,7 @@ class DepthSetsTest : public ProgramsTest {
   // set "clouds".
   void SetUp() override {
     Simulate("set", 90, 2);
-    auto images = client::LoadCaptureSet(Path("set"));
+    auto images = files::LoadCaptureSet(Path("set"));
     ASSERT_THAT(images, IsOk());
     v1::CaptureSet clouds = *images;
     for (int i = 0; i < clouds.captures_size(); ++i) {
@@ -38,25 +38,25 @@ class DepthSetsTest : public ProgramsTest {
     for (v1::CaptureSet* set : {&*images, &clouds}) {
       for (v1::CapturedObject& object : *set->mutable_objects()) object.clear_mesh_path();
     }
-    ASSERT_THAT(client::WriteIntrinsics(Path("images/intrinsics.json"), {kCamera, kUnitM}), IsOk());
-    ASSERT_THAT(client::SaveCaptureSet(Path("images"), *images), IsOk());
-    ASSERT_THAT(client::SaveCaptureSet(Path("clouds"), clouds), IsOk());
+    ASSERT_THAT(files::WriteIntrinsics(Path("images/intrinsics.json"), {kCamera, kUnitM}), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(Path("images"), *images), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(Path("clouds"), clouds), IsOk());
   }
 
   void Convert(const std::string& path, const std::string& id) {
-    auto file = client::ReadPointFile(Path("set/" + path));
+    auto file = files::ReadPointFile(Path("set/" + path));
     ASSERT_THAT(file, IsOk());
     std::vector<std::uint16_t> counts;
     for (const Eigen::Vector3f& p : file->points) {
       const double depth = std::isnan(p.z()) ? 0 : static_cast<double>(p.z());
       counts.push_back(static_cast<std::uint16_t>(std::lround(depth / kUnitM)));
     }
-    const v1::DepthImage image = client::DepthMessage(counts, kCamera, kUnitM);
-    ASSERT_THAT(client::WriteDepthPng(Path("images/" + id + ".png"), image), IsOk());
-    const auto points = client::PointsFromMessage(image);
+    const v1::DepthImage image = files::DepthMessage(counts, kCamera, kUnitM);
+    ASSERT_THAT(files::WriteDepthPng(Path("images/" + id + ".png"), image), IsOk());
+    const auto points = files::PointsFromMessage(image);
     ASSERT_THAT(points, IsOk());
     file->points = *points;
-    ASSERT_THAT(client::WritePcd(Path("clouds/" + id + ".pcd"), *file), IsOk());
+    ASSERT_THAT(files::WritePcd(Path("clouds/" + id + ".pcd"), *file), IsOk());
   }
 
   // Teaches the set on a server of its own and writes the views to a folder; returns its answers.
@@ -80,15 +80,15 @@ TEST_F(DepthSetsTest, GiveTheViewsAndTheAnswersOfTheirClouds) {
   const std::vector<std::string> answers = Answers("images");
   EXPECT_EQ(answers.size(), 2U);
   EXPECT_EQ(answers, Answers("clouds"));
-  const auto views = client::LoadCaptureSet(Path("images.views"));
+  const auto views = files::LoadCaptureSet(Path("images.views"));
   ASSERT_THAT(views, IsOk());
   EXPECT_EQ(views->captures_size(), 12);
   for (const v1::Capture& view : views->captures()) {
-    EXPECT_EQ(client::BytesOf(Path("images.views/" + view.path())),
-              client::BytesOf(Path("clouds.views/" + view.path())));
+    EXPECT_EQ(files::BytesOf(Path("images.views/" + view.path())),
+              files::BytesOf(Path("clouds.views/" + view.path())));
   }
-  EXPECT_EQ(client::BytesOf(Path("images.views/captures.json")),
-            client::BytesOf(Path("clouds.views/captures.json")));
+  EXPECT_EQ(files::BytesOf(Path("images.views/captures.json")),
+            files::BytesOf(Path("clouds.views/captures.json")));
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_F(ExportTest, AnArchiveGivesAnotherServerTheSameViewsAndTheSameAnswers) {
 
 TEST_F(ExportTest, ADamagedArchiveIsRejectedBeforeAnythingIsWritten) {
   Succeed({"export", Path("all.graspdb")});
-  std::string bytes = client::BytesOf(Path("all.graspdb"));
+  std::string bytes = files::BytesOf(Path("all.graspdb"));
   bytes[bytes.size() - 100] = static_cast<char>(bytes[bytes.size() - 100] ^ 1);
   folder_.Write("damaged.graspdb", bytes);
   StartServer("fresh");
@@ -162,14 +162,14 @@ TEST_F(ExportTest, PrintsAndAppliesProposedThresholds) {
 }
 
 TEST_F(ExportTest, ExportsAndImportsThresholds) {
-  std::string json = client::BytesOf(Path("set/captures.json"));
+  std::string json = files::BytesOf(Path("set/captures.json"));
   const std::string pose = "\"stablePoseId\":";
   json.insert(json.find(pose), "\"minScore\": 0.25, ");
   std::ofstream(Path("set/captures.json")) << json;
   StartServer("with");
   Succeed({"import", Path("set")});
   Succeed({"export", Path("exported")});
-  EXPECT_THAT(client::BytesOf(Path("exported/captures.json")), HasSubstr("minScore"));
+  EXPECT_THAT(files::BytesOf(Path("exported/captures.json")), HasSubstr("minScore"));
   StartServer("fresh");
   Succeed({"import", Path("exported")});
   EXPECT_THAT(Succeed({"objects", "list"}).out, HasSubstr("objects/"));
@@ -181,26 +181,26 @@ TEST_F(ExportTest, ExportsAndImportsThresholds) {
 
 TEST_F(ExportTest, WritesOnlyTheNamedObject) {
   Succeed({"export", Path("exported"), "--object", "flange"});
-  const std::string json = client::BytesOf(Path("exported/captures.json"));
+  const std::string json = files::BytesOf(Path("exported/captures.json"));
   EXPECT_THAT(json, HasSubstr("\"flange\""));
   EXPECT_THAT(json, Not(HasSubstr("l-bracket")));
 }
 
 TEST_F(ExportTest, DoesNotOverwriteAnExistingSet) {
-  const std::string before = client::BytesOf(Path("set/captures.json"));
+  const std::string before = files::BytesOf(Path("set/captures.json"));
   const Finished done = Graspdb({"export", Path("set")});
   EXPECT_THAT(done, EndsWith(1));
   EXPECT_THAT(done, PrintsOnly("graspdb", "choose another folder"));
-  EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
+  EXPECT_EQ(files::BytesOf(Path("set/captures.json")), before);
 }
 
 TEST_F(ExportTest, AFolderThatCannotBeMadeIsNamed) {
-  const std::string before = client::BytesOf(Path("set/captures.json"));
+  const std::string before = files::BytesOf(Path("set/captures.json"));
   const Finished done = Graspdb({"export", Path("set/captures.json/below")});
   EXPECT_THAT(done, EndsWith(1));
   EXPECT_THAT(done,
               PrintsOnly("graspdb", "cannot make the folder " + Path("set/captures.json/below")));
-  EXPECT_EQ(client::BytesOf(Path("set/captures.json")), before);
+  EXPECT_EQ(files::BytesOf(Path("set/captures.json")), before);
 }
 
 TEST_F(ExportTest, ReplaceKeepsIdenticalViews) {

@@ -85,7 +85,7 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
   StartServer();
   Simulate("set", 60, 1);
   const std::filesystem::path bad = Path("set/clouds/flange_0001.pcd");
-  const std::string good = client::BytesOf(bad);
+  const std::string good = files::BytesOf(bad);
   std::ofstream(bad) << "no cloud";
   const Finished atomic = Graspdb({"import", Path("set"), "--atomic"});
   EXPECT_EQ(atomic.exit_status, 1);

@@ -64,15 +64,15 @@ Finished Process::Wait() {
   if (!ended_ && waitpid(pid_, &status_, 0) == pid_) ended_ = true;
   Finished out;
   out.exit_status = WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
-  out.out = client::BytesOf(out_);
-  out.err = client::BytesOf(err_);
+  out.out = files::BytesOf(out_);
+  out.err = files::BytesOf(err_);
   return out;
 }
 
 std::string Process::WaitForLine(const std::string& start) {
   for (;;) {
     const bool ended = HasEnded();  // checked before reading, so that no output is missed
-    std::istringstream printed(client::BytesOf(out_));
+    std::istringstream printed(files::BytesOf(out_));
     std::string line;
     while (std::getline(printed, line)) {
       if (line.starts_with(start) && !printed.eof()) return line.substr(start.size());
@@ -82,7 +82,7 @@ std::string Process::WaitForLine(const std::string& start) {
   }
 }
 
-std::string Process::Errors() const { return client::BytesOf(err_); }
+std::string Process::Errors() const { return files::BytesOf(err_); }
 
 bool Process::WaitForError(const std::string& text) {
   for (;;) {

@@ -39,7 +39,7 @@ class ProgramsTest : public ::testing::Test {
   std::vector<std::string> RecognizeWords(const std::string& set) const;
   std::string Path(const std::string& name) const { return (folder_.path() / name).string(); }
 
-  client::TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
   std::unique_ptr<Process> server_;
   std::string address_;
 };

@@ -58,7 +58,7 @@ class RealsenseTest : public ProgramsTest, public ::testing::WithParamInterface<
       std::filesystem::copy_file(frames_ / (object + "_object.pcd"),
                                  Path("set/" + object + ".pcd"));
     }
-    ASSERT_THAT(client::SaveCaptureSet(Path("set"), set), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(Path("set"), set), IsOk());
     Succeed({"import", Path("set")});
   }
 };

@@ -169,7 +169,7 @@ TEST_F(SecurityTest, TokensRolesAndTheAuditLog) {
   EXPECT_THAT(as_reader({"status"}), PrintsOnly("graspdb", "the token is unknown"));
   server_->Signal(SIGTERM);
   const Finished server = server_->Wait();
-  EXPECT_THAT(server.err + server.out + client::BytesOf(Path("audit.jsonl")),
+  EXPECT_THAT(server.err + server.out + files::BytesOf(Path("audit.jsonl")),
               AllOf(HasSubstr("event=identities_read"), Not(HasSubstr(TokenOf("reader")))));
 }
 
@@ -228,7 +228,7 @@ TEST_F(SecurityTest, TokenPrintsItOnce) {
   const Finished kept = run({"a", "--role", "read", "--out", Path("old.token")});
   EXPECT_THAT(kept, EndsWith(1));
   EXPECT_THAT(kept, PrintsOnly("graspdb-server", "old.token"));
-  EXPECT_EQ(client::BytesOf(Path("old.token")), "old");
+  EXPECT_EQ(files::BytesOf(Path("old.token")), "old");
 }
 
 TEST_F(SecurityTest, FilesThatCannotBeUsedEndTheStart) {

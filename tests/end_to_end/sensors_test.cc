@@ -29,11 +29,11 @@ class SensorsTest : public ProgramsTest {
   // A folder with one frame.
   std::string WriteFrame() const {
     EXPECT_THAT(
-        client::WritePcd(folder_.path() / "played" / "a.pcd", {.points = {{0, 0, 1}, {0, 0.1F, 1}},
-                                                               .normals = {},
-                                                               .width = 2,
-                                                               .height = 1,
-                                                               .sensor_pose = {}}),
+        files::WritePcd(folder_.path() / "played" / "a.pcd", {.points = {{0, 0, 1}, {0, 0.1F, 1}},
+                                                              .normals = {},
+                                                              .width = 2,
+                                                              .height = 1,
+                                                              .sensor_pose = {}}),
         IsOk());
     return "files:" + Path("played");
   }
@@ -95,7 +95,7 @@ TEST_F(SensorsTest, PlaysGrabbedFrames) {
   const Finished again =
       Succeed({"sensors", "grab", "files:" + Path("look"), "--frames", "2", "--out", Path("copy")});
   EXPECT_THAT(again.out, HasSubstr("0001.png"));
-  EXPECT_EQ(client::BytesOf(Path("copy/0001.png")), client::BytesOf(Path("look/0001.png")));
+  EXPECT_EQ(files::BytesOf(Path("copy/0001.png")), files::BytesOf(Path("look/0001.png")));
 }
 
 TEST_F(SensorsTest, PrintsARecordingForFakenectAsJson) {

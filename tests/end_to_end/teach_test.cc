@@ -56,7 +56,7 @@ TEST_F(TeachTest, AnswersHaveTheFrameOfTheMesh) {
   Succeed(Teach({}));
   Succeed({"simulate", Path("angle.ply"), "--unit", "mm", "--random", "4", "--seed", "3", "--out",
            Path("queries")});
-  const auto set = client::LoadCaptureSet(Path("queries"));
+  const auto set = files::LoadCaptureSet(Path("queries"));
   ASSERT_THAT(set, IsOk());
   // In its own orientation: the middle of its bounding box is put on the z axis.
   const Eigen::Vector3d shift(-0.05, -0.02, 0);
@@ -69,9 +69,9 @@ TEST_F(TeachTest, AnswersHaveTheFrameOfTheMesh) {
       return line.find(one.path()) != std::string::npos;
     });
     ASSERT_NE(capture, set->captures().end()) << line;
-    const recognition::Pose truth = client::FromMessage(capture->object_pose());
+    const recognition::Pose truth = files::FromMessage(capture->object_pose());
     ASSERT_TRUE(response->detections(0).has_mesh_pose()) << line;
-    const recognition::Pose mesh = client::FromMessage(response->detections(0).mesh_pose());
+    const recognition::Pose mesh = files::FromMessage(response->detections(0).mesh_pose());
     for (const Eigen::Vector3d& v : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.1, 0, 0.02),
                                      Eigen::Vector3d(0, 0.04, 0.08)}) {
       EXPECT_LT((mesh * v - truth * (v + shift)).norm(), 0.006) << line;
@@ -104,13 +104,13 @@ TEST_F(TeachTest, AppliesAGraspOnTheMeshToReachableStablePoses) {
   for (std::string line; std::getline(lines, line);) {
     v1::StablePose pose;
     ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(line, &pose).ok());
-    const recognition::Pose object_mesh = client::FromMessage(pose.mesh_pose());
+    const recognition::Pose object_mesh = files::FromMessage(pose.mesh_pose());
     const auto leg = std::ranges::find(pose.grasps(), "leg", &v1::Grasp::grasp_id);
     const double up = object_mesh.linear()(2, 2);  // of the mesh's z
     const Eigen::Vector3d tcp = object_mesh * Eigen::Vector3d(0.0125, 0.02, 0.07);
     ASSERT_EQ(leg != pose.grasps().end(), up > -0.017) << line;
     if (leg == pose.grasps().end()) continue;
-    EXPECT_LT((client::FromMessage(leg->tcp_pose()).translation() - tcp).norm(), 1e-6) << line;
+    EXPECT_LT((files::FromMessage(leg->tcp_pose()).translation() - tcp).norm(), 1e-6) << line;
   }
 }
 
@@ -149,7 +149,7 @@ TEST_F(TeachTest, RunsUnattended) {
   Succeed({"cells", "set", "press", "--region", "-0.3,-0.3,-0.02,0.3,0.3,0.4"});
   Succeed(
       {"simulate", "--parts", "l-bracket", "--turntable", "--step", "60", "--out", Path("turn")});
-  const auto set = client::LoadCaptureSet(Path("turn"));
+  const auto set = files::LoadCaptureSet(Path("turn"));
   ASSERT_THAT(set, IsOk());
   ASSERT_EQ(set->captures_size(), 6);
   std::filesystem::create_directory(Path("frames"));

@@ -55,10 +55,10 @@ SampleViews::SampleViews() {
   for (int i = 0; i < kContents; ++i) {
     Content& content = contents_.emplace_back();
     content.stable_pose = absl::StrCat("objects/ridge-", i, "/stablePoses/up");
-    *content.view.mutable_cloud() = client::CloudMessage(Ridge(i), 0);
+    *content.view.mutable_cloud() = files::CloudMessage(Ridge(i), 0);
     content.view.set_segmented(true);
-    *content.view.mutable_sensor_pose() = client::ToMessage(world_sensor);
-    *content.view.mutable_object_pose() = client::ToMessage(recognition::Pose::Identity());
+    *content.view.mutable_sensor_pose() = files::ToMessage(world_sensor);
+    *content.view.mutable_object_pose() = files::ToMessage(recognition::Pose::Identity());
   }
 }
 

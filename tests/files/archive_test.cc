@@ -14,7 +14,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -287,4 +287,4 @@ TEST_F(ArchiveFileTest, MemoryDoesNotGrowWithTheNumberOfViews) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -12,7 +12,7 @@
 #include "tests/testing/unreadable_folder.h"
 #include "tests/testing/watched_syncs.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 TEST(AtomicFile, MakesFoldersAndReplacesWithoutLeavingAnythingBehind) {
@@ -134,4 +134,4 @@ TEST(AtomicFile, FailureNamesThePathAndLeavesTheOldFile) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::AllOf;
@@ -213,4 +213,4 @@ TEST(CameraFile, HostileFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -10,7 +10,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/unreadable_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using testing::HasSubstr;
@@ -252,4 +252,4 @@ TEST(CaptureSet, CapturesOfASplitIncludeThoseForEither) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

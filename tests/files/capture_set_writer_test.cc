@@ -10,7 +10,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/watched_syncs.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 class CaptureSetWriterTest : public testing::Test {
@@ -84,4 +84,4 @@ TEST_F(CaptureSetWriterTest, ASetWithoutCloudsHasItsDescription) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

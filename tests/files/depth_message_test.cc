@@ -11,7 +11,7 @@
 #include "files/cloud_message.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::ElementsAre;
@@ -87,4 +87,4 @@ TEST(ContentId, IsOfEverythingThatMakesThePointsOfAnImage) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -12,7 +12,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::AllOf;
@@ -235,4 +235,4 @@ TEST(Intrinsics, ErrorsNameTheInvalidKey) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

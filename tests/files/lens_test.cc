@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using Eigen::Vector2d;
@@ -41,4 +41,4 @@ TEST(Lens, APlaceThatNoRayReachesHasNone) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -10,7 +10,7 @@
 #include "files/point_file.h"
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 pcl::PointCloud<pcl::PointXYZRGBNormal> Coloured() {
@@ -148,4 +148,4 @@ TEST(PcdInterchange, BinaryDoublesAndTheThreeWaysOfNoMeasurement) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

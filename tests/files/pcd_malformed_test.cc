@@ -11,7 +11,7 @@
 #include "files/point_file.h"
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::HasSubstr;
@@ -256,4 +256,4 @@ TEST(PcdMalformed, FlippedBytesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -10,7 +10,7 @@
 
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::HasSubstr;
@@ -191,4 +191,4 @@ TEST(PlyFile, FlippedBytesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -8,7 +8,7 @@
 
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST(PointFile, OtherFilesAreRejectedWithPathAndAdvice) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

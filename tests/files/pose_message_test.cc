@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 TEST(PoseMessage, RoundTripKeepsThePose) {
@@ -39,4 +39,4 @@ TEST(PoseMessage, InvalidPosesAreRejectedWithTheField) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

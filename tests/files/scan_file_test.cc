@@ -10,7 +10,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::files {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST(ReadScanFile, OtherFilesAreErrors) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::files

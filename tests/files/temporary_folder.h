@@ -10,7 +10,7 @@
 #include <string>
 #include <system_error>
 
-namespace graspdb::client {
+namespace graspdb::files {
 
 class TemporaryFolder {
  public:
@@ -47,4 +47,4 @@ inline std::string BytesOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::files

@@ -48,24 +48,24 @@ std::string Corrected(std::string_view bytes) {
 
 void Read(std::string_view bytes) {
   static const ScratchFolder folder;
-  const auto file = client::ArchiveFile::Open(folder.Write("in.graspdb", Corrected(bytes)));
+  const auto file = files::ArchiveFile::Open(folder.Write("in.graspdb", Corrected(bytes)));
   if (!file.ok()) return;
-  const auto index = client::IndexArchive(**file, nullptr);
+  const auto index = files::IndexArchive(**file, nullptr);
   if (!index.ok()) return;
   const std::filesystem::path copy = folder.path() / "out.graspdb";
   std::filesystem::remove(copy);
-  auto writer = client::ArchiveWriter::Create(copy);
+  auto writer = files::ArchiveWriter::Create(copy);
   Require(writer.ok(), "a copy can be begun");
-  for (std::int64_t at = client::ArchiveFile::kFirstRecord; at < (*file)->size();) {
+  for (std::int64_t at = files::ArchiveFile::kFirstRecord; at < (*file)->size();) {
     const auto item = (*file)->ReadAt(at);
     Require(item.ok(), "an indexed record can be read again");
     Require(writer->Add(item->record).ok(), "and written");
     at = item->next;
   }
   Require(writer->Finish().ok(), "a copy can be finished");
-  const auto again = client::ArchiveFile::Open(copy);
+  const auto again = files::ArchiveFile::Open(copy);
   Require(again.ok(), "a copy can be opened");
-  const auto same = client::IndexArchive(**again, nullptr);
+  const auto same = files::IndexArchive(**again, nullptr);
   Require(same.ok() && same->digest == index->digest, "a copy has the same content");
   Require(same->entries.size() == index->entries.size(), "a copy has the same records");
 }

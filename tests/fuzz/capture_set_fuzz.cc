@@ -31,18 +31,18 @@ const std::vector<std::string>& Words() {
 void Read(std::string_view text) {
   static const ScratchFolder folder;
   static const std::vector<client::Workpiece> parts = client::SampleParts();
-  folder.Write(client::kCaptureSetFile, text);
+  folder.Write(files::kCaptureSetFile, text);
   if (const auto scene = client::ReadScene(folder.path(), parts); scene.ok()) {
     Require(scene->world_sensor.matrix().allFinite(), "a finite pose of the camera");
   }
-  const auto set = client::LoadCaptureSet(folder.path());
+  const auto set = files::LoadCaptureSet(folder.path());
   if (!set.ok()) return;
   const std::filesystem::path copy = folder.path() / "copy";
-  Require(client::SaveCaptureSet(copy, *set).ok(), "parsed data can be written");
-  const auto again = client::LoadCaptureSet(copy);
+  Require(files::SaveCaptureSet(copy, *set).ok(), "parsed data can be written");
+  const auto again = files::LoadCaptureSet(copy);
   Require(again.ok(), "written data can be read");
   Require(json::MessageDifferencer::Equals(*set, *again), "the same set after writing");
-  Require(client::CapturesOf(*set).size() == static_cast<std::size_t>(set->captures_size()),
+  Require(files::CapturesOf(*set).size() == static_cast<std::size_t>(set->captures_size()),
           "all captures");
 }
 

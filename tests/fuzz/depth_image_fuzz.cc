@@ -49,19 +49,19 @@ void FixChecksums(std::string& bytes) {
 }
 
 void ReadSidecar(std::string_view text) {
-  const auto camera = client::ReadIntrinsics(Folder().Write(client::kIntrinsicsFile, text));
+  const auto camera = files::ReadIntrinsics(Folder().Write(files::kIntrinsicsFile, text));
   if (!camera.ok()) return;
   Require(camera->intrinsics.width > 0 && camera->intrinsics.height > 0, "a size");
   Require(camera->intrinsics.fx > 0 && camera->intrinsics.fy > 0, "a focal length");
   Require(camera->depth_unit_m > 0 && camera->depth_unit_m <= 0.01, "a unit");
   Require(camera->invalid_counts.size() <= 16, "few invalid counts");
-  const auto ray = client::Undistorted(camera->lens, {0.3, -0.2});
+  const auto ray = files::Undistorted(camera->lens, {0.3, -0.2});
   Require(!ray || ray->allFinite(), "a ray or none");
 }
 
 void ReadPng(std::string bytes) {
   FixChecksums(bytes);
-  client::DepthPngCamera camera;
+  files::DepthPngCamera camera;
   camera.intrinsics = {.width = 64, .height = 48, .fx = 60, .fy = 60, .cx = 31.5, .cy = 23.5};
   const std::uint64_t width = GetUint32(bytes, kWidthAt);
   const std::uint64_t height = GetUint32(bytes, kHeightAt);
@@ -69,13 +69,13 @@ void ReadPng(std::string bytes) {
     camera.intrinsics.width = static_cast<int>(width);
     camera.intrinsics.height = static_cast<int>(height);
   }
-  const auto image = client::ReadDepthPng(Folder().Write("in.png", bytes), camera);
+  const auto image = files::ReadDepthPng(Folder().Write("in.png", bytes), camera);
   if (!image.ok()) return;
   const auto pixels = static_cast<std::size_t>(camera.intrinsics.width * camera.intrinsics.height);
   Require(image->data().size() == 2 * pixels, "two bytes a pixel");
   const std::filesystem::path copy = Folder().path() / "out.png";
-  Require(client::WriteDepthPng(copy, *image).ok(), "parsed data can be written");
-  const auto again = client::ReadDepthPng(copy, camera);
+  Require(files::WriteDepthPng(copy, *image).ok(), "parsed data can be written");
+  const auto again = files::ReadDepthPng(copy, camera);
   Require(again.ok() && again->data() == image->data(), "the same image after writing");
 }
 

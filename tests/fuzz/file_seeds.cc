@@ -32,12 +32,12 @@ void WritePointFiles(const SeedWriter& out, const ScratchFolder& folder) {
   out.Write("point_file", "ascii.pcd",
             PcdHeader("ascii") + "0.1 0.2 0.3 0 0 1 255\nnan nan nan 0 0 1 0\n");
   out.Write("point_file", "binary.pcd", PcdHeader("binary") + std::string(56, '\x3e'));
-  client::PointFile file;
+  files::PointFile file;
   file.points = {{0.1F, 0.2F, 0.5F}, {0.1F, 0.2F, 0.5F}, {0, 0, 0}, {0.1F, 0.2F, 0.5F}};
   file.width = 2;
   file.height = 2;
   const std::filesystem::path path = folder.path() / "seed.pcd";
-  Require(client::WritePcd(path, file).ok(), "a point file can be written");
+  Require(files::WritePcd(path, file).ok(), "a point file can be written");
   out.Write("point_file", "compressed.pcd", BytesOf(path));
   const std::string vertex =
       "element vertex 1\nproperty float x\nproperty double y\nproperty float z\n";
@@ -56,12 +56,12 @@ void WriteDepthImages(const SeedWriter& out, const ScratchFolder& folder) {
   const v1::DepthImage image =
       testing::DepthImageOf(Window(testing::Photograph(kPart, {}, 1), 32, 24));
   const std::filesystem::path path = folder.path() / "seed.png";
-  Require(client::WriteDepthPng(path, image).ok(), "a depth image can be written");
+  Require(files::WriteDepthPng(path, image).ok(), "a depth image can be written");
   out.Write("depth_image", "part.png", BytesOf(path));
-  client::DepthPngCamera camera;
+  files::DepthPngCamera camera;
   camera.intrinsics = {.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
-  const std::filesystem::path sidecar = folder.path() / client::kIntrinsicsFile;
-  Require(client::WriteIntrinsics(sidecar, camera).ok(), "a sidecar can be written");
+  const std::filesystem::path sidecar = folder.path() / files::kIntrinsicsFile;
+  Require(files::WriteIntrinsics(sidecar, camera).ok(), "a sidecar can be written");
   out.Write("depth_image", "intrinsics.json", BytesOf(sidecar));
   out.Write("depth_image", "camera.json",
             R"({"width": 640, "height": 480, "K": [525, 0, 319, 0, 526, 239, 0, 0, 1], )"
@@ -111,8 +111,8 @@ void WriteCaptureSets(const SeedWriter& out, const ScratchFolder& folder) {
     *capture.mutable_object_pose() = testing::PoseMessage(frame.world_object);
   }
   set.mutable_captures(0)->set_split(v1::Capture::TEACH);
-  Require(client::SaveCaptureSet(folder.path(), set).ok(), "a capture set can be written");
-  out.Write("capture_set", "two.json", BytesOf(folder.path() / client::kCaptureSetFile));
+  Require(files::SaveCaptureSet(folder.path(), set).ok(), "a capture set can be written");
+  out.Write("capture_set", "two.json", BytesOf(folder.path() / files::kCaptureSetFile));
 }
 
 // One object with a stable pose and two views.
@@ -143,9 +143,9 @@ std::vector<v1::ArchiveRecord> ArchiveRecords() {
 // As written, and with records that the fuzzer packs.
 void WriteArchives(const SeedWriter& out, const ScratchFolder& folder) {
   const std::filesystem::path path = folder.path() / "seed.graspdb";
-  auto writer = client::ArchiveWriter::Create(path);
+  auto writer = files::ArchiveWriter::Create(path);
   Require(writer.ok(), "an archive can be begun");
-  std::string plain(client::kArchiveMagic);
+  std::string plain(files::kArchiveMagic);
   for (const v1::ArchiveRecord& record : ArchiveRecords()) {
     Require(writer->Add(record).ok(), "a record can be written");
     const std::string bytes = record.SerializeAsString();

@@ -15,7 +15,7 @@ bool SamePoint(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return a == b || (!a.allFinite() && !b.allFinite());
 }
 
-void RequireSame(const client::PointFile& read, const client::PointFile& again) {
+void RequireSame(const files::PointFile& read, const files::PointFile& again) {
   Require(again.width == read.width && again.height == read.height, "the same size after writing");
   Require(again.points.size() == read.points.size(), "the same count after writing");
   Require(again.normals.size() == read.normals.size(), "as many normals after writing");
@@ -27,15 +27,15 @@ void RequireSame(const client::PointFile& read, const client::PointFile& again) 
 void Read(std::string_view bytes) {
   static const ScratchFolder folder;
   const bool is_ply = bytes.starts_with("ply");
-  const auto file = client::ReadPointFile(folder.Write(is_ply ? "in.ply" : "in.pcd", bytes));
+  const auto file = files::ReadPointFile(folder.Write(is_ply ? "in.ply" : "in.pcd", bytes));
   if (!file.ok()) return;
   const auto count = static_cast<std::int64_t>(file->points.size());
   Require(std::int64_t{file->width} * file->height == count, "width x height points");
   Require(file->normals.empty() || file->normals.size() == file->points.size(),
           "a normal for each point or none");
   const std::filesystem::path copy = folder.path() / "out.pcd";
-  Require(client::WritePcd(copy, *file).ok(), "parsed data can be written");
-  const auto again = client::ReadPointFile(copy);
+  Require(files::WritePcd(copy, *file).ok(), "parsed data can be written");
+  const auto again = files::ReadPointFile(copy);
   Require(again.ok(), "written data can be read");
   RequireSame(*file, *again);
 }

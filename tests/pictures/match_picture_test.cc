@@ -20,10 +20,10 @@ MatchPicture LookingDown() {
 }
 
 std::string BytesOfPicture(const MatchPicture& picture) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto path = folder.path() / "picture.png";
   EXPECT_THAT(WriteMatchPicture(path, picture), IsOk());
-  return BytesOf(path);
+  return files::BytesOf(path);
 }
 
 TEST(MatchPicture, IsAPngWithTheGivenPoints) {

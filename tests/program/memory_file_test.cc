@@ -22,7 +22,7 @@ time_t TimeOf(const MemoryFile& file) {
 
 TEST(MemoryFile, IsEmptyAndOf1970AtFirst) {
   const MemoryFile file;
-  EXPECT_EQ(client::BytesOf(file.path()), "");
+  EXPECT_EQ(files::BytesOf(file.path()), "");
   EXPECT_EQ(TimeOf(file), 0);
 }
 
@@ -30,13 +30,13 @@ TEST(MemoryFile, TheSamePathHasEachTextWithAnotherTime) {
   MemoryFile file;
   const std::string path = file.path();
   EXPECT_THAT(file.Replace("a long text"), IsOk());
-  EXPECT_EQ(client::BytesOf(path), "a long text");
+  EXPECT_EQ(files::BytesOf(path), "a long text");
   const time_t first = TimeOf(file);
   EXPECT_NE(first, 0);
   std::ifstream reader(path);
   EXPECT_THAT(file.Replace("short"), IsOk());
   EXPECT_EQ(file.path(), path);
-  EXPECT_EQ(client::BytesOf(path), "short");
+  EXPECT_EQ(files::BytesOf(path), "short");
   EXPECT_NE(TimeOf(file), first);
   std::string line;
   std::getline(reader, line);

@@ -26,7 +26,7 @@ class PemFilesTest : public ::testing::Test {
     return CheckKeyPair(File("--cert", pair.certificate), File("--key", pair.key));
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const testing::Authority authority_{"plant"};
 };
 

@@ -135,7 +135,7 @@ class SettingsFileTest : public ::testing::Test {
     return "";
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::string file_ =
       folder_.Write("settings.conf", "server=file\n[import]\nsplit=file\n").string();
 };

@@ -59,7 +59,7 @@ class TlsFileSetTest : public ::testing::Test {
         ->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(20));
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const testing::Authority authority_{"plant"};
   TlsFileSet& set_ = TlsFileSet::Of(
       {.certificate = {"--tls-cert", Path("pem")}, .key = {"--tls-key", Path("key")}});

@@ -73,7 +73,7 @@ std::string Changed(std::string text, const std::string& from, const std::string
 
 void ExpectPart(const std::string& name, const std::string& bytes, double unit_m = 1) {
   SCOPED_TRACE(bytes.substr(0, 300));
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto mesh = LoadMesh(folder.Write(name, bytes), unit_m);
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_EQ(mesh->vertices.size(), 8U);
@@ -85,7 +85,7 @@ void ExpectPart(const std::string& name, const std::string& bytes, double unit_m
 
 void ExpectRefusedMesh(const std::string& name, const std::string& bytes, const std::string& what,
                        double unit_m = 1) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto path = folder.Write(name, bytes);
   const auto mesh = LoadMesh(path, unit_m);
   ASSERT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument) << what;
@@ -288,7 +288,7 @@ TEST(ForeignMeshes, LinesAndFacesAreBounded) {
 }
 
 TEST(ForeignMeshes, FlippedBytesNeverCrash) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   std::mt19937 random(7);  // NOLINT: the same bytes every time
   const std::pair<std::string, std::string> files[] = {{"a.obj", ObjVertices() + ObjFaces()},
                                                        {"a.stl", StlText()},
@@ -314,7 +314,7 @@ TEST(ForeignMeshes, MeshesFarFromTheirOriginAreErrors) {
     }
     return text + ObjFaces();
   };
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   EXPECT_TRUE(LoadMesh(folder.Write("near.obj", moved(5000)), 0.001).ok());
   ExpectRefusedMesh("far.obj", moved(1e6), "m away from its origin", 0.001);
 }

@@ -56,7 +56,7 @@ std::string FacePly(const std::string& face) {
 }
 
 TEST(MeshFile, PlyRoundTrip) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
   const auto path = folder.path() / "models" / "box.ply";
   ASSERT_TRUE(WriteMeshPly(path, box).ok());
@@ -70,7 +70,7 @@ TEST(MeshFile, PlyRoundTrip) {
 
 // A first byte equal to a line end is not part of the header.
 TEST(MeshFile, ReadsPlyBodiesThatBeginWithAnyByte) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
   for (std::uint32_t first_byte = 0; first_byte < 256; ++first_byte) {
     box.vertices[0].x() = std::bit_cast<float>(0x3C000000U | first_byte);  // 7.8 mm
@@ -84,12 +84,12 @@ TEST(MeshFile, ReadsPlyBodiesThatBeginWithAnyByte) {
 }
 
 TEST(MeshFile, ReadsPlyBodiesThatBeginWithALineEndInEveryEncoding) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   for (const bool big_endian : {false, true}) {
     for (const std::string line_end : {"\n", "\r\n"}) {
       for (const char first_byte : {'\n', '\r', '\t', ' ', '\0', 'x'}) {
         const auto path = folder.Write("a.ply", TrianglePly(big_endian, line_end, first_byte));
-        SCOPED_TRACE(absl::CHexEscape(BytesOf(path)));
+        SCOPED_TRACE(absl::CHexEscape(files::BytesOf(path)));
         const auto loaded = LoadMesh(path);
         ASSERT_TRUE(loaded.ok()) << loaded.status();
         EXPECT_EQ(loaded->triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}}));
@@ -103,7 +103,7 @@ TEST(MeshFile, ReadsPlyBodiesThatBeginWithALineEndInEveryEncoding) {
 
 // As of a part that was mirrored in a CAD program.
 TEST(MeshFile, AClosedSurfaceThatTurnsInwardsIsTurned) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const TriangleMesh box = BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F});
   TriangleMesh inwards = box;
   for (std::array<int, 3>& triangle : inwards.triangles) std::swap(triangle[0], triangle[1]);
@@ -123,7 +123,7 @@ TEST(MeshFile, AClosedSurfaceThatTurnsInwardsIsTurned) {
 
 // Facets of an STL file share no vertices; joined they are a closed surface again.
 TEST(MeshFile, JoinsStlFacetsAndScalesUnits) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const TriangleMesh box = BoxSolid({0, 0, 0}, {10, 20, 30});
   std::string text = "solid box\n";
   for (const auto& triangle : box.triangles) {
@@ -143,7 +143,7 @@ TEST(MeshFile, JoinsStlFacetsAndScalesUnits) {
 }
 
 TEST(MeshFile, SplitsObjPolygons) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto loaded = LoadMesh(folder.Write("two.obj",
                                             "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
                                             "o b\nv 0 0 2\nv 1 0 2\nv 0 1 2\nf 5 6 7\n"));
@@ -153,11 +153,11 @@ TEST(MeshFile, SplitsObjPolygons) {
 }
 
 TEST(MeshFile, RejectsOtherFilesWithThePath) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   EXPECT_EQ(LoadMesh(folder.path() / "none.ply").status().code(), absl::StatusCode::kNotFound);
   const TriangleMesh box = BoxSolid({0, 0, 0}, {1, 1, 1});
   ASSERT_TRUE(WriteMeshPly(folder.path() / "box.ply", box).ok());
-  const std::string whole = BytesOf(folder.path() / "box.ply");
+  const std::string whole = files::BytesOf(folder.path() / "box.ply");
   const std::filesystem::path bad[] = {
       folder.path(),
       folder.Write("empty.ply", ""),

@@ -12,7 +12,7 @@ namespace graspdb::client {
 namespace {
 
 TEST(MeshPart, KeepsItsOrientationAndIsGraspedAcrossTheNarrowSide) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto path = folder.path() / "My Part #2.ply";
   ASSERT_TRUE(WriteMeshPly(path, BoxSolid({100, 10, -40}, {180, 40, -20})).ok());
   const auto part = WorkpieceFromMesh(path, 0.001);
@@ -22,13 +22,13 @@ TEST(MeshPart, KeepsItsOrientationAndIsGraspedAcrossTheNarrowSide) {
   EXPECT_TRUE(BoundsOf(part->mesh).min.isApprox(Eigen::Vector3d(-0.04, -0.015, 0), 1e-5));
   EXPECT_TRUE(BoundsOf(part->mesh).max.isApprox(Eigen::Vector3d(0.04, 0.015, 0.02), 1e-5));
   ASSERT_EQ(part->grasps.size(), 1U);
-  const recognition::Pose tcp = FromMessage(part->grasps[0].tcp_pose());
+  const recognition::Pose tcp = files::FromMessage(part->grasps[0].tcp_pose());
   EXPECT_NEAR(std::abs(tcp.linear().col(0).y()), 1, 1e-9);
   EXPECT_NEAR(part->grasps[0].gripper_opening_m(), 0.05, 1e-6);
 }
 
 TEST(MeshPart, DetectsAWrongUnitFromTheSize) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto path = folder.path() / "part.ply";
   ASSERT_TRUE(WriteMeshPly(path, BoxSolid({0, 0, 0}, {80, 30, 20})).ok());
   for (const double unit : {1.0, 0.000001}) {
@@ -39,7 +39,7 @@ TEST(MeshPart, DetectsAWrongUnitFromTheSize) {
 }
 
 TEST(MeshPart, AMeshInMetresIsAtMostAsLargeAsAnObject) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto path = folder.path() / "part.ply";
   ASSERT_TRUE(WriteMeshPly(path, BoxSolid({0, 0, 0}, {0.9F, 0.03F, 0.02F})).ok());
   const auto metres = LoadMeshInMetres(path);

@@ -142,8 +142,8 @@ TEST(SampleParts, HaveGraspsThatHoldThePart) {
     ASSERT_FALSE(part.grasps.empty());
     for (const v1::Grasp& grasp : part.grasps) {
       SCOPED_TRACE(grasp.grasp_id());
-      ASSERT_TRUE(CheckPose(grasp.tcp_pose(), "tcpPose").ok());
-      const recognition::Pose tcp = FromMessage(grasp.tcp_pose());
+      ASSERT_TRUE(files::CheckPose(grasp.tcp_pose(), "tcpPose").ok());
+      const recognition::Pose tcp = files::FromMessage(grasp.tcp_pose());
       EXPECT_TRUE(tcp.linear().col(2).isApprox(-Eigen::Vector3d::UnitZ(), 1e-9));
       EXPECT_GT(grasp.approach_distance_m(), 0);
       const Eigen::Vector3f at = tcp.translation().cast<float>();

@@ -14,7 +14,7 @@ using graspdb::testing::StatusIs;
 using ::testing::HasSubstr;
 
 TEST(SceneFile, RoundTrip) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   const auto scenes = PlanRandomScenes(parts, {.stand = {}, .count = 3, .objects_per_scene = 2});
   ASSERT_THAT(scenes, IsOk());
@@ -37,13 +37,13 @@ TEST(SceneFile, RoundTrip) {
 }
 
 TEST(SceneFile, IsUnavailableWithoutAFolder) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   EXPECT_THAT(ReadScene(folder.path() / "nowhere", SampleParts()),
               StatusIs(absl::StatusCode::kUnavailable));
 }
 
 TEST(SceneFile, RejectsSeveralScenes) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   const auto scenes = PlanRandomScenes(parts, {.stand = {}, .count = 2, .objects_per_scene = 2});
   ASSERT_THAT(scenes, IsOk());
@@ -53,7 +53,7 @@ TEST(SceneFile, RejectsSeveralScenes) {
 }
 
 TEST(SceneFile, RejectsUnknownObjects) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::vector<Workpiece> parts = SampleParts();
   ASSERT_THAT(WriteScenes(folder.path(), parts,
                           {{.path = "p", .placements = {{3, recognition::Pose::Identity()}}}}),

@@ -56,16 +56,17 @@ struct Agreement {
 
 Agreement Compare(const std::filesystem::path& folder, const v1::CaptureSet& set,
                   const v1::Capture& capture, float tolerance_m) {
-  const auto file = ReadPointFile(folder / capture.path());
+  const auto file = files::ReadPointFile(folder / capture.path());
   EXPECT_TRUE(file.ok()) << file.status();
   EXPECT_EQ(file->width * file->height, 172 * 142);
-  const recognition::Pose sensor = FromMessage(capture.sensor_pose());
+  const recognition::Pose sensor = files::FromMessage(capture.sensor_pose());
   EXPECT_TRUE(file->sensor_pose && file->sensor_pose->isApprox(sensor, 1e-5)) << capture.path();
   const auto object = std::find_if(
       set.objects().begin(), set.objects().end(),
       [&](const v1::CapturedObject& o) { return o.object_id() == capture.object_id(); });
   const auto mesh = LoadMesh(folder / object->mesh_path());
-  const recognition::Pose from_sensor = FromMessage(capture.object_pose()).inverse() * sensor;
+  const recognition::Pose from_sensor =
+      files::FromMessage(capture.object_pose()).inverse() * sensor;
   Agreement agreement;
   int total = 0;
   for (const Eigen::Vector3f& p : file->points) {
@@ -82,15 +83,15 @@ Agreement Compare(const std::filesystem::path& folder, const v1::CaptureSet& set
 }
 
 TEST(Simulation, TurntableSetLoadsWithMeshesInTheClouds) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), QuarterTurns(), Small(0)).ok());
-  const auto set = LoadCaptureSet(folder.path());
+  const auto set = files::LoadCaptureSet(folder.path());
   ASSERT_TRUE(set.ok()) << set.status();
   EXPECT_EQ(set->objects_size(), 3);
   EXPECT_EQ(set->objects(2).stable_poses(0).symmetry_order(), 2);
   EXPECT_GE(set->objects(0).stable_poses(0).grasps_size(), 1);
   EXPECT_EQ(set->region_of_interest().max().z(), 0.40);
-  ASSERT_EQ(CapturesOf(*set, v1::Capture::TEACH).size(), 12U);
+  ASSERT_EQ(files::CapturesOf(*set, v1::Capture::TEACH).size(), 12U);
   for (const v1::Capture& capture : set->captures()) {
     const Agreement agreement = Compare(folder.path(), *set, capture, 0.0002F);
     EXPECT_EQ(agreement.astray, 0) << capture.path();
@@ -100,11 +101,11 @@ TEST(Simulation, TurntableSetLoadsWithMeshesInTheClouds) {
 }
 
 TEST(Simulation, RandomScenesAgreeWithinTheNoise) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(6, 1), Small(1)).ok());
-  const auto set = LoadCaptureSet(folder.path());
+  const auto set = files::LoadCaptureSet(folder.path());
   ASSERT_TRUE(set.ok()) << set.status();
-  ASSERT_EQ(CapturesOf(*set, v1::Capture::QUERY).size(), 6U);
+  ASSERT_EQ(files::CapturesOf(*set, v1::Capture::QUERY).size(), 6U);
   for (const v1::Capture& capture : set->captures()) {
     const Agreement agreement = Compare(folder.path(), *set, capture, 0.006F);
     EXPECT_LT(agreement.astray, 0.01) << capture.path();
@@ -113,14 +114,14 @@ TEST(Simulation, RandomScenesAgreeWithinTheNoise) {
 }
 
 TEST(Simulation, SegmentedCapturesContainOnlyTheNamedObject) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   SimulationOptions options = Small(0);
   options.segmented = true;
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(3, 2), options).ok());
-  const auto set = LoadCaptureSet(folder.path());
+  const auto set = files::LoadCaptureSet(folder.path());
   for (const v1::Capture& capture : set->captures()) {
     EXPECT_TRUE(capture.segmented());
-    const auto file = ReadPointFile(folder.path() / capture.path());
+    const auto file = files::ReadPointFile(folder.path() / capture.path());
     const auto measured = std::count_if(file->points.begin(), file->points.end(),
                                         [](const Eigen::Vector3f& p) { return p.allFinite(); });
     const Agreement agreement = Compare(folder.path(), *set, capture, 0.0002F);
@@ -131,7 +132,7 @@ TEST(Simulation, SegmentedCapturesContainOnlyTheNamedObject) {
 }
 
 TEST(Simulation, IsDeterministic) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   for (const char* run : {"a", "b"}) {
     ASSERT_TRUE(WriteSimulation(folder.path() / run, SomeParts(), Scenes(3, 2), Small(1)).ok());
   }
@@ -139,14 +140,15 @@ TEST(Simulation, IsDeterministic) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() / "a")) {
     if (!entry.is_regular_file()) continue;
     const auto relative = std::filesystem::relative(entry.path(), folder.path() / "a");
-    EXPECT_EQ(BytesOf(entry.path()), BytesOf(folder.path() / "b" / relative)) << relative;
+    EXPECT_EQ(files::BytesOf(entry.path()), files::BytesOf(folder.path() / "b" / relative))
+        << relative;
     ++files;
   }
   EXPECT_EQ(files, 3 + 3 + 1);
 }
 
 TEST(Simulation, InterruptedRunLeavesNoSetAndReportsItsProgress) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   std::vector<int> reported;
   SimulationWatch watch;
   watch.report = [&reported](int done, int total) {
@@ -163,20 +165,20 @@ TEST(Simulation, InterruptedRunLeavesNoSetAndReportsItsProgress) {
 }
 
 TEST(Simulation, ReplacesASetOnlyWithOverwrite) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   SimulationOptions options = Small(1);
   ASSERT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(2, 1), options).ok());
   const absl::Status again = WriteSimulation(folder.path(), SomeParts(), Scenes(3, 1), options);
   EXPECT_EQ(again.code(), absl::StatusCode::kAlreadyExists);
   EXPECT_NE(again.message().find("--overwrite"), absl::string_view::npos) << again;
-  EXPECT_EQ(LoadCaptureSet(folder.path())->captures_size(), 2);
+  EXPECT_EQ(files::LoadCaptureSet(folder.path())->captures_size(), 2);
   options.overwrite = true;
   EXPECT_TRUE(WriteSimulation(folder.path(), SomeParts(), Scenes(3, 1), options).ok());
-  EXPECT_EQ(LoadCaptureSet(folder.path())->captures_size(), 3);
+  EXPECT_EQ(files::LoadCaptureSet(folder.path())->captures_size(), 3);
 }
 
 TEST(Simulation, RejectsACameraWithoutAVisibleObject) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   TurntableOptions near;
   near.stand.distances_m = {0.3};
   const absl::Status blind =

@@ -27,7 +27,7 @@ class AccessTest : public ServerTest {
   // Reads the status with the token.
   grpc::Status StatusAs(std::string token);
 
-  std::string audit_text() const { return client::BytesOf(options_.audit_log); }
+  std::string audit_text() const { return files::BytesOf(options_.audit_log); }
   std::vector<v1::AuditRecord> Audited() const;
 
  private:

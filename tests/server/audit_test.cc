@@ -150,7 +150,7 @@ TEST_F(AuditTest, WithoutIdentitiesChangesAreRecordedToo) {
 }
 
 TEST(AuditLogTest, FullFilesAreRenamed) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string path = folder.path() / "audit.jsonl";
   auto log = server::AuditLog::Open(path, 1000);
   ASSERT_THAT(log, IsOk());
@@ -167,7 +167,7 @@ TEST(AuditLogTest, FullFilesAreRenamed) {
 }
 
 TEST(AuditLogTest, AFullFileThatCannotBeRenamedLosesNoLine) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "audit.jsonl";
   for (int i = 1; i < 10; ++i) folder.Write(absl::StrCat("audit.", i, ".jsonl"), "old\n");
   const std::filesystem::path obstacle = folder.path() / "audit.10.jsonl";
@@ -177,11 +177,11 @@ TEST(AuditLogTest, AFullFileThatCannotBeRenamedLosesNoLine) {
   v1::AuditRecord record;
   record.set_error(std::string(300, 'x'));
   for (int i = 0; i < 10; ++i) (*log)->Write(record);
-  const std::string text = client::BytesOf(path);
+  const std::string text = files::BytesOf(path);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
-  EXPECT_EQ(client::BytesOf(folder.path() / "audit.1.jsonl"), "old\n");
+  EXPECT_EQ(files::BytesOf(folder.path() / "audit.1.jsonl"), "old\n");
   std::filesystem::remove_all(obstacle);
-  const auto newest_full = [&] { return client::BytesOf(folder.path() / "audit.1.jsonl"); };
+  const auto newest_full = [&] { return files::BytesOf(folder.path() / "audit.1.jsonl"); };
   for (int i = 0; i < 10 && newest_full() == "old\n"; ++i) (*log)->Write(record);
   EXPECT_THAT(newest_full(), StartsWith(text));
 }

@@ -22,7 +22,7 @@ class ClientCertificatesTest : public ::testing::Test {
     return VerifyClientCertificate({leaf, chain}, (folder_.path() / "plant.pem").string());
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const testing::Authority plant_{"plant"};
   const testing::Authority other_{"other"};
 };

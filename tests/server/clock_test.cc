@@ -49,7 +49,7 @@ class ExpiryTest : public ::testing::Test {
   static constexpr absl::Time kCreated = absl::FromUnixSeconds(1'700'000'000);
   static constexpr server::Expiry::Clock::time_point kStart{hours(1000)};
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   std::unique_ptr<storage::Catalogue> catalogue_;
   server::Expiry expiry_{absl::Hours(30 * 24)};
 };
@@ -163,7 +163,7 @@ class BackupRoundsTest : public ::testing::Test {
     return static_cast<int>(after.back() - (before.empty() ? 0 : before.back()));
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   absl::Time wall_ = absl::FromUnixSeconds(1'700'000'000);
   server::BackupRounds::Clock::time_point monotonic_{hours(1000)};
   std::unique_ptr<storage::Catalogue> catalogue_;

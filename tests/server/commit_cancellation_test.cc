@@ -181,7 +181,7 @@ class CommitCancellationTest : public ::testing::Test {
     }
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const recognition::RecognitionParameters parameters_ = {};
   const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
   const std::shared_ptr<LogHook> log_ = std::make_shared<LogHook>(NameOf("b"));

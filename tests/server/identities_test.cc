@@ -101,7 +101,7 @@ TEST(IdentitiesFile, AMissingOneIsAnErrorWithAdvice) {
 }
 
 TEST(WatchedFiles, AFileThatCouldNotBeUsedIsTriedAgain) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   StopFlag tried_again;
   int tries = 0;
   WatchedFiles files({folder.Write("identities.jsonl", "").string()});

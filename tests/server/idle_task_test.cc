@@ -29,7 +29,7 @@ class IdleTaskTest : public ::testing::Test {
     live_ = *std::move(followed);
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   std::unique_ptr<storage::Catalogue> catalogue_;
   std::unique_ptr<server::LiveCatalogue> live_;
 };

@@ -117,7 +117,7 @@ class LiveCatalogueMemoryTest : public ::testing::Test {
     ASSERT_EQ(live_->snapshot()->index.view_count(), 0U);
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const recognition::DescriptorParameters parameters_ = {};
   std::unique_ptr<storage::Catalogue> catalogue_;
   std::unique_ptr<LiveCatalogue> live_;

@@ -41,7 +41,7 @@ std::vector<std::string> RowsOfRoles() {
 
 TEST(MethodRole, TheTableOfTheDocumentationIsThatOfTheContract) {
   const std::string page =
-      client::BytesOf(std::filesystem::path(GRASPDB_SOURCE_DIR) / "docs/security.md");
+      files::BytesOf(std::filesystem::path(GRASPDB_SOURCE_DIR) / "docs/security.md");
   const std::vector<std::string> rows = RowsOfRoles();
   EXPECT_EQ(rows.size(), 4U);
   for (const std::string& row : rows) EXPECT_THAT(page, ::testing::HasSubstr("\n" + row + "\n"));

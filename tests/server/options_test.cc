@@ -131,7 +131,7 @@ TEST(Options, RemoteListeningIsOffByDefault) {
 }
 
 TEST(Options, FlagsOverrideVariablesAndTheseTheFile) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string file =
       folder.Write("server.conf", "db=/from-file\nqueue=1\nmax-points=1000\ndrain=3\n").string();
   const Variable queue("GRASPDB_QUEUE", "2");
@@ -145,7 +145,7 @@ TEST(Options, FlagsOverrideVariablesAndTheseTheFile) {
 }
 
 TEST(Options, FileCanBeSetByAVariable) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string file = folder.Write("server.conf", "db=/from-file\n").string();
   const Variable config("GRASPDB_CONFIG", file.c_str());
   EXPECT_EQ(Parse({}).options.database, "/from-file");
@@ -164,7 +164,7 @@ struct WrongUsage {
 };
 
 TEST(Options, WrongUsageIsReportedWithExitStatusTwo) {
-  const client::TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string typo = folder.Write("typo.conf", "db=/d\nqueeu=3\n").string();
   const std::vector<WrongUsage> cases = {
       {{}, "--db"},

@@ -26,7 +26,7 @@ class OverloadTest : public ::testing::Test {
     return request;
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::string database_ = (folder_.path() / "db").string();
 };
 

@@ -94,18 +94,18 @@ TEST_F(RecognizeTest, MeshFrameIsTransformed) {
   object_mesh.rotate(Eigen::AngleAxisd(2, Eigen::Vector3d(1, 2, 3).normalized()));
   v1::UpdateStablePoseRequest update;
   update.mutable_stable_pose()->set_name(FlatPoseOf("wedge"));
-  *update.mutable_stable_pose()->mutable_mesh_pose() = client::ToMessage(object_mesh);
+  *update.mutable_stable_pose()->mutable_mesh_pose() = files::ToMessage(object_mesh);
   update.mutable_update_mask()->add_paths("mesh_pose");
   ASSERT_THAT(Call(&Catalog::UpdateStablePose, update), IsGrpcOk());
   const v1::RecognizeResponse answer = Answer(RequestOf(frame));
   ASSERT_EQ(answer.detections_size(), 1);
   const v1::Detection& detection = answer.detections(0);
-  EXPECT_LT(ShiftBetween(client::FromMessage(detection.refined_pose()) * object_mesh,
+  EXPECT_LT(ShiftBetween(files::FromMessage(detection.refined_pose()) * object_mesh,
                          detection.mesh_pose()),
             1e-9);
   // A point of the mesh is at its true position in the world.
   const Eigen::Vector3d in_mesh = object_mesh.inverse() * Eigen::Vector3d(0.03, 0, 0.02);
-  EXPECT_LT((client::FromMessage(detection.mesh_pose()) * in_mesh -
+  EXPECT_LT((files::FromMessage(detection.mesh_pose()) * in_mesh -
              frame.world_object * Eigen::Vector3d(0.03, 0, 0.02))
                 .norm(),
             0.006);

@@ -95,8 +95,8 @@ v1::DepthImage DepthImageOf(const Frame& frame) {
 }
 
 v1::PointCloud CloudOf(const Frame& frame) {
-  return client::CloudMessage(recognition::PointsOf({frame.counts, frame.camera, kCount}),
-                              frame.camera.width);
+  return files::CloudMessage(recognition::PointsOf({frame.counts, frame.camera, kCount}),
+                             frame.camera.width);
 }
 
 v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed) {
@@ -110,10 +110,10 @@ v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std
 }
 
 v1::PointCloud PackedCloud(const recognition::Points& points) {
-  return client::CloudMessage(points, 0);
+  return files::CloudMessage(points, 0);
 }
 
-v1::Pose PoseMessage(const recognition::Pose& pose) { return client::ToMessage(pose); }
+v1::Pose PoseMessage(const recognition::Pose& pose) { return files::ToMessage(pose); }
 
 v1::AxisAlignedBox BoxMessage(const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
   v1::AxisAlignedBox out;
@@ -127,7 +127,7 @@ v1::AxisAlignedBox BoxMessage(const Eigen::Vector3d& min, const Eigen::Vector3d&
 }
 
 double ShiftBetween(const recognition::Pose& a, const v1::Pose& b) {
-  return (a.translation() - client::FromMessage(b).translation()).norm();
+  return (a.translation() - files::FromMessage(b).translation()).norm();
 }
 
 }  // namespace graspdb::testing

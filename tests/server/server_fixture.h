@@ -65,7 +65,7 @@ class ServerTest : public ::testing::Test {
   // The response to a valid request.
   v1::RecognizeResponse Answer(const v1::RecognizeRequest& request);
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   server::ServerOptions options_;
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;

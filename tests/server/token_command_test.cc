@@ -24,14 +24,14 @@ class TokenCommandTest : public ::testing::Test {
     return RunTokenCommand(static_cast<int>(argv.size()), argv.data());
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::string path_ = (folder_.path() / "press-3.token").string();
 };
 
 TEST_F(TokenCommandTest, TheTokenIsOnTheDisk) {
   const WatchedSyncs syncs;
   EXPECT_EQ(Run(), 0);
-  EXPECT_THAT(client::BytesOf(path_), ::testing::StartsWith("graspdb_"));
+  EXPECT_THAT(files::BytesOf(path_), ::testing::StartsWith("graspdb_"));
   EXPECT_TRUE(syncs.Flushed(path_));
   EXPECT_TRUE(syncs.Flushed(folder_.path()));
 }
@@ -39,7 +39,7 @@ TEST_F(TokenCommandTest, TheTokenIsOnTheDisk) {
 TEST_F(TokenCommandTest, TheFolderMayBeWrittenButNotRead) {
   const UnreadableFolder unreadable(folder_.path());
   EXPECT_EQ(Run(), 0);
-  EXPECT_THAT(client::BytesOf(path_), ::testing::StartsWith("graspdb_"));
+  EXPECT_THAT(files::BytesOf(path_), ::testing::StartsWith("graspdb_"));
 }
 
 TEST_F(TokenCommandTest, AnExistingFileIsKeptAndTheErrorHasAdvice) {
@@ -48,7 +48,7 @@ TEST_F(TokenCommandTest, AnExistingFileIsKeptAndTheErrorHasAdvice) {
   EXPECT_EQ(Run(), 1);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(),
               ::testing::EndsWith(" (File exists); choose another file, or move this one away\n"));
-  EXPECT_EQ(client::BytesOf(path_), "kept");
+  EXPECT_EQ(files::BytesOf(path_), "kept");
 }
 
 TEST_F(TokenCommandTest, AFailingDiskIsAnErrorAndLeavesNoFile) {

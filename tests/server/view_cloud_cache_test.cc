@@ -62,7 +62,7 @@ class ViewCloudCacheTest : public ::testing::Test {
     return Bytes(cache);
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   std::unique_ptr<storage::Catalogue> catalogue_;
 };
 

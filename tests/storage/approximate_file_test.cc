@@ -39,7 +39,7 @@ class ApproximateFileTest : public ::testing::Test {
     return ReadApproximateFile(Folder()).status();
   }
 
-  const client::TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   ApproximateIndexRecord record_;
 };
 

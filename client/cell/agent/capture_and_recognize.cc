@@ -23,7 +23,7 @@ bool IsTransient(const absl::Status& status) {
 }
 
 // Whether all pixels are 0, no measurement, as of a covered camera.
-bool IsBlank(const ScanMessage& scan) {
+bool IsBlank(const files::ScanMessage& scan) {
   const auto* image = std::get_if<v1::DepthImage>(&scan);
   return image != nullptr && !image->data().empty() &&
          image->data().find_first_not_of('\0') == std::string::npos;
@@ -62,8 +62,8 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
       WorldSensor(cell->frames, base_flange, frame->world_sensor);
   if (!world_sensor.ok()) return world_sensor.status();
   capture->request.set_cell(name_);
-  *capture->request.mutable_sensor_pose() = ToMessage(*world_sensor);
-  SetScan(std::move(frame->scan), &capture->request);
+  *capture->request.mutable_sensor_pose() = files::ToMessage(*world_sensor);
+  files::SetScan(std::move(frame->scan), &capture->request);
   capture->request_id = MakeRequestId();
   absl::StatusOr<v1::RecognizeResponse> response =
       client_.Recognize(capture->request, deadline - MonotonicTime::Now(), capture->request_id);

@@ -10,8 +10,8 @@ using recognition::Pose;
 absl::StatusOr<std::optional<Pose>> CheckedPose(bool given, const v1::Pose& message,
                                                 std::string_view field) {
   if (!given) return std::optional<Pose>();
-  if (absl::Status status = CheckPose(message, field); !status.ok()) return status;
-  return std::optional<Pose>(FromMessage(message));
+  if (absl::Status status = files::CheckPose(message, field); !status.ok()) return status;
+  return std::optional<Pose>(files::FromMessage(message));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ absl::Status CheckAboveTable(const Pose& object_tcp, double approach_distance_m)
 v1::Grasp GraspOf(const JobConfig& job, const Pose& object_tcp) {
   v1::Grasp out;
   out.set_grasp_id(job.grasp_id);
-  *out.mutable_tcp_pose() = ToMessage(object_tcp);
+  *out.mutable_tcp_pose() = files::ToMessage(object_tcp);
   out.set_approach_distance_m(job.approach_distance_m);
   out.set_retreat_distance_m(job.retreat_distance_m);
   out.set_gripper_opening_m(job.gripper_opening_m);
@@ -72,7 +72,7 @@ absl::Status StoreShownGrasp(Client& client, const JobConfig& job, const SeenSce
         "nothing ", job.object.empty() ? "known" : "of " + job.object,
         " was found within 0.3 m of the tool; run a recognising job before the robot covers it"));
   }
-  const Pose object_tcp = FromMessage(object->refined_pose()).inverse() * world_tcp;
+  const Pose object_tcp = files::FromMessage(object->refined_pose()).inverse() * world_tcp;
   absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
   if (!above.ok()) return above;
   absl::StatusOr<v1::StablePose> pose = client.GetStablePose(object->stable_pose());

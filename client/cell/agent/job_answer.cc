@@ -44,7 +44,8 @@ std::string ObjectionTo(const JobConfig& job, const v1::Detection& detection,
 }
 
 ToolPath PathOf(const v1::GraspProposal& grasp) {
-  return {FromMessage(grasp.tcp_pose()), grasp.approach_distance_m(), grasp.retreat_distance_m()};
+  return {files::FromMessage(grasp.tcp_pose()), grasp.approach_distance_m(),
+          grasp.retreat_distance_m()};
 }
 
 std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse& answer,
@@ -90,13 +91,13 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
   const Pose base_world = frames.world_base.inverse();
   std::vector<JobPose> out;
   for (const Object& object : ObjectsFor(job, answer, frames, reach, has_label)) {
-    const Pose base_object = base_world * FromMessage(object.detection->refined_pose());
+    const Pose base_object = base_world * files::FromMessage(object.detection->refined_pose());
     std::vector<Pose> base_tcps;
     std::vector<JobGrasp> grasps;
     base_tcps.reserve(object.grasps.size());
     grasps.reserve(object.grasps.size());
     for (const v1::GraspProposal* grasp : object.grasps) {
-      base_tcps.push_back(base_world * FromMessage(grasp->tcp_pose()));
+      base_tcps.push_back(base_world * files::FromMessage(grasp->tcp_pose()));
       grasps.push_back(JobGraspOf(*grasp));
     }
     if (job.primary == JobPrimary::kObject) {

@@ -113,7 +113,7 @@ absl::Status BundleRing::Add(const std::string& bytes, absl::Time time) {
   const std::string when = absl::FormatTime("%Y%m%dT%H%M%SZ", time, absl::UTCTimeZone());
   const std::filesystem::path path =
       options_.folder / absl::StrFormat("%010d-%s%s", next_, when, kBundleSuffix);
-  absl::Status written = WriteFileAtomically(path, bytes, Durability::kProcessCrash);
+  absl::Status written = files::WriteFileAtomically(path, bytes, files::Durability::kProcessCrash);
   if (!written.ok()) return written;
   ++next_;
   files_.push_back({path, bytes.size()});

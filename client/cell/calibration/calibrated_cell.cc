@@ -46,19 +46,19 @@ absl::StatusOr<v1::UpdateCellRequest> CalibratedCell(const v1::Cell& cell, const
           "frame of the empty table first"));
     }
     *out.mutable_cell()->mutable_robot_base_pose() =
-        ToMessage(FromMessage(cell.sensor_pose()) * hand_eye.mount_camera.inverse());
+        files::ToMessage(files::FromMessage(cell.sensor_pose()) * hand_eye.mount_camera.inverse());
     out.mutable_update_mask()->add_paths("robot_base_pose");
     // In the mask but not set, so cleared: a flange_sensor_pose would take precedence.
     out.mutable_update_mask()->add_paths("flange_sensor_pose");
     return out;
   }
-  *out.mutable_cell()->mutable_flange_sensor_pose() = ToMessage(hand_eye.mount_camera);
+  *out.mutable_cell()->mutable_flange_sensor_pose() = files::ToMessage(hand_eye.mount_camera);
   out.mutable_update_mask()->add_paths("flange_sensor_pose");
   out.mutable_update_mask()->add_paths("sensor_pose");  // cleared: the camera is no longer fixed
   if (cell.has_robot_base_pose()) return out;
   const absl::StatusOr<Pose> base_world = WorldUnder(hand_eye.mount_target);
   if (!base_world.ok()) return base_world.status();
-  *out.mutable_cell()->mutable_robot_base_pose() = ToMessage(base_world->inverse());
+  *out.mutable_cell()->mutable_robot_base_pose() = files::ToMessage(base_world->inverse());
   out.mutable_update_mask()->add_paths("robot_base_pose");
   return out;
 }
@@ -68,14 +68,15 @@ CameraMount MountOf(const v1::Cell& cell) {
 }
 
 absl::StatusOr<Pose> MountCameraOf(const v1::Cell& cell) {
-  if (MountOf(cell) == CameraMount::kOnFlange) return FromMessage(cell.flange_sensor_pose());
+  if (MountOf(cell) == CameraMount::kOnFlange) return files::FromMessage(cell.flange_sensor_pose());
   if (!cell.has_sensor_pose() || !cell.has_robot_base_pose()) {
     return absl::FailedPreconditionError(
         absl::StrCat(cell.name(),
                      " is not calibrated; run `graspdb cells level` and then the hand-eye "
                      "calibration through the robot"));
   }
-  return FromMessage(cell.robot_base_pose()).inverse() * FromMessage(cell.sensor_pose());
+  return files::FromMessage(cell.robot_base_pose()).inverse() *
+         files::FromMessage(cell.sensor_pose());
 }
 
 Pose MeanTarget(const std::vector<HandEyeSample>& samples, CameraMount mount,

@@ -78,7 +78,7 @@ absl::Status HandEyeSession::Init() {
   if (!cell.ok()) return cell.status();
   absl::StatusOr<Target> target = LoadTarget(client_, setup_.target);
   if (!target.ok()) return HideMisleading(target.status());
-  if (setup_.mount == CameraMount::kFixed) world_sensor_ = FromMessage(cell->sensor_pose());
+  if (setup_.mount == CameraMount::kFixed) world_sensor_ = files::FromMessage(cell->sensor_pose());
   target_ = *std::move(target);
   spdlog::info("event=hand_eye_begun cell={} target={}", setup_.cell, target_->stable_pose);
   return absl::OkStatus();

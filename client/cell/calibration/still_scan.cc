@@ -60,12 +60,12 @@ Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
 
 absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame) {
   absl::StatusOr<recognition::Points> points =
-      std::visit([](const auto& scan) { return PointsFromMessage(scan); }, frame.scan);
+      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, frame.scan);
   if (!points.ok()) return points.status();
   if (const auto* cloud = std::get_if<v1::PointCloud>(&frame.scan)) {
     return StillScan{.points = *std::move(points), .width = cloud->width()};
   }
-  const auto camera = FromMessage(std::get<v1::DepthImage>(frame.scan).intrinsics());
+  const auto camera = files::FromMessage(std::get<v1::DepthImage>(frame.scan).intrinsics());
   return StillScan{.points = *std::move(points), .width = camera.width, .camera = camera};
 }
 

@@ -78,13 +78,13 @@ absl::Status RefuseSymmetry(Client& client, const std::string& stable_pose) {
 absl::StatusOr<recognition::PosedCloud> CloudOf(Client& client, const std::string& view_name) {
   const absl::StatusOr<v1::View> view = client.GetView(view_name);
   if (!view.ok()) return view.status();
-  const absl::StatusOr<Points> points = PointsFromMessage(view->cloud());
+  const absl::StatusOr<Points> points = files::PointsFromMessage(view->cloud());
   if (!points.ok()) return points.status();
-  const Pose world_sensor = FromMessage(view->sensor_pose());
+  const Pose world_sensor = files::FromMessage(view->sensor_pose());
   auto cloud = std::make_shared<recognition::OrientedCloud>(
       recognition::PrepareCloud(recognition::Transform(world_sensor, *points),
                                 world_sensor.translation(), recognition::DescriptorParameters()));
-  return recognition::PosedCloud{std::move(cloud), FromMessage(view->object_pose())};
+  return recognition::PosedCloud{std::move(cloud), files::FromMessage(view->object_pose())};
 }
 
 // Whether `detection` is the target, at an unambiguous pose.
@@ -104,7 +104,8 @@ Points PointsIn(const Box& world_box, const StillScan& scan, const Pose& world_s
 }
 
 bool IsApart(const v1::Detection& a, const v1::Detection& b) {
-  const Pose between = FromMessage(a.refined_pose()).inverse() * FromMessage(b.refined_pose());
+  const Pose between =
+      files::FromMessage(a.refined_pose()).inverse() * files::FromMessage(b.refined_pose());
   return between.translation().norm() > kApartM;
 }
 
@@ -151,7 +152,7 @@ absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
 absl::StatusOr<DetectedTarget> FindTargetOnTable(Client& client, const Target& target,
                                                  const StillScan& scan) {
   v1::RecognizeRequest request;
-  *request.mutable_cloud() = CloudMessage(scan.points, scan.width);
+  *request.mutable_cloud() = files::CloudMessage(scan.points, scan.width);
   const absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(request);
   if (absl::IsFailedPrecondition(response.status())) {
     return absl::NotFoundError(
@@ -173,8 +174,8 @@ absl::StatusOr<DetectedTarget> FindTargetOnTable(Client& client, const Target& t
         absl::StrCat(target.stable_pose, " is not recognised among ", response->detections_size(),
                      " visible objects; view it from the taught directions"));
   }
-  return RefineStanding(target, scan, FromMessage(response->sensor_pose()),
-                        FromMessage(found->refined_pose()));
+  return RefineStanding(target, scan, files::FromMessage(response->sensor_pose()),
+                        files::FromMessage(found->refined_pose()));
 }
 
 absl::StatusOr<DetectedTarget> FindGrippedTarget(const Target& target, const StillScan& scan,

@@ -19,7 +19,7 @@ inline constexpr absl::Duration kExposureToArrival = absl::Milliseconds(66);
 // One frame, in the sensor frame (x right, y down, z forward).
 struct SensorFrame {
   // With intrinsics, and the capture time by this machine's wall clock.
-  ScanMessage scan;
+  files::ScanMessage scan;
   // Start of its exposure; for cameras without timestamps a lower bound.
   MonotonicTime time = MonotonicTime::InfinitePast();
   // T_world_sensor, if the frame contains it, e.g. in a file's VIEWPOINT line.

@@ -24,17 +24,18 @@ constexpr std::size_t kRawPixels = std::size_t{kKinectV1Width} * kKinectV1Height
 // libfreenect uses centimetres.
 absl::StatusOr<std::string> DeviceJson() {
   google::protobuf::Struct document;
-  JsonObject device(&document);
-  device.Set(Json("const_shift", kCalibration.const_shift));
-  JsonObject registration = device.Object("reg_info");
+  files::JsonObject device(&document);
+  device.Set(files::Json("const_shift", kCalibration.const_shift));
+  files::JsonObject registration = device.Object("reg_info");
   registration.Object("zero_plane_info")
-      .Set(Json("dcmos_emitter_distance", 100 * kCalibration.baseline_m),
-           Json("dcmos_rcmos_distance", 2.3),
-           Json("reference_distance", 100 * kCalibration.reference_distance_m),
-           Json("reference_pixel_size", 100 * kCalibration.reference_pixel_m));
+      .Set(files::Json("dcmos_emitter_distance", 100 * kCalibration.baseline_m),
+           files::Json("dcmos_rcmos_distance", 2.3),
+           files::Json("reference_distance", 100 * kCalibration.reference_distance_m),
+           files::Json("reference_pixel_size", 100 * kCalibration.reference_pixel_m));
   registration.Object("pad_info")
-      .Set(Json("start_lines", 0), Json("end_lines", 0), Json("cropping_lines", 0));
-  return PrintDocument(document, JsonLayout::kIndented);
+      .Set(files::Json("start_lines", 0), files::Json("end_lines", 0),
+           files::Json("cropping_lines", 0));
+  return files::PrintDocument(document, files::JsonLayout::kIndented);
 }
 
 std::string PgmOf(const std::vector<std::uint16_t>& raw) {
@@ -58,7 +59,7 @@ absl::StatusOr<FakenectRecording> FakenectRecording::Create(const std::filesyste
   const absl::StatusOr<std::string> device = DeviceJson();
   if (!device.ok()) return device.status();
   absl::Status written =
-      WriteFileAtomically(folder / "device.json", *device, Durability::kProcessCrash);
+      files::WriteFileAtomically(folder / "device.json", *device, files::Durability::kProcessCrash);
   if (!written.ok()) return written;
   return FakenectRecording(folder);
 }
@@ -94,7 +95,7 @@ absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
   }
   const std::string first = NextName();
   absl::Status written =
-      WriteFileAtomically(folder_ / first, PgmOf(raw), Durability::kProcessCrash);
+      files::WriteFileAtomically(folder_ / first, PgmOf(raw), files::Durability::kProcessCrash);
   if (!written.ok()) return written;
   const long long count = std::llround(absl::ToDoubleSeconds(duration) * kFramesPerSecond);
   for (long long frame = 1; frame < count; ++frame) {
@@ -111,11 +112,11 @@ absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
 }
 
 absl::Status FakenectRecording::PullOut() {
-  return WriteFileAtomically(folder_ / NextName(), "", Durability::kProcessCrash);
+  return files::WriteFileAtomically(folder_ / NextName(), "", files::Durability::kProcessCrash);
 }
 
 absl::Status FakenectRecording::Finish() {
-  return WriteFileAtomically(folder_ / kIndexFile, index_, Durability::kProcessCrash);
+  return files::WriteFileAtomically(folder_ / kIndexFile, index_, files::Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::client

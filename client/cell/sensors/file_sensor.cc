@@ -23,19 +23,20 @@ FileSensor::FileSensor(std::string name, std::vector<Entry> entries, const FileP
 absl::StatusOr<std::vector<FileSensor::Entry>> FileSensor::List(const fs::path& path) {
   std::vector<Entry> entries;
   std::error_code error;
-  if (fs::exists(path / kCaptureSetFile, error)) {
-    const absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(path);
+  if (fs::exists(path / files::kCaptureSetFile, error)) {
+    const absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(path);
     if (!set.ok()) return set.status();
     entries.reserve(static_cast<std::size_t>(set->captures_size()));
     for (const v1::Capture& capture : set->captures()) {
       Entry& entry = entries.emplace_back(Entry{.path = path / capture.path(), .world_sensor = {}});
-      if (capture.has_sensor_pose()) entry.world_sensor = FromMessage(capture.sensor_pose());
+      if (capture.has_sensor_pose()) entry.world_sensor = files::FromMessage(capture.sensor_pose());
     }
     return entries;
   }
   for (fs::directory_iterator file(path, error), end; !error && file != end;
        file.increment(error)) {
-    if (IsScanFile(file->path())) entries.push_back({.path = file->path(), .world_sensor = {}});
+    if (files::IsScanFile(file->path()))
+      entries.push_back({.path = file->path(), .world_sensor = {}});
   }
   if (error) {
     return absl::FailedPreconditionError(
@@ -59,7 +60,7 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
     if (!listed.ok()) return listed.status();
     entries = *std::move(listed);
   }
-  if (entries.empty() || !IsScanFile(entries.front().path)) {
+  if (entries.empty() || !files::IsScanFile(entries.front().path)) {
     return absl::FailedPreconditionError(absl::StrCat(
         path.string(), " has nothing to play; .pcd, .ply and 16-bit .png files are supported"));
   }
@@ -95,7 +96,7 @@ absl::StatusOr<SensorFrame> FileSensor::Next(MonotonicTime deadline) {
   const absl::StatusOr<Entry> entry = Take(deadline);
   if (!entry.ok()) return entry.status();
   const MonotonicTime time = MonotonicTime::Now();
-  absl::StatusOr<ScanFile> file = ReadScanFile(entry->path);
+  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(entry->path);
   if (!file.ok()) return file.status();
   SensorFrame frame{.scan = std::move(file->scan), .world_sensor = file->sensor_pose};
   SetTime(time, frame);

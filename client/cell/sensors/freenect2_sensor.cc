@@ -49,7 +49,7 @@ class Listener : public libfreenect2::FrameListener {
     for (const std::int32_t pixel : table_) {
       counts.push_back(pixel < 0 ? std::uint16_t{0} : CountOf(depth_mm[pixel]));
     }
-    SensorFrame out = {.scan = DepthMessage(counts, camera_, kUnitM)};
+    SensorFrame out = {.scan = files::DepthMessage(counts, camera_, kUnitM)};
     SetTime(time, out);
     frames_.Put(std::move(out));
     return false;

@@ -209,7 +209,7 @@ class FreenectSensor : public DepthSensor {
     for (std::uint16_t& count : counts) {
       count = count < kKinectV1RawValues ? depths_[count] : std::uint16_t{0};
     }
-    SensorFrame frame = {.scan = DepthMessage(counts, intrinsics_, kKinectV1DepthUnitM)};
+    SensorFrame frame = {.scan = files::DepthMessage(counts, intrinsics_, kKinectV1DepthUnitM)};
     SetTime(time, frame);
     frames_->Put(std::move(frame));
   }

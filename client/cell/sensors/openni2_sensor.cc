@@ -201,7 +201,7 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
         counts.insert(counts.end(), row, row + width);
       }
     }
-    SensorFrame out = {.scan = DepthMessage(counts, intrinsics_, unit_m_)};
+    SensorFrame out = {.scan = files::DepthMessage(counts, intrinsics_, unit_m_)};
     SetTime(device_.isFile() ? arrival : arrival - kExposureToArrival, out);
     frames_->Put(std::move(out));
     return true;

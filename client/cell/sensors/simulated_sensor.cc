@@ -65,9 +65,9 @@ absl::StatusOr<SensorFrame> SimulatedSensor::Next(MonotonicTime deadline) {
   if (MonotonicTime::Now() > deadline) {
     return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
   }
-  SensorFrame out = {
-      .scan = DepthMessage(ToCounts(*frame, kDepthUnitM), camera_.model().intrinsics, kDepthUnitM),
-      .world_sensor = scene->world_sensor};
+  SensorFrame out = {.scan = files::DepthMessage(ToCounts(*frame, kDepthUnitM),
+                                                 camera_.model().intrinsics, kDepthUnitM),
+                     .world_sensor = scene->world_sensor};
   SetTime(time, out);
   return out;
 }

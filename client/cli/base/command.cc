@@ -60,7 +60,8 @@ absl::Status PrintJson(const google::protobuf::Message& message) {
 }
 
 absl::Status PrintJson(const google::protobuf::Struct& document) {
-  const absl::StatusOr<std::string> text = PrintDocument(document, JsonLayout::kOneLine);
+  const absl::StatusOr<std::string> text =
+      files::PrintDocument(document, files::JsonLayout::kOneLine);
   if (!text.ok()) return text.status();
   std::printf("%s\n", text->c_str());
   return absl::OkStatus();

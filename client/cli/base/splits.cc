@@ -12,9 +12,9 @@ void AddSplitFlag(CLI::App& command, std::string* split) {
 
 std::vector<const v1::Capture*> CapturesOfSplit(const v1::CaptureSet& set,
                                                 const std::string& split) {
-  if (split == "TEACH") return CapturesOf(set, v1::Capture::TEACH);
-  if (split == "QUERY") return CapturesOf(set, v1::Capture::QUERY);
-  return CapturesOf(set);
+  if (split == "TEACH") return files::CapturesOf(set, v1::Capture::TEACH);
+  if (split == "QUERY") return files::CapturesOf(set, v1::Capture::QUERY);
+  return files::CapturesOf(set);
 }
 
 std::vector<const v1::Capture*> TeachableCaptures(const v1::CaptureSet& set,

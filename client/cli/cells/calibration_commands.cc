@@ -51,13 +51,14 @@ absl::Status Level(const GlobalOptions& global, const CalibrationOptions& option
     return absl::FailedPreconditionError(
         absl::StrCat("the camera of ", options.id, " is on the robot's flange and needs no level"));
   }
-  const std::optional<Pose> before =
-      cell->has_sensor_pose() ? std::optional(FromMessage(cell->sensor_pose())) : std::nullopt;
+  const std::optional<Pose> before = cell->has_sensor_pose()
+                                         ? std::optional(files::FromMessage(cell->sensor_pose()))
+                                         : std::nullopt;
   const absl::StatusOr<Pose> level = LevelOn(*table, before);
   if (!level.ok()) return level.status();
   v1::UpdateCellRequest update;
   update.mutable_update_mask()->add_paths("sensor_pose");
-  *cell->mutable_sensor_pose() = ToMessage(*level);
+  *cell->mutable_sensor_pose() = files::ToMessage(*level);
   *update.mutable_cell() = *std::move(cell);
   const absl::StatusOr<v1::Cell> saved = SaveCell(client, update, is_there);
   if (!saved.ok()) return saved.status();

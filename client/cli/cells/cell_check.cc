@@ -82,8 +82,8 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
       return absl::InvalidArgumentError(
           absl::StrCat(where, " is not FRAME X Y Z QX QY QZ QW; write all eight"));
     }
-    if (absl::Status status = CheckPose(pose, where); !status.ok()) return status;
-    out.push_back({std::filesystem::path(path).parent_path() / frame, FromMessage(pose)});
+    if (absl::Status status = files::CheckPose(pose, where); !status.ok()) return status;
+    out.push_back({std::filesystem::path(path).parent_path() / frame, files::FromMessage(pose)});
   }
   return out;
 }
@@ -100,7 +100,7 @@ absl::StatusOr<std::vector<HandEyeSample>> FindTargets(Client& client, const v1:
     if (!scan.ok()) return scan.status();
     const absl::StatusOr<DetectedTarget> seen =
         MountOf(cell) == CameraMount::kFixed
-            ? FindGrippedTarget(*target, *scan, FromMessage(cell.sensor_pose()), {})
+            ? FindGrippedTarget(*target, *scan, files::FromMessage(cell.sensor_pose()), {})
             : FindTargetOnTable(client, *target, *scan);
     if (!seen.ok()) {
       std::fprintf(stderr, "%s: %s\n", frame.frame.c_str(),
@@ -129,10 +129,11 @@ absl::Status PrintHandEye(const std::vector<HandEyeResidual>& off) {
 
 absl::Status PrintHandEyeJson(const std::vector<HandEyeResidual>& off) {
   google::protobuf::Struct document;
-  JsonObject(&document).List("poses", off, [](const HandEyeResidual& pose, JsonObject out) {
-    out.Set(Json("shift_mm", kMmPerM * pose.shift_m),
-            Json("turn_deg", kDegreesPerRadian * pose.turn_rad));
-  });
+  files::JsonObject(&document).List(
+      "poses", off, [](const HandEyeResidual& pose, files::JsonObject out) {
+        out.Set(files::Json("shift_mm", kMmPerM * pose.shift_m),
+                files::Json("turn_deg", kDegreesPerRadian * pose.turn_rad));
+      });
   return PrintJson(document);
 }
 
@@ -163,12 +164,13 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
   if (!scan.ok()) return scan.status();
   const absl::StatusOr<DetectedTable> table = FindTable(scan->points);
   if (!table.ok()) return table.status();
-  const LevelError off = LevelErrorOf(*table, FromMessage(cell.sensor_pose()));
+  const LevelError off = LevelErrorOf(*table, files::FromMessage(cell.sensor_pose()));
   if (as_json) {
     google::protobuf::Struct document;
-    JsonObject(&document).Set(Json("height_mm", kMmPerM * off.height_m),
-                              Json("tilt_deg", kDegreesPerRadian * off.tilt_rad),
-                              Json("rms_mm", kMmPerM * table->rms_m), Json("share", table->share));
+    files::JsonObject(&document).Set(files::Json("height_mm", kMmPerM * off.height_m),
+                                     files::Json("tilt_deg", kDegreesPerRadian * off.tilt_rad),
+                                     files::Json("rms_mm", kMmPerM * table->rms_m),
+                                     files::Json("share", table->share));
     return PrintJson(document);
   }
   std::printf(

@@ -27,7 +27,7 @@ std::string BoxText(const v1::AxisAlignedBox& box) {
 
 // Angle of a camera below the horizon; its z axis is the line of sight.
 double LookDownDeg(const v1::Pose& world_sensor) {
-  const double up = FromMessage(world_sensor).linear()(2, 2);
+  const double up = files::FromMessage(world_sensor).linear()(2, 2);
   return std::asin(std::clamp(-up, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 

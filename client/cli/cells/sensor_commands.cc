@@ -65,10 +65,10 @@ absl::Status List(const GlobalOptions& global) {
   }
   for (const SensorListing& kind : listing) {
     google::protobuf::Struct document;
-    JsonObject object(&document);
-    object.Set(Json("kind", kind.kind), Json("built", kind.is_built),
-               Json("connected", kind.connected));
-    if (!kind.trouble.empty()) object.Set(Json("trouble", kind.trouble));
+    files::JsonObject object(&document);
+    object.Set(files::Json("kind", kind.kind), files::Json("built", kind.is_built),
+               files::Json("connected", kind.connected));
+    if (!kind.trouble.empty()) object.Set(files::Json("trouble", kind.trouble));
     if (absl::Status printed = PrintJson(document); !printed.ok()) return printed;
   }
   return absl::OkStatus();
@@ -78,24 +78,24 @@ absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem
                                  int number) {
   const std::string stem = absl::StrFormat("%04d", number);
   if (const auto* image = std::get_if<v1::DepthImage>(&frame.scan)) {
-    const DepthPngCamera camera = {.intrinsics = FromMessage(image->intrinsics()),
-                                   .depth_unit_m = DepthUnit(*image)};
-    absl::Status status = WriteIntrinsics(folder / kIntrinsicsFile, camera);
-    if (status.ok()) status = WriteDepthPng(folder / (stem + ".png"), *image);
+    const files::DepthPngCamera camera = {.intrinsics = files::FromMessage(image->intrinsics()),
+                                          .depth_unit_m = files::DepthUnit(*image)};
+    absl::Status status = files::WriteIntrinsics(folder / files::kIntrinsicsFile, camera);
+    if (status.ok()) status = files::WriteDepthPng(folder / (stem + ".png"), *image);
     if (!status.ok()) return status;
     return stem + ".png";
   }
   const auto& cloud = std::get<v1::PointCloud>(frame.scan);
-  absl::StatusOr<recognition::Points> points = PointsFromMessage(cloud);
+  absl::StatusOr<recognition::Points> points = files::PointsFromMessage(cloud);
   if (!points.ok()) return points.status();
   const auto count = static_cast<int>(points->size());
   const int width = cloud.width() > 0 ? cloud.width() : count;
   const absl::Status status =
-      WritePcd(folder / (stem + ".pcd"), {.points = *std::move(points),
-                                          .normals = {},
-                                          .width = width,
-                                          .height = count / width,
-                                          .sensor_pose = frame.world_sensor});
+      files::WritePcd(folder / (stem + ".pcd"), {.points = *std::move(points),
+                                                 .normals = {},
+                                                 .width = width,
+                                                 .height = count / width,
+                                                 .sensor_pose = frame.world_sensor});
   if (!status.ok()) return status;
   return stem + ".pcd";
 }
@@ -118,7 +118,7 @@ absl::Status PrintKept(bool as_json, const std::string& file, const std::string&
     return absl::OkStatus();
   }
   google::protobuf::Struct document;
-  JsonObject(&document).Set(Json("file", file), Json("sensor", sensor));
+  files::JsonObject(&document).Set(files::Json("file", file), files::Json("sensor", sensor));
   return PrintJson(document);
 }
 
@@ -155,8 +155,9 @@ absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& o
   if (!written.ok()) return written;
   if (global.json) {
     google::protobuf::Struct document;
-    JsonObject(&document).Set(Json("folder", options.out), Json("scenes", options.scenes),
-                              Json("hold_s", options.hold_s));
+    files::JsonObject(&document).Set(files::Json("folder", options.out),
+                                     files::Json("scenes", options.scenes),
+                                     files::Json("hold_s", options.hold_s));
     return PrintJson(document);
   }
   std::printf("wrote %d scenes of %g s to %s; play them with: fakenect %s PROGRAM\n",

@@ -15,7 +15,7 @@ constexpr absl::Duration kSensorTimeout = absl::Seconds(10);
 }  // namespace
 
 absl::StatusOr<StillScan> FrameFrom(const std::filesystem::path& path) {
-  absl::StatusOr<PointFile> file = ReadPointFile(path);
+  absl::StatusOr<files::PointFile> file = files::ReadPointFile(path);
   if (!file.ok()) return file.status();
   return StillScan{.points = std::move(file->points), .width = file->image_width()};
 }

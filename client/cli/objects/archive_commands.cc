@@ -37,18 +37,19 @@ std::vector<std::string> ObjectNames(const std::vector<std::string>& ids) {
 
 // An open file with its index.
 struct CheckedArchive {
-  std::unique_ptr<ArchiveFile> file;
-  ArchiveIndex index;
+  std::unique_ptr<files::ArchiveFile> file;
+  files::ArchiveIndex index;
 };
 
 absl::StatusOr<CheckedArchive> CheckArchive(const std::string& path) {
-  auto file = ArchiveFile::Open(path);
+  auto file = files::ArchiveFile::Open(path);
   if (!file.ok()) return file.status();
   CheckedArchive out = {.file = *std::move(file), .index = {}};
-  absl::StatusOr<ArchiveIndex> index = IndexArchive(*out.file, [](std::int64_t /*bytes*/) {
-    return Interrupted() ? absl::CancelledError("interrupted; nothing was changed")
-                         : absl::OkStatus();
-  });
+  absl::StatusOr<files::ArchiveIndex> index =
+      files::IndexArchive(*out.file, [](std::int64_t /*bytes*/) {
+        return Interrupted() ? absl::CancelledError("interrupted; nothing was changed")
+                             : absl::OkStatus();
+      });
   if (!index.ok()) return index.status();
   if (index->has_unknown_fields) {
     std::fprintf(stderr,
@@ -139,7 +140,8 @@ class ArchiveCommand {
 
   absl::Status Import(const ArchiveComparison& comparison) {
     ProgressLine progress("views");
-    const auto total = static_cast<int>(CountOf(archive_.index, comparison, ArchiveKind::kView));
+    const auto total =
+        static_cast<int>(CountOf(archive_.index, comparison, files::ArchiveKind::kView));
     const UploadWatch watch = {
         .report = [&](std::size_t done) { progress.Report(static_cast<int>(done), total); },
         .cancelled = Interrupted};
@@ -165,7 +167,8 @@ class ArchiveCommand {
 
 bool IsArchivePath(const std::filesystem::path& path) {
   std::error_code error;
-  return path.string().ends_with(kArchiveSuffix) || std::filesystem::is_regular_file(path, error);
+  return path.string().ends_with(files::kArchiveSuffix) ||
+         std::filesystem::is_regular_file(path, error);
 }
 
 std::vector<std::string> OnConflictNames() {

@@ -29,24 +29,26 @@ std::string_view LaterText(LaterChange later) {
   }
 }
 
-void SetComparison(const ArchiveIndex& index, const ArchiveComparison& comparison, JsonObject out) {
+void SetComparison(const files::ArchiveIndex& index, const ArchiveComparison& comparison,
+                   files::JsonObject out) {
   for (std::size_t kind = 0; kind < kJsonKinds.size(); ++kind) {
-    JsonObject counts = out.Object(std::string(kJsonKinds[kind]));
+    files::JsonObject counts = out.Object(std::string(kJsonKinds[kind]));
     for (std::size_t state = 0; state < kArchiveStates; ++state) {
-      counts.Set(Json(std::string(NameOf(static_cast<ArchiveState>(state))),
-                      comparison.counts[kind][state]));
+      counts.Set(files::Json(std::string(NameOf(static_cast<ArchiveState>(state))),
+                             comparison.counts[kind][state]));
     }
   }
-  out.Set(Json("leftOut", comparison.left_out_count),
-          Json("joinedStablePoses", comparison.joined_stable_poses));
+  out.Set(files::Json("leftOut", comparison.left_out_count),
+          files::Json("joinedStablePoses", comparison.joined_stable_poses));
   out.List("differences", comparison.differences,
-           [&](const ArchiveDifference& difference, JsonObject one) {
-             one.Set(Json("name", index.entries[difference.entry].name),
-                     Json("state", NameOf(difference.state)),
-                     Json("action", NameOf(difference.action)),
-                     Json("changedLater", difference.later == LaterChange::kFile     ? "file"
-                                          : difference.later == LaterChange::kServer ? "server"
-                                                                                     : ""));
+           [&](const ArchiveDifference& difference, files::JsonObject one) {
+             one.Set(
+                 files::Json("name", index.entries[difference.entry].name),
+                 files::Json("state", NameOf(difference.state)),
+                 files::Json("action", NameOf(difference.action)),
+                 files::Json("changedLater", difference.later == LaterChange::kFile     ? "file"
+                                             : difference.later == LaterChange::kServer ? "server"
+                                                                                        : ""));
            });
 }
 
@@ -76,8 +78,8 @@ std::string NotesText(const ArchiveComparison& comparison) {
 
 }  // namespace
 
-std::int64_t CountOf(const ArchiveIndex& index, const ArchiveComparison& comparison,
-                     ArchiveKind kind) {
+std::int64_t CountOf(const files::ArchiveIndex& index, const ArchiveComparison& comparison,
+                     files::ArchiveKind kind) {
   std::int64_t out = 0;
   for (std::size_t i = 0; i < index.entries.size(); ++i) {
     const ArchiveAction action = comparison.actions[i];
@@ -87,7 +89,7 @@ std::int64_t CountOf(const ArchiveIndex& index, const ArchiveComparison& compari
   return out;
 }
 
-std::string DifferencesText(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+std::string DifferencesText(const files::ArchiveIndex& index, const ArchiveComparison& comparison) {
   std::string out;
   const std::size_t count = comparison.differences.size();
   for (std::size_t i = 0; i < std::min(count, kMaxPrintedDifferences); ++i) {
@@ -103,7 +105,7 @@ std::string DifferencesText(const ArchiveIndex& index, const ArchiveComparison& 
   return out;
 }
 
-std::string ComparisonText(const ArchiveIndex& index, const ArchiveComparison& comparison) {
+std::string ComparisonText(const files::ArchiveIndex& index, const ArchiveComparison& comparison) {
   std::string out = absl::StrFormat("%-12s", "in the file");
   for (std::size_t state = 0; state < kArchiveStates; ++state) {
     absl::StrAppendFormat(&out, " %9s", std::string(NameOf(static_cast<ArchiveState>(state))));
@@ -119,10 +121,10 @@ std::string ComparisonText(const ArchiveIndex& index, const ArchiveComparison& c
   return out + DifferencesText(index, comparison) + NotesText(comparison);
 }
 
-google::protobuf::Struct ComparisonDocument(const ArchiveIndex& index,
+google::protobuf::Struct ComparisonDocument(const files::ArchiveIndex& index,
                                             const ArchiveComparison& comparison) {
   google::protobuf::Struct out;
-  SetComparison(index, comparison, JsonObject(&out));
+  SetComparison(index, comparison, files::JsonObject(&out));
   return out;
 }
 
@@ -143,18 +145,19 @@ std::string ResultText(const ArchiveComparison& comparison, const ArchiveImportC
                             Counted(status.object_count(), "object"), "\n");
 }
 
-google::protobuf::Struct ResultDocument(const ArchiveIndex& index,
+google::protobuf::Struct ResultDocument(const files::ArchiveIndex& index,
                                         const ArchiveComparison& comparison,
                                         const ArchiveImportCounts& counts,
                                         const v1::CatalogStatus& status) {
   google::protobuf::Struct out;
-  JsonObject object(&out);
+  files::JsonObject object(&out);
   SetComparison(index, comparison, object);
-  object.Set(Json("createdObjects", counts.created_objects),
-             Json("createdStablePoses", counts.created_stable_poses),
-             Json("createdViews", counts.created_views), Json("replaced", counts.replaced),
-             Json("raisedOutcomes", counts.raised_outcomes),
-             Json("catalogRevision", status.catalog_revision()));
+  object.Set(files::Json("createdObjects", counts.created_objects),
+             files::Json("createdStablePoses", counts.created_stable_poses),
+             files::Json("createdViews", counts.created_views),
+             files::Json("replaced", counts.replaced),
+             files::Json("raisedOutcomes", counts.raised_outcomes),
+             files::Json("catalogRevision", status.catalog_revision()));
   return out;
 }
 

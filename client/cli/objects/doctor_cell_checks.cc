@@ -36,7 +36,7 @@ bool IsSeen(const v1::AxisAlignedBox& region, const recognition::Pose& sensor_wo
 
 void CheckCameraView(const v1::Cell& cell, Findings* out) {
   if (!cell.has_sensor_pose() || !cell.has_region_of_interest()) return;
-  const recognition::Pose world_sensor = FromMessage(cell.sensor_pose());
+  const recognition::Pose world_sensor = files::FromMessage(cell.sensor_pose());
   if (IsSeen(cell.region_of_interest(), world_sensor.inverse())) return;
   AddFinding(Severity::kError, cell.name(),
              "its camera does not see its region, so nothing is recognised; correct the region, or "

@@ -213,8 +213,9 @@ absl::Status Print(const GlobalOptions& global, const Finding& finding) {
     return absl::OkStatus();
   }
   google::protobuf::Struct document;
-  JsonObject(&document).Set(Json("severity", NameOf(finding.severity)),
-                            Json("subject", finding.subject), Json("text", finding.text));
+  files::JsonObject(&document).Set(files::Json("severity", NameOf(finding.severity)),
+                                   files::Json("subject", finding.subject),
+                                   files::Json("text", finding.text));
   return PrintJson(document);
 }
 

@@ -53,17 +53,17 @@ absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet
   return absl::OkStatus();
 }
 
-absl::Status WriteView(Client& client, const Entry& entry, CaptureSetWriter* writer,
+absl::Status WriteView(Client& client, const Entry& entry, files::CaptureSetWriter* writer,
                        v1::Capture* capture) {
   absl::StatusOr<v1::View> view = client.GetView(entry.view);
   if (!view.ok()) return view.status();
-  absl::StatusOr<recognition::Points> points = PointsFromMessage(view->cloud());
+  absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
   if (!points.ok()) return points.status();
-  PointFile file;
+  files::PointFile file;
   file.points = *std::move(points);
   file.width = static_cast<int>(file.points.size());
   file.height = 1;
-  file.sensor_pose = FromMessage(view->sensor_pose());
+  file.sensor_pose = files::FromMessage(view->sensor_pose());
   const std::string path = absl::StrCat("clouds/", entry.object_id, "/", entry.stable_pose_id, "_",
                                         IdOf(entry.view), ".pcd");
   capture->set_path(path);
@@ -78,7 +78,7 @@ absl::Status WriteView(Client& client, const Entry& entry, CaptureSetWriter* wri
 }
 
 absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options) {
-  if (std::filesystem::exists(std::filesystem::path(options.folder) / kCaptureSetFile)) {
+  if (std::filesystem::exists(std::filesystem::path(options.folder) / files::kCaptureSetFile)) {
     return absl::AlreadyExistsError(
         absl::StrCat(options.folder, " already has a capture set; choose another folder"));
   }
@@ -100,7 +100,7 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
     absl::Status status = ListObject(client, object, &set, &entries);
     if (!status.ok()) return status;
   }
-  CaptureSetWriter writer(options.folder);
+  files::CaptureSetWriter writer(options.folder);
   ProgressLine progress;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (Interrupted()) return absl::CancelledError("interrupted; captures.json was not written");

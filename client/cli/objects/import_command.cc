@@ -36,18 +36,18 @@ struct ImportOptions {
 // Reads a capture into a request that teaches it as a view.
 absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet& set,
                       const v1::Capture& capture, v1::UploadViewsRequest* request) {
-  absl::StatusOr<ScanFile> file = ReadScanFile(folder / capture.path());
+  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(folder / capture.path());
   if (!file.ok()) return file.status();
   request->set_parent(StablePoseName(capture.object_id(), capture.stable_pose_id()));
   request->set_view_id(capture.view_id());
   v1::View* view = request->mutable_view();
-  SetScan(std::move(file->scan), view);
+  files::SetScan(std::move(file->scan), view);
   view->set_segmented(capture.segmented());
   if (capture.has_object_pose()) *view->mutable_object_pose() = capture.object_pose();
   if (capture.has_sensor_pose()) {
     *view->mutable_sensor_pose() = capture.sensor_pose();
   } else if (file->sensor_pose) {
-    *view->mutable_sensor_pose() = ToMessage(*file->sensor_pose);
+    *view->mutable_sensor_pose() = files::ToMessage(*file->sensor_pose);
   }
   if (set.has_region_of_interest()) {
     *request->mutable_region_of_interest() = set.region_of_interest();
@@ -145,7 +145,7 @@ class Import {
 };
 
 absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options) {
-  absl::StatusOr<v1::CaptureSet> set = LoadCaptureSet(options.folder);
+  absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(options.folder);
   if (!set.ok()) return set.status();
   Client client = Connect(global);
   Import import(client, options, *set);

@@ -32,7 +32,7 @@ of VFH-308 sums to 100, as in the Point Cloud Library.
 Example: graspdb describe mug.pcd --descriptor vfh308 --json)";
 
 // The measured points with their normals.
-recognition::OrientedCloud OrientedCloudOf(const PointFile& file,
+recognition::OrientedCloud OrientedCloudOf(const files::PointFile& file,
                                            const Eigen::Vector3d& viewpoint) {
   recognition::OrientedCloud out;
   for (std::size_t i = 0; i < file.points.size(); ++i) {
@@ -66,7 +66,7 @@ absl::Status PrintDescription(const GlobalOptions& global, const DescribeOptions
 }
 
 absl::Status RunDescribe(const GlobalOptions& global, const DescribeOptions& options) {
-  absl::StatusOr<PointFile> file = ReadPointFile(options.file);
+  absl::StatusOr<files::PointFile> file = files::ReadPointFile(options.file);
   if (!file.ok()) return file.status();
   const Eigen::Vector3d viewpoint(options.viewpoint[0], options.viewpoint[1], options.viewpoint[2]);
   const recognition::OrientedCloud cloud = OrientedCloudOf(*file, viewpoint);

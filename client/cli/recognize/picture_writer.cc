@@ -64,13 +64,13 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
         absl::StrCat("cannot make the folder ", folder.string(), ": ", error.message()));
   }
   absl::StatusOr<recognition::Points> scan = request.has_depth_image()
-                                                 ? PointsFromMessage(request.depth_image())
-                                                 : PointsFromMessage(request.cloud());
+                                                 ? files::PointsFromMessage(request.depth_image())
+                                                 : files::PointsFromMessage(request.cloud());
   if (!scan.ok()) return scan.status();
   const v1::Detection* detection = MainDetection(task, response);
   MatchPicture picture;
   picture.caption = Caption(task, response, detection);
-  picture.world_sensor = FromMessage(response.sensor_pose());
+  picture.world_sensor = files::FromMessage(response.sensor_pose());
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   if (detection != nullptr) {
     center = {detection->centroid().x(), detection->centroid().y(), detection->centroid().z()};
@@ -86,17 +86,19 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
   if (detection != nullptr && !detection->view().empty()) {
     absl::StatusOr<v1::View> view = client.GetView(detection->view());
     if (!view.ok()) return view.status();
-    absl::StatusOr<recognition::Points> points = PointsFromMessage(view->cloud());
+    absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
     if (!points.ok()) return points.status();
-    const recognition::Pose world_object = FromMessage(view->object_pose());
+    const recognition::Pose world_object = files::FromMessage(view->object_pose());
     const recognition::Points found =
-        recognition::Transform(FromMessage(view->sensor_pose()), *points);
+        recognition::Transform(files::FromMessage(view->sensor_pose()), *points);
     const recognition::Points in_object = recognition::Transform(world_object.inverse(), found);
     picture.found = found;
-    picture.shifted = recognition::Transform(FromMessage(detection->rough_pose()), in_object);
-    picture.refined = recognition::Transform(FromMessage(detection->refined_pose()), in_object);
+    picture.shifted =
+        recognition::Transform(files::FromMessage(detection->rough_pose()), in_object);
+    picture.refined =
+        recognition::Transform(files::FromMessage(detection->refined_pose()), in_object);
     if (!detection->grasps().empty()) {
-      picture.world_tcp = FromMessage(detection->grasps(0).tcp_pose());
+      picture.world_tcp = files::FromMessage(detection->grasps(0).tcp_pose());
     }
   }
   return WriteMatchPicture(FileFor(folder, task), picture);

@@ -39,17 +39,18 @@ absl::Status PrintUnreadable(bool as_json, const std::string& path, const absl::
     return absl::OkStatus();
   }
   google::protobuf::Struct line;
-  JsonObject(&line).Set(Json("bundle", path), Json("error", std::string(why.message())));
+  files::JsonObject(&line).Set(files::Json("bundle", path),
+                               files::Json("error", std::string(why.message())));
   return PrintJson(line);
 }
 
 absl::Status PrintResult(bool as_json, const std::string& path, const ReplayResult& result) {
   if (as_json) {
     google::protobuf::Struct line;
-    JsonObject(&line).Set(Json("bundle", path), Json("same", result.is_same),
-                          Json("revisionThen", result.revision_then),
-                          Json("revisionNow", result.revision_now),
-                          Json("differences", result.differences));
+    files::JsonObject(&line).Set(files::Json("bundle", path), files::Json("same", result.is_same),
+                                 files::Json("revisionThen", result.revision_then),
+                                 files::Json("revisionNow", result.revision_now),
+                                 files::Json("differences", result.differences));
     return PrintJson(line);
   }
   const bool other_revision = result.revision_now != 0 && result.revision_then != 0 &&

@@ -17,8 +17,8 @@ std::string ScanHint(const v1::RecognizeRequest& request, const v1::RecognizeRes
     return "";
   }
   absl::StatusOr<recognition::Points> points = request.has_depth_image()
-                                                   ? PointsFromMessage(request.depth_image())
-                                                   : PointsFromMessage(request.cloud());
+                                                   ? files::PointsFromMessage(request.depth_image())
+                                                   : files::PointsFromMessage(request.cloud());
   if (!points.ok()) return "";
   recognition::Scan scan;
   scan.points = *std::move(points);
@@ -28,7 +28,7 @@ std::string ScanHint(const v1::RecognizeRequest& request, const v1::RecognizeRes
       response.status() == v1::EMPTY_REGION || response.status() == v1::NO_CLUSTER;
   if (!is_empty && recognition::IsUsualDistance(*median)) return "";
   std::optional<recognition::Pose> world_sensor;
-  if (response.has_sensor_pose()) world_sensor = FromMessage(response.sensor_pose());
+  if (response.has_sensor_pose()) world_sensor = files::FromMessage(response.sensor_pose());
   std::string out = recognition::WhereMedianIs(*median, world_sensor);
   if (is_empty) {
     absl::StrAppend(&out,

@@ -29,7 +29,7 @@ absl::StatusOr<Shapes> LoadShapes(const std::filesystem::path& folder, const v1:
 }
 
 absl::Status AddSet(const std::string& folder, const std::string& split, ScanTasks* out) {
-  absl::StatusOr<v1::CaptureSet> loaded = LoadCaptureSet(folder);
+  absl::StatusOr<v1::CaptureSet> loaded = files::LoadCaptureSet(folder);
   if (!loaded.ok()) return loaded.status();
   out->sets.push_back(std::make_unique<v1::CaptureSet>(*std::move(loaded)));
   const v1::CaptureSet& set = *out->sets.back();
@@ -75,15 +75,15 @@ absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
 }
 
 absl::StatusOr<v1::RecognizeRequest> ReadScan(const ScanTask& task) {
-  absl::StatusOr<ScanFile> file = ReadScanFile(task.file);
+  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(task.file);
   if (!file.ok()) return file.status();
   v1::RecognizeRequest request;
-  SetScan(std::move(file->scan), &request);
+  files::SetScan(std::move(file->scan), &request);
   request.set_segmented(task.capture.segmented());
   if (task.capture.has_sensor_pose()) {
     *request.mutable_sensor_pose() = task.capture.sensor_pose();
   } else if (file->sensor_pose) {
-    *request.mutable_sensor_pose() = ToMessage(*file->sensor_pose);
+    *request.mutable_sensor_pose() = files::ToMessage(*file->sensor_pose);
   }
   if (task.set != nullptr && task.set->has_region_of_interest()) {
     *request.mutable_region_of_interest() = task.set->region_of_interest();

@@ -81,8 +81,8 @@ std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& 
   }
   out.object_right = found == "objects/" + task.capture.object_id();
   if (!out.object_right || !task.capture.has_object_pose()) return out;
-  const recognition::Pose truth = FromMessage(task.capture.object_pose());
-  const recognition::Pose pose = FromMessage(detection->refined_pose());
+  const recognition::Pose truth = files::FromMessage(task.capture.object_pose());
+  const recognition::Pose pose = files::FromMessage(detection->refined_pose());
   out.translation_error_m = (truth.translation() - pose.translation()).norm();
   out.rotation_error_deg =
       RotationError(truth, pose, SymmetryOf(task)) * recognition::kDegreesPerRadian;

@@ -52,7 +52,7 @@ std::vector<v1::Grasp> TakenBy(const v1::StablePose& pose, const std::vector<v1:
   }
   std::vector<v1::Grasp> out;
   for (const v1::Grasp& given : grasps) {
-    const v1::Grasp grasp = FromMesh(given, FromMessage(pose.mesh_pose()));
+    const v1::Grasp grasp = FromMesh(given, files::FromMessage(pose.mesh_pose()));
     std::string why = WhyOutOfReach(grasp);
     if (why.empty()) {
       out.push_back(grasp);

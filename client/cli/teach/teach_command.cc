@@ -152,7 +152,7 @@ void NoteKeptName(const GlobalOptions& global, const TeachOptions& options) {
 }
 
 absl::Status Teach(const GlobalOptions& global, const TeachOptions& options) {
-  absl::Status id = CheckId(options.object, "OBJECT");
+  absl::Status id = files::CheckId(options.object, "OBJECT");
   if (!id.ok()) return WrongUsage(id);
   absl::Status taught =
       options.mesh.empty() ? RunGuidedTeach(global, options) : TeachByMesh(global, options);

@@ -64,9 +64,9 @@ absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
   if (read.grasps().empty()) return Bad(path, " has no grasps; give {\"grasps\": [...]}");
   v1::CapturedStablePose grasps;
   *grasps.mutable_grasps() = read.grasps();
-  absl::Status checked = CheckStablePose(grasps, "");
+  absl::Status checked = files::CheckStablePose(grasps, "");
   for (int i = 0; checked.ok() && i < grasps.grasps_size(); ++i) {
-    checked = CheckId(grasps.grasps(i).grasp_id(), absl::StrCat(".grasps[", i, "].graspId"));
+    checked = files::CheckId(grasps.grasps(i).grasp_id(), absl::StrCat(".grasps[", i, "].graspId"));
   }
   if (!checked.ok()) return Bad(path, absl::StrCat(": ", checked.message().substr(1)));
   return std::vector<v1::Grasp>(read.grasps().begin(), read.grasps().end());
@@ -82,12 +82,12 @@ absl::Status CheckForMesh(const std::vector<v1::Grasp>& grasps) {
 }
 
 v1::Grasp FromMesh(v1::Grasp grasp, const recognition::Pose& object_mesh) {
-  *grasp.mutable_tcp_pose() = ToMessage(object_mesh * FromMessage(grasp.tcp_pose()));
+  *grasp.mutable_tcp_pose() = files::ToMessage(object_mesh * files::FromMessage(grasp.tcp_pose()));
   return grasp;
 }
 
 std::string WhyOutOfReach(const v1::Grasp& grasp) {
-  const recognition::Pose tcp = FromMessage(grasp.tcp_pose());
+  const recognition::Pose tcp = files::FromMessage(grasp.tcp_pose());
   const double rise = tcp.linear()(2, 2);  // of the approach
   const double height = tcp.translation().z();
   if (rise > kLevel) return "comes from below";

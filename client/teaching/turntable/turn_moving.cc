@@ -14,7 +14,7 @@ namespace {
 
 // The cloud is unchanged, so the id includes the axis (in hundredths of millimetres).
 std::string MovedId(const v1::View& view, const Eigen::Vector2d& axis) {
-  return absl::StrFormat("%s_%.0f_%.0f", ContentId(view), 1e5 * axis.x(), 1e5 * axis.y());
+  return absl::StrFormat("%s_%.0f_%.0f", files::ContentId(view), 1e5 * axis.x(), 1e5 * axis.y());
 }
 
 absl::Status Delete(Client& client, const std::vector<std::string>& views) {

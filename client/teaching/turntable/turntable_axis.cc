@@ -133,11 +133,11 @@ absl::StatusOr<std::vector<TurnedCloud>> TaughtTurn(Client& client,
   for (const v1::View& listed : *views) {
     const absl::StatusOr<v1::View> view = client.GetView(listed.name());
     if (!view.ok()) return view.status();
-    const absl::StatusOr<recognition::Points> points = PointsFromMessage(view->cloud());
+    const absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
     if (!points.ok()) return points.status();
-    const Eigen::Isometry3f sensor = FromMessage(view->sensor_pose()).cast<float>();
+    const Eigen::Isometry3f sensor = files::FromMessage(view->sensor_pose()).cast<float>();
     TurnedCloud turned;
-    const Pose object = FromMessage(view->object_pose());
+    const Pose object = files::FromMessage(view->object_pose());
     turned.azimuth_rad = std::atan2(object.linear()(1, 0), object.linear()(0, 0));
     turned.cloud.points = *points;
     turned.cloud.normals =

@@ -25,7 +25,7 @@ constexpr double kNeighborDeg = 45;
 constexpr int kWidestRing = 72;
 
 absl::Status AnotherTurn(const v1::View& view) {
-  const Vector3d at = FromMessage(view.object_pose()).translation();
+  const Vector3d at = files::FromMessage(view.object_pose()).translation();
   return absl::FailedPreconditionError(absl::StrFormat(
       "%s was not taught about this axis: its object stands at %.4f,%.4f, %.4f m high; give --axis "
       "%.4f,%.4f if the turntable is there, or teach another stable pose id",
@@ -42,7 +42,7 @@ Pose OnTurntable(const Eigen::Vector2d& axis, double height_m, double azimuth_de
 }
 
 bool IsOfTurn(const v1::View& view, const Vector3d& origin) {
-  const Pose pose = FromMessage(view.object_pose());
+  const Pose pose = files::FromMessage(view.object_pose());
   return pose.linear()(2, 2) > kUpright && (pose.translation() - origin).norm() < kSameAxisM;
 }
 
@@ -55,7 +55,7 @@ absl::Status TurntableCoverage::Add(const std::vector<v1::View>& views, const Ve
                                     bool clockwise) {
   for (const v1::View& view : views) {
     if (!IsOfTurn(view, origin)) return AnotherTurn(view);
-    const Pose pose = FromMessage(view.object_pose());
+    const Pose pose = files::FromMessage(view.object_pose());
     double azimuth = std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)) / kRadian;
     if (clockwise) azimuth = -azimuth;
     if (azimuth < -kSameAzimuthDeg) azimuth += 360;

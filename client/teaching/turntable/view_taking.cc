@@ -39,8 +39,8 @@ Vector3d CenterOf(const recognition::Points& points, const Pose& world_sensor) {
 }
 
 // The mean of depth images is a finer depth image.
-ScanMessage MessageOf(const StillScan& scan) {
-  if (!scan.camera) return CloudMessage(scan.points, scan.width);
+files::ScanMessage MessageOf(const StillScan& scan) {
+  if (!scan.camera) return files::CloudMessage(scan.points, scan.width);
   std::vector<float> depths;
   depths.reserve(scan.points.size());
   float far = 0;
@@ -48,7 +48,7 @@ ScanMessage MessageOf(const StillScan& scan) {
     depths.push_back(p.z());
     far = std::max(far, p.z());  // keeps `far` where p is NaN
   }
-  return FineDepthMessage(depths, *scan.camera, static_cast<double>(far));
+  return files::FineDepthMessage(depths, *scan.camera, static_cast<double>(far));
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ absl::Status ViewTaker::Check() { return Shoot(1).status(); }
 absl::StatusOr<TakenView> ViewTaker::InspectTaught(const std::string& name, const Shot& shot) {
   const absl::StatusOr<v1::View> view = client_.GetView(name);
   if (!view.ok()) return view.status();
-  const absl::StatusOr<recognition::Points> object = PointsFromMessage(view->cloud());
+  const absl::StatusOr<recognition::Points> object = files::PointsFromMessage(view->cloud());
   if (!object.ok()) return object.status();
   const absl::StatusOr<CaptureQuality> quality = CaptureQualityOf(shot.frames, *object);
   if (!quality.ok()) return quality.status();
@@ -95,11 +95,11 @@ absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
   if (!scan.ok()) return scan.status();
   v1::UploadViewsRequest upload;
   upload.set_parent(stable_pose);
-  SetScan(MessageOf(*scan), upload.mutable_view());
-  *upload.mutable_view()->mutable_object_pose() = ToMessage(world_object);
-  *upload.mutable_view()->mutable_sensor_pose() = ToMessage(shot->world_sensor);
+  files::SetScan(MessageOf(*scan), upload.mutable_view());
+  *upload.mutable_view()->mutable_object_pose() = files::ToMessage(world_object);
+  *upload.mutable_view()->mutable_sensor_pose() = files::ToMessage(shot->world_sensor);
   if (how_.region) *upload.mutable_region_of_interest() = *how_.region;
-  upload.set_view_id(ContentId(upload.view()));
+  upload.set_view_id(files::ContentId(upload.view()));
   const std::string name = absl::StrCat(stable_pose, "/views/", upload.view_id());
   const auto make = [&](std::size_t, v1::UploadViewsRequest* request) {
     *request = upload;

@@ -88,10 +88,10 @@ class Turntable {
     *request->mutable_region_of_interest() = RegionOf(part.mesh);
     v1::View* view = request->mutable_view();
     *view->mutable_depth_image() =
-        FineDepthMessage(frame->depth_m, views_.camera.intrinsics,
-                         FarthestDepth(request->region_of_interest(), views_.world_sensor));
-    *view->mutable_object_pose() = ToMessage(world_object);
-    *view->mutable_sensor_pose() = ToMessage(views_.world_sensor);
+        files::FineDepthMessage(frame->depth_m, views_.camera.intrinsics,
+                                FarthestDepth(request->region_of_interest(), views_.world_sensor));
+    *view->mutable_object_pose() = files::ToMessage(world_object);
+    *view->mutable_sensor_pose() = files::ToMessage(views_.world_sensor);
     return absl::OkStatus();
   }
 
@@ -137,7 +137,8 @@ absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::stri
     return absl::OkStatus();  // it will be created with the frame
   if (!known.ok()) return known.status();
   if (known->has_mesh_pose()) {
-    if (IsSameFrame(FromMessage(known->mesh_pose()), *part.object_mesh)) return absl::OkStatus();
+    if (IsSameFrame(files::FromMessage(known->mesh_pose()), *part.object_mesh))
+      return absl::OkStatus();
     return absl::FailedPreconditionError(
         absl::StrCat(name,
                      " has the frame of another mesh; delete the object, teach another name, or "
@@ -146,7 +147,7 @@ absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::stri
   v1::UpdateStablePoseRequest request;
   request.mutable_stable_pose()->set_name(name);
   request.mutable_stable_pose()->set_etag(known->etag());
-  *request.mutable_stable_pose()->mutable_mesh_pose() = ToMessage(*part.object_mesh);
+  *request.mutable_stable_pose()->mutable_mesh_pose() = files::ToMessage(*part.object_mesh);
   request.mutable_update_mask()->add_paths("mesh_pose");
   return client.UpdateStablePose(request).status();
 }
@@ -160,7 +161,7 @@ absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t pa
   const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(first.parent());
   if (absl::IsNotFound(views.status())) return absl::OkStatus();
   if (!views.ok()) return views.status();
-  const std::string name = absl::StrCat(first.parent(), "/views/", ContentId(first.view()));
+  const std::string name = absl::StrCat(first.parent(), "/views/", files::ContentId(first.view()));
   if (views->empty() || std::ranges::find(*views, name, &v1::View::name) != views->end()) {
     return absl::OkStatus();
   }
@@ -179,8 +180,9 @@ absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
                      " has no sensor pose; calibrate it, or give --look-down and "
                      "--distance in place of --cell"));
   }
-  if (absl::Status pose = CheckPose(cell.sensor_pose(), "sensor_pose"); !pose.ok()) return pose;
-  Pose sensor = FromMessage(cell.sensor_pose());
+  if (absl::Status pose = files::CheckPose(cell.sensor_pose(), "sensor_pose"); !pose.ok())
+    return pose;
+  Pose sensor = files::FromMessage(cell.sensor_pose());
   const Vector3d axis = sensor.linear().col(2);
   const double height = sensor.translation().z();
   const bool looks_down = axis.z() < -kMinFall && height > 0;

@@ -86,7 +86,7 @@ class Upload {
 absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i,
                          v1::UploadViewsRequest* request) {
   if (absl::Status made = views.make(i, request); !made.ok()) return made;
-  if (request->view_id().empty()) request->set_view_id(ContentId(request->view()));
+  if (request->view_id().empty()) request->set_view_id(files::ContentId(request->view()));
   return absl::OkStatus();
 }
 

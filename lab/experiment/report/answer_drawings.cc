@@ -60,14 +60,14 @@ std::vector<ImagePoint> Visible(const std::vector<ImagePoint>& points) {
   return out;
 }
 
-void FillPixels(const std::vector<ImagePoint>& points, JsonObject out) {
+void FillPixels(const std::vector<ImagePoint>& points, files::JsonObject out) {
   std::vector<double> u;
   std::vector<double> v;
   for (const ImagePoint& p : points) {
     u.push_back(std::round(10 * p.u) / 10);
     v.push_back(std::round(10 * p.v) / 10);
   }
-  out.Set(Json("u", u), Json("v", v));
+  out.Set(files::Json("u", u), files::Json("v", v));
 }
 
 std::string Caption(const Answer& a, const PartSet& set) {
@@ -82,14 +82,14 @@ std::string Caption(const Answer& a, const PartSet& set) {
   return out;
 }
 
-void FillDrawing(const CaseResult& result, std::size_t position, JsonObject out) {
+void FillDrawing(const CaseResult& result, std::size_t position, files::JsonObject out) {
   const Answer& a = result.answers[position];
   const recognition::CameraIntrinsics& k = result.experiment.queried.camera.intrinsics;
   const Pose camera_world = a.world_sensor.inverse();
   const auto model = [&](std::size_t part, const Pose& world_object) {
     return Visible(Project(result.set.shapes[part]->points, camera_world * world_object, k));
   };
-  out.Set(Json("title", Caption(a, result.set)));
+  out.Set(files::Json("title", Caption(a, result.set)));
   if (const auto scan = result.scans.find(position); scan != result.scans.end()) {
     FillPixels(Project(scan->second, camera_world, k), out.Object("scan"));
   }
@@ -111,10 +111,10 @@ const Answer* WorstWithCandidates(const CaseResult& result) {
 
 }  // namespace
 
-void FillDrawings(const CaseResult& result, JsonObject* out) {
+void FillDrawings(const CaseResult& result, files::JsonObject* out) {
   std::vector<std::size_t> worst = WorstFirst(result);
   worst.resize(std::min(worst.size(), kDrawnAnswers));
-  out->List("drawings", worst, [&](std::size_t position, JsonObject drawing) {
+  out->List("drawings", worst, [&](std::size_t position, files::JsonObject drawing) {
     FillDrawing(result, position, drawing);
   });
 }
@@ -123,19 +123,20 @@ void FillFirstMatches(const CaseResult& result, Value* value) {
   value->set_null_value(google::protobuf::NULL_VALUE);
   const Answer* answer = WorstWithCandidates(result);
   if (answer == nullptr) return;
-  JsonObject out(value);
-  out.Set(Json("scene", answer->scene),
-          Json("stable_pose_query", StablePoseName(result.set.parts[answer->part])),
-          Json("answered", !answer->view.empty()));
+  files::JsonObject out(value);
+  out.Set(files::Json("scene", answer->scene),
+          files::Json("stable_pose_query", StablePoseName(result.set.parts[answer->part])),
+          files::Json("answered", !answer->view.empty()));
   const std::span<const Candidate> all = answer->candidates;
-  out.List("views", all.first(std::min(all.size(), kFirstMatches)),
-           [&](const Candidate& candidate, JsonObject view) {
-             view.Set(
-                 Json("object", ObjectOf(candidate.view ? candidate.view->stable_pose : "")),
-                 Json("descriptor_distance", candidate.descriptor_distance),
-                 Json("verification_score", candidate.verification_score.value_or(std::nan(""))),
-                 Json("chosen", candidate.view && candidate.view->name == answer->view));
-           });
+  out.List(
+      "views", all.first(std::min(all.size(), kFirstMatches)),
+      [&](const Candidate& candidate, files::JsonObject view) {
+        view.Set(
+            files::Json("object", ObjectOf(candidate.view ? candidate.view->stable_pose : "")),
+            files::Json("descriptor_distance", candidate.descriptor_distance),
+            files::Json("verification_score", candidate.verification_score.value_or(std::nan(""))),
+            files::Json("chosen", candidate.view && candidate.view->name == answer->view));
+      });
 }
 
 }  // namespace graspdb::client

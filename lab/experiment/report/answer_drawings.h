@@ -13,7 +13,7 @@ inline constexpr std::size_t kDrawnAnswers = 8;
 // and pixels
 // ("u", "v") of the "scan" (where `result.scans` has it), of the model at its true pose ("truth")
 // and at the estimated one ("match"). Points on the far side are left out.
-void FillDrawings(const CaseResult& result, JsonObject* out);
+void FillDrawings(const CaseResult& result, files::JsonObject* out);
 
 // The ten nearest views of the worst answer that has candidates: "scene", "stable_pose_query",
 // "answered" and the "views" with "object", "descriptor_distance", "verification_score" (null: not

@@ -61,7 +61,8 @@ absl::Status WriteFramesReport(const std::filesystem::path& folder, const std::s
   if (!json.ok()) return json.status();
   absl::Status status;
   const auto write = [&](const std::string& name, const std::string& text) {
-    status.Update(WriteFileAtomically(folder / name, text, Durability::kProcessCrash));
+    status.Update(
+        files::WriteFileAtomically(folder / name, text, files::Durability::kProcessCrash));
   };
   write("report.json", *json);
   write("stages.md", TableMarkdown(StageTable(results)));

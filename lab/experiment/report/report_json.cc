@@ -36,130 +36,143 @@ std::string OutcomeName(recognition::RecognitionOutcome outcome) {
   return "";
 }
 
-void FillStand(const Stand& stand, JsonObject out) {
-  out.Set(Json("camera", CameraName(stand.camera)), Json("noise_scale", stand.camera.noise.scale),
-          Json("look_down_deg", stand.look_down_deg), Json("distance_m", stand.distance_m));
+void FillStand(const Stand& stand, files::JsonObject out) {
+  out.Set(files::Json("camera", CameraName(stand.camera)),
+          files::Json("noise_scale", stand.camera.noise.scale),
+          files::Json("look_down_deg", stand.look_down_deg),
+          files::Json("distance_m", stand.distance_m));
   const recognition::CameraIntrinsics& k = stand.camera.intrinsics;
   out.Object("intrinsics_px")
-      .Set(Json("width", k.width), Json("height", k.height), Json("fx", k.fx), Json("fy", k.fy),
-           Json("cx", k.cx), Json("cy", k.cy));
+      .Set(files::Json("width", k.width), files::Json("height", k.height), files::Json("fx", k.fx),
+           files::Json("fy", k.fy), files::Json("cx", k.cx), files::Json("cy", k.cy));
 }
 
-void FillSettings(const CaseResult& result, JsonObject out) {
+void FillSettings(const CaseResult& result, files::JsonObject out) {
   const ExperimentCase& e = result.experiment;
-  out.Set(Json("parts", result.set.parts.size()), Json("taught_parts", result.set.taught_count));
+  out.Set(files::Json("parts", result.set.parts.size()),
+          files::Json("taught_parts", result.set.taught_count));
   if (!e.is_simulated) return;
   FillStand(e.taught, out.Object("taught"));
   FillStand(e.queried, out.Object("queried"));
-  out.Set(Json("teach_step_deg", e.teach_step_deg),
-          Json("between_taught_azimuths", e.between_taught_azimuths),
-          Json("area_half_width_m", e.area_half_width_m), Json("hidden_share", e.hidden_share),
-          Json("objects_per_scene", e.objects_per_scene),
-          Json("trials_per_part", e.trials_per_part));
-  out.Set(Json("seed", absl::StrCat(e.seed)));  // may be larger than a JSON number is exact
+  out.Set(files::Json("teach_step_deg", e.teach_step_deg),
+          files::Json("between_taught_azimuths", e.between_taught_azimuths),
+          files::Json("area_half_width_m", e.area_half_width_m),
+          files::Json("hidden_share", e.hidden_share),
+          files::Json("objects_per_scene", e.objects_per_scene),
+          files::Json("trials_per_part", e.trials_per_part));
+  out.Set(files::Json("seed", absl::StrCat(e.seed)));  // may be larger than a JSON number is exact
 }
 
-void FillSummary(const CaseSummary& s, JsonObject out) {
-  out.Set(Json("known", s.known), Json("posed", s.posed), Json("unknown", s.unknown),
-          Json("object_right", s.object_right), Json("pose_right", s.pose_right),
-          Json("strictly_right", s.strictly_right), Json("ambiguous", s.ambiguous),
-          Json("listed", s.listed), Json("mean_rotation_deg", s.mean_rotation_deg),
-          Json("mean_translation_mm", s.mean_translation_mm),
-          Json("unknown_rejected", s.unknown_rejected));
+void FillSummary(const CaseSummary& s, files::JsonObject out) {
+  out.Set(files::Json("known", s.known), files::Json("posed", s.posed),
+          files::Json("unknown", s.unknown), files::Json("object_right", s.object_right),
+          files::Json("pose_right", s.pose_right), files::Json("strictly_right", s.strictly_right),
+          files::Json("ambiguous", s.ambiguous), files::Json("listed", s.listed),
+          files::Json("mean_rotation_deg", s.mean_rotation_deg),
+          files::Json("mean_translation_mm", s.mean_translation_mm),
+          files::Json("unknown_rejected", s.unknown_rejected));
 }
 
-void FillTime(const TimeFigures& times, JsonObject out) {
-  out.Set(Json("scenes", times.scenes), Json("mean_ms", times.mean_ms),
-          Json("median_ms", times.median_ms), Json("p95_ms", times.p95_ms),
-          Json("longest_ms", times.longest_ms));
+void FillTime(const TimeFigures& times, files::JsonObject out) {
+  out.Set(files::Json("scenes", times.scenes), files::Json("mean_ms", times.mean_ms),
+          files::Json("median_ms", times.median_ms), files::Json("p95_ms", times.p95_ms),
+          files::Json("longest_ms", times.longest_ms));
 }
 
-void FillObject(const ObjectFigures& f, JsonObject out) {
-  out.Set(Json("object", f.object), Json("known", f.known), Json("query_count", f.query_count),
-          Json("falsely_named", f.falsely_named), Json("pose_wrong", f.pose_wrong),
-          Json("right_poses", f.right_poses),
-          Json("mean_rotation_deg", f.right_poses > 0 ? f.mean_rotation_deg : std::nan("")),
-          Json("mean_translation_mm", f.right_poses > 0 ? f.mean_translation_mm : std::nan("")));
+void FillObject(const ObjectFigures& f, files::JsonObject out) {
+  out.Set(
+      files::Json("object", f.object), files::Json("known", f.known),
+      files::Json("query_count", f.query_count), files::Json("falsely_named", f.falsely_named),
+      files::Json("pose_wrong", f.pose_wrong), files::Json("right_poses", f.right_poses),
+      files::Json("mean_rotation_deg", f.right_poses > 0 ? f.mean_rotation_deg : std::nan("")),
+      files::Json("mean_translation_mm", f.right_poses > 0 ? f.mean_translation_mm : std::nan("")));
 }
 
 // The fields of both, by their names, for tests/eval/fit_confidence.py.
 void FillEvidence(const recognition::Evidence& evidence,
-                  const recognition::ConfidenceFeatures& features, JsonObject out) {
-  out.Set(Json("scan_explained", evidence.scan_explained), Json("model_seen", evidence.model_seen),
-          Json("unoccluded", evidence.unoccluded), Json("rms_mm", evidence.rms_m * 1e3),
-          Json("score", evidence.score), Json("confirmed", evidence.confirmed),
-          Json("contradicted", evidence.contradicted), Json("unmeasured", evidence.unmeasured));
+                  const recognition::ConfidenceFeatures& features, files::JsonObject out) {
+  out.Set(files::Json("scan_explained", evidence.scan_explained),
+          files::Json("model_seen", evidence.model_seen),
+          files::Json("unoccluded", evidence.unoccluded),
+          files::Json("rms_mm", evidence.rms_m * 1e3), files::Json("score", evidence.score),
+          files::Json("confirmed", evidence.confirmed),
+          files::Json("contradicted", evidence.contradicted),
+          files::Json("unmeasured", evidence.unmeasured));
   out.Object("features")
-      .Set(Json("scan", features.scan), Json("contradicted", features.contradicted),
-           Json("residual", features.residual), Json("unseen", features.unseen),
-           Json("little", features.little));
+      .Set(files::Json("scan", features.scan), files::Json("contradicted", features.contradicted),
+           files::Json("residual", features.residual), files::Json("unseen", features.unseen),
+           files::Json("little", features.little));
 }
 
-void FillAnswer(const Answer& a, const PartSet& set, JsonObject out) {
+void FillAnswer(const Answer& a, const PartSet& set, files::JsonObject out) {
   const Workpiece& part = set.parts[a.part];
-  out.Set(Json("scene", a.scene), Json("object_query", part.object_id),
-          Json("stable_pose_query", StablePoseName(part)),
-          Json("stable_pose_answered", a.stable_pose),
-          Json("object_answered", ObjectOf(a.stable_pose)), Json("known", a.known),
-          Json("outcome", OutcomeName(a.outcome)), Json("object_right", a.object_right),
-          Json("posed", a.posed), Json("pose_right", a.pose_right),
-          Json("strictly_right", a.strictly_right), Json("listed", a.listed),
-          Json("touching", a.touching), Json("score", a.score), Json("voxels", a.voxels),
-          Json("ms", a.milliseconds));
-  if (!a.file.empty()) out.Set(Json("file", a.file));
+  out.Set(files::Json("scene", a.scene), files::Json("object_query", part.object_id),
+          files::Json("stable_pose_query", StablePoseName(part)),
+          files::Json("stable_pose_answered", a.stable_pose),
+          files::Json("object_answered", ObjectOf(a.stable_pose)), files::Json("known", a.known),
+          files::Json("outcome", OutcomeName(a.outcome)),
+          files::Json("object_right", a.object_right), files::Json("posed", a.posed),
+          files::Json("pose_right", a.pose_right), files::Json("strictly_right", a.strictly_right),
+          files::Json("listed", a.listed), files::Json("touching", a.touching),
+          files::Json("score", a.score), files::Json("voxels", a.voxels),
+          files::Json("ms", a.milliseconds));
+  if (!a.file.empty()) out.Set(files::Json("file", a.file));
   FillEvidence(a.evidence, a.features, out.Object("evidence"));
   // Null without a pose error.
   const double shown = a.known && a.posed && a.object_right ? 1 : std::nan("");
-  out.Set(Json("add_s_mm", shown * a.error.add_s_m * 1e3),
-          Json("add_s_share", shown * a.error.add_s_m / set.shapes[a.part]->diameter_m),
-          Json("farthest_mm", shown * a.error.hausdorff_m * 1e3),
-          Json("rotation_deg", shown * a.error.rotation_rad * recognition::kDegreesPerRadian),
-          Json("translation_mm", shown * a.error.translation_m * 1e3));
+  out.Set(
+      files::Json("add_s_mm", shown * a.error.add_s_m * 1e3),
+      files::Json("add_s_share", shown * a.error.add_s_m / set.shapes[a.part]->diameter_m),
+      files::Json("farthest_mm", shown * a.error.hausdorff_m * 1e3),
+      files::Json("rotation_deg", shown * a.error.rotation_rad * recognition::kDegreesPerRadian),
+      files::Json("translation_mm", shown * a.error.translation_m * 1e3));
 }
 
-void FillInstance(const FrameInstance& instance, JsonObject out) {
-  out.Set(Json("object", instance.object.object), Json("found", instance.found),
-          Json("true_pose_score", instance.truth.whole.confidence),
-          Json("stage", TextOf(instance.stage())),
-          Json("stage_by_segments", TextOf(instance.by_segments)),
-          Json("stage_in_image", TextOf(instance.in_image)));
-  if (!instance.found) out.Set(Json("lost_by", TextOf(instance.lost_by)));
+void FillInstance(const FrameInstance& instance, files::JsonObject out) {
+  out.Set(files::Json("object", instance.object.object), files::Json("found", instance.found),
+          files::Json("true_pose_score", instance.truth.whole.confidence),
+          files::Json("stage", TextOf(instance.stage())),
+          files::Json("stage_by_segments", TextOf(instance.by_segments)),
+          files::Json("stage_in_image", TextOf(instance.in_image)));
+  if (!instance.found) out.Set(files::Json("lost_by", TextOf(instance.lost_by)));
 }
 
-void FillDetection(const FrameDetection& detection, JsonObject out) {
-  out.Set(Json("object", detection.object), Json("score", detection.score),
-          Json("right", detection.instance.has_value()),
-          Json("pose_unknown", detection.pose_unknown), Json("again", detection.again),
-          Json("add_s_share", detection.add_s_share), Json("voxels", detection.voxels));
+void FillDetection(const FrameDetection& detection, files::JsonObject out) {
+  out.Set(files::Json("object", detection.object), files::Json("score", detection.score),
+          files::Json("right", detection.instance.has_value()),
+          files::Json("pose_unknown", detection.pose_unknown),
+          files::Json("again", detection.again), files::Json("add_s_share", detection.add_s_share),
+          files::Json("voxels", detection.voxels));
   FillEvidence(detection.evidence, detection.features, out.Object("evidence"));
 }
 
-void FillFrame(const FrameResult& result, JsonObject out) {
-  out.Set(Json("name", result.frame->name), Json("sensor", result.frame->sensor),
-          Json("arrangement", result.frame->arrangement), Json("error", result.error),
-          Json("ms", result.milliseconds));
+void FillFrame(const FrameResult& result, files::JsonObject out) {
+  out.Set(files::Json("name", result.frame->name), files::Json("sensor", result.frame->sensor),
+          files::Json("arrangement", result.frame->arrangement), files::Json("error", result.error),
+          files::Json("ms", result.milliseconds));
   out.List("objects", result.instances, FillInstance);
   out.List("detections", result.detections, FillDetection);
 }
 
-void FillDescriptor(const DescriptorFigures& f, JsonObject out) {
-  out.Set(Json("descriptor", f.descriptor), Json("distance", f.distance),
-          Json("query_count", f.query_count), Json("object_wrong", f.object_wrong));
-  JsonObject objects = out.Object("false_recognition");
-  for (const auto& [object, share] : f.false_recognition) objects.Set(Json(object, share));
+void FillDescriptor(const DescriptorFigures& f, files::JsonObject out) {
+  out.Set(files::Json("descriptor", f.descriptor), files::Json("distance", f.distance),
+          files::Json("query_count", f.query_count), files::Json("object_wrong", f.object_wrong));
+  files::JsonObject objects = out.Object("false_recognition");
+  for (const auto& [object, share] : f.false_recognition) objects.Set(files::Json(object, share));
 }
 
 }  // namespace
 
 Value CaseAsJson(const CaseResult& result) {
   Value value;
-  JsonObject out(&value);
-  out.Set(Json("name", result.experiment.name), Json("description", SettingsText(result)));
+  files::JsonObject out(&value);
+  out.Set(files::Json("name", result.experiment.name),
+          files::Json("description", SettingsText(result)));
   FillSettings(result, out.Object("settings"));
   FillSummary(Summarize(result), out.Object("summary"));
   FillTime(TimesOf(result), out.Object("time"));
   out.List("objects", FiguresByObject(result), FillObject);
-  out.List("answers", result.answers, [&](const Answer& answer, JsonObject object) {
+  out.List("answers", result.answers, [&](const Answer& answer, files::JsonObject object) {
     FillAnswer(answer, result.set, object);
   });
   FillDrawings(result, &out);
@@ -171,19 +184,19 @@ absl::StatusOr<std::string> ReportJson(const std::string& command,
                                        const std::vector<DescriptorFigures>& descriptors,
                                        const std::vector<Value>& cases) {
   google::protobuf::Struct document;
-  JsonObject out(&document);
-  out.Set(Json("command", command), Json("cases", cases));
+  files::JsonObject out(&document);
+  out.Set(files::Json("command", command), files::Json("cases", cases));
   out.List("descriptors", descriptors, FillDescriptor);
-  return PrintDocument(document, JsonLayout::kIndented);
+  return files::PrintDocument(document, files::JsonLayout::kIndented);
 }
 
 absl::StatusOr<std::string> FramesJson(const std::string& command,
                                        const std::vector<FrameResult>& results) {
   google::protobuf::Struct document;
-  JsonObject out(&document);
-  out.Set(Json("command", command));
+  files::JsonObject out(&document);
+  out.Set(files::Json("command", command));
   out.List("frames", results, FillFrame);
-  return PrintDocument(document, JsonLayout::kIndented);
+  return files::PrintDocument(document, files::JsonLayout::kIndented);
 }
 
 }  // namespace graspdb::client

@@ -19,7 +19,7 @@ constexpr char kDescriptorsFile[] = "descriptors.md";
 constexpr char kPageFile[] = "report.html";  // of graspdb-eval-report
 
 absl::Status WriteFile(const std::filesystem::path& path, const std::string& text) {
-  return WriteFileAtomically(path, text, Durability::kProcessCrash);
+  return files::WriteFileAtomically(path, text, files::Durability::kProcessCrash);
 }
 
 // Poses and descriptors of an earlier report: of cases that this one lacks, with other numbers of

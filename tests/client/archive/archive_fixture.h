@@ -24,8 +24,8 @@ class ArchiveTest : public ::testing::Test {
  protected:
   // An open file with its index.
   struct Opened {
-    std::unique_ptr<ArchiveFile> file;
-    ArchiveIndex index;
+    std::unique_ptr<files::ArchiveFile> file;
+    files::ArchiveIndex index;
     OpenArchive archive() const { return {*file, index}; }
   };
 
@@ -98,9 +98,9 @@ class ArchiveTest : public ::testing::Test {
   }
 
   Opened Open(const std::string& name) const {
-    auto file = ArchiveFile::Open(Path(name));
+    auto file = files::ArchiveFile::Open(Path(name));
     EXPECT_THAT(file, IsOk());
-    auto index = IndexArchive(**file, nullptr);
+    auto index = files::IndexArchive(**file, nullptr);
     EXPECT_THAT(index, IsOk());
     return {.file = *std::move(file), .index = *std::move(index)};
   }
@@ -118,7 +118,7 @@ class ArchiveTest : public ::testing::Test {
     return ImportArchive(client, opened.archive(), Compare(client, opened, options), {}, watch);
   }
 
-  static std::int64_t Count(const ArchiveComparison& comparison, ArchiveKind kind,
+  static std::int64_t Count(const ArchiveComparison& comparison, files::ArchiveKind kind,
                             ArchiveState state) {
     return comparison.counts[static_cast<std::size_t>(kind)][static_cast<std::size_t>(state)];
   }
@@ -138,7 +138,7 @@ class ArchiveTest : public ::testing::Test {
     return server::Server::Start(options).value();  // without it there is nothing to test
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::unique_ptr<server::Server> from_server_ = Start("from");
   const std::unique_ptr<server::Server> to_server_ = Start("to");
   // Over TCP: gRPC's in-process channel has no buffer, so that a stream whose two sides write at

@@ -46,9 +46,9 @@ class ArchiveImportTest : public ArchiveTest {
 
   // The archive with changed stable poses.
   Opened Changed(const Opened& archive, const std::function<void(v1::StablePose&)>& change) const {
-    auto writer = ArchiveWriter::Create(Path("changed.graspdb"));
+    auto writer = files::ArchiveWriter::Create(Path("changed.graspdb"));
     EXPECT_THAT(writer, IsOk());
-    for (std::int64_t at = ArchiveFile::kFirstRecord; at < archive.file->size();) {
+    for (std::int64_t at = files::ArchiveFile::kFirstRecord; at < archive.file->size();) {
       auto item = archive.file->ReadAt(at);
       EXPECT_THAT(item, IsOk());
       if (item->record.has_stable_pose()) change(*item->record.mutable_stable_pose());
@@ -98,7 +98,7 @@ TEST_F(ArchiveImportTest, TheSameCatalogueGivesTheSameBytes) {
   DeclareAndTeach(from_, "wedge");
   Export(from_, "a.graspdb");
   Export(from_, "b.graspdb");
-  EXPECT_EQ(BytesOf(Path("a.graspdb")), BytesOf(Path("b.graspdb")));
+  EXPECT_EQ(files::BytesOf(Path("a.graspdb")), files::BytesOf(Path("b.graspdb")));
 }
 
 TEST_F(ArchiveImportTest, AnExportWithoutViewsCanBeInterrupted) {
@@ -117,7 +117,7 @@ TEST_F(ArchiveImportTest, AnExportKeepsAFileThatAppearsMeanwhile) {
   EXPECT_THAT(
       ExportArchive(from_, {}, Path("a.graspdb"), {.report = make_file, .cancelled = nullptr}),
       StatusIs(absl::StatusCode::kAlreadyExists, HasSubstr("choose another file")));
-  EXPECT_EQ(BytesOf(Path("a.graspdb")), "of another program");
+  EXPECT_EQ(files::BytesOf(Path("a.graspdb")), "of another program");
 }
 
 TEST_F(ArchiveImportTest, AllViewsAppearInOneRevision) {
@@ -233,7 +233,7 @@ TEST_F(ArchiveImportTest, CreationAndReportsCanBeInterrupted) {
 TEST_F(ArchiveImportTest, SomeObjectsOnly) {
   DeclareAndTeach(from_, "wedge");
   DeclareAndTeach(from_, "flange");
-  const std::vector<ArchiveEntry> one =
+  const std::vector<files::ArchiveEntry> one =
       Export(from_, "one.graspdb", {"objects/flange"}).index.entries;
   ASSERT_EQ(one.size(), 5U);  // with a stable pose and three views
   EXPECT_EQ(one.front().name, "objects/flange");
@@ -259,7 +259,7 @@ TEST_F(ArchiveImportTest, AViewThatWasTaughtSinceTheComparisonIsAnErrorAndStays)
   EXPECT_THAT(ImportArchive(to_, exported.archive(), comparison, {}, {}),
               StatusIs(absl::StatusCode::kAborted, HasSubstr("run the command again")));
   EXPECT_THAT(to_.GetView(PoseOf("wedge") + "/views/turn-8"), IsOk());
-  EXPECT_EQ(Count(Compare(to_, exported), ArchiveKind::kView, ArchiveState::kConflict), 1);
+  EXPECT_EQ(Count(Compare(to_, exported), files::ArchiveKind::kView, ArchiveState::kConflict), 1);
 }
 
 TEST_F(ArchiveImportTest, AChangeSinceTheComparisonIsAnError) {

@@ -23,7 +23,7 @@ class ArchiveMergeTest : public ArchiveTest {
   static ArchiveState StateOf(const ArchiveComparison& comparison) {
     for (const ArchiveState state :
          {ArchiveState::kNewer, ArchiveState::kOlder, ArchiveState::kConflict}) {
-      if (Count(comparison, ArchiveKind::kStablePose, state) == 1) return state;
+      if (Count(comparison, files::ArchiveKind::kStablePose, state) == 1) return state;
     }
     return ArchiveState::kSame;
   }
@@ -91,8 +91,8 @@ TEST_F(ArchiveMergeTest, OnlyViewsThatAreMissingAreSent) {
   Teach(from_, "wedge", "turn-9", 100);
   const Opened more = Export(from_, "a.graspdb");
   const ArchiveComparison comparison = Compare(to_, more);
-  EXPECT_EQ(Count(comparison, ArchiveKind::kView, ArchiveState::kNew), 1);
-  EXPECT_EQ(Count(comparison, ArchiveKind::kView, ArchiveState::kSame), 3);
+  EXPECT_EQ(Count(comparison, files::ArchiveKind::kView, ArchiveState::kNew), 1);
+  EXPECT_EQ(Count(comparison, files::ArchiveKind::kView, ArchiveState::kSame), 3);
   EXPECT_TRUE(comparison.joined_stable_poses.empty());
   const auto counts = Import(to_, more);
   ASSERT_THAT(counts, IsOk());
@@ -132,9 +132,9 @@ TEST_F(ArchiveMergeTest, AViewWithOtherPointsIsAConflict) {
   Teach(from_, "wedge", "turn-1", 120);
   const Opened changed = Export(from_, "a.graspdb");
   const ArchiveComparison comparison = Compare(to_, changed);
-  EXPECT_EQ(Count(comparison, ArchiveKind::kView, ArchiveState::kConflict), 1);
+  EXPECT_EQ(Count(comparison, files::ArchiveKind::kView, ArchiveState::kConflict), 1);
   const ArchiveComparison with_base = Compare(to_, changed, {.base = &*base_});
-  EXPECT_EQ(Count(with_base, ArchiveKind::kView, ArchiveState::kNewer), 1);
+  EXPECT_EQ(Count(with_base, files::ArchiveKind::kView, ArchiveState::kNewer), 1);
   const auto counts = Import(to_, changed, {.on_conflict = OnConflict::kReplace});
   ASSERT_THAT(counts, IsOk());
   EXPECT_EQ(counts->replaced, 1);

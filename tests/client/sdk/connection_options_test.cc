@@ -26,7 +26,7 @@ class ConnectionOptionsTest : public ::testing::Test {
         .status();
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::string pem_ = folder_.Write("some.pem", "-----BEGIN\n").string();
 };
 

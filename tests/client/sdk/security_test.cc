@@ -76,7 +76,7 @@ class SecurityTest : public ::testing::Test {
     while (Status(security).code() != code) absl::SleepFor(absl::Milliseconds(50));
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const Authority plant_{"plant"};
   const Authority other_{"other"};
   server::ServerOptions options_;

@@ -26,16 +26,16 @@ class BenchFramesTest : public ::testing::Test {
   }
 
   std::string WriteScan(const std::string& name) {
-    PointFile file;
+    files::PointFile file;
     file.points = {{0.1F, 0, 1}, {0, 0.1F, 1}, {0, 0, 1.1F}};
     file.width = 3;
     file.height = 1;
     std::string path = (folder_.path() / name).string();
-    EXPECT_THAT(WritePcd(path, file), IsOk());
+    EXPECT_THAT(files::WritePcd(path, file), IsOk());
     return path;
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(BenchFramesTest, AppliesTheSettingsToEveryScan) {

@@ -37,34 +37,34 @@ RunOutput Simulate(const std::string& arguments) {
 }
 
 TEST(SimulateCommand, WritesASetAndOneLine) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string set = (folder.path() / "set").string();
   const RunOutput run = Simulate("--parts flange,wedge --step 90 --look-down 35,50 --out " + set);
   ASSERT_TRUE(run.status.ok()) << run.status;
   EXPECT_EQ(run.out, "wrote 16 captures of 2 objects to " + set + "\n");
   EXPECT_THAT(run.err, HasSubstr("16 of 16 captures\n"));
-  const auto loaded = LoadCaptureSet(set);
+  const auto loaded = files::LoadCaptureSet(set);
   ASSERT_TRUE(loaded.ok()) << loaded.status();
-  EXPECT_EQ(CapturesOf(*loaded, v1::Capture::TEACH).size(), 16U);
+  EXPECT_EQ(files::CapturesOf(*loaded, v1::Capture::TEACH).size(), 16U);
 }
 
 TEST(SimulateCommand, WritesTurntableAndRandomScenesToOneSet) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string set = folder.path().string();
   ASSERT_TRUE(Simulate("--turntable --step 180 --random 3 --parts wedge --camera v1 --noise 0 "
                        "--no-table --out " +
                        set)
                   .status.ok());
-  const auto loaded = LoadCaptureSet(set);
-  EXPECT_EQ(CapturesOf(*loaded, v1::Capture::TEACH).size(), 2U);
-  EXPECT_EQ(CapturesOf(*loaded, v1::Capture::QUERY).size(), 3U);
+  const auto loaded = files::LoadCaptureSet(set);
+  EXPECT_EQ(files::CapturesOf(*loaded, v1::Capture::TEACH).size(), 2U);
+  EXPECT_EQ(files::CapturesOf(*loaded, v1::Capture::QUERY).size(), 3U);
   EXPECT_EQ(Simulate("--random 1 --out " + set).status.code(), absl::StatusCode::kAlreadyExists);
   ASSERT_TRUE(Simulate("--random 2 --split TEACH --overwrite --out " + set).status.ok());
-  EXPECT_EQ(CapturesOf(*LoadCaptureSet(set), v1::Capture::TEACH).size(), 2U);
+  EXPECT_EQ(files::CapturesOf(*files::LoadCaptureSet(set), v1::Capture::TEACH).size(), 2U);
 }
 
 TEST(SimulateCommand, AcceptsMeshesAndUnitAfterListOptions) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto mesh = folder.path() / "Block.ply";
   ASSERT_TRUE(WriteMeshPly(mesh, BoxSolid({0, 0, 0}, {80, 40, 30})).ok());
   const std::string set = (folder.path() / "set").string();
@@ -74,7 +74,7 @@ TEST(SimulateCommand, AcceptsMeshesAndUnitAfterListOptions) {
   const RunOutput run = Simulate("--unit mm --look-down 40,50 " + mesh.string() + rest);
   ASSERT_TRUE(run.status.ok()) << run.status;
   EXPECT_THAT(run.out, HasSubstr("wrote 4 captures of 1 objects"));
-  EXPECT_EQ(LoadCaptureSet(set)->objects(0).object_id(), "block");
+  EXPECT_EQ(files::LoadCaptureSet(set)->objects(0).object_id(), "block");
   EXPECT_EQ(Simulate("none.stl --out x").status.code(), absl::StatusCode::kNotFound);
 }
 

@@ -36,10 +36,10 @@ class CaptureTrialsTest : public ::testing::Test {
 
   // Changes captures.json.
   void Edit(const std::function<void(v1::CaptureSet*)>& change) {
-    auto set = LoadCaptureSet(folder_.path());
+    auto set = files::LoadCaptureSet(folder_.path());
     ASSERT_THAT(set, IsOk());
     change(&*set);
-    ASSERT_THAT(SaveCaptureSet(folder_.path(), *set), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(folder_.path(), *set), IsOk());
   }
 
   absl::StatusOr<CaseResult> Run(bool leave_one_out) {
@@ -48,7 +48,7 @@ class CaptureTrialsTest : public ::testing::Test {
     return RunCase({.name = "captures"}, loaded->set, loaded->trials, {});
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(CaptureTrialsTest, JudgesQueriesAndExpectsRejectionOfUnknownObjects) {
@@ -74,7 +74,7 @@ TEST_F(CaptureTrialsTest, MeasuresPosesByTaughtViewsWithoutMeshes) {
 
 // Within the sizes of objects, but not of this one, as in centimetres or inches.
 TEST_F(CaptureTrialsTest, AMeshOfAnotherSizeThanTheTaughtViewsIsRejected) {
-  const auto set = LoadCaptureSet(folder_.path());
+  const auto set = files::LoadCaptureSet(folder_.path());
   ASSERT_THAT(set, IsOk());
   const auto path = folder_.path() / set->objects(0).mesh_path();
   auto mesh = LoadMesh(path);
@@ -86,12 +86,13 @@ TEST_F(CaptureTrialsTest, AMeshOfAnotherSizeThanTheTaughtViewsIsRejected) {
 }
 
 TEST_F(CaptureTrialsTest, ReadsDepthImages) {
-  const DepthPngCamera camera = {
+  const files::DepthPngCamera camera = {
       .intrinsics = {.width = 2, .height = 1, .fx = 500, .fy = 500, .cx = 0.5, .cy = 0}};
-  ASSERT_THAT(WriteIntrinsics(folder_.path() / kIntrinsicsFile, camera), IsOk());
-  ASSERT_THAT(WriteDepthPng(folder_.path() / "a.png",
-                            DepthMessage({700, 800}, camera.intrinsics, camera.depth_unit_m)),
-              IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder_.path() / files::kIntrinsicsFile, camera), IsOk());
+  ASSERT_THAT(
+      files::WriteDepthPng(folder_.path() / "a.png",
+                           files::DepthMessage({700, 800}, camera.intrinsics, camera.depth_unit_m)),
+      IsOk());
   Edit([](v1::CaptureSet* set) { set->mutable_captures(0)->set_path("a.png"); });
   const auto loaded = LoadCaptureTrials(folder_.path(), /*leave_one_out=*/false);
   ASSERT_THAT(loaded, IsOk());
@@ -103,11 +104,11 @@ TEST_F(CaptureTrialsTest, ReadsDepthImages) {
 
 // The server rejects it; as a query it would count as a wrong answer.
 TEST_F(CaptureTrialsTest, AScanInMillimetresIsRejected) {
-  PointFile file;
+  files::PointFile file;
   file.points = {{0.1F, 0, 780}, {0, 0.1F, 790}, {0, 0, 800.0F}};
   file.width = 3;
   file.height = 1;
-  ASSERT_THAT(WritePcd(folder_.path() / "mm.pcd", file), IsOk());
+  ASSERT_THAT(files::WritePcd(folder_.path() / "mm.pcd", file), IsOk());
   Edit([](v1::CaptureSet* set) {
     for (v1::Capture& capture : *set->mutable_captures()) {
       if (capture.split() == v1::Capture::QUERY) capture.set_path("mm.pcd");
@@ -132,19 +133,19 @@ TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {
 
 // While no pose can be judged, an object that was not found is no wrong pose.
 TEST(CaptureTrials, ObjectsThatWereTaughtWithoutPosesHaveNoWrongPoses) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto parts = SampleParts({"wedge", "stepped-block"});
   ASSERT_THAT(parts, IsOk());
   auto plan = *PlanTurntable(*parts, {.stand = {}, .azimuth_step_deg = 30});
   const auto scenes = *PlanRandomScenes(*parts, {.stand = {}, .count = 2});
   plan.insert(plan.end(), scenes.begin(), scenes.end());
   ASSERT_THAT(WriteSimulation(folder.path(), *parts, plan, {.segmented = true}), IsOk());
-  PointFile nothing;
+  files::PointFile nothing;
   nothing.points = {{0, 0, 3.0F}, {0.1F, 0, 3}, {0, 0.1F, 3}};
   nothing.width = 3;
   nothing.height = 1;
-  ASSERT_THAT(WritePcd(folder.path() / "nothing.pcd", nothing), IsOk());
-  auto set = LoadCaptureSet(folder.path());
+  ASSERT_THAT(files::WritePcd(folder.path() / "nothing.pcd", nothing), IsOk());
+  auto set = files::LoadCaptureSet(folder.path());
   ASSERT_THAT(set, IsOk());
   for (v1::CapturedObject& object : *set->mutable_objects()) object.clear_mesh_path();
   bool is_first = true;
@@ -154,7 +155,7 @@ TEST(CaptureTrials, ObjectsThatWereTaughtWithoutPosesHaveNoWrongPoses) {
       capture.set_path("nothing.pcd");
     }
   }
-  ASSERT_THAT(SaveCaptureSet(folder.path(), *set), IsOk());
+  ASSERT_THAT(files::SaveCaptureSet(folder.path(), *set), IsOk());
   const auto loaded = LoadCaptureTrials(folder.path(), /*leave_one_out=*/false);
   ASSERT_THAT(loaded, IsOk());
   const auto result = RunCase({.name = "captures"}, loaded->set, loaded->trials, {});

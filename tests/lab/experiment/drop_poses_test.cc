@@ -23,7 +23,7 @@ class DropPosesTest : public ::testing::Test {
     return DropPoses({folder_.path() / "object.ply"}, 1, selection);
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(DropPosesTest, AreQueriedByTheirProbability) {

@@ -49,11 +49,11 @@ class RealFramesTest : public ::testing::Test {
                                          .world_sensor = world_sensor,
                                          .seed = 1});
     ASSERT_THAT(trial, IsOk());
-    PointFile file;
+    files::PointFile file;
     file.points = trial->scan.points;
     file.width = 512;
     file.height = 424;
-    ASSERT_THAT(WritePcd(folder_.path() / "frame.pcd", file), IsOk());
+    ASSERT_THAT(files::WritePcd(folder_.path() / "frame.pcd", file), IsOk());
     WriteFramesJson(absl::StrFormat(R"([{"frame": "frame.pcd", "objects": [{"object": "%s",
       "mesh": "l.ply", "meshUnit": "m", "T_sensor_mesh": %s}]}])",
                                     object, Rows(world_sensor.inverse() * moved)));
@@ -74,7 +74,7 @@ class RealFramesTest : public ::testing::Test {
     return RecognizeFrame(frames_.front(), *scan, {}, catalogue->get());
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   std::vector<RealFrame> frames_;
 };
 

@@ -25,7 +25,7 @@ class TurntableTest : public ::testing::Test {
   void SetUp() override {
     const auto data = graspdb::testing::SharedData("vfh_turntable");
     if (!data) GTEST_SKIP() << graspdb::testing::SharedDataMissing("vfh_turntable");
-    ASSERT_THAT(SaveCaptureSet(folder_.path(), Collect(*data)), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(folder_.path(), Collect(*data)), IsOk());
     auto loaded = LoadCaptureTrials(folder_.path(), /*leave_one_out=*/true);
     ASSERT_THAT(loaded, IsOk());
     captures_ = *std::move(loaded);
@@ -39,7 +39,7 @@ class TurntableTest : public ::testing::Test {
     return result.ok() ? Summarize(*result).object_right : 0;
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   CaptureTrials captures_;
 
  private:

@@ -30,8 +30,8 @@ class JudgePickTest : public ::testing::Test {
   // The tool as taught for a part, with the object turned about its z axis and the tool then moved
   // in its own frame.
   Pose Tool(std::size_t part, double turn_rad, const Pose& moved = Pose::Identity()) const {
-    return world_object_ * TurnAboutZ(turn_rad) * FromMessage(parts_[part].grasps[0].tcp_pose()) *
-           moved;
+    return world_object_ * TurnAboutZ(turn_rad) *
+           files::FromMessage(parts_[part].grasps[0].tcp_pose()) * moved;
   }
 
   PickError Judge(std::size_t part, const Pose& world_tcp) const {

@@ -54,8 +54,8 @@ class SeeingRunner : public ScriptedRunner {
     const v1::Grasp& grasp = parts_[placement.part].grasps.front();
     JobPose out;
     out.grasp.id = "a";
-    out.base_primary =
-        placement.world_object * FromMessage(grasp.tcp_pose()) * Eigen::Translation3d(off_m, 0, 0);
+    out.base_primary = placement.world_object * files::FromMessage(grasp.tcp_pose()) *
+                       Eigen::Translation3d(off_m, 0, 0);
     return std::vector<JobPose>{out};
   }
 
@@ -82,7 +82,7 @@ class PickRunTest : public ::testing::Test {
     return RunPicks(*robot, parts_, options_, [this](const Pick&) { ++picks_; });
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
   const std::vector<Workpiece> parts_ = {SampleParts()[0], SampleParts()[1]};
   SeeingRunner runner_{folder_.path() / "table", parts_};
   GriJobs jobs_{runner_};

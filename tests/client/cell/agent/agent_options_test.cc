@@ -37,7 +37,7 @@ TEST(AgentOptions, JobsAreRepeatedFlagsOrAListInAFile) {
   EXPECT_THAT(Parse({"--cell", "c", "--sensor", "s", "--job", "1 any", "--job", "2 object=nut"})
                   .options.jobs,
               ElementsAre("1 any", "2 object=nut"));
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const std::string path = (folder.path() / "cell.toml").string();
   std::ofstream(path) << "cell=\"press-3\"\nsensor=\"freenect\"\njob=[\"1 any\",\"2 label=small "
                          "primary=object\"]\nallow-remote-robots=true\ngri=\"0.0.0.0:7100\"\n";

@@ -35,7 +35,7 @@ class CaptureAndRecognizeTest : public ::testing::Test {
  protected:
   CaptureAndRecognizeTest() {
     server_.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_sensor_pose() = ToMessage(AtX(0.5));
+      *cell->mutable_sensor_pose() = files::ToMessage(AtX(0.5));
       return grpc::Status::OK;
     };
     server_.recognize = [this](const v1::RecognizeRequest& request, v1::RecognizeResponse* answer) {
@@ -77,20 +77,20 @@ TEST_F(CaptureAndRecognizeTest, SendsTheFrameWithTheCellsCalibration) {
   ASSERT_THAT(capture, IsOk());
   EXPECT_EQ(capture->request.cell(), "cells/press-3");
   EXPECT_EQ(capture->response.catalog_revision(), 640);
-  EXPECT_TRUE(FromMessage(capture->response.sensor_pose()).isApprox(AtX(0.5)));
+  EXPECT_TRUE(files::FromMessage(capture->response.sensor_pose()).isApprox(AtX(0.5)));
 }
 
 TEST_F(CaptureAndRecognizeTest, AFlangeCameraUsesTheRobotsPose) {
   server_.get_cell = [](v1::Cell* cell) {
-    *cell->mutable_robot_base_pose() = ToMessage(AtX(-1));
-    *cell->mutable_flange_sensor_pose() = ToMessage(AtX(0.1));
+    *cell->mutable_robot_base_pose() = files::ToMessage(AtX(-1));
+    *cell->mutable_flange_sensor_pose() = files::ToMessage(AtX(0.1));
     return grpc::Status::OK;
   };
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("flange")));
   base_flange_ = AtX(0.7);
   const auto capture = Run();
   ASSERT_THAT(capture, IsOk());
-  EXPECT_TRUE(FromMessage(capture->request.sensor_pose()).isApprox(AtX(-0.2)));
+  EXPECT_TRUE(files::FromMessage(capture->request.sensor_pose()).isApprox(AtX(-0.2)));
 }
 
 TEST_F(CaptureAndRecognizeTest, UncalibratedAndMissingCellsAreReported) {

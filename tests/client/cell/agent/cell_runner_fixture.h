@@ -27,11 +27,11 @@ inline grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/,
   mug->set_object("objects/mug");
   mug->set_stable_pose("objects/mug/stablePoses/upright");
   mug->set_score(0.9);
-  *mug->mutable_refined_pose() = ToMessage(AtXZ(0.2));
+  *mug->mutable_refined_pose() = files::ToMessage(AtXZ(0.2));
   mug->mutable_centroid()->set_x(0.2);
   v1::GraspProposal* grasp = mug->add_grasps();
   grasp->set_grasp_id("rim");
-  *grasp->mutable_tcp_pose() = ToMessage(AtXZ(0.2, 0.1));
+  *grasp->mutable_tcp_pose() = files::ToMessage(AtXZ(0.2, 0.1));
   return grpc::Status::OK;
 }
 
@@ -47,8 +47,8 @@ class CellRunnerTest : public ::testing::Test {
     server_.Change([this](ScriptedServer& server) {
       server.recognize = MugOnTheTable;
       server.get_cell = [](v1::Cell* cell) {
-        *cell->mutable_sensor_pose() = ToMessage(AtXZ(0));
-        *cell->mutable_robot_base_pose() = ToMessage(AtXZ(-1));
+        *cell->mutable_sensor_pose() = files::ToMessage(AtXZ(0));
+        *cell->mutable_robot_base_pose() = files::ToMessage(AtXZ(-1));
         return grpc::Status::OK;
       };
       server.list_objects = [this](v1::ListObjectsResponse* response) {

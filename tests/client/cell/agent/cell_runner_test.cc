@@ -92,7 +92,7 @@ TEST_F(CellRunnerTest, LabelsAreReadAgainWhereARestoredCatalogueHasTheSameRevisi
 TEST_F(CellRunnerTest, RespectsTheWorkspaceOfTheCell) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_sensor_pose() = ToMessage(AtXZ(0));
+      *cell->mutable_sensor_pose() = files::ToMessage(AtXZ(0));
       cell->mutable_workspace()->mutable_max()->set_x(0.1);
       cell->mutable_workspace()->mutable_max()->set_y(1);
       cell->mutable_workspace()->mutable_max()->set_z(1);
@@ -119,7 +119,7 @@ TEST_F(CellRunnerTest, AnInvalidPoseOfTheRobotIsNoMissingOne) {
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("the length is 2")));
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_flange_sensor_pose() = ToMessage(AtXZ(0));
+      *cell->mutable_flange_sensor_pose() = files::ToMessage(AtXZ(0));
       return grpc::Status::OK;
     };
   });

@@ -29,7 +29,7 @@ TEST_F(CellRunnerTest, AShownGraspUsesThePreviousDetection) {
   ASSERT_EQ(server_.stable_pose.grasps_size(), 2);
   const v1::Grasp& side = server_.stable_pose.grasps(1);
   EXPECT_EQ(side.grasp_id(), "side");
-  EXPECT_TRUE(FromMessage(side.tcp_pose()).isApprox(AtXZ(0.05, 0.05) * down, 1e-9));
+  EXPECT_TRUE(files::FromMessage(side.tcp_pose()).isApprox(AtXZ(0.05, 0.05) * down, 1e-9));
 }
 
 TEST_F(CellRunnerTest, AfterAnOutcomeAShownGraspNeedsANewDetection) {
@@ -48,7 +48,7 @@ TEST_F(CellRunnerTest, AfterAnOutcomeAShownGraspNeedsANewDetection) {
 TEST_F(CellRunnerTest, WithAFlangeCameraAGraspIsShownAfterARecognisingJob) {
   server_.Change([](ScriptedServer& server) {
     server.get_cell = [](v1::Cell* cell) {
-      *cell->mutable_flange_sensor_pose() = ToMessage(AtXZ(0));
+      *cell->mutable_flange_sensor_pose() = files::ToMessage(AtXZ(0));
       return grpc::Status::OK;
     };
   });

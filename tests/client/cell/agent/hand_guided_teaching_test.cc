@@ -42,7 +42,7 @@ class HandGuidedTeachingTest : public ::testing::Test {
     detection->set_status(v1::OK);
     detection->set_object("objects/" + object);
     detection->set_stable_pose("objects/" + object + "/stablePoses/upright");
-    *detection->mutable_refined_pose() = ToMessage(world_object);
+    *detection->mutable_refined_pose() = files::ToMessage(world_object);
     detection->mutable_centroid()->set_x(world_object.translation().x());
     detection->mutable_centroid()->set_z(0.04);
   }
@@ -69,7 +69,7 @@ TEST_F(HandGuidedTeachingTest, StoresTheGraspInTheFrameOfTheNearestObject) {
   EXPECT_EQ(top.retreat_distance_m(), 0.2);
   EXPECT_EQ(top.priority(), 3);
   // Transformed by the mug's pose, it is the tool's pose.
-  const Pose world_tcp = world_mug_ * FromMessage(top.tcp_pose());
+  const Pose world_tcp = world_mug_ * files::FromMessage(top.tcp_pose());
   EXPECT_TRUE(world_tcp.isApprox(At(0.1, 0, 0.09, kPi), 1e-9));
 }
 

@@ -27,7 +27,7 @@ v1::Detection Object(const std::string& object, double x) {
   out.set_object("objects/" + object);
   out.set_stable_pose("objects/" + object + "/stablePoses/flat");
   out.set_score(0.9);
-  *out.mutable_refined_pose() = ToMessage(AtXYZ(x, 0, 0));
+  *out.mutable_refined_pose() = files::ToMessage(AtXYZ(x, 0, 0));
   return out;
 }
 
@@ -37,7 +37,7 @@ void AddGrasp(const std::string& id, const Pose& world_tcp, v1::Detection* objec
   grasp->set_approach_distance_m(0.1);
   grasp->set_retreat_distance_m(0.2);
   grasp->set_gripper_opening_m(0.05);
-  *grasp->mutable_tcp_pose() = ToMessage(world_tcp);
+  *grasp->mutable_tcp_pose() = files::ToMessage(world_tcp);
 }
 
 class PosesForTest : public ::testing::Test {

@@ -39,7 +39,7 @@ class BlackBoxTest : public ::testing::Test {
     return out;
   }
 
-  TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
 };
 
 TEST_F(BlackBoxTest, KeepsBundlesInOrder) {

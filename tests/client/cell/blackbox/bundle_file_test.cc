@@ -29,7 +29,7 @@ v1::Bundle Sample() {
 
 class BundleFileTest : public ::testing::Test {
  protected:
-  TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
 };
 
 TEST_F(BundleFileTest, SurvivesARoundTrip) {

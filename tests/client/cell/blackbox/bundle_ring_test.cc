@@ -41,7 +41,7 @@ class BundleRingTest : public ::testing::Test {
     return out;
   }
 
-  TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
 };
 
 TEST_F(BundleRingTest, FilesAreNumberedAndNamedByTheirTime) {

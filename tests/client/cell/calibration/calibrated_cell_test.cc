@@ -42,9 +42,10 @@ v1::Cell CellWith(const Pose* world_sensor, const Pose* flange_sensor, const Pos
   v1::Cell cell;
   cell.set_name(kCell);
   cell.set_etag("7");
-  if (world_sensor != nullptr) *cell.mutable_sensor_pose() = ToMessage(*world_sensor);
-  if (flange_sensor != nullptr) *cell.mutable_flange_sensor_pose() = ToMessage(*flange_sensor);
-  if (world_base != nullptr) *cell.mutable_robot_base_pose() = ToMessage(*world_base);
+  if (world_sensor != nullptr) *cell.mutable_sensor_pose() = files::ToMessage(*world_sensor);
+  if (flange_sensor != nullptr)
+    *cell.mutable_flange_sensor_pose() = files::ToMessage(*flange_sensor);
+  if (world_base != nullptr) *cell.mutable_robot_base_pose() = files::ToMessage(*world_base);
   return cell;
 }
 
@@ -82,7 +83,7 @@ TEST(CalibratedCell, AFlangeCameraClearsTheFixedCamera) {
   ASSERT_THAT(saved, IsOk());
   EXPECT_EQ(MountOf(*saved), CameraMount::kOnFlange);
   EXPECT_FALSE(saved->has_sensor_pose()) << "scans without a pose would be put there";
-  EXPECT_TRUE(FromMessage(saved->flange_sensor_pose()).isApprox(camera_on_mount, 1e-9));
+  EXPECT_TRUE(files::FromMessage(saved->flange_sensor_pose()).isApprox(camera_on_mount, 1e-9));
 }
 
 TEST(CalibratedCell, AFlangeCameraKeepsAKnownRobotBase) {
@@ -99,7 +100,7 @@ TEST(CalibratedCell, WithoutARobotBaseTheOriginIsUnderTheRobot) {
                                      Found(camera_on_mount, Make({0.5, 0.2, -0.1}, 0.7, {0, 0, 1})),
                                      CameraMount::kOnFlange);
   ASSERT_THAT(update, IsOk());
-  const Pose world_base = FromMessage(update->cell().robot_base_pose());
+  const Pose world_base = files::FromMessage(update->cell().robot_base_pose());
   EXPECT_TRUE(world_base.isApprox(Make({0, 0, 0.1}, 0, {0, 0, 1}), 1e-9));
 }
 

@@ -51,9 +51,9 @@ void CalibrationServer::Teach(const std::string& part, const client::DepthCamera
     request->set_view_id("view-" + std::to_string(next++));
     v1::View* view = request->mutable_view();
     *view->mutable_cloud() =
-        client::CloudMessage(client::ToPoints(*frame, model.intrinsics), model.intrinsics.width);
-    *view->mutable_sensor_pose() = client::ToMessage(capture.world_sensor);
-    *view->mutable_object_pose() = client::ToMessage(capture.placements.front().world_object);
+        files::CloudMessage(client::ToPoints(*frame, model.intrinsics), model.intrinsics.width);
+    *view->mutable_sensor_pose() = files::ToMessage(capture.world_sensor);
+    *view->mutable_object_pose() = files::ToMessage(capture.placements.front().world_object);
     return true;
   };
   const auto taught = client().UploadViews(next_view);
@@ -65,7 +65,7 @@ void CalibrationServer::MakeCell(const std::string& id, const recognition::Pose*
   v1::CreateCellRequest request;
   request.set_cell_id(id);
   if (world_sensor != nullptr) {
-    *request.mutable_cell()->mutable_sensor_pose() = client::ToMessage(*world_sensor);
+    *request.mutable_cell()->mutable_sensor_pose() = files::ToMessage(*world_sensor);
   }
   ASSERT_THAT(client().CreateCell(request), IsOk());
 }

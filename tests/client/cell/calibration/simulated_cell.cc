@@ -67,7 +67,7 @@ SimulatedCell::SimulatedCell(CameraMount mount, const std::string& part,
   gripper_ = Gripper(grasp.gripper_opening_m() - kClearanceM);
   // Not quite as taught: a target slips when it is gripped.
   flange_target_ = Make({0, 0, kToolLengthM}, {0, 0, 0}) *
-                   client::FromMessage(grasp.tcp_pose()).inverse() *
+                   files::FromMessage(grasp.tcp_pose()).inverse() *
                    Make({0.001 * Uniform(), 0.001 * Uniform(), 0}, {0.01, -0.02, 0.03});
 }
 
@@ -137,7 +137,7 @@ absl::StatusOr<client::SensorFrame> SimulatedCell::Next(MonotonicTime /*deadline
   if (!frame.ok()) return frame.status();
   client::SensorFrame out;
   out.scan =
-      client::DepthMessage(client::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
+      files::DepthMessage(client::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
   out.time = MonotonicTime::Now();
   return out;
 }

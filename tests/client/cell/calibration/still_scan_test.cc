@@ -22,7 +22,7 @@ constexpr recognition::CameraIntrinsics kCamera = {
 
 SensorFrame FrameOf(const std::vector<std::uint16_t>& counts) {
   SensorFrame frame;
-  frame.scan = DepthMessage(counts, kCamera, 0.001);
+  frame.scan = files::DepthMessage(counts, kCamera, 0.001);
   return frame;
 }
 
@@ -68,12 +68,12 @@ TEST(Averaged, ReturnsTheLastOfIncompatibleFrames) {
   SensorFrame smaller;
   recognition::CameraIntrinsics camera = kCamera;
   camera.height = 1;
-  smaller.scan = DepthMessage({700, 700, 700}, camera, 0.001);
+  smaller.scan = files::DepthMessage({700, 700, 700}, camera, 0.001);
   const auto scan = Averaged(std::array{First(800), smaller});
   ASSERT_THAT(scan, IsOk());
   EXPECT_EQ(scan->points.size(), 3U);
   SensorFrame loose;  // not organised
-  loose.scan = CloudMessage({{0, 0, 0.9F}}, 0);
+  loose.scan = files::CloudMessage({{0, 0, 0.9F}}, 0);
   const auto last = Averaged(std::array{loose, loose});
   ASSERT_THAT(last, IsOk());
   EXPECT_EQ(last->points.size(), 1U);

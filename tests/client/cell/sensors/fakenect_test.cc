@@ -63,14 +63,14 @@ class FakenectTest : public ::testing::Test {
   }
 
   std::vector<std::uint16_t> Played(int number) const {
-    const auto camera = ReadIntrinsics(out() / kIntrinsicsFile);
+    const auto camera = files::ReadIntrinsics(out() / files::kIntrinsicsFile);
     EXPECT_THAT(camera, IsOk());
-    const auto image = ReadDepthPng(out() / (std::to_string(number) + ".png"), *camera);
+    const auto image = files::ReadDepthPng(out() / (std::to_string(number) + ".png"), *camera);
     EXPECT_THAT(image, IsOk());
-    return image.ok() ? *CountsFromMessage(*image) : std::vector<std::uint16_t>();
+    return image.ok() ? *files::CountsFromMessage(*image) : std::vector<std::uint16_t>();
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
@@ -99,7 +99,7 @@ TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
     ASSERT_NEAR(played[i] * kKinectV1DepthUnitM, truth, step_m / 2 + kKinectV1DepthUnitM) << i;
   }
   EXPECT_GT(measured, 200'000);
-  const auto k = ReadIntrinsics(out() / kIntrinsicsFile);
+  const auto k = files::ReadIntrinsics(out() / files::kIntrinsicsFile);
   EXPECT_NEAR(k->intrinsics.fx, camera->model().intrinsics.fx, 1e-9);
 }
 
@@ -109,7 +109,7 @@ TEST_F(FakenectTest, ARecordingOfRandomScenesMatchesItsGroundTruth) {
   ASSERT_THAT(plan, IsOk());
   ASSERT_THAT(WriteSimulatedRecording(recording(), parts, *plan, kLongEnough), IsOk());
   EXPECT_THAT(Play(1, recording()), Contains("frame 0"));
-  const auto loaded = LoadCaptureSet(recording());
+  const auto loaded = files::LoadCaptureSet(recording());
   ASSERT_THAT(loaded, IsOk());
   const v1::CaptureSet& truth = *loaded;
   ASSERT_EQ(truth.captures_size(), 2);
@@ -153,7 +153,7 @@ TEST_F(FakenectTest, AMissingRecordingIsAnErrorNotAnExit) {
 }
 
 TEST(FakenectRecording, IsNotOverwritten) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT(writer->Finish(), IsOk());
@@ -161,22 +161,22 @@ TEST(FakenectRecording, IsNotOverwritten) {
 }
 
 TEST(FakenectRecording, HasTheFormatOfFakenectRecord) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT(writer->Show(Plane(1.2F), absl::Milliseconds(100)), IsOk());
   ASSERT_THAT(writer->Finish(), IsOk());
-  EXPECT_EQ(BytesOf(folder.path() / "INDEX.txt"),
+  EXPECT_EQ(files::BytesOf(folder.path() / "INDEX.txt"),
             "d-1000000.000000-0.pgm\nd-1000000.033333-2000000.pgm\nd-1000000.066667-4000000.pgm\n");
-  const std::string frame = BytesOf(folder.path() / "d-1000000.033333-2000000.pgm");
+  const std::string frame = files::BytesOf(folder.path() / "d-1000000.033333-2000000.pgm");
   EXPECT_THAT(frame, StartsWith("P5 640 480 65535\n"));
   ASSERT_EQ(frame.size(), 17U + 2U * 640 * 480);
   EXPECT_NEAR(static_cast<unsigned char>(frame[17]) + 256 * frame[18], 801.5, 0.51);
-  EXPECT_THAT(BytesOf(folder.path() / "device.json"), HasSubstr("\"reference_distance\""));
+  EXPECT_THAT(files::BytesOf(folder.path() / "device.json"), HasSubstr("\"reference_distance\""));
 }
 
 TEST(FakenectRecording, RejectsFramesOfOtherSizes) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   auto writer = FakenectRecording::Create(folder.path());
   ASSERT_THAT(writer, IsOk());
   EXPECT_THAT(

@@ -19,16 +19,17 @@ using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
 
-const DepthPngCamera small_camera = {
+const files::DepthPngCamera small_camera = {
     .intrinsics = {.width = 2, .height = 1, .fx = 500, .fy = 500, .cx = 0.5, .cy = 0},
     .depth_unit_m = 0.001};
 
 void WriteImage(const std::filesystem::path& path, std::uint16_t depth) {
-  ASSERT_THAT(WriteDepthPng(path, DepthMessage({depth, 0}, small_camera.intrinsics, 0.001)),
-              IsOk());
+  ASSERT_THAT(
+      files::WriteDepthPng(path, files::DepthMessage({depth, 0}, small_camera.intrinsics, 0.001)),
+      IsOk());
 }
 
-PointFile OnePoint(float z) {
+files::PointFile OnePoint(float z) {
   return {.points = {{0, 0, z}}, .normals = {}, .width = 1, .height = 1, .sensor_pose = {}};
 }
 
@@ -41,17 +42,17 @@ std::unique_ptr<FileSensor> Play(const std::filesystem::path& path,
 
 std::uint16_t FirstDepth(const absl::StatusOr<SensorFrame>& frame) {
   if (!frame.ok()) return 0;
-  const auto counts = CountsFromMessage(std::get<v1::DepthImage>(frame->scan));
+  const auto counts = files::CountsFromMessage(std::get<v1::DepthImage>(frame->scan));
   return counts.ok() ? counts->front() : 0;
 }
 
 TEST(FileSensor, PlaysAFolderInOrderOfNamesAndIsThenUnavailable) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   WriteImage(folder.path() / "b.png", 2);
   WriteImage(folder.path() / "a.png", 1);
-  ASSERT_THAT(WritePcd(folder.path() / "c.pcd", OnePoint(0.5F)), IsOk());
+  ASSERT_THAT(files::WritePcd(folder.path() / "c.pcd", OnePoint(0.5F)), IsOk());
   folder.Write("notes.txt", "passed over");
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder.path() / files::kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path());
   EXPECT_EQ(FirstDepth(sensor->Next(MonotonicTime::InfiniteFuture())), 1);
   EXPECT_EQ(FirstDepth(sensor->Next(MonotonicTime::InfiniteFuture())), 2);
@@ -65,10 +66,10 @@ TEST(FileSensor, PlaysAFolderInOrderOfNamesAndIsThenUnavailable) {
 }
 
 TEST(FileSensor, LoopsIfSet) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   WriteImage(folder.path() / "b.png", 2);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder.path() / files::kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path(), {.loop = true});
   for (const int expected : {1, 2, 1, 2, 1}) {
     EXPECT_EQ(FirstDepth(sensor->Next(MonotonicTime::InfiniteFuture())), expected);
@@ -78,9 +79,9 @@ TEST(FileSensor, LoopsIfSet) {
 }
 
 TEST(FileSensor, AFrameHasTheTimeOfItsReading) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder.path() / files::kIntrinsicsFile, small_camera), IsOk());
   const MonotonicTime before = MonotonicTime::Now();
   const auto frame = Play(folder.path() / "a.png")->Next(MonotonicTime::InfiniteFuture());
   ASSERT_THAT(frame, IsOk());
@@ -91,9 +92,9 @@ TEST(FileSensor, AFrameHasTheTimeOfItsReading) {
 }
 
 TEST(FileSensor, AFrameThatIsNotDueExceedsTheDeadline) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder.path() / files::kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path(), {.loop = true, .rate_hz = 0.001});
   EXPECT_THAT(sensor->Next(MonotonicTime::Now() + absl::Seconds(1)), IsOk());
   EXPECT_THAT(sensor->Next(MonotonicTime::Now() + absl::Seconds(1)),
@@ -101,10 +102,10 @@ TEST(FileSensor, AFrameThatIsNotDueExceedsTheDeadline) {
 }
 
 TEST(FileSensor, ABadFileIsReportedAndTheNextOneFollows) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   folder.Write("a.png", "rubbish");
   WriteImage(folder.path() / "b.png", 2);
-  ASSERT_THAT(WriteIntrinsics(folder.path() / kIntrinsicsFile, small_camera), IsOk());
+  ASSERT_THAT(files::WriteIntrinsics(folder.path() / files::kIntrinsicsFile, small_camera), IsOk());
   const auto sensor = Play(folder.path());
   EXPECT_THAT(sensor->Next(MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("a.png")));
@@ -112,24 +113,24 @@ TEST(FileSensor, ABadFileIsReportedAndTheNextOneFollows) {
 }
 
 TEST(FileSensor, DepthsWithoutIntrinsicsAreAnError) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   WriteImage(folder.path() / "a.png", 1);
   EXPECT_THAT(Play(folder.path())->Next(MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("intrinsics.json")));
 }
 
 TEST(FileSensor, ACaptureSetHasItsOrderAndItsSensorPoses) {
-  const TemporaryFolder folder;
-  ASSERT_THAT(WritePcd(folder.path() / "z.pcd", OnePoint(0.5F)), IsOk());
-  ASSERT_THAT(WritePcd(folder.path() / "a.pcd", OnePoint(0.7F)), IsOk());
+  const files::TemporaryFolder folder;
+  ASSERT_THAT(files::WritePcd(folder.path() / "z.pcd", OnePoint(0.5F)), IsOk());
+  ASSERT_THAT(files::WritePcd(folder.path() / "a.pcd", OnePoint(0.7F)), IsOk());
   v1::CaptureSet set;
   v1::Capture* first = set.add_captures();
   first->set_path("z.pcd");
   recognition::Pose pose = recognition::Pose::Identity();
   pose.translation() = Eigen::Vector3d(1, 2, 3);
-  *first->mutable_sensor_pose() = ToMessage(pose);
+  *first->mutable_sensor_pose() = files::ToMessage(pose);
   set.add_captures()->set_path("a.pcd");
-  ASSERT_THAT(SaveCaptureSet(folder.path(), set), IsOk());
+  ASSERT_THAT(files::SaveCaptureSet(folder.path(), set), IsOk());
   const auto sensor = Play(folder.path());
   const auto posed = sensor->Next(MonotonicTime::InfiniteFuture());
   ASSERT_THAT(posed, IsOk());
@@ -141,7 +142,7 @@ TEST(FileSensor, ACaptureSetHasItsOrderAndItsSensorPoses) {
 }
 
 TEST(FileSensor, UnplayablePathsAreRejectedAtOnce) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   EXPECT_THAT(FileSensor::Open(folder.path() / "none", {}),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none")));
   EXPECT_THAT(FileSensor::Open(folder.path(), {}),

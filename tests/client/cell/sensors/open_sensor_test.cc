@@ -92,7 +92,7 @@ TEST(OpenSensor, AKindThatIsNotBuiltReportsTheMissingLibrary) {
 }
 
 TEST(OpenSensor, InvalidOptionsAreReported) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const struct {
     std::string spec;
     const char* text;
@@ -126,10 +126,11 @@ TEST(OpenSensor, FilesAreOpenedAtOnce) {
 }
 
 TEST(OpenSensor, PlaysFiles) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   ASSERT_THAT(
-      WritePcd(folder.path() / "a.pcd",
-               {.points = {{0, 0, 1}}, .normals = {}, .width = 1, .height = 1, .sensor_pose = {}}),
+      files::WritePcd(
+          folder.path() / "a.pcd",
+          {.points = {{0, 0, 1}}, .normals = {}, .width = 1, .height = 1, .sensor_pose = {}}),
       IsOk());
   const auto sensor = OpenSensor("files:" + folder.path().string() + "?loop", {});
   ASSERT_THAT(sensor, IsOk());
@@ -166,7 +167,7 @@ TEST(OpenSensor, IntrinsicsOfAnotherSizeAreRejectedBeforeOpening) {
 }
 
 TEST(OpenSensor, ASimulationShowsAGivenScene) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   const auto table = folder.path() / "table";
   SensorSettings settings;
   settings.max_age = absl::Hours(1);

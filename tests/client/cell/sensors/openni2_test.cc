@@ -54,19 +54,19 @@ class OpenNi2Test : public ::testing::Test {
   }
   // The frame shows the ramp, as it is and not mirrored, with the camera's field of view.
   void ExpectRamp(int number) const {
-    const auto camera = ReadIntrinsics(out() / kIntrinsicsFile);
+    const auto camera = files::ReadIntrinsics(out() / files::kIntrinsicsFile);
     ASSERT_THAT(camera, IsOk());
     EXPECT_NEAR(camera->intrinsics.fx, 320 / std::tan(0.5), 1e-3);
     EXPECT_NEAR(camera->intrinsics.fy, 240 / std::tan(0.375), 1e-3);
     EXPECT_EQ(camera->depth_unit_m, 0.001);
-    const auto image = ReadDepthPng(out() / (std::to_string(number) + ".png"), *camera);
+    const auto image = files::ReadDepthPng(out() / (std::to_string(number) + ".png"), *camera);
     ASSERT_THAT(image, IsOk());
-    const auto counts = *CountsFromMessage(*image);
+    const auto counts = *files::CountsFromMessage(*image);
     for (std::size_t i = 0; i < counts.size(); ++i) ASSERT_EQ(counts[i], 500 + i % 640) << i;
   }
 
  private:
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(OpenNi2Test, DepthsAreNotMirrored) {
@@ -93,7 +93,7 @@ TEST_F(OpenNi2Test, UnpluggingAnotherCameraHasNoEffect) {
 
 TEST_F(OpenNi2Test, IntrinsicsMayBeGiven) {
   EXPECT_THAT(Play("openni2:Test/Ramp?fx=501.5&fy=502&cx=319&cy=239", 1), Contains("frame 0"));
-  const auto camera = ReadIntrinsics(out() / kIntrinsicsFile);
+  const auto camera = files::ReadIntrinsics(out() / files::kIntrinsicsFile);
   ASSERT_THAT(camera, IsOk());
   EXPECT_EQ(camera->intrinsics.fx, 501.5);
   EXPECT_EQ(camera->intrinsics.cy, 239);
@@ -126,7 +126,7 @@ TEST_F(OpenNi2Test, ARecordingLoopsIfSet) {
 }
 
 TEST(OpenNi2, MissingAndInvalidRecordingsAreRejected) {
-  const TemporaryFolder folder;
+  const files::TemporaryFolder folder;
   EXPECT_THAT(OpenSensor("openni2:" + (folder.path() / "none.oni").string(), {}),
               StatusIs(absl::StatusCode::kNotFound, HasSubstr("none.oni")));
   EXPECT_THAT(OpenSensor("openni2:" + folder.Write("bad.oni", "rubbish").string(), {}),

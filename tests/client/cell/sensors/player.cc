@@ -19,11 +19,11 @@ constexpr absl::Duration kTimeout = absl::Seconds(30);
 
 absl::Status Keep(const std::string& folder, int number, const SensorFrame& frame) {
   const auto& image = std::get<v1::DepthImage>(frame.scan);
-  const DepthPngCamera camera = {.intrinsics = FromMessage(image.intrinsics()),
-                                 .depth_unit_m = DepthUnit(image)};
-  absl::Status sidecar = WriteIntrinsics(folder + "/" + kIntrinsicsFile, camera);
+  const files::DepthPngCamera camera = {.intrinsics = files::FromMessage(image.intrinsics()),
+                                        .depth_unit_m = files::DepthUnit(image)};
+  absl::Status sidecar = files::WriteIntrinsics(folder + "/" + files::kIntrinsicsFile, camera);
   if (!sidecar.ok()) return sidecar;
-  return WriteDepthPng(folder + "/" + std::to_string(number) + ".png", image);
+  return files::WriteDepthPng(folder + "/" + std::to_string(number) + ".png", image);
 }
 
 int Play(const std::string& spec, const std::string& folder, int count) {

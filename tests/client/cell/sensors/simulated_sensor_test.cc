@@ -54,7 +54,7 @@ std::string DataOf(const PlannedCapture& scene) {
   const auto frame =
       camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
   EXPECT_THAT(frame, IsOk());
-  return DepthMessage(ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001).data();
+  return files::DepthMessage(ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001).data();
 }
 
 TEST(SimulatedSensor, ShowsRandomScenesWithTheSensorPose) {
@@ -100,10 +100,10 @@ TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
   const auto frame = sensor->Next(MonotonicTime::InfiniteFuture());
   ASSERT_THAT(frame, IsOk());
   const auto& image = std::get<v1::DepthImage>(frame->scan);
-  const auto counts = CountsFromMessage(image);
+  const auto counts = files::CountsFromMessage(image);
   ASSERT_THAT(counts, IsOk());
   // In the middle is the part, or the table 0.8 m away.
-  EXPECT_NEAR(DepthUnit(image) * (*counts)[24 * 64 + 32], 0.75, 0.08);
+  EXPECT_NEAR(files::DepthUnit(image) * (*counts)[24 * 64 + 32], 0.75, 0.08);
 }
 
 TEST(SimulatedSensor, TheSourceMaySimulateAnUnpluggedCamera) {

@@ -13,14 +13,14 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // An object and conflicts of some of its stable poses.
-ArchiveComparison Conflicts(int count, ArchiveIndex* index) {
+ArchiveComparison Conflicts(int count, files::ArchiveIndex* index) {
   ArchiveComparison out;
-  index->entries.push_back({ArchiveKind::kObject, 4, "objects/mug"});
+  index->entries.push_back({files::ArchiveKind::kObject, 4, "objects/mug"});
   out.actions.push_back(ArchiveAction::kNothing);
   out.counts[0] = {1, 0, 0, 0, 0};
   for (int i = 0; i < count; ++i) {
     index->entries.push_back(
-        {ArchiveKind::kStablePose, 5, absl::StrCat("objects/mug/stablePoses/", i)});
+        {files::ArchiveKind::kStablePose, 5, absl::StrCat("objects/mug/stablePoses/", i)});
     out.actions.push_back(ArchiveAction::kReplace);
     out.differences.push_back({.entry = static_cast<std::size_t>(i) + 1,
                                .state = ArchiveState::kConflict,
@@ -32,7 +32,7 @@ ArchiveComparison Conflicts(int count, ArchiveIndex* index) {
 }
 
 TEST(ArchiveText, HasATableAndTheDifferences) {
-  ArchiveIndex index;
+  files::ArchiveIndex index;
   const ArchiveComparison comparison = Conflicts(1, &index);
   EXPECT_EQ(ComparisonText(index, comparison),
             "in the file       same       new     newer     older  conflict\n"
@@ -40,12 +40,12 @@ TEST(ArchiveText, HasATableAndTheDifferences) {
             "stable poses         0         0         0         0         1\n"
             "views                0         0         0         0         0\n"
             "conflict replace   objects/mug/stablePoses/0, changed later in the file\n");
-  EXPECT_EQ(CountOf(index, comparison, ArchiveKind::kStablePose), 1);
-  EXPECT_EQ(CountOf(index, comparison, ArchiveKind::kObject), 0);
+  EXPECT_EQ(CountOf(index, comparison, files::ArchiveKind::kStablePose), 1);
+  EXPECT_EQ(CountOf(index, comparison, files::ArchiveKind::kObject), 0);
 }
 
 TEST(ArchiveText, ConflictsWithoutADecisionAreNeitherKeptNorReplaced) {
-  ArchiveIndex index;
+  files::ArchiveIndex index;
   ArchiveComparison comparison = Conflicts(1, &index);
   EXPECT_THAT(ComparisonText(index, comparison), Not(HasSubstr("undecided")));
   comparison.actions.back() = ArchiveAction::kUndecided;
@@ -56,7 +56,7 @@ TEST(ArchiveText, ConflictsWithoutADecisionAreNeitherKeptNorReplaced) {
 }
 
 TEST(ArchiveText, ListsTheFirstDifferencesAndJsonAllOfThem) {
-  ArchiveIndex index;
+  files::ArchiveIndex index;
   const ArchiveComparison comparison = Conflicts(25, &index);
   const std::string text = DifferencesText(index, comparison);
   EXPECT_THAT(text, HasSubstr("stablePoses/19,"));

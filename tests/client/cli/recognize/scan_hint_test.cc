@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 v1::RecognizeRequest ImageOf(std::uint16_t count) {
   v1::RecognizeRequest request;
   *request.mutable_depth_image() =
-      DepthMessage(std::vector<std::uint16_t>(100, count), {10, 10, 50, 50, 5, 5}, 0.001);
+      files::DepthMessage(std::vector<std::uint16_t>(100, count), {10, 10, 50, 50, 5, 5}, 0.001);
   return request;
 }
 
@@ -41,7 +41,7 @@ TEST(ScanHint, AnEmptyRegionStatesWhereThePointsAreInTheWorld) {
 
 TEST(ScanHint, PointsBehindTheCameraAreReported) {
   v1::RecognizeRequest request;
-  *request.mutable_cloud() = CloudMessage(recognition::Points(50, {0, 0.1F, -0.6F}), 0);
+  *request.mutable_cloud() = files::CloudMessage(recognition::Points(50, {0, 0.1F, -0.6F}), 0);
   EXPECT_THAT(ScanHint(request, AnswerOf(v1::UNKNOWN_OBJECT)), HasSubstr("OpenGL"));
 }
 

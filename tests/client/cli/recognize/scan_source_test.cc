@@ -21,18 +21,18 @@ class ScanSourceTest : public ::testing::Test {
  protected:
   // A set with one QUERY capture of a cloud that has a VIEWPOINT.
   void WriteSet(const std::function<void(v1::CaptureSet&)>& change = {}) {
-    PointFile file;
+    files::PointFile file;
     file.points = {{0.1F, 0, 1}, {0, 0.1F, 1}, {0, 0, 1.1F}};
     file.width = 3;
     file.height = 1;
     file.sensor_pose = recognition::Pose(Eigen::Translation3d(0, 0, 0.5));
-    ASSERT_THAT(WritePcd(folder_.path() / "a.pcd", file), IsOk());
+    ASSERT_THAT(files::WritePcd(folder_.path() / "a.pcd", file), IsOk());
     v1::CaptureSet set;
     v1::Capture* capture = set.add_captures();
     capture->set_path("a.pcd");
     capture->set_split(v1::Capture::QUERY);
     if (change) change(set);
-    ASSERT_THAT(SaveCaptureSet(folder_.path(), set), IsOk());
+    ASSERT_THAT(files::SaveCaptureSet(folder_.path(), set), IsOk());
   }
 
   absl::StatusOr<v1::RecognizeRequest> FirstRequest(const std::string& argument) {
@@ -41,7 +41,7 @@ class ScanSourceTest : public ::testing::Test {
     return ReadScan(scans->tasks.at(0));
   }
 
-  const TemporaryFolder folder_;
+  const files::TemporaryFolder folder_;
 };
 
 TEST_F(ScanSourceTest, FilesAndSetsMayBeMixed) {

@@ -39,7 +39,7 @@ TEST(MeshGrasps, OnlyGraspsFromAboveAndFromTheSideAreReachable) {
 
 TEST(MeshGrasps, FromMeshTransformsTheGrasp) {
   const Pose object_mesh = Rolled(90, 0.1);
-  const Pose tcp = FromMessage(FromMesh(Above(0.05), object_mesh).tcp_pose());
+  const Pose tcp = files::FromMessage(FromMesh(Above(0.05), object_mesh).tcp_pose());
   EXPECT_LT((tcp.translation() - Eigen::Vector3d(0.01, -0.05, 0.12)).norm(), 1e-9);
   EXPECT_LT((tcp.linear().col(2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);
 }
@@ -68,7 +68,7 @@ class GraspsFileTest : public ::testing::Test {
     return LoadGrasps(folder_.path() / "grasps.json");
   }
 
-  TemporaryFolder folder_;
+  files::TemporaryFolder folder_;
 };
 
 constexpr char kTop[] =

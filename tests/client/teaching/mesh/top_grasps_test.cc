@@ -24,7 +24,7 @@ TEST(TopGrasps, CloseAcrossTheNarrowerSideOverTheCentreOfMass) {
   const auto grasps = GraspsOf(BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.02F}));
   ASSERT_FALSE(grasps.empty());
   EXPECT_EQ(grasps[0].grasp_id(), "top");
-  const Pose tcp = FromMessage(grasps[0].tcp_pose());
+  const Pose tcp = files::FromMessage(grasps[0].tcp_pose());
   EXPECT_NEAR(std::abs(tcp.linear().col(0).y()), 1, 1e-6);
   EXPECT_NEAR(tcp.linear().col(2).z(), -1, 1e-6) << "the tool looks down";
   EXPECT_LT(tcp.translation().head<2>().norm(), 0.003);
@@ -45,7 +45,7 @@ TEST(TopGrasps, AWedgeHasNoneAcrossItsSlopes) {
   const auto grasps = GraspsOf(roof);
   ASSERT_FALSE(grasps.empty()) << "its ends can be grasped";
   for (const v1::Grasp& grasp : grasps) {
-    EXPECT_GT(std::abs(FromMessage(grasp.tcp_pose()).linear().col(0).y()), 0.9);
+    EXPECT_GT(std::abs(files::FromMessage(grasp.tcp_pose()).linear().col(0).y()), 0.9);
   }
 }
 
@@ -59,7 +59,7 @@ TEST(TopGrasps, TheFingersComeDownBesideTheObjectAndOffTheTable) {
   const ParallelGripper gripper;
   const recognition::Points surface = SampleSurface(angle, 20'000, 7);
   for (const v1::Grasp& grasp : grasps) {
-    const Pose tcp = FromMessage(grasp.tcp_pose());
+    const Pose tcp = files::FromMessage(grasp.tcp_pose());
     const double tips = tcp.translation().z() - gripper.pad_height_m / 2;
     EXPECT_GT(tips, 0.0019);
     for (const Eigen::Vector3f& p : surface) {
@@ -75,7 +75,7 @@ TEST(TopGrasps, AStandingCanHasOneAcrossItsMiddle) {
   const TriangleMesh can = CylinderSolid({0, 0}, 0.03F, 0, 0.05F);
   const auto grasps = ProposeTopGrasps({&can, {0, 0, 0.025}, true}, {});
   ASSERT_EQ(grasps.size(), 1U);
-  EXPECT_LT(FromMessage(grasps[0].tcp_pose()).translation().head<2>().norm(), 0.002);
+  EXPECT_LT(files::FromMessage(grasps[0].tcp_pose()).translation().head<2>().norm(), 0.002);
 }
 
 // Each triangle as four.
@@ -112,8 +112,8 @@ TEST(TopGrasps, DoNotDependOnTheTriangles) {
       ASSERT_EQ(grasps.size(), divided.size());
       for (std::size_t i = 0; i < grasps.size(); ++i) {
         EXPECT_NEAR(grasps[i].gripper_opening_m(), divided[i].gripper_opening_m(), 1e-5);
-        EXPECT_TRUE(
-            FromMessage(grasps[i].tcp_pose()).isApprox(FromMessage(divided[i].tcp_pose()), 1e-4));
+        EXPECT_TRUE(files::FromMessage(grasps[i].tcp_pose())
+                        .isApprox(files::FromMessage(divided[i].tcp_pose()), 1e-4));
       }
     }
   }

@@ -18,7 +18,7 @@ constexpr recognition::CameraIntrinsics kCamera = {
 
 SensorFrame FrameOf(const std::vector<std::uint16_t>& millimetres) {
   SensorFrame frame;
-  frame.scan = DepthMessage(millimetres, kCamera, 0.001);
+  frame.scan = files::DepthMessage(millimetres, kCamera, 0.001);
   return frame;
 }
 

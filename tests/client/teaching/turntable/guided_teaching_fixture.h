@@ -58,13 +58,13 @@ class GuidedTeachingTest : public ::testing::Test {
     ASSERT_THAT(frame, ::graspdb::testing::IsOk());
     v1::RecognizeRequest request;
     *request.mutable_depth_image() = std::get<v1::DepthImage>(frame->scan);
-    *request.mutable_sensor_pose() = ToMessage(*frame->world_sensor);
+    *request.mutable_sensor_pose() = files::ToMessage(*frame->world_sensor);
     *request.mutable_region_of_interest() = options_.cell.region_of_interest();
     const auto response = client_.Recognize(request);
     ASSERT_THAT(response, ::graspdb::testing::IsOk());
     ASSERT_EQ(response->detections_size(), 1);
     EXPECT_EQ(response->detections(0).object(), "objects/" + part_.object_id);
-    const recognition::Pose found = FromMessage(response->detections(0).refined_pose());
+    const recognition::Pose found = files::FromMessage(response->detections(0).refined_pose());
     const recognition::Pose off = found.inverse() * OnTurntable(Axis(), 0, table_.turned_deg);
     EXPECT_LT(off.translation().norm(), 0.003);
     EXPECT_LT(Eigen::AngleAxisd(off.linear()).angle(), 2 * std::numbers::pi / 180);

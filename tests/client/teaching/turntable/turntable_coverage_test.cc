@@ -23,7 +23,7 @@ std::vector<v1::View> ViewsAt(const std::vector<double>& azimuths_deg, double he
     v1::View view;
     view.set_name("view at " + std::to_string(azimuth));
     view.set_point_count(100 + static_cast<int>(azimuth));
-    *view.mutable_object_pose() = ToMessage(OnTurntable(CoverageAxis(), height_m, azimuth));
+    *view.mutable_object_pose() = files::ToMessage(OnTurntable(CoverageAxis(), height_m, azimuth));
     views.push_back(view);
   }
   return views;

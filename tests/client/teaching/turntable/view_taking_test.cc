@@ -73,12 +73,12 @@ absl::StatusOr<SensorFrame> Frame() {
   constexpr recognition::CameraIntrinsics kCameraPlace = {
       .width = 20, .height = 10, .fx = 100, .fy = 100, .cx = 9.5, .cy = 4.5};
   return SensorFrame{
-      .scan = DepthMessage(std::vector<std::uint16_t>(200, 800), kCameraPlace, 0.001),
+      .scan = files::DepthMessage(std::vector<std::uint16_t>(200, 800), kCameraPlace, 0.001),
       .world_sensor = recognition::Pose::Identity()};
 }
 
 // The view that two frames of these scans upload.
-v1::View Uploaded(const std::vector<ScanMessage>& scans) {
+v1::View Uploaded(const std::vector<files::ScanMessage>& scans) {
   UnreadableCatalogue catalogue;
   catalogue.deletes = false;
   Client client = catalogue.Connect();
@@ -95,18 +95,18 @@ v1::View Uploaded(const std::vector<ScanMessage>& scans) {
 TEST(ViewTaker, TheMeanOfDepthImagesIsUploadedAsAFinerDepthImage) {
   constexpr recognition::CameraIntrinsics kTwoPixels = {
       .width = 2, .height = 1, .fx = 100, .fy = 100, .cx = 0.5, .cy = 0};
-  const v1::View view = Uploaded(
-      {DepthMessage({800, 2000}, kTwoPixels, 0.001), DepthMessage({801, 0}, kTwoPixels, 0.001)});
+  const v1::View view = Uploaded({files::DepthMessage({800, 2000}, kTwoPixels, 0.001),
+                                  files::DepthMessage({801, 0}, kTwoPixels, 0.001)});
   EXPECT_FALSE(view.has_cloud());
-  EXPECT_EQ(FromMessage(view.depth_image().intrinsics()), kTwoPixels);
-  const auto points = PointsFromMessage(view.depth_image());
+  EXPECT_EQ(files::FromMessage(view.depth_image().intrinsics()), kTwoPixels);
+  const auto points = files::PointsFromMessage(view.depth_image());
   ASSERT_THAT(points, IsOk());
   EXPECT_NEAR((*points)[0].z(), 0.8005, 16e-6);
   EXPECT_NEAR((*points)[1].z(), 2, 16e-6);
 }
 
 TEST(ViewTaker, CloudsAreUploadedAsClouds) {
-  const v1::PointCloud cloud = CloudMessage({{0, 0, 0.5F}, {0.1F, 0, 0.5F}}, 2);
+  const v1::PointCloud cloud = files::CloudMessage({{0, 0, 0.5F}, {0.1F, 0, 0.5F}}, 2);
   const v1::View view = Uploaded({cloud, cloud});
   EXPECT_FALSE(view.has_depth_image());
   EXPECT_EQ(view.cloud().data(), cloud.data());

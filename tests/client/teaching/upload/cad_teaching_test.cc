@@ -39,10 +39,10 @@ class CadTeachingTest : public ::testing::Test {
     for (const v1::View& one : *listed) {
       const auto view = client_.GetView(one.name());
       EXPECT_THAT(view, IsOk());
-      const auto points = PointsFromMessage(view->cloud());
+      const auto points = files::PointsFromMessage(view->cloud());
       EXPECT_THAT(points, IsOk());
-      const Pose object_sensor =
-          FromMessage(view->object_pose()).inverse() * FromMessage(view->sensor_pose());
+      const Pose object_sensor = files::FromMessage(view->object_pose()).inverse() *
+                                 files::FromMessage(view->sensor_pose());
       recognition::Box box;
       for (const Eigen::Vector3f& p : *points) {
         const Eigen::Vector3d q = object_sensor * p.cast<double>();
@@ -133,14 +133,14 @@ TEST_F(CadTeachingTest, DetectionsHaveTheFrameOfTheMesh) {
     ASSERT_THAT(frame, IsOk());
     v1::RecognizeRequest request;
     *request.mutable_cloud() =
-        CloudMessage(ToPoints(*frame, views.camera.intrinsics), frame->width);
-    *request.mutable_sensor_pose() = ToMessage(views.world_sensor);
+        files::CloudMessage(ToPoints(*frame, views.camera.intrinsics), frame->width);
+    *request.mutable_sensor_pose() = files::ToMessage(views.world_sensor);
     *request.mutable_region_of_interest() = SimulatedRegion();
     const auto response = client_.Recognize(request);
     ASSERT_THAT(response, IsOk());
     ASSERT_EQ(response->detections_size(), 1);
     ASSERT_TRUE(response->detections(0).has_mesh_pose()) << response->detections(0).status();
-    const Pose world_mesh = FromMessage(response->detections(0).mesh_pose());
+    const Pose world_mesh = files::FromMessage(response->detections(0).mesh_pose());
     const Pose truth = world_object * part->found.poses[i].object_mesh;
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
       const Eigen::Vector3d v = vertex.cast<double>();
@@ -168,11 +168,11 @@ TEST_F(CadTeachingTest, ViewsLieOnTheSurfaceOfTheMesh) {
   for (const v1::View& one : *listed) {
     const auto view = client_.GetView(one.name());
     ASSERT_THAT(view, IsOk());
-    const auto points = PointsFromMessage(view->cloud());
+    const auto points = files::PointsFromMessage(view->cloud());
     ASSERT_THAT(points, IsOk());
     EXPECT_GT(points->size(), 500U);
     const Pose object_sensor =
-        FromMessage(view->object_pose()).inverse() * FromMessage(view->sensor_pose());
+        files::FromMessage(view->object_pose()).inverse() * files::FromMessage(view->sensor_pose());
     for (const Eigen::Vector3f& p : *points) {
       const Eigen::Vector3d q = object_sensor * p.cast<double>();
       const Eigen::Vector3d from_faces(0.05 - std::abs(q.x()), 0.04 - std::abs(q.y()),

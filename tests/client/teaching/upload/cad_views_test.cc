@@ -18,7 +18,7 @@ using recognition::Pose;
 v1::Cell CellWith(const Pose& world_sensor) {
   v1::Cell cell;
   cell.set_name("cells/press");
-  *cell.mutable_sensor_pose() = ToMessage(world_sensor);
+  *cell.mutable_sensor_pose() = files::ToMessage(world_sensor);
   return cell;
 }
 
@@ -40,7 +40,8 @@ TEST(StandOf, ObjectsStandInTheRegionWhereTheCameraLooksBesideIt) {
   cell.mutable_region_of_interest()->mutable_max()->set_y(0.1);
   const auto stand = StandOf(cell);
   ASSERT_THAT(stand, IsOk());
-  const Vector3d moved = FromMessage(cell.sensor_pose()).translation() - stand->translation();
+  const Vector3d moved =
+      files::FromMessage(cell.sensor_pose()).translation() - stand->translation();
   EXPECT_TRUE(moved.isApprox(Vector3d(0.8, 0, 0), 1e-9));
 }
 
