@@ -11,7 +11,7 @@
 #include "recognition/base/units.h"
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 // Of the faces at 60 to 70 degrees 0 to 16 % was not measured, at 70 to 80 degrees 2 to 25 %, at
@@ -118,4 +118,4 @@ absl::StatusOr<DepthCameraModel> SimulatedCameraOf(const std::string& name) {
                                                  absl::StrJoin(SimulatedCameras(), ", ")));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -14,7 +14,7 @@
 #include "rendering/counter_random.h"
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using recognition::Pose;
@@ -194,4 +194,4 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<W
   return plan;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -12,7 +12,7 @@
 #include "recognition/base/types.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // A workpiece on the table.
 struct Placement {
@@ -74,4 +74,4 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Work
 absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<Workpiece>& parts,
                                                              const RandomSceneOptions& options);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

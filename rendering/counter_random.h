@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // The finaliser of SplitMix64.
 constexpr std::uint64_t MixBits(std::uint64_t x) {
@@ -34,4 +34,4 @@ inline double RandomGaussian(std::uint64_t seed, std::uint64_t stream, std::uint
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

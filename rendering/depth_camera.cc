@@ -6,7 +6,7 @@
 
 #include "recognition/base/units.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr double kDropoutBeginRad = 70 * recognition::kRadiansPerDegree;
@@ -119,4 +119,4 @@ recognition::Pose LookAt(const Eigen::Vector3d& target, double distance_m, doubl
   return pose;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

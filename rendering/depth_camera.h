@@ -13,7 +13,7 @@
 #include "rendering/scene.h"
 #include "rendering/sensor_effects.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // A pinhole camera, its depth range and its errors.
 struct DepthCameraModel {
@@ -90,4 +90,4 @@ std::vector<std::uint16_t> ToCounts(const DepthFrame& frame, double unit_m);
 recognition::Pose LookAt(const Eigen::Vector3d& target, double distance_m, double look_down_deg,
                          double azimuth_deg);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -8,7 +8,7 @@
 
 #include "rendering/counter_random.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr double kMaxDeviationM = 0.05;  // the slant term has no bound
@@ -81,4 +81,4 @@ void ApplyNoise(const DepthNoise& noise, std::uint64_t seed, IdealFrame& frame) 
   }
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -5,7 +5,7 @@
 
 #include "rendering/ray_caster.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // The axial standard deviation in metres, for a depth z in metres and an angle t
 // in radians between the ray and the normal of the surface, is
@@ -46,4 +46,4 @@ double AxialDeviation(const AxialNoise& noise, double depth_m, double incidence_
 // order of the pixels. A lost pixel has depth 0 and surface kNoSurface.
 void ApplyNoise(const DepthNoise& noise, std::uint64_t seed, IdealFrame& frame);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 struct LengthUnit {
   std::string_view name;
@@ -33,4 +33,4 @@ constexpr std::optional<double> MetresOf(std::string_view name) {
   return std::nullopt;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "rendering/counter_random.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr std::size_t kExactDiameterVertices = 4096;
@@ -149,4 +149,4 @@ TriangleMesh Transformed(const TriangleMesh& mesh, const recognition::Pose& pose
   return moved;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

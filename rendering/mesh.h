@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Triangles over shared vertices, in metres. The corners of a triangle turn
 // counter-clockwise seen from outside. A solid may be a union of closed shells
@@ -51,4 +51,4 @@ absl::StatusOr<Eigen::Vector3d> CenterOfMass(const TriangleMesh& mesh);
 // T * mesh.
 TriangleMesh Transformed(const TriangleMesh& mesh, const recognition::Pose& pose);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -20,7 +20,7 @@
 #include "rendering/stated_unit.h"
 #include "rendering/stl_facets.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr std::uintmax_t kMaxMeshBytes = std::uintmax_t{2} << 30;
@@ -169,4 +169,4 @@ absl::StatusOr<MeshContent> ReadMeshContent(const std::filesystem::path& path) {
   return content;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 struct MeshContent {
   std::string bytes;
@@ -23,4 +23,4 @@ struct MeshContent {
 // account for, or PLY faces that are not lists of corners, such as triangle strips.
 absl::StatusOr<MeshContent> ReadMeshContent(const std::filesystem::path& path);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

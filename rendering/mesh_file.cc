@@ -22,7 +22,7 @@
 #include "rendering/mesh_content.h"
 #include "rendering/outward_faces.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 // Validated first, as assimp's own steps crash on indices that a truncated file
@@ -208,4 +208,4 @@ absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh&
   return files::WriteFileAtomically(path, bytes, files::Durability::kProcessCrash);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Reads a PLY, OBJ or STL mesh. All meshes of the file are merged; polygons are split into
 // triangles, equal vertices joined, and vertices of no face and repeated triangles left out; closed
@@ -24,4 +24,4 @@ absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double 
 // INVALID_ARGUMENT from CheckMesh, otherwise the errors of WriteFileAtomically.
 absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -12,7 +12,7 @@
 #include "rendering/length_unit.h"
 #include "rendering/mesh_file.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr double kSmallestSideM = 0.005;
@@ -96,4 +96,4 @@ absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
                    .mesh = *std::move(mesh)};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // As LoadMesh; also INVALID_ARGUMENT, with the units that would fit, when the largest side is not
 // between 5 mm and 0.6 m, usually because of a wrong unit.
@@ -30,4 +30,4 @@ std::string ObjectIdOf(const std::filesystem::path& path);
 absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
                                             double unit_scale_m = 1);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

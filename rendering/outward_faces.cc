@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using Eigen::Vector3d;
@@ -330,4 +330,4 @@ void RemoveRepeated(TriangleMesh& mesh) {
   mesh.triangles = std::move(kept);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -3,7 +3,7 @@
 
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Turns triangles so that neighbours, which share an edge with each other only, turn alike, and
 // then closed shells outwards. A closed shell within another one is a cavity if it turns against
@@ -22,4 +22,4 @@ double OpposedShare(const TriangleMesh& mesh);
 // each is left: such a surface encloses nothing.
 void RemoveRepeated(TriangleMesh& mesh);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -16,7 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using Words = std::vector<absl::string_view>;
@@ -149,4 +149,4 @@ absl::StatusOr<std::string> PlainObj(std::string_view text) {
   return ObjReader(absl::string_view(text.data(), text.size())).Read();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

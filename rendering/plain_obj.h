@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // `text`, the content of an OBJ file, with nothing but its vertices and faces, one a line, without
 // continued lines. assimp takes a line that ends in a backslash for continued where it is not, as a
@@ -17,4 +17,4 @@ namespace graspdb::client {
 // surface, a line longer than 1 MiB.
 absl::StatusOr<std::string> PlainObj(std::string_view text);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using recognition::Pose;
@@ -138,4 +138,4 @@ bool IsStrictlyRight(const MeasuredShape& shape, const PoseError& error) {
   return error.hausdorff_m <= StrictlyRightM(shape);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

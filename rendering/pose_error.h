@@ -7,7 +7,7 @@
 #include "recognition/points/point_search.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Points and symmetries of an object, to measure poses with.
 struct MeasuredShape {
@@ -59,4 +59,4 @@ bool IsRight(const MeasuredShape& shape, double add_s_m);
 // No point farther off than 8 mm, or 6 % of the diameter for larger objects.
 bool IsStrictlyRight(const MeasuredShape& shape, const PoseError& error);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

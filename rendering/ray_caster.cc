@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using recognition::CameraIntrinsics;
@@ -149,4 +149,4 @@ absl::StatusOr<IdealFrame> RayCaster::Cast(const Scene& scene, const CameraIntri
   return frame;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -9,7 +9,7 @@
 #include "recognition/base/types.h"
 #include "rendering/scene.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // One ray a pixel, row by row.
 struct IdealFrame {
@@ -40,4 +40,4 @@ class RayCaster {
   std::shared_ptr<void> device_;  // an RTCDevice
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

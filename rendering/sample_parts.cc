@@ -9,7 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "rendering/solid.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using Vec3 = Eigen::Vector3f;
@@ -257,4 +257,4 @@ absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string
   return parts;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

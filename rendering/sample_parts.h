@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Thirteen workpieces of 4 to 16 cm at rest, in a fixed order. Every mesh is a union of closed
 // shells. A handle, a wedge, brackets and blocks look different from every side; a flange (4-fold),
@@ -22,4 +22,4 @@ std::vector<std::string> SamplePartIds();
 // unknown id.
 absl::StatusOr<std::vector<Workpiece>> SampleParts(const std::vector<std::string>& ids);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

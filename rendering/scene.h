@@ -8,7 +8,7 @@
 #include "recognition/base/types.h"
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // A mesh at a pose.
 struct PlacedMesh {
@@ -28,4 +28,4 @@ inline constexpr std::int32_t kTableSurface = -1;
 inline constexpr std::int32_t kNoSurface = -2;
 inline constexpr std::int32_t kFlyingPixel = -3;  // a mixture of two surfaces
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

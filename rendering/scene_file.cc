@@ -10,7 +10,7 @@
 #include "rendering/counter_random.h"
 #include "rendering/simulation.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 absl::StatusOr<std::size_t> PartOf(const std::vector<Workpiece>& parts,
@@ -92,4 +92,4 @@ absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -8,7 +8,7 @@
 #include "rendering/capture_plan.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Writes the placements and the camera pose as a capture set without clouds, one capture for each
 // object, whose path is that of the scene with the object's number. Atomic: a reader gets the old
@@ -24,4 +24,4 @@ absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<
 absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
                                          const std::vector<Workpiece>& parts);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

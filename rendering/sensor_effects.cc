@@ -9,7 +9,7 @@
 #include "rendering/scene.h"
 #include "rendering/smooth_field.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 // Independent fields.
@@ -149,4 +149,4 @@ void ApplyDepthEffects(const SensorEffects& effects, std::uint64_t seed, IdealFr
   }
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

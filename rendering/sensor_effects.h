@@ -5,7 +5,7 @@
 
 #include "rendering/ray_caster.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Errors that are correlated between pixels. The default is none. Lengths in pixels are correlation
 // lengths. The sources of the values are in docs/experiment.md.
@@ -46,4 +46,4 @@ void ApplyEdgeEffects(const SensorEffects& effects, double focal_px, std::uint64
 // Effects after per-pixel noise: warps, bumps and scale. Deterministic.
 void ApplyDepthEffects(const SensorEffects& effects, std::uint64_t seed, IdealFrame& frame);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

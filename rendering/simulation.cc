@@ -10,7 +10,7 @@
 #include "files/pose_message.h"
 #include "rendering/mesh_file.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece
   return files::SaveCaptureSet(folder, set);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -13,7 +13,7 @@
 #include "rendering/scene.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Region of the parts of all plans, in the world frame.
 v1::AxisAlignedBox SimulatedRegion();
@@ -57,4 +57,4 @@ absl::Status WriteSimulation(const std::filesystem::path& folder,
                              const std::vector<PlannedCapture>& plan,
                              const SimulationOptions& options, const SimulationWatch& watch = {});
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -8,7 +8,7 @@
 
 #include "rendering/counter_random.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // A field over an image with mean 0 and variance 1 everywhere: normal random numbers on a lattice
 // of `length_px` pixels, bilinear in between. The same for the same seed and stream. Immutable.
@@ -48,4 +48,4 @@ class SmoothField {
   std::vector<float> lattice_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

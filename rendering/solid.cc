@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr int kCylinderSides = 64;
@@ -163,4 +163,4 @@ TriangleMesh MirroredX(const TriangleMesh& mesh) {
   return mirrored;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -8,7 +8,7 @@
 
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Corners of a simple polygon (no edge crosses another), counter-clockwise.
 using Polygon = std::vector<Eigen::Vector2f>;
@@ -44,4 +44,4 @@ TriangleMesh Union(const std::vector<TriangleMesh>& shells);
 // The mirror image in the plane x = 0.
 TriangleMesh MirroredX(const TriangleMesh& mesh);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -12,7 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "rendering/length_unit.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 // Of a line; longer ones are data.
@@ -109,4 +109,4 @@ std::optional<double> StatedUnit(std::string_view line, UnitText text) {
   return std::nullopt;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 enum class UnitText { kComment, kName };
 
@@ -14,4 +14,4 @@ enum class UnitText { kComment, kName };
 // may have the word "unit" too, as "power-unit-in-housing": there ":" or "=" must follow it.
 std::optional<double> StatedUnit(std::string_view line, UnitText text);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

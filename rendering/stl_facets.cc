@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 80;
@@ -144,4 +144,4 @@ std::string StlDescription(std::string_view bytes) {
   return text;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

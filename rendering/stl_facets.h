@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // `bytes`, the content of a binary or ascii STL file, as a binary one with the facets of all its
 // solids. Keywords may be in upper case, as the format has them in either. A file whose size is
@@ -22,4 +22,4 @@ bool IsBinaryStl(std::string_view bytes);
 // the header of a binary file.
 std::string StlDescription(std::string_view bytes);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

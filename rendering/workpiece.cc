@@ -4,7 +4,7 @@
 
 #include "files/pose_message.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr double kApproachDistanceM = 0.10;
@@ -38,4 +38,4 @@ v1::CapturedObject DeclarationOf(const Workpiece& workpiece) {
   return object;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

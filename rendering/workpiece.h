@@ -10,7 +10,7 @@
 #include "recognition/base/types.h"
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // An object in one stable pose. The mesh is in the object's frame, in metres: it
 // rests on z = 0 with z up, and the origin is the point on the table below its
@@ -35,4 +35,4 @@ v1::Grasp TopGrasp(const std::string& grasp_id, const Eigen::Vector3d& position,
 // Its declaration in a capture set, with the mesh at `models/{object_id}.ply`.
 v1::CapturedObject DeclarationOf(const Workpiece& workpiece);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -28,7 +28,8 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> Simulate(const BenchFrames& frames) {
   SimulatedFrames simulated = frames.simulated;
-  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(frames.camera);
+  const absl::StatusOr<rendering::DepthCameraModel> camera =
+      rendering::SimulatedCameraOf(frames.camera);
   if (!camera.ok()) return camera.status();
   simulated.camera = *camera;
   if (frames.limit > 0) simulated.count = frames.limit;
@@ -44,7 +45,7 @@ void AddSimulationOptions(CLI::App& command, BenchFrames* f) {
                   "With --simulate: comma-separated ids of sample parts; default: all")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(SamplePartIds()))
+      ->check(CLI::IsMember(rendering::SamplePartIds()))
       ->type_name("ID,...")
       ->needs(simulate);
   command.add_option("--camera", f->camera, "With --simulate: Kinect v1 (640x480) or v2 (512x424)")

@@ -104,9 +104,11 @@ void AddEvalCommand(CLI::App& app, Action* action) {
   command
       ->add_option_function<std::string>(
           "--unit",
-          [arguments](const std::string& unit) { arguments->unit_m = MetresOf(unit).value_or(1); },
+          [arguments](const std::string& unit) {
+            arguments->unit_m = rendering::MetresOf(unit).value_or(1);
+          },
           "Unit of the meshes: mm, cm, m or inch")
-      ->check(CLI::IsMember(LengthUnitNames()))
+      ->check(CLI::IsMember(rendering::LengthUnitNames()))
       ->default_str("m");
   command->add_option("--unit-m", arguments->unit_m, "The same in metres, for other units")
       ->check(CLI::PositiveNumber)

@@ -30,7 +30,7 @@ constexpr char kCaptureSetCase[] = "captures";
 
 void PrintParts(const PartSet& set) {
   for (std::size_t i = 0; i < set.parts.size(); ++i) {
-    const MeasuredShape& shape = *set.shapes[i];
+    const rendering::MeasuredShape& shape = *set.shapes[i];
     std::cout << absl::StrFormat("%-60s diameter %.0f mm, %d turns alike%s\n",
                                  StablePoseName(set.parts[i]), shape.diameter_m * 1e3,
                                  shape.turns_rad.size(), shape.is_round ? ", round" : "");

@@ -119,9 +119,10 @@ absl::Status Show(const RealFrame& frame, int composited, std::uint64_t seed,
   if (!scan.ok()) return scan.status();
   if (composited == 0) return recognize(frame, *scan);
   for (int i = 0; i < composited; ++i) {
-    auto composite = Compose(frame, *scan, set, run.parameters,
-                             {.objects = 1 + i % kMaxPlaced,
-                              .seed = RandomBits(seed, 1, static_cast<std::uint64_t>(i))});
+    auto composite =
+        Compose(frame, *scan, set, run.parameters,
+                {.objects = 1 + i % kMaxPlaced,
+                 .seed = rendering::RandomBits(seed, 1, static_cast<std::uint64_t>(i))});
     if (absl::IsFailedPrecondition(composite.status())) return absl::OkStatus();  // no table
     if (!composite.ok()) return composite.status();
     composite->frame.name += absl::StrFormat("-%d", i + 1);
@@ -156,7 +157,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
     return WritePicture(arguments, results.back(), scan.points);
   };
   for (std::size_t i = 0; i < frames->size(); ++i) {
-    const std::uint64_t seed = RandomBits(arguments.seed, 0, i);
+    const std::uint64_t seed = rendering::RandomBits(arguments.seed, 0, i);
     absl::Status done =
         Show((*frames)[i], arguments.composited, seed, run, (*catalogue)->set(), recognize);
     if (!done.ok()) return done;

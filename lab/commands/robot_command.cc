@@ -117,7 +117,8 @@ absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_
 }
 
 absl::Status Run(const GlobalOptions& global, RobotOptions options) {
-  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  const absl::StatusOr<std::vector<rendering::Workpiece>> parts =
+      rendering::SampleParts(options.parts);
   if (!parts.ok()) return parts.status();
   if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
   const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);

@@ -57,7 +57,7 @@ constexpr char kSimulateFooter[] =
     "Then: graspdb import teach, and graspdb recognize scenes.";
 
 void ListParts() {
-  for (const Workpiece& part : SampleParts()) {
+  for (const rendering::Workpiece& part : rendering::SampleParts()) {
     std::cout << part.object_id << "\t" << part.display_name << "\n";
   }
 }
@@ -65,7 +65,7 @@ void ListParts() {
 // The error of a mesh, which may be meant as one of --parts: CLI11 ends these at a space.
 absl::Status MeshError(const absl::Status& status, const std::string& path,
                        const std::vector<std::string>& parts) {
-  const std::vector<std::string> ids = SamplePartIds();
+  const std::vector<std::string> ids = rendering::SamplePartIds();
   if (!absl::IsNotFound(status) || std::ranges::find(ids, path) == ids.end()) return status;
   return absl::NotFoundError(absl::StrCat("there is no mesh ", path,
                                           ", which is the id of a sample part; separate ids by "
@@ -74,15 +74,17 @@ absl::Status MeshError(const absl::Status& status, const std::string& path,
                                           path));
 }
 
-absl::StatusOr<std::vector<Workpiece>> PartsOf(const Arguments& arguments) {
-  std::vector<Workpiece> parts;
+absl::StatusOr<std::vector<rendering::Workpiece>> PartsOf(const Arguments& arguments) {
+  std::vector<rendering::Workpiece> parts;
   for (const std::string& path : arguments.meshes) {
-    absl::StatusOr<Workpiece> part = WorkpieceFromMesh(path, MetresOf(arguments.unit).value_or(1));
+    absl::StatusOr<rendering::Workpiece> part =
+        rendering::WorkpieceFromMesh(path, rendering::MetresOf(arguments.unit).value_or(1));
     if (!part.ok()) return MeshError(part.status(), path, arguments.parts);
     parts.push_back(*std::move(part));
   }
   if (!arguments.meshes.empty() && arguments.parts.empty()) return parts;
-  absl::StatusOr<std::vector<Workpiece>> samples = SampleParts(arguments.parts);
+  absl::StatusOr<std::vector<rendering::Workpiece>> samples =
+      rendering::SampleParts(arguments.parts);
   if (!samples.ok()) return samples.status();
   std::ranges::move(*samples, std::back_inserter(parts));
   return parts;
@@ -93,29 +95,29 @@ v1::Capture::Split SplitOf(const Arguments& arguments, v1::Capture::Split otherw
   return arguments.split == "TEACH" ? v1::Capture::TEACH : v1::Capture::QUERY;
 }
 
-absl::StatusOr<std::vector<PlannedCapture>> PlanOf(const Arguments& arguments,
-                                                   const std::vector<Workpiece>& parts) {
-  CameraStand stand;
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanOf(
+    const Arguments& arguments, const std::vector<rendering::Workpiece>& parts) {
+  rendering::CameraStand stand;
   stand.look_down_deg = arguments.look_down_deg;
   stand.distances_m = arguments.distances_m;
-  std::vector<PlannedCapture> plan;
+  std::vector<rendering::PlannedCapture> plan;
   if (arguments.turntable || arguments.random == 0) {
-    absl::StatusOr<std::vector<PlannedCapture>> turns =
-        PlanTurntable(parts, {.stand = stand,
-                              .azimuth_step_deg = arguments.step_deg,
-                              .split = SplitOf(arguments, v1::Capture::TEACH),
-                              .seed = arguments.seed});
+    absl::StatusOr<std::vector<rendering::PlannedCapture>> turns =
+        rendering::PlanTurntable(parts, {.stand = stand,
+                                         .azimuth_step_deg = arguments.step_deg,
+                                         .split = SplitOf(arguments, v1::Capture::TEACH),
+                                         .seed = arguments.seed});
     if (!turns.ok()) return turns.status();
     plan = *std::move(turns);
   }
   if (arguments.random > 0) {
-    absl::StatusOr<std::vector<PlannedCapture>> scenes =
-        PlanRandomScenes(parts, {.stand = stand,
-                                 .count = arguments.random,
-                                 .area_half_width_m = arguments.area_m,
-                                 .objects_per_scene = arguments.objects_per_scene,
-                                 .split = SplitOf(arguments, v1::Capture::QUERY),
-                                 .seed = arguments.seed});
+    absl::StatusOr<std::vector<rendering::PlannedCapture>> scenes =
+        rendering::PlanRandomScenes(parts, {.stand = stand,
+                                            .count = arguments.random,
+                                            .area_half_width_m = arguments.area_m,
+                                            .objects_per_scene = arguments.objects_per_scene,
+                                            .split = SplitOf(arguments, v1::Capture::QUERY),
+                                            .seed = arguments.seed});
     if (!scenes.ok()) return scenes.status();
     std::move(scenes->begin(), scenes->end(), std::back_inserter(plan));
   }
@@ -127,12 +129,13 @@ absl::Status Run(const Arguments& arguments) {
     ListParts();
     return absl::OkStatus();
   }
-  absl::StatusOr<std::vector<Workpiece>> parts = PartsOf(arguments);
+  absl::StatusOr<std::vector<rendering::Workpiece>> parts = PartsOf(arguments);
   if (!parts.ok()) return parts.status();
-  absl::StatusOr<std::vector<PlannedCapture>> plan = PlanOf(arguments, *parts);
+  absl::StatusOr<std::vector<rendering::PlannedCapture>> plan = PlanOf(arguments, *parts);
   if (!plan.ok()) return plan.status();
-  SimulationOptions options;
-  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(arguments.camera);
+  rendering::SimulationOptions options;
+  const absl::StatusOr<rendering::DepthCameraModel> camera =
+      rendering::SimulatedCameraOf(arguments.camera);
   if (!camera.ok()) return camera.status();
   options.camera = *camera;
   options.camera.noise.scale = arguments.noise;
@@ -142,8 +145,8 @@ absl::Status Run(const Arguments& arguments) {
   {
     ProgressLine progress;
     const auto report = [&progress](int done, int total) { progress.Report(done, total); };
-    const SimulationWatch watch = {.report = report, .cancelled = {}};
-    absl::Status written = WriteSimulation(arguments.out, *parts, *plan, options, watch);
+    const rendering::SimulationWatch watch = {.report = report, .cancelled = {}};
+    absl::Status written = rendering::WriteSimulation(arguments.out, *parts, *plan, options, watch);
     if (!written.ok()) return written;
   }
   std::cout << "wrote " << plan->size() << " captures of " << parts->size() << " objects to "
@@ -154,12 +157,12 @@ absl::Status Run(const Arguments& arguments) {
 void AddObjectOptions(CLI::App& command, Arguments& a) {
   command.add_option("mesh", a.meshes, "Meshes to capture (PLY, OBJ, STL)")->type_name("MESH");
   command.add_option("--unit", a.unit, "Unit of the meshes: mm, cm, m or inch")
-      ->check(CLI::IsMember(LengthUnitNames()))
+      ->check(CLI::IsMember(rendering::LengthUnitNames()))
       ->capture_default_str();
   command.add_option("--parts", a.parts, "Comma-separated ids of sample parts")
       ->delimiter(',')
       ->allow_extra_args(false)  // or it takes the meshes
-      ->check(CLI::IsMember(SamplePartIds()))
+      ->check(CLI::IsMember(rendering::SamplePartIds()))
       ->type_name("ID,...");
   command.add_flag("--list-parts", a.list_parts, "List the sample parts and exit");
   command.add_option("--out", a.out, "Folder to write the capture set to")->type_name("SET");
@@ -177,7 +180,7 @@ void AddPlanOptions(CLI::App& command, Arguments& a) {
       ->type_name("N");
   command
       .add_option("--area", a.area_m, "Random objects lie up to this from the origin in x, y; m")
-      ->check(CLI::Range(0.0, kRegionHalfWidthM))
+      ->check(CLI::Range(0.0, rendering::kRegionHalfWidthM))
       ->capture_default_str();
   command.add_option("--objects-per-scene", a.objects_per_scene, "Objects in a random scene")
       ->check(CLI::Range(1, 8))
@@ -192,7 +195,7 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
       .add_option("--camera", a.camera,
                   "v1 or v2: a Kinect with per-pixel noise only; kinect-v1, kinect-v2, "
                   "realsense-d4xx, carmine: with holes, frayed edges and warps of a real one")
-      ->check(CLI::IsMember(SimulatedCameras()))
+      ->check(CLI::IsMember(rendering::SimulatedCameras()))
       ->capture_default_str();
   command
       .add_option("--look-down", a.look_down_deg,

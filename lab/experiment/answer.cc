@@ -46,15 +46,15 @@ Answer JudgeReading(const Reading& reading, const PartSet& set, Answer answer) {
   answer.object_right = true;
   answer.posed = answer.posed && reading.view->shares_frame;
   if (!answer.posed) return answer;
-  const MeasuredShape& shape = *set.shapes[answer.part];
+  const rendering::MeasuredShape& shape = *set.shapes[answer.part];
   const auto answered = static_cast<std::size_t>(
       std::ranges::find(set.parts, answer.stable_pose, StablePoseName) - set.parts.begin());
   // Both stable poses are the same mesh at rest.
   answer.found =
       reading.world_object * set.object_mesh[answered] * set.object_mesh[answer.part].inverse();
-  answer.error = ErrorOf(shape, answer.truth, answer.found);
-  answer.pose_right = IsRight(shape, answer.error.add_s_m);
-  answer.strictly_right = IsStrictlyRight(shape, answer.error);
+  answer.error = rendering::ErrorOf(shape, answer.truth, answer.found);
+  answer.pose_right = rendering::IsRight(shape, answer.error.add_s_m);
+  answer.strictly_right = rendering::IsStrictlyRight(shape, answer.error);
   return answer;
 }
 
@@ -66,7 +66,7 @@ bool IsWrong(const Answer& answer) {
 
 Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& trial,
                    std::size_t which, const PartSet& set) {
-  const Placement& truth = trial.truth[which];
+  const rendering::Placement& truth = trial.truth[which];
   Answer seen{.part = truth.part,
               .known = set.IsTaught(truth.part),
               .posed = trial.posed,

@@ -29,8 +29,8 @@ struct Answer {
   // The answer is ambiguous, and one of its further readings, not the first, is strictly right: it
   // counts, with its error.
   bool listed = false;
-  bool touching = false;  // the answer is flagged as touching
-  PoseError error = {};   // if the object is right
+  bool touching = false;            // the answer is flagged as touching
+  rendering::PoseError error = {};  // if the object is right
   double score = 0;
   recognition::Evidence evidence = {};
   std::size_t voxels = 0;

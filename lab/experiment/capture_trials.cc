@@ -31,17 +31,17 @@ struct Source {
   std::vector<std::pair<v1::Capture, std::size_t>> captures;  // with the positions of their parts
 };
 
-bool Shows(const v1::Capture& capture, const Workpiece& part) {
+bool Shows(const v1::Capture& capture, const rendering::Workpiece& part) {
   return capture.object_id() == part.object_id && capture.stable_pose_id() == part.stable_pose_id;
 }
 
 absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& folder,
                      const v1::CaptureSet& captures, PartSet* set) {
-  Workpiece part{.object_id = capture.object_id(),
-                 .display_name = "",
-                 .stable_pose_id = capture.stable_pose_id(),
-                 .grasps = {},
-                 .mesh = {}};
+  rendering::Workpiece part{.object_id = capture.object_id(),
+                            .display_name = "",
+                            .stable_pose_id = capture.stable_pose_id(),
+                            .grasps = {},
+                            .mesh = {}};
   for (const v1::CapturedObject& object : captures.objects()) {
     if (object.object_id() != part.object_id) continue;
     for (const v1::CapturedStablePose& pose : object.stable_poses()) {
@@ -49,7 +49,7 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
       part.symmetry_order = pose.symmetry_order();
     }
     if (object.mesh_path().empty()) continue;
-    auto mesh = LoadMeshInMetres(folder / object.mesh_path());
+    auto mesh = rendering::LoadMeshInMetres(folder / object.mesh_path());
     if (!mesh.ok()) return mesh.status();
     part.mesh = *std::move(mesh);
   }
@@ -61,8 +61,8 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
 absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::path& folder,
                                    const v1::CaptureSet& captures, PartSet* set) {
   if (capture.object_id().empty()) capture.set_object_id(kNoObject);
-  const auto known =
-      std::ranges::find_if(set->parts, [&](const Workpiece& part) { return Shows(capture, part); });
+  const auto known = std::ranges::find_if(
+      set->parts, [&](const rendering::Workpiece& part) { return Shows(capture, part); });
   if (known != set->parts.end()) return static_cast<std::size_t>(known - set->parts.begin());
   if (absl::Status added = AddPart(capture, folder, captures, set); !added.ok()) return added;
   return set->parts.size() - 1;

@@ -20,7 +20,7 @@ constexpr double kTouchingGapM = 0.002;
 // The step of BigBIRD's turntable.
 constexpr double kQueryStepDeg = 3;
 
-CameraStand StandOf(const Stand& stand) {
+rendering::CameraStand StandOf(const Stand& stand) {
   return {.look_down_deg = stand.look_down_deg, .distances_m = {stand.distance_m}};
 }
 
@@ -28,13 +28,13 @@ CameraStand StandOf(const Stand& stand) {
 void AddRealCameras(std::vector<ExperimentCase>* cases) {
   struct Camera {
     const char* name;
-    DepthCameraModel model;
+    rendering::DepthCameraModel model;
     double distance_m;
   };
-  for (const Camera& camera : {Camera{"kinect-v1", RealKinectV1(), 1.0},
-                               {"kinect-v2", RealKinectV2(), 0.8},
-                               {"realsense-d4xx", RealSenseD4xx(), 0.8},
-                               {"carmine", Carmine(), 0.8}}) {
+  for (const Camera& camera : {Camera{"kinect-v1", rendering::RealKinectV1(), 1.0},
+                               {"kinect-v2", rendering::RealKinectV2(), 0.8},
+                               {"realsense-d4xx", rendering::RealSenseD4xx(), 0.8},
+                               {"carmine", rendering::Carmine(), 0.8}}) {
     ExperimentCase seen{.name = std::string("real-") + camera.name,
                         .teach_step_deg = 20,
                         .queried = {.camera = camera.model, .distance_m = camera.distance_m},
@@ -62,16 +62,16 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
 }
 
 // Every part at the centre, at azimuths between the taught ones.
-absl::StatusOr<std::vector<PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
-                                                        const PartSet& set) {
-  auto plan = PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
-                                        .azimuth_step_deg = kQueryStepDeg,
-                                        .seed = experiment.seed + 1});
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
+                                                                   const PartSet& set) {
+  auto plan = rendering::PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
+                                                   .azimuth_step_deg = kQueryStepDeg,
+                                                   .seed = experiment.seed + 1});
   if (!plan.ok()) return plan.status();
   const auto steps = static_cast<std::size_t>(std::lround(360 / kQueryStepDeg));
   const auto taught_every =
       static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kQueryStepDeg));
-  std::vector<PlannedCapture> between;
+  std::vector<rendering::PlannedCapture> between;
   for (std::size_t i = 0; i < plan->size(); ++i) {
     if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));
   }
@@ -99,7 +99,7 @@ std::vector<ExperimentCase> ExperimentCases() {
   above.taught.look_down_deg = {85};
   above.queried = above.taught;
   ExperimentCase& v1 = add("kinect-v1");
-  v1.taught = {.camera = KinectV1(), .distance_m = 1.3};
+  v1.taught = {.camera = rendering::KinectV1(), .distance_m = 1.3};
   v1.queried = v1.taught;
   v1.teach_step_deg = 30;
   add("hidden-20").hidden_share = 0.2;
@@ -142,17 +142,17 @@ bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b) {
          orientations_of(a.parts) == orientations_of(b.parts);
 }
 
-absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
-                                                         const PartSet& set) {
-  const std::vector<Workpiece> taught(
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanTeaching(
+    const ExperimentCase& experiment, const PartSet& set) {
+  const std::vector<rendering::Workpiece> taught(
       set.parts.begin(), set.parts.begin() + static_cast<std::ptrdiff_t>(set.taught_count));
-  return PlanTurntable(taught, {.stand = StandOf(experiment.taught),
-                                .azimuth_step_deg = experiment.teach_step_deg,
-                                .seed = experiment.seed});
+  return rendering::PlanTurntable(taught, {.stand = StandOf(experiment.taught),
+                                           .azimuth_step_deg = experiment.teach_step_deg,
+                                           .seed = experiment.seed});
 }
 
-absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
-                                                        const PartSet& set) {
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
+                                                                   const PartSet& set) {
   if (experiment.between_taught_azimuths) return PlanBetween(experiment, set);
   const int count = experiment.trials_per_part * static_cast<int>(set.parts.size());
   const std::uint64_t seed = experiment.seed + 1;
@@ -165,7 +165,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& ex
                                        .area_half_width_m = experiment.area_half_width_m,
                                        .seed = seed});
   }
-  auto plan = PlanRandomScenes(
+  auto plan = rendering::PlanRandomScenes(
       set.parts,
       {.stand = StandOf(experiment.queried),
        .count = set.queried_parts.empty() ? count : static_cast<int>(set.queried_parts.size()),
@@ -179,10 +179,10 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& ex
 }
 
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query) {
-  return {
-      .hidden_share = experiment.hidden_share,
-      .direction_rad = 2 * std::numbers::pi * RandomUniform(experiment.seed, kObstacleSide, query),
-      .cut_out = experiment.cut_out};
+  return {.hidden_share = experiment.hidden_share,
+          .direction_rad = 2 * std::numbers::pi *
+                           rendering::RandomUniform(experiment.seed, kObstacleSide, query),
+          .cut_out = experiment.cut_out};
 }
 
 }  // namespace graspdb::client

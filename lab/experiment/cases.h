@@ -12,7 +12,7 @@ namespace graspdb::client {
 
 // Camera and its pose.
 struct Stand {
-  DepthCameraModel camera = KinectV2();
+  rendering::DepthCameraModel camera = rendering::KinectV2();
   std::vector<double> look_down_deg = {40};  // more than one: as many cameras, in turn
   double distance_m = 0.8;
   bool operator==(const Stand&) const = default;
@@ -46,10 +46,10 @@ std::vector<ExperimentCase> ExperimentCases();
 bool TeachesAlike(const ExperimentCase& a, const ExperimentCase& b);
 
 // The captures to teach and the queries. Errors as PlanTurntable and PlanCloseScenes.
-absl::StatusOr<std::vector<PlannedCapture>> PlanTeaching(const ExperimentCase& experiment,
-                                                         const PartSet& set);
-absl::StatusOr<std::vector<PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
-                                                        const PartSet& set);
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanTeaching(
+    const ExperimentCase& experiment, const PartSet& set);
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
+                                                                   const PartSet& set);
 
 // The obstacle of a query; none unless the case hides something.
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query);

@@ -25,9 +25,10 @@ constexpr double kGapTolerance = 2e-4;
 
 using Footprint = std::vector<Vector2d>;  // points of a shape, seen from above
 
-Footprint FootprintOf(const Workpiece& part) {
+Footprint FootprintOf(const rendering::Workpiece& part) {
   Footprint out;
-  for (const Eigen::Vector3f& p : SampleSurface(part.mesh, kFootprintPoints, /*seed=*/1)) {
+  for (const Eigen::Vector3f& p :
+       rendering::SampleSurface(part.mesh, kFootprintPoints, /*seed=*/1)) {
     out.push_back(p.head<2>().cast<double>());
   }
   return out;
@@ -54,7 +55,9 @@ class CloseScene {
  public:
   CloseScene(const std::vector<Footprint>& footprints, const CloseSceneOptions& options,
              std::size_t number)
-      : footprints_(footprints), options_(options), stream_(RandomBits(0, kClosePlaces, number)) {}
+      : footprints_(footprints),
+        options_(options),
+        stream_(rendering::RandomBits(0, kClosePlaces, number)) {}
 
   // Puts a workpiece at the end of a walk towards the first one.
   void Put(std::size_t part) {
@@ -62,7 +65,7 @@ class CloseScene {
     const double from = 2 * std::numbers::pi * Next();
     const Vector2d direction(std::cos(from), std::sin(from));
     const Footprint there = Placed(footprints_[part], turn, Vector2d::Zero());
-    double walk = placed_.empty() ? 0 : 4 * kRegionHalfWidthM;
+    double walk = placed_.empty() ? 0 : 4 * rendering::kRegionHalfWidthM;
     while (!placed_.empty()) {
       double clear = 1e9;
       const Footprint here = Placed(there, 0, walk * direction);
@@ -78,7 +81,7 @@ class CloseScene {
   }
 
   // Moves the scene into the area; empty if it exceeds the region.
-  std::optional<std::vector<Placement>> Finish() {
+  std::optional<std::vector<rendering::Placement>> Finish() {
     Eigen::AlignedBox2d box;
     for (const Footprint& footprint : placed_) {
       for (const Vector2d& p : footprint) box.extend(p);
@@ -86,14 +89,15 @@ class CloseScene {
     const Vector2d middle =
         options_.area_half_width_m * Vector2d(2 * Next() - 1, 2 * Next() - 1) - box.center();
     box.translate(middle);
-    if (box.min().minCoeff() < -kRegionHalfWidthM || box.max().maxCoeff() > kRegionHalfWidthM) {
+    if (box.min().minCoeff() < -rendering::kRegionHalfWidthM ||
+        box.max().maxCoeff() > rendering::kRegionHalfWidthM) {
       return std::nullopt;
     }
-    for (Placement& p : placements_) p.world_object.translation().head<2>() += middle;
+    for (rendering::Placement& p : placements_) p.world_object.translation().head<2>() += middle;
     return placements_;
   }
 
-  double Next() { return RandomUniform(options_.seed, stream_, counter_++); }
+  double Next() { return rendering::RandomUniform(options_.seed, stream_, counter_++); }
 
   void Clear() {
     placed_.clear();
@@ -106,13 +110,12 @@ class CloseScene {
   std::uint64_t stream_;
   std::uint64_t counter_ = 0;
   std::vector<Footprint> placed_;
-  std::vector<Placement> placements_;
+  std::vector<rendering::Placement> placements_;
 };
 
-std::optional<std::vector<Placement>> PlaceClose(const std::vector<Workpiece>& parts,
-                                                 const std::vector<Footprint>& footprints,
-                                                 const CloseSceneOptions& options,
-                                                 std::size_t number) {
+std::optional<std::vector<rendering::Placement>> PlaceClose(
+    const std::vector<rendering::Workpiece>& parts, const std::vector<Footprint>& footprints,
+    const CloseSceneOptions& options, std::size_t number) {
   CloseScene scene(footprints, options, number);
   for (int attempt = 0; attempt < kTries; ++attempt) {
     scene.Clear();
@@ -133,14 +136,15 @@ std::optional<std::vector<Placement>> PlaceClose(const std::vector<Workpiece>& p
 
 }  // namespace
 
-absl::StatusOr<std::vector<PlannedCapture>> PlanCloseScenes(const std::vector<Workpiece>& parts,
-                                                            const CloseSceneOptions& options) {
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanCloseScenes(
+    const std::vector<rendering::Workpiece>& parts, const CloseSceneOptions& options) {
   std::vector<Footprint> footprints;
   footprints.reserve(parts.size());
-  for (const Workpiece& part : parts) footprints.push_back(FootprintOf(part));
-  const Pose sensor = LookAt(Eigen::Vector3d::Zero(), options.stand.distances_m.front(),
-                             options.stand.look_down_deg.front(), options.stand.azimuth_deg);
-  std::vector<PlannedCapture> plan;
+  for (const rendering::Workpiece& part : parts) footprints.push_back(FootprintOf(part));
+  const Pose sensor =
+      rendering::LookAt(Eigen::Vector3d::Zero(), options.stand.distances_m.front(),
+                        options.stand.look_down_deg.front(), options.stand.azimuth_deg);
+  std::vector<rendering::PlannedCapture> plan;
   for (std::size_t i = 0; i < static_cast<std::size_t>(options.count); ++i) {
     auto placements = PlaceClose(parts, footprints, options, i);
     if (!placements) {
@@ -151,7 +155,7 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanCloseScenes(const std::vector<Wo
                     .split = v1::Capture::QUERY,
                     .placements = *std::move(placements),
                     .world_sensor = sensor,
-                    .seed = RandomBits(options.seed, kCloseNoise, i)});
+                    .seed = rendering::RandomBits(options.seed, kCloseNoise, i)});
   }
   return plan;
 }

@@ -10,7 +10,7 @@
 namespace graspdb::client {
 
 struct CloseSceneOptions {
-  CameraStand stand = {};
+  rendering::CameraStand stand = {};
   int count = 0;
   int objects_per_scene = 3;
   // Smallest distance over the table between neighbours, m.
@@ -23,7 +23,7 @@ struct CloseSceneOptions {
 // Every scene has workpieces of different objects at random azimuths, each `gap_m` away from its
 // nearest neighbour. All are within the region of interest; objects that are too large for it are
 // skipped. The same arguments give the same plan. FAILED_PRECONDITION if a scene has no space.
-absl::StatusOr<std::vector<PlannedCapture>> PlanCloseScenes(const std::vector<Workpiece>& parts,
-                                                            const CloseSceneOptions& options);
+absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanCloseScenes(
+    const std::vector<rendering::Workpiece>& parts, const CloseSceneOptions& options);
 
 }  // namespace graspdb::client

@@ -38,7 +38,8 @@ class Composer {
  public:
   // Parts are placed on the table within `region`.
   Composer(const RealFrame& background, const PartSet& set, Frame image,
-           const recognition::Box& region, DepthCamera camera, const CompositeOptions& options)
+           const recognition::Box& region, rendering::DepthCamera camera,
+           const CompositeOptions& options)
       : set_(set),
         image_(std::move(image)),
         world_sensor_(image_.world_sensor),
@@ -68,7 +69,7 @@ class Composer {
   }
 
  private:
-  double Random() { return RandomUniform(options_.seed, 0, counter_++); }
+  double Random() { return rendering::RandomUniform(options_.seed, 0, counter_++); }
   std::size_t RandomBelow(std::size_t count) {
     return std::min(count - 1, static_cast<std::size_t>(Random() * static_cast<double>(count)));
   }
@@ -77,7 +78,7 @@ class Composer {
   }
 
   // T_world_object of a part on the table.
-  Pose RandomPose(const TriangleMesh& mesh) {
+  Pose RandomPose(const rendering::TriangleMesh& mesh) {
     Pose turned = Pose::Identity();
     turned.rotate(Eigen::AngleAxisd(2 * std::numbers::pi * Random(), Eigen::Vector3d::UnitZ()));
     if (Random() < kLeaningShare) {
@@ -115,9 +116,9 @@ class Composer {
   absl::Status PlaceOne() {
     for (int i = 0; i < kAttempts; ++i) {
       const std::size_t part = RandomBelow(set_.parts.size());
-      const TriangleMesh& mesh = set_.parts[part].mesh;
+      const rendering::TriangleMesh& mesh = set_.parts[part].mesh;
       const Pose world_object = RandomPose(mesh);
-      if (CountInside(BoundsOf(mesh), world_object, others_) > kMaxInside) continue;
+      if (CountInside(rendering::BoundsOf(mesh), world_object, others_) > kMaxInside) continue;
       const absl::StatusOr<bool> taken = Draw(part, world_object);
       if (!taken.ok()) return taken.status();
       if (*taken) return absl::OkStatus();
@@ -130,16 +131,16 @@ class Composer {
   absl::StatusOr<bool> Draw(std::size_t part, const Pose& world_object) {
     const double table_height = WorldPoint(table_.front()).z();
     const Pose down(Eigen::Translation3d(0, 0, -table_height));
-    Scene scene;
+    rendering::Scene scene;
     scene.objects = {{&set_.parts[part].mesh, down * world_object}};
     scene.table_half_width_m = 3;
-    const std::uint64_t seed = RandomBits(options_.seed, 1, counter_++);
+    const std::uint64_t seed = rendering::RandomBits(options_.seed, 1, counter_++);
     const auto drawn = camera_.Render(scene, down * world_sensor_, seed);
     if (!drawn.ok()) return drawn.status();
     std::vector<std::size_t> pixels;
     std::size_t count = 0;
     for (std::size_t i = 0; i < drawn->depth_m.size(); ++i) {
-      if (drawn->surface[i] != 0 && drawn->surface[i] != kFlyingPixel) continue;
+      if (drawn->surface[i] != 0 && drawn->surface[i] != rendering::kFlyingPixel) continue;
       ++count;
       if (image_.depth[i] == 0 || drawn->depth_m[i] < image_.depth[i]) pixels.push_back(i);
     }
@@ -166,7 +167,7 @@ class Composer {
       return image_.depth[i] == 0 || image_.role[i] != PixelRole::kTable;
     });
     others_.insert(others_.end(), points.begin(), points.end());
-    boxes_.emplace_back(BoundsOf(set_.parts[part].mesh), world_object);
+    boxes_.emplace_back(rendering::BoundsOf(set_.parts[part].mesh), world_object);
     out_.frame.objects.push_back(
         {.object = set_.parts[part].object_id,
          .mesh = {},
@@ -178,7 +179,7 @@ class Composer {
   const PartSet& set_;
   Frame image_;
   const Pose world_sensor_;
-  const DepthCamera camera_;
+  const rendering::DepthCamera camera_;
   const CompositeOptions options_;
   std::uint64_t counter_ = 0;
   std::vector<std::size_t> table_;       // pixels
@@ -203,11 +204,13 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
   Frame image = recognition::MakeFrame(scan, world_sensor, segmentation->table, region,
                                        parameters.scene.frame, never);
   if (image.camera.width == 0) return absl::FailedPreconditionError("the frame is no image");
-  constexpr std::array<DepthCameraModel (*)(), 4> kCameras = {RealKinectV1, RealKinectV2,
-                                                              RealSenseD4xx, Carmine};
-  DepthCameraModel model = kCameras[RandomBits(options.seed, 2, 0) % kCameras.size()]();
+  constexpr std::array<rendering::DepthCameraModel (*)(), 4> kCameras = {
+      rendering::RealKinectV1, rendering::RealKinectV2, rendering::RealSenseD4xx,
+      rendering::Carmine};
+  rendering::DepthCameraModel model =
+      kCameras[rendering::RandomBits(options.seed, 2, 0) % kCameras.size()]();
   model.intrinsics = image.camera;
-  auto camera = DepthCamera::Create(model);
+  auto camera = rendering::DepthCamera::Create(model);
   if (!camera.ok()) return camera.status();
   auto composite =
       Composer(background, set, std::move(image), region, *std::move(camera), options).Run();

@@ -56,7 +56,7 @@ struct Sample {
 absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
   const auto shown = SegmentShown(trial, run.parameters);
   if (!shown.ok()) return shown.status();
-  const Placement& truth = trial.truth.front();
+  const rendering::Placement& truth = trial.truth.front();
   Sample out{.part = truth.part, .posed = trial.posed, .descriptors = {}};
   const Eigen::Vector3d x = truth.world_object.linear().col(0);
   out.azimuth_rad = std::atan2(x.y(), x.x());
@@ -93,11 +93,11 @@ double DistanceOf(const Sample& a, const Sample& b, std::size_t kind, const Dist
 
 // More than 15 degrees apart, modulo symmetric turns.
 bool IsFalse(const Sample& query, const Sample& view, const PartSet& set) {
-  const Workpiece& part = set.parts[query.part];
-  const MeasuredShape* shape = set.shapes[query.part].get();
+  const rendering::Workpiece& part = set.parts[query.part];
+  const rendering::MeasuredShape* shape = set.shapes[query.part].get();
   if (shape == nullptr ? part.symmetry_order == 0 : shape->any_turn) return false;
   const std::vector<double> turns =
-      shape == nullptr ? TurnsOf(part.symmetry_order) : shape->turns_rad;
+      shape == nullptr ? rendering::TurnsOf(part.symmetry_order) : shape->turns_rad;
   return std::ranges::all_of(turns, [&](double turn) {
     const double apart =
         std::remainder(query.azimuth_rad - view.azimuth_rad - turn, 2 * std::numbers::pi);

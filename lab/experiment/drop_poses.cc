@@ -15,12 +15,12 @@ namespace {
 enum DropStream : std::uint64_t { kFalls = 200 };
 
 struct Mesh {
-  Workpiece as_it_lies;
+  rendering::Workpiece as_it_lies;
   std::vector<RestingFacet> facets;
 };
 
 // Adds its taught stable poses to `out`.
-absl::StatusOr<Mesh> Teach(Workpiece as_it_lies, PartSet* out) {
+absl::StatusOr<Mesh> Teach(rendering::Workpiece as_it_lies, PartSet* out) {
   auto taught = ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
   if (!taught.ok()) return taught.status();
   const auto hull = HullOf(as_it_lies.mesh.vertices);
@@ -46,17 +46,17 @@ void AddFalls(const Mesh& mesh, std::uint64_t number, const DropPoseSelection& s
               PartSet* out) {
   std::map<int, std::size_t> of_facet;  // position of the part
   for (int i = 0; i < selection.falls; ++i) {
-    const double share =
-        RandomUniform(selection.seed, RandomBits(0, kFalls, number), static_cast<std::uint64_t>(i));
+    const double share = rendering::RandomUniform(
+        selection.seed, rendering::RandomBits(0, kFalls, number), static_cast<std::uint64_t>(i));
     const RestingFacet& facet = Drawn(mesh.facets, share);
     const auto [found, is_new] = of_facet.emplace(facet.facet, out->parts.size());
     out->queried_parts.push_back(found->second);
     if (!is_new) continue;
-    Workpiece part = mesh.as_it_lies;
+    rendering::Workpiece part = mesh.as_it_lies;
     part.stable_pose_id = absl::StrCat("drop-", of_facet.size());
     part.grasps.clear();
     const recognition::Pose pose = PutDown(part.mesh, facet.down);
-    part.mesh = Transformed(part.mesh, pose);
+    part.mesh = rendering::Transformed(part.mesh, pose);
     out->Add(std::move(part), pose);
   }
 }
@@ -68,9 +68,9 @@ absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& path
   PartSet out;
   std::vector<Mesh> meshes;
   for (const std::filesystem::path& path : paths) {
-    auto as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
+    auto as_it_lies = rendering::WorkpieceFromMesh(path, unit_scale_m);
     if (!as_it_lies.ok()) return as_it_lies.status();
-    const double length = DiameterOf(as_it_lies->mesh);
+    const double length = rendering::DiameterOf(as_it_lies->mesh);
     if (length < selection.min_length_m || length > selection.max_length_m) continue;
     auto mesh = Teach(*std::move(as_it_lies), &out);
     if (!mesh.ok()) return mesh.status();

@@ -16,8 +16,8 @@ void MeasureTaught(Gallery* gallery, PartSet* set) {
   for (std::size_t i = 0; i < set->parts.size(); ++i) {
     if (set->shapes[i]) continue;
     const auto model = gallery->ModelOf(set->parts[i]);
-    set->shapes[i] = std::make_shared<const MeasuredShape>(
-        Measure(model ? *model : recognition::SurfaceModel({}, 0), set->parts[i].symmetry_order));
+    set->shapes[i] = std::make_shared<const rendering::MeasuredShape>(rendering::Measure(
+        model ? *model : recognition::SurfaceModel({}, 0), set->parts[i].symmetry_order));
   }
 }
 

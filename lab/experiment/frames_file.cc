@@ -114,7 +114,7 @@ absl::Status CheckMeshes(const std::vector<RealFrame>& frames) {
     for (const FrameObject& object : frame.objects) {
       if (object.object.empty()) continue;
       const FrameObject& first =
-          *known.try_emplace(ObjectIdOf(object.object), &object).first->second;
+          *known.try_emplace(rendering::ObjectIdOf(object.object), &object).first->second;
       if (first.mesh.lexically_normal() == object.mesh.lexically_normal() &&
           first.unit_m == object.unit_m) {
         continue;

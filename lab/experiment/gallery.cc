@@ -15,13 +15,13 @@ namespace {
 // A view and its whole object differ by less; more is another unit.
 constexpr double kMaxSizeRatio = 20;
 
-double MeshSize(const Workpiece& part) {
-  const recognition::Box box = BoundsOf(part.mesh);
+double MeshSize(const rendering::Workpiece& part) {
+  const recognition::Box box = rendering::BoundsOf(part.mesh);
   return (box.max - box.min).norm();
 }
 
 // The limits of pose errors grow with the mesh: with a wrong unit every pose would be right.
-absl::Status CheckMeshSize(const Workpiece& part, double mesh_m, const Trial& trial,
+absl::Status CheckMeshSize(const rendering::Workpiece& part, double mesh_m, const Trial& trial,
                            const recognition::Points& seen) {
   const auto seen_m = static_cast<double>(recognition::BoundsOf(seen).diagonal().norm());
   const bool fits = mesh_m <= kMaxSizeRatio * seen_m && seen_m <= kMaxSizeRatio * mesh_m;
@@ -38,16 +38,19 @@ using recognition::OrientedCloud;
 using recognition::TaughtStablePose;
 using recognition::TaughtView;
 
-std::string ObjectName(const Workpiece& part) { return absl::StrCat("objects/", part.object_id); }
+std::string ObjectName(const rendering::Workpiece& part) {
+  return absl::StrCat("objects/", part.object_id);
+}
 
-std::string StablePoseName(const Workpiece& part) {
+std::string StablePoseName(const rendering::Workpiece& part) {
   return absl::StrCat(ObjectName(part), "/stablePoses/", part.stable_pose_id);
 }
 
-Gallery::Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters)
+Gallery::Gallery(std::vector<rendering::Workpiece> parts,
+                 const recognition::RecognitionParameters& parameters)
     : parts_(std::move(parts)), parameters_(parameters) {
   mesh_sizes_m_.reserve(parts_.size());
-  for (const Workpiece& part : parts_) mesh_sizes_m_.push_back(MeshSize(part));
+  for (const rendering::Workpiece& part : parts_) mesh_sizes_m_.push_back(MeshSize(part));
 }
 
 absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
@@ -71,8 +74,8 @@ absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
 }
 
 absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::size_t number) const {
-  const Placement& truth = trial.truth.front();
-  const Workpiece& part = parts_[truth.part];
+  const rendering::Placement& truth = trial.truth.front();
+  const rendering::Workpiece& part = parts_[truth.part];
   auto shown = SegmentShown(trial, parameters_);
   if (!shown.ok()) {
     return absl::Status(shown.status().code(),
@@ -103,7 +106,7 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
   if (left_out) views.erase(views.begin() + static_cast<std::ptrdiff_t>(*left_out));
   auto poses =
       std::make_shared<std::unordered_map<std::string, std::shared_ptr<const TaughtStablePose>>>();
-  for (const Workpiece& part : parts_) {
+  for (const rendering::Workpiece& part : parts_) {
     auto pose = std::make_shared<TaughtStablePose>();
     pose->name = StablePoseName(part);
     pose->symmetry_order = part.symmetry_order;
@@ -118,14 +121,15 @@ recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left
   return {.revision = 1, .index = index.With(views), .stable_poses = std::move(poses)};
 }
 
-bool Gallery::HasFrame(const Workpiece& part) const {
+bool Gallery::HasFrame(const rendering::Workpiece& part) const {
   const std::string object = ObjectName(part);
   return std::ranges::any_of(views_, [&object](const IndexedView& v) {
     return v.view->object == object && v.view->shares_frame;
   });
 }
 
-std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(const Workpiece& part) {
+std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(
+    const rendering::Workpiece& part) {
   const auto snapshot = Snapshot();
   const auto pose = snapshot.stable_poses->find(StablePoseName(part));
   if (pose == snapshot.stable_poses->end() || pose->second->views.empty()) return nullptr;

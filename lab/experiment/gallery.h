@@ -17,7 +17,8 @@ namespace graspdb::client {
 // Taught views. Teaching is not thread-safe; recognition is.
 class Gallery : public recognition::CloudsInMemory {
  public:
-  Gallery(std::vector<Workpiece> parts, const recognition::RecognitionParameters& parameters);
+  Gallery(std::vector<rendering::Workpiece> parts,
+          const recognition::RecognitionParameters& parameters);
 
   // Teaches each trial as a view of its first object, in order. Errors as the trials and
   // SegmentScan, with the stable pose; INVALID_ARGUMENT when a view is 20 times as large as the
@@ -28,10 +29,10 @@ class Gallery : public recognition::CloudsInMemory {
   recognition::CatalogueSnapshot Snapshot(std::optional<std::size_t> left_out = std::nullopt) const;
 
   // Whether views of the part's object were taught with its pose, so that poses can be judged.
-  bool HasFrame(const Workpiece& part) const;
+  bool HasFrame(const rendering::Workpiece& part) const;
 
   // Model of the first view of a part and all views that share its frame; null if there is none.
-  std::shared_ptr<const recognition::SurfaceModel> ModelOf(const Workpiece& part);
+  std::shared_ptr<const recognition::SurfaceModel> ModelOf(const rendering::Workpiece& part);
 
  private:
   // A view before it is added.
@@ -41,14 +42,14 @@ class Gallery : public recognition::CloudsInMemory {
   };
   absl::StatusOr<Described> Describe(const Trial& trial, std::size_t number) const;
 
-  std::vector<Workpiece> parts_;
+  std::vector<rendering::Workpiece> parts_;
   std::vector<double> mesh_sizes_m_;  // diagonals of the bounding boxes, by part
   recognition::RecognitionParameters parameters_;
   std::vector<recognition::IndexedView> views_;
 };
 
 // Resource names of a workpiece and of its stable pose.
-std::string ObjectName(const Workpiece& part);
-std::string StablePoseName(const Workpiece& part);
+std::string ObjectName(const rendering::Workpiece& part);
+std::string StablePoseName(const rendering::Workpiece& part);
 
 }  // namespace graspdb::client

@@ -20,7 +20,7 @@ Points Thinned(const Points& points) {
   return out;
 }
 
-Eigen::Vector3f CenterOf(const MeasuredShape& shape) {
+Eigen::Vector3f CenterOf(const rendering::MeasuredShape& shape) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : shape.points) box.extend(p);
   return box.isEmpty() ? Eigen::Vector3f::Zero() : Eigen::Vector3f(box.center());
@@ -63,7 +63,7 @@ absl::Status KeepScans(std::size_t count, const TrialSource& queries, CaseResult
     const Answer& answer = result->answers[i];
     const auto trial = queries.make(answer.scene);
     if (!trial.ok()) return trial.status();
-    const MeasuredShape& shape = *result->set.shapes[answer.part];
+    const rendering::MeasuredShape& shape = *result->set.shapes[answer.part];
     const Vector3d center = answer.truth * CenterOf(shape).cast<double>();
     result->scans[i] = Around(center, 0.6 * shape.diameter_m, trial->scan, answer.world_sensor);
   }

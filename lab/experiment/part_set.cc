@@ -19,7 +19,7 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 
 absl::Status CheckNames(const PartSet& all, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (std::ranges::find(all.parts, name, &Workpiece::object_id) == all.parts.end()) {
+    if (std::ranges::find(all.parts, name, &rendering::Workpiece::object_id) == all.parts.end()) {
       return absl::InvalidArgumentError(absl::StrCat("none of the meshes is called ", name,
                                                      "; give a file name without extension"));
     }
@@ -31,7 +31,7 @@ absl::Status CheckNames(const PartSet& all, const std::vector<std::string>& name
 absl::Status CheckFileNames(const std::vector<std::filesystem::path>& paths) {
   std::map<std::string, std::filesystem::path> known;
   for (const std::filesystem::path& path : paths) {
-    const auto [first, is_new] = known.try_emplace(ObjectIdOf(path), path);
+    const auto [first, is_new] = known.try_emplace(rendering::ObjectIdOf(path), path);
     if (is_new) continue;
     return absl::InvalidArgumentError(absl::StrCat(first->second.string(), " and ", path.string(),
                                                    " would both be the object ", first->first,
@@ -48,16 +48,17 @@ void PartSet::Add(const PartSet& other, std::size_t position) {
   object_mesh.push_back(other.object_mesh[position]);
 }
 
-void PartSet::Add(Workpiece part, const recognition::Pose& mesh_pose) {
-  shapes.push_back(
-      part.mesh.triangles.empty() ? nullptr : std::make_shared<const MeasuredShape>(Measure(part)));
+void PartSet::Add(rendering::Workpiece part, const recognition::Pose& mesh_pose) {
+  shapes.push_back(part.mesh.triangles.empty() ? nullptr
+                                               : std::make_shared<const rendering::MeasuredShape>(
+                                                     rendering::Measure(part)));
   parts.push_back(std::move(part));
   object_mesh.push_back(mesh_pose);
 }
 
 bool PartSet::IsTaught(std::size_t position) const {
   const auto taught = parts.begin() + static_cast<std::ptrdiff_t>(taught_count);
-  return std::find_if(parts.begin(), taught, [&](const Workpiece& part) {
+  return std::find_if(parts.begin(), taught, [&](const rendering::Workpiece& part) {
            return part.object_id == parts[position].object_id;
          }) != taught;
 }
@@ -67,7 +68,8 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
   if (absl::Status names = CheckFileNames(paths); !names.ok()) return names;
   PartSet out;
   for (const std::filesystem::path& path : paths) {
-    const absl::StatusOr<Workpiece> as_it_lies = WorkpieceFromMesh(path, unit_scale_m);
+    const absl::StatusOr<rendering::Workpiece> as_it_lies =
+        rendering::WorkpieceFromMesh(path, unit_scale_m);
     if (!as_it_lies.ok()) return as_it_lies.status();
     const auto found =
         FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
@@ -75,9 +77,9 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
     const auto count =
         std::min(found->poses.size(), static_cast<std::size_t>(selection.orientations));
     for (std::size_t i = 0; i < count; ++i) {
-      Workpiece part = *as_it_lies;
+      rendering::Workpiece part = *as_it_lies;
       part.stable_pose_id = absl::StrCat("resting-", i + 1);
-      part.mesh = Transformed(as_it_lies->mesh, found->poses[i].object_mesh);
+      part.mesh = rendering::Transformed(as_it_lies->mesh, found->poses[i].object_mesh);
       part.grasps.clear();
       out.Add(std::move(part), found->poses[i].object_mesh);
     }
@@ -88,7 +90,7 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
 
 PartSet TwinParts() {
   PartSet out;
-  for (Workpiece& part : SampleParts()) {
+  for (rendering::Workpiece& part : rendering::SampleParts()) {
     out.Add(std::move(part), recognition::Pose::Identity());
   }
   out.taught_count = out.parts.size();

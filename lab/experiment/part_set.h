@@ -14,8 +14,9 @@ namespace graspdb::client {
 
 // Workpieces and their shapes for measuring answers, by position.
 struct PartSet {
-  std::vector<Workpiece> parts;
-  std::vector<std::shared_ptr<const MeasuredShape>> shapes;  // null: from the taught model
+  std::vector<rendering::Workpiece> parts;
+  std::vector<std::shared_ptr<const rendering::MeasuredShape>>
+      shapes;  // null: from the taught model
   // T_object_mesh: from the mesh file to the frame of the stable pose. All stable poses of an
   // object have one mesh.
   std::vector<recognition::Pose> object_mesh;
@@ -26,7 +27,7 @@ struct PartSet {
 
   void Add(const PartSet& other, std::size_t position);
   // Measures the part by its mesh, if it has one.
-  void Add(Workpiece part, const recognition::Pose& mesh_pose);
+  void Add(rendering::Workpiece part, const recognition::Pose& mesh_pose);
   // Whether the part's object was taught, in any stable pose.
   bool IsTaught(std::size_t position) const;
 };

@@ -15,7 +15,7 @@ using recognition::PoseStep;
 // other places the scan may show the object again.
 constexpr double kPlaceShare = 0.5;
 
-bool IsAtPlace(const MeasuredShape& shape, const Pose& a, const Pose& b) {
+bool IsAtPlace(const rendering::MeasuredShape& shape, const Pose& a, const Pose& b) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const auto& p : shape.points) center += p.cast<double>();
   center /= static_cast<double>(shape.points.size());
@@ -86,7 +86,7 @@ PoseStage PoseRecord::StageOf(const std::string& object_id, const Pose& world_me
     if (step.source != source || (stage <= furthest && !refined)) continue;
     bool is_best = refined;
     for (const auto& [part, world_object] : step.poses) {
-      const MeasuredShape& shape = *set_.shapes[part];
+      const rendering::MeasuredShape& shape = *set_.shapes[part];
       if (set_.parts[part].object_id != object_id ||
           !IsAtPlace(shape, world_object, world_mesh * set_.object_mesh[part].inverse())) {
         continue;
@@ -103,8 +103,8 @@ PoseStage PoseRecord::StageOf(const std::string& object_id, const Pose& world_me
 
 double ShareOff(const PartSet& set, std::size_t position, const Pose& world_object,
                 const Pose& world_mesh) {
-  const MeasuredShape& shape = *set.shapes[position];
-  return AddS(shape, world_mesh * set.object_mesh[position].inverse(), world_object) /
+  const rendering::MeasuredShape& shape = *set.shapes[position];
+  return rendering::AddS(shape, world_mesh * set.object_mesh[position].inverse(), world_object) /
          shape.diameter_m;
 }
 

@@ -20,9 +20,9 @@ using recognition::Pose;
 constexpr double kTeachStepDeg = 20;
 
 absl::Status AddMesh(const FrameObject& object, PartSet* set) {
-  const auto mesh = LoadPartMesh(object.mesh, object.unit_m);
+  const auto mesh = rendering::LoadPartMesh(object.mesh, object.unit_m);
   if (!mesh.ok()) return mesh.status();
-  auto part = ProposeCadPart(ObjectIdOf(object.object), "", *mesh, {});
+  auto part = ProposeCadPart(rendering::ObjectIdOf(object.object), "", *mesh, {});
   if (!part.ok()) return part.status();
   for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
     set->Add(std::move(part->workpieces[i]), part->found.poses[i].object_mesh);
@@ -41,7 +41,7 @@ std::size_t PoseAtRest(const PartSet& set, const std::string& object, const Pose
   double upright = -2;
   for (std::size_t i = 0; i < set.parts.size(); ++i) {
     const double cosine = (world_mesh * set.object_mesh[i].inverse()).linear()(2, 2);
-    if (set.parts[i].object_id != ObjectIdOf(object) || cosine <= upright) continue;
+    if (set.parts[i].object_id != rendering::ObjectIdOf(object) || cosine <= upright) continue;
     upright = cosine;
     best = i;
   }
@@ -55,7 +55,7 @@ FrameDetection Judge(const PartSet& set, const Detection& detection, const RealF
   out.sensor_mesh = world_sensor.inverse() * detection.refined_pose * set.object_mesh[answered];
   for (std::size_t i = 0; i < frame.objects.size(); ++i) {
     const FrameObject& object = frame.objects[i];
-    if (ObjectIdOf(object.object) != out.object) continue;
+    if (rendering::ObjectIdOf(object.object) != out.object) continue;
     if (!object.sensor_mesh) {
       out.pose_unknown = true;
       continue;
@@ -117,7 +117,7 @@ void AddBest(const recognition::Recognition& recognition, const FramesCatalogue&
   const Detection& best = *std::ranges::min_element(
       recognition.detections, {},
       [&](const Detection& d) { return (d.centroid - instance->truth.centroid).squaredNorm(); });
-  const std::string object = ObjectIdOf(instance->object.object);
+  const std::string object = rendering::ObjectIdOf(instance->object.object);
   instance->best_score = best.score;
   instance->best_explains = best.evidence.score;
   const PartSet& set = catalogue.set();
@@ -138,7 +138,7 @@ void AddBest(const recognition::Recognition& recognition, const FramesCatalogue&
 std::vector<std::string> PosedObjects(const RealFrame& frame) {
   std::vector<std::string> out;
   for (const FrameObject& object : frame.objects) {
-    if (object.sensor_mesh) out.push_back(ObjectIdOf(object.object));
+    if (object.sensor_mesh) out.push_back(rendering::ObjectIdOf(object.object));
   }
   return out;
 }
@@ -165,7 +165,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   for (const RealFrame& frame : frames) {
     for (const FrameObject& object : frame.objects) {
       if (object.object.empty()) continue;
-      meshes.try_emplace(ObjectIdOf(object.object), object);
+      meshes.try_emplace(rendering::ObjectIdOf(object.object), object);
     }
   }
   auto out = std::make_unique<FramesCatalogue>();
@@ -181,7 +181,7 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   if (!taught.ok()) return taught;
   out->snapshot_ = out->gallery_->Snapshot();
   // A server makes models before the first request.
-  for (const Workpiece& part : out->set_.parts) {
+  for (const rendering::Workpiece& part : out->set_.parts) {
     out->models_.push_back(out->gallery_->ModelOf(part));
   }
   return out;
@@ -235,7 +235,7 @@ FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan
     AddBest(*recognition, *catalogue, world_mesh, &instance);
     instance.lost_by = WhereLost(instance);
     const auto stage_by = [&](recognition::PoseSource source) {
-      return record.StageOf(ObjectIdOf(object.object), world_mesh, source);
+      return record.StageOf(rendering::ObjectIdOf(object.object), world_mesh, source);
     };
     instance.by_segments = stage_by(recognition::PoseSource::kSegment);
     instance.in_image = stage_by(recognition::PoseSource::kImage);

@@ -19,9 +19,9 @@ constexpr double kPlateNearness = 0.4;
 
 // A large plate across the view at `depth_m` (sensor frame), that covers all directions
 // x/z, y/z whose component along `direction` is larger than `edge`. Both sides.
-TriangleMesh PlateMesh(const Vector2d& direction, double edge, double depth_m) {
+rendering::TriangleMesh PlateMesh(const Vector2d& direction, double edge, double depth_m) {
   const Vector2d along(-direction.y(), direction.x());
-  TriangleMesh out;
+  rendering::TriangleMesh out;
   for (const auto& [a, b] :
        {std::pair(edge, -2.0), {edge + 2, -2.0}, {edge + 2, 2.0}, {edge, 2.0}}) {
     const Vector2d at = (a * direction + b * along) * depth_m;
@@ -31,7 +31,7 @@ TriangleMesh PlateMesh(const Vector2d& direction, double edge, double depth_m) {
   return out;
 }
 
-Vector3d MeanSeen(const DepthFrame& frame, int object, const Trial& trial) {
+Vector3d MeanSeen(const rendering::DepthFrame& frame, int object, const Trial& trial) {
   Vector3d sum = Vector3d::Zero();
   int count = 0;
   for (std::size_t i = 0; i < frame.surface.size(); ++i) {
@@ -45,7 +45,7 @@ Vector3d MeanSeen(const DepthFrame& frame, int object, const Trial& trial) {
 }
 
 // Keeps the points of the first object alone.
-void CutOut(const DepthFrame& frame, recognition::Scan* scan) {
+void CutOut(const rendering::DepthFrame& frame, recognition::Scan* scan) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < frame.surface.size(); ++i) {
     if (frame.surface[i] == 0) scan->points[kept++] = scan->points[i];
@@ -58,16 +58,18 @@ void CutOut(const DepthFrame& frame, recognition::Scan* scan) {
 
 }  // namespace
 
-absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<Workpiece>& parts,
-                                                    const DepthCameraModel& camera) {
-  absl::StatusOr<DepthCamera> made = DepthCamera::Create(camera);
+absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<rendering::Workpiece>& parts,
+                                                    const rendering::DepthCameraModel& camera) {
+  absl::StatusOr<rendering::DepthCamera> made = rendering::DepthCamera::Create(camera);
   if (!made.ok()) return made.status();
   return TrialRenderer(parts, *std::move(made));
 }
 
-absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const PlannedCapture& capture,
-                                                  const Obstacle& obstacle) const {
-  absl::StatusOr<DepthFrame> clear = camera_.Render(scene, capture.world_sensor, capture.seed);
+absl::StatusOr<rendering::TriangleMesh> TrialRenderer::Plate(
+    const rendering::Scene& scene, const rendering::PlannedCapture& capture,
+    const Obstacle& obstacle) const {
+  absl::StatusOr<rendering::DepthFrame> clear =
+      camera_.Render(scene, capture.world_sensor, capture.seed);
   if (!clear.ok()) return clear.status();
   const recognition::CameraIntrinsics& k = camera_.model().intrinsics;
   const Vector2d direction(std::cos(obstacle.direction_rad), std::sin(obstacle.direction_rad));
@@ -91,24 +93,25 @@ absl::StatusOr<TriangleMesh> TrialRenderer::Plate(const Scene& scene, const Plan
   return PlateMesh(direction, along[static_cast<std::size_t>(rank)] + shadowed, depth);
 }
 
-absl::StatusOr<Trial> TrialRenderer::Render(const PlannedCapture& capture,
+absl::StatusOr<Trial> TrialRenderer::Render(const rendering::PlannedCapture& capture,
                                             const Obstacle& obstacle) const {
-  Scene scene;
-  for (const Placement& p : capture.placements) {
+  rendering::Scene scene;
+  for (const rendering::Placement& p : capture.placements) {
     scene.objects.push_back({.mesh = &(*parts_)[p.part].mesh, .world_object = p.world_object});
   }
-  TriangleMesh plate;
+  rendering::TriangleMesh plate;
   if (obstacle.hidden_share > 0) {
-    absl::StatusOr<TriangleMesh> made = Plate(scene, capture, obstacle);
+    absl::StatusOr<rendering::TriangleMesh> made = Plate(scene, capture, obstacle);
     if (!made.ok()) return made.status();
     plate = *std::move(made);
     scene.objects.push_back({.mesh = &plate, .world_object = capture.world_sensor});
   }
-  absl::StatusOr<DepthFrame> frame = camera_.Render(scene, capture.world_sensor, capture.seed);
+  absl::StatusOr<rendering::DepthFrame> frame =
+      camera_.Render(scene, capture.world_sensor, capture.seed);
   if (!frame.ok()) return frame.status();
-  Trial out{.scan = {.points = ToPoints(*frame, camera_.model().intrinsics),
+  Trial out{.scan = {.points = rendering::ToPoints(*frame, camera_.model().intrinsics),
                      .world_sensor = capture.world_sensor,
-                     .region = files::FromMessage(SimulatedRegion()),
+                     .region = files::FromMessage(rendering::SimulatedRegion()),
                      .segmented = false,
                      .width = camera_.model().intrinsics.width},
             .truth = capture.placements,

@@ -15,7 +15,7 @@ namespace graspdb::client {
 // A frame to teach or to recognize.
 struct Trial {
   recognition::Scan scan;
-  std::vector<Placement> truth;  // objects in it; the first is queried
+  std::vector<rendering::Placement> truth;  // objects in it; the first is queried
   // Mean of the visible points of each, world frame, m; its position if they are unknown.
   std::vector<Eigen::Vector3d> seen;
   bool posed = true;      // the poses in `truth` are known
@@ -34,21 +34,23 @@ struct Obstacle {
 // Renders planned captures of `parts`, which outlives it. Thread-safe.
 class TrialRenderer {
  public:
-  static absl::StatusOr<TrialRenderer> Create(const std::vector<Workpiece>& parts,
-                                              const DepthCameraModel& camera);
+  static absl::StatusOr<TrialRenderer> Create(const std::vector<rendering::Workpiece>& parts,
+                                              const rendering::DepthCameraModel& camera);
 
   // The region of interest is that of a simulated capture set. Errors as DepthCamera::Render.
-  absl::StatusOr<Trial> Render(const PlannedCapture& capture, const Obstacle& obstacle = {}) const;
+  absl::StatusOr<Trial> Render(const rendering::PlannedCapture& capture,
+                               const Obstacle& obstacle = {}) const;
 
  private:
-  TrialRenderer(const std::vector<Workpiece>& parts, DepthCamera camera)
+  TrialRenderer(const std::vector<rendering::Workpiece>& parts, rendering::DepthCamera camera)
       : parts_(&parts), camera_(std::move(camera)) {}
 
-  absl::StatusOr<TriangleMesh> Plate(const Scene& scene, const PlannedCapture& capture,
-                                     const Obstacle& obstacle) const;
+  absl::StatusOr<rendering::TriangleMesh> Plate(const rendering::Scene& scene,
+                                                const rendering::PlannedCapture& capture,
+                                                const Obstacle& obstacle) const;
 
-  const std::vector<Workpiece>* parts_;
-  DepthCamera camera_;
+  const std::vector<rendering::Workpiece>* parts_;
+  rendering::DepthCamera camera_;
 };
 
 }  // namespace graspdb::client

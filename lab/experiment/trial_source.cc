@@ -8,14 +8,14 @@ namespace graspdb::client {
 namespace {
 
 // With the obstacles of `query_case` if it is not null.
-absl::StatusOr<TrialSource> Rendered(std::vector<PlannedCapture> plan, const PartSet& set,
-                                     const DepthCameraModel& camera,
+absl::StatusOr<TrialSource> Rendered(std::vector<rendering::PlannedCapture> plan,
+                                     const PartSet& set, const rendering::DepthCameraModel& camera,
                                      const ExperimentCase* query_case) {
   auto made = TrialRenderer::Create(set.parts, camera);
   if (!made.ok()) return made.status();
   struct Shared {
     TrialRenderer renderer;
-    std::vector<PlannedCapture> plan;
+    std::vector<rendering::PlannedCapture> plan;
   };
   auto shared = std::make_shared<const Shared>(Shared{*std::move(made), std::move(plan)});
   const std::size_t count = shared->plan.size();

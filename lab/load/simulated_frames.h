@@ -13,7 +13,7 @@ namespace graspdb::client {
 
 struct SimulatedFrames {
   std::vector<std::string> parts;  // ids of sample parts; none: all
-  DepthCameraModel camera = KinectV2();
+  rendering::DepthCameraModel camera = rendering::KinectV2();
   int count = 16;
   int objects_per_scene = 1;
   std::uint64_t seed = 1;

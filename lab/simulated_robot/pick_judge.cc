@@ -22,7 +22,8 @@ double NearestTurn(int symmetry_order, const Eigen::Matrix3d& taught,
   return step * std::round(turn / step);
 }
 
-PickError ErrorOf(const Workpiece& part, const v1::Grasp& grasp, const Pose& object_tcp) {
+PickError ErrorOf(const rendering::Workpiece& part, const v1::Grasp& grasp,
+                  const Pose& object_tcp) {
   const Pose taught = files::FromMessage(grasp.tcp_pose());
   Pose turned = Pose::Identity();
   turned.rotate(
@@ -43,12 +44,12 @@ double SizeOf(const PickError& error) {
 
 bool WouldHold(const PickError& error) { return !error.object.empty() && SizeOf(error) <= 1; }
 
-PickError JudgePick(const std::vector<Workpiece>& parts, const PlannedCapture& scene,
-                    const Pose& world_tcp) {
+PickError JudgePick(const std::vector<rendering::Workpiece>& parts,
+                    const rendering::PlannedCapture& scene, const Pose& world_tcp) {
   PickError nearest;
   double least = std::numeric_limits<double>::infinity();
-  for (const Placement& placement : scene.placements) {
-    const Workpiece& part = parts[placement.part];
+  for (const rendering::Placement& placement : scene.placements) {
+    const rendering::Workpiece& part = parts[placement.part];
     for (const v1::Grasp& grasp : part.grasps) {
       PickError error = ErrorOf(part, grasp, placement.world_object.inverse() * world_tcp);
       const double size = SizeOf(error);

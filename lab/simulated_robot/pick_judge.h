@@ -27,7 +27,7 @@ bool WouldHold(const PickError& error);
 
 // Compares `world_tcp` (T_world_tcp) to the grasps of the objects in `scene`, modulo the symmetry
 // of each workpiece about its z axis.
-PickError JudgePick(const std::vector<Workpiece>& parts, const PlannedCapture& scene,
-                    const recognition::Pose& world_tcp);
+PickError JudgePick(const std::vector<rendering::Workpiece>& parts,
+                    const rendering::PlannedCapture& scene, const recognition::Pose& world_tcp);
 
 }  // namespace graspdb::client

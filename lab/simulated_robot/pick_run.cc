@@ -33,8 +33,9 @@ absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) 
                    ", returned ", GriCodeName(answer->code), "; see the agent's jobs"));
 }
 
-absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& parts,
-                              const PickRunOptions& options, const PlannedCapture& scene) {
+absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<rendering::Workpiece>& parts,
+                              const PickRunOptions& options,
+                              const rendering::PlannedCapture& scene) {
   Pick out;
   out.shown = parts[scene.placements.front().part].object_id;
   const Clock::time_point sent = Clock::now();
@@ -55,19 +56,21 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<Workpiece>& pa
 
 }  // namespace
 
-absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
+absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent,
+                                           const std::vector<rendering::Workpiece>& parts,
                                            const PickRunOptions& options,
                                            const std::function<void(const Pick&)>& on_pick) {
-  RandomSceneOptions random;
+  rendering::RandomSceneOptions random;
   random.count = options.picks;
   random.objects_per_scene = options.objects_per_scene;
   random.seed = options.seed;
-  const absl::StatusOr<std::vector<PlannedCapture>> scenes = PlanRandomScenes(parts, random);
+  const absl::StatusOr<std::vector<rendering::PlannedCapture>> scenes =
+      rendering::PlanRandomScenes(parts, random);
   if (!scenes.ok()) return scenes.status();
   std::vector<Pick> out;
   out.reserve(scenes->size());
-  for (const PlannedCapture& scene : *scenes) {
-    absl::Status laid = WriteScenes(options.scene, parts, {scene});
+  for (const rendering::PlannedCapture& scene : *scenes) {
+    absl::Status laid = rendering::WriteScenes(options.scene, parts, {scene});
     if (!laid.ok()) return laid;
     absl::StatusOr<Pick> pick = PickFrom(agent, parts, options, scene);
     if (!pick.ok()) return pick.status();

@@ -41,7 +41,8 @@ struct Pick {
 // pose is no error and is not reported to the agent. Errors of PlanRandomScenes, WriteScenes and
 // GriClient; INTERNAL when the agent returns an invalid pose; FAILED_PRECONDITION when a job that
 // reports picks returns an error. Thread-safe if every thread has its own client and folder.
-absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent, const std::vector<Workpiece>& parts,
+absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent,
+                                           const std::vector<rendering::Workpiece>& parts,
                                            const PickRunOptions& options,
                                            const std::function<void(const Pick&)>& on_pick);
 

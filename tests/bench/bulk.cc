@@ -35,7 +35,7 @@ struct Options {
 class Views {
  public:
   explicit Views(const Options& options)
-      : options_(options), parts_(client::SampleParts()), seen_(SeeParts(parts_)) {
+      : options_(options), parts_(rendering::SampleParts()), seen_(SeeParts(parts_)) {
     Stretches stretches(parts_.size());
     for (std::size_t i = 0; i < options.views; i += seen_.size()) {
       factors_.push_back(stretches.Next());
@@ -68,7 +68,7 @@ class Views {
 
  private:
   const Options& options_;
-  const std::vector<client::Workpiece> parts_;
+  const std::vector<rendering::Workpiece> parts_;
   const std::vector<SeenPart> seen_;
   std::vector<std::vector<Eigen::Vector3f>> factors_;
 };

@@ -18,7 +18,7 @@ using recognition::TaughtView;
 }  // namespace
 
 Catalogue::Catalogue(std::size_t view_count) {
-  const std::vector<client::Workpiece> parts = client::SampleParts();
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
   const std::vector<SeenPart> seen = SeeParts(parts);
   if (seen.empty()) {
     std::fprintf(stderr, "graspdb_bench: the simulated camera shows no part\n");

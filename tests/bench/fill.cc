@@ -29,11 +29,11 @@ struct Variant {
   bool object_poses = true;              // views have object poses
 };
 
-std::string ObjectId(const client::Workpiece& part, const Variant& variant) {
+std::string ObjectId(const rendering::Workpiece& part, const Variant& variant) {
   return absl::StrFormat("%s-%d", part.object_id, variant.number);
 }
 
-std::string StablePoseName(const client::Workpiece& part, const Variant& variant) {
+std::string StablePoseName(const rendering::Workpiece& part, const Variant& variant) {
   return absl::StrFormat("objects/%s/stablePoses/%s", ObjectId(part, variant), part.stable_pose_id);
 }
 
@@ -66,7 +66,7 @@ absl::StatusOr<storage::NewView> MakeView(const SeenPart& seen, const Eigen::Vec
   return out;
 }
 
-absl::Status Declare(storage::Catalogue& catalogue, const client::Workpiece& part,
+absl::Status Declare(storage::Catalogue& catalogue, const rendering::Workpiece& part,
                      const Variant& variant) {
   v1::Object object;
   object.set_name("objects/" + ObjectId(part, variant));
@@ -81,10 +81,10 @@ absl::Status Declare(storage::Catalogue& catalogue, const client::Workpiece& par
 
 // Stores at most `count` views of a variant; returns how many.
 absl::StatusOr<std::size_t> Store(storage::Catalogue& catalogue,
-                                  const std::vector<client::Workpiece>& parts,
+                                  const std::vector<rendering::Workpiece>& parts,
                                   const std::vector<SeenPart>& seen, const Variant& variant,
                                   std::size_t count) {
-  for (const client::Workpiece& part : parts) {
+  for (const rendering::Workpiece& part : parts) {
     if (auto declared = Declare(catalogue, part, variant); !declared.ok()) return declared;
   }
   std::vector<storage::NewView> views(std::min(count, seen.size()));
@@ -112,7 +112,7 @@ absl::Status Fill(const std::string& directory, int view_count, bool object_pose
     return absl::FailedPreconditionError("there is a catalogue in " + directory +
                                          " already; choose another folder");
   }
-  const std::vector<client::Workpiece> parts = client::SampleParts();
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
   const std::vector<SeenPart> seen = SeeParts(parts);
   if (seen.empty()) return absl::InternalError("the simulated camera shows no part");
   Stretches stretches(parts.size());

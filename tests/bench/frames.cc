@@ -32,33 +32,33 @@ T OrDie(absl::StatusOr<T> value) {
   std::exit(1);
 }
 
-Frame Render(const std::string& name, const client::DepthCameraModel& model,
-             const client::Scene& scene) {
-  const auto camera = OrDie(client::DepthCamera::Create(model));
+Frame Render(const std::string& name, const rendering::DepthCameraModel& model,
+             const rendering::Scene& scene) {
+  const auto camera = OrDie(rendering::DepthCamera::Create(model));
   Frame out;
   out.name = name;
   out.camera = model.intrinsics;
-  out.world_sensor = client::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
+  out.world_sensor = rendering::LookAt(Eigen::Vector3d::Zero(), kDistanceM, kLookDownDeg, -90);
   out.region = {Eigen::Vector3d(-0.3, -0.3, -0.02), Eigen::Vector3d(0.3, 0.3, 0.4)};
   out.objects = scene.objects.size();
   const auto image = OrDie(camera.Render(scene, out.world_sensor, /*seed=*/1));
-  out.depth = client::ToCounts(image, kDepthUnitM);
+  out.depth = rendering::ToCounts(image, kDepthUnitM);
   return out;
 }
 
 // A Kinect v2 with 4.7 times the pixels over the same angle.
-client::DepthCameraModel Megapixel() {
-  client::DepthCameraModel out = client::KinectV2();
+rendering::DepthCameraModel Megapixel() {
+  rendering::DepthCameraModel out = rendering::KinectV2();
   out.intrinsics = {
       .width = 1280, .height = 800, .fx = 913.75, .fy = 913.75, .cx = 639.5, .cy = 399.5};
   return out;
 }
 
 // The first sample parts, on a circle if there are several.
-Frame RenderObjects(const std::string& name, const client::DepthCameraModel& model,
+Frame RenderObjects(const std::string& name, const rendering::DepthCameraModel& model,
                     std::size_t objects) {
-  const std::vector<client::Workpiece> parts = client::SampleParts();
-  client::Scene scene;
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
+  rendering::Scene scene;
   for (std::size_t i = 0; i < objects; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 5;
     Pose pose = Pose::Identity();
@@ -105,8 +105,8 @@ const Frame& SimulatedFrame(const std::string& name) {
   if (found != made.end()) return found->second;
   const bool is_megapixel = name.starts_with("megapixel");
   const auto camera = is_megapixel                    ? Megapixel()
-                      : name.starts_with("kinect-v1") ? client::KinectV1()
-                                                      : client::KinectV2();
+                      : name.starts_with("kinect-v1") ? rendering::KinectV1()
+                                                      : rendering::KinectV2();
   return made[name] = RenderObjects(name, camera, name.ends_with("-five") ? 5 : 1);
 }
 
@@ -145,11 +145,11 @@ const std::vector<Frame>& PartFrames() {
       return most * (static_cast<double>(random() % 2001) / 1000 - 1);
     };
     for (int round = 0; round < 2; ++round) {
-      for (const client::Workpiece& part : client::SampleParts()) {
+      for (const rendering::Workpiece& part : rendering::SampleParts()) {
         Pose pose = Pose::Identity();
         pose.translation() << within(0.1), within(0.1), 0;
         pose.rotate(Eigen::AngleAxisd(within(std::numbers::pi), Eigen::Vector3d::UnitZ()));
-        out.push_back(FrameOf(part.object_id, client::KinectV2(), pose));
+        out.push_back(FrameOf(part.object_id, rendering::KinectV2(), pose));
       }
     }
     return out;
@@ -157,11 +157,11 @@ const std::vector<Frame>& PartFrames() {
   return frames;
 }
 
-Frame FrameOf(const std::string& part, const client::DepthCameraModel& camera,
+Frame FrameOf(const std::string& part, const rendering::DepthCameraModel& camera,
               const Pose& world_object) {
-  const std::vector<client::Workpiece> parts = client::SampleParts();
-  const auto found = std::ranges::find(parts, part, &client::Workpiece::object_id);
-  client::Scene scene;
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
+  const auto found = std::ranges::find(parts, part, &rendering::Workpiece::object_id);
+  rendering::Scene scene;
   scene.objects.push_back({&found->mesh, world_object});
   return Render(part, camera, scene);
 }

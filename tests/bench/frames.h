@@ -50,7 +50,7 @@ std::vector<const Frame*> PointersTo(const std::vector<Frame>& frames);
 const std::vector<Frame>& PartFrames();
 
 // The sample part of this id alone on the table, at `world_object`.
-Frame FrameOf(const std::string& part, const client::DepthCameraModel& camera,
+Frame FrameOf(const std::string& part, const rendering::DepthCameraModel& camera,
               const recognition::Pose& world_object);
 
 }  // namespace graspdb::bench

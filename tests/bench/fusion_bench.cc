@@ -22,7 +22,7 @@ constexpr double kReachM = 0.006;
 
 struct Views {
   explicit Views(const std::string& id) {
-    for (client::Workpiece& part : client::SampleParts()) {
+    for (rendering::Workpiece& part : rendering::SampleParts()) {
       if (part.object_id == id) parts.push_back(std::move(part));
     }
     for (SeenPart& seen : SeeParts(parts)) {
@@ -33,7 +33,7 @@ struct Views {
     }
   }
 
-  std::vector<client::Workpiece> parts;  // the one
+  std::vector<rendering::Workpiece> parts;  // the one
   std::vector<recognition::PosedCloud> clouds;
   recognition::Points all;  // of all views, object frame, m
 };
@@ -45,7 +45,7 @@ void Report(const Views& views, const Fused& fused, const PointAt& point_at,
   double squares = 0;
   for (const auto& entry : fused) {
     const auto off = static_cast<double>(
-        client::DistanceTo(views.parts.front().mesh, Eigen::Vector3f(point_at(entry))));
+        rendering::DistanceTo(views.parts.front().mesh, Eigen::Vector3f(point_at(entry))));
     squares += off * off;
   }
   const auto count = static_cast<double>(fused.size());

@@ -26,7 +26,7 @@ struct Look {
   recognition::Segment segment;
 };
 
-Look LookAt(const std::string& part, const client::DepthCameraModel& camera,
+Look LookAt(const std::string& part, const rendering::DepthCameraModel& camera,
             const Pose& world_object) {
   Look out;
   out.scan = ScanOf(FrameOf(part, camera, world_object));
@@ -51,7 +51,7 @@ struct ScanLookUps {
 };
 
 struct Pair {
-  Pair(const std::string& part, const client::DepthCameraModel& camera) {
+  Pair(const std::string& part, const rendering::DepthCameraModel& camera) {
     moved.translation() << 0.004, -0.003, 0;
     moved.rotate(Eigen::AngleAxisd(7.5 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()));
     taught = LookAt(part, camera, Pose::Identity());
@@ -120,7 +120,7 @@ void Peer(benchmark::State& state, const Pair& pair, const Cloud& taught, const 
 }
 
 void Add(const std::string& part, const std::string& camera_name,
-         const client::DepthCameraModel& camera) {
+         const rendering::DepthCameraModel& camera) {
   const Lazy<std::shared_ptr<const Pair>> pair(
       [=] { return std::make_shared<const Pair>(part, camera); });
   const std::string work = "one registration, " + part + ", " + camera_name;
@@ -143,7 +143,7 @@ void Add(const std::string& part, const std::string& camera_name,
 
 void AddRegistration() {
   for (const char* part : {"l-bracket", "post-plate", "wedge"}) {
-    Add(part, "kinect-v2", client::KinectV2());
+    Add(part, "kinect-v2", rendering::KinectV2());
   }
 }
 

@@ -6,19 +6,19 @@ namespace graspdb::bench {
 
 using recognition::OrientedCloud;
 
-std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts) {
-  const auto plan = client::PlanTurntable(parts, {});
-  const auto renderer = client::TrialRenderer::Create(parts, client::KinectV2());
+std::vector<SeenPart> SeeParts(const std::vector<rendering::Workpiece>& parts) {
+  const auto plan = rendering::PlanTurntable(parts, {});
+  const auto renderer = client::TrialRenderer::Create(parts, rendering::KinectV2());
   std::vector<SeenPart> out;
   if (!plan.ok() || !renderer.ok()) return out;
-  for (const client::PlannedCapture& capture : *plan) {
+  for (const rendering::PlannedCapture& capture : *plan) {
     const auto trial = renderer->Render(capture);
     if (!trial.ok()) continue;
     recognition::StageLog log;
     auto found = recognition::SegmentScan(
         trial->scan, {}, {}, [] { return false; }, &log);
     if (!found.ok() || found->segments.empty()) continue;
-    const client::Placement& placed = capture.placements.front();
+    const rendering::Placement& placed = capture.placements.front();
     recognition::Segment& segment = found->segments.front();
     recognition::Points measured;
     for (const std::int32_t i : segment.indices) measured.push_back(trial->scan.PointAt(i));

@@ -20,7 +20,7 @@ struct SeenPart {
 };
 
 // The parts captured by a simulated Kinect v2 from all around; views without a part are left out.
-std::vector<SeenPart> SeeParts(const std::vector<client::Workpiece>& parts);
+std::vector<SeenPart> SeeParts(const std::vector<rendering::Workpiece>& parts);
 
 // Scales the object in a view along its axes.
 class Stretch {

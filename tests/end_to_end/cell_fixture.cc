@@ -32,12 +32,12 @@ void CellProgramsTest::StartCell() {
   StartServer();
   Simulate("teach", 15, 1);
   Succeed({"import", Path("teach"), "--split", "TEACH"});
-  parts_ = client::SampleParts();
-  std::erase_if(parts_, [](const client::Workpiece& part) {
+  parts_ = rendering::SampleParts();
+  std::erase_if(parts_, [](const rendering::Workpiece& part) {
     return part.object_id != "l-bracket" && part.object_id != "flange" &&
            part.object_id != "handle";
   });
-  const auto scenes = client::PlanRandomScenes(parts_, {.stand = {}, .count = 12, .seed = 21});
+  const auto scenes = rendering::PlanRandomScenes(parts_, {.stand = {}, .count = 12, .seed = 21});
   ASSERT_THAT(scenes, IsOk());
   scenes_ = *scenes;
   v1::Cell cell;
@@ -71,9 +71,9 @@ void CellProgramsTest::StartAgentWith(const std::string& sensor,
   ASSERT_NE(gri_, "") << agent_->Errors();
 }
 
-const client::PlannedCapture& CellProgramsTest::LayOut(std::size_t scene) {
+const rendering::PlannedCapture& CellProgramsTest::LayOut(std::size_t scene) {
   shown_ = scenes_.at(scene);
-  EXPECT_THAT(client::WriteScenes(Path(scene_), parts_, {shown_}), IsOk());
+  EXPECT_THAT(rendering::WriteScenes(Path(scene_), parts_, {shown_}), IsOk());
   return shown_;
 }
 
@@ -112,7 +112,7 @@ void CellProgramsTest::AwaitCode(GriCode code, int job) const {
 void CellProgramsTest::ExpectHolds(const GriResponse& answer) const { ExpectHolds(answer, shown_); }
 
 void CellProgramsTest::ExpectHolds(const GriResponse& answer,
-                                   const client::PlannedCapture& scene) const {
+                                   const rendering::PlannedCapture& scene) const {
   ASSERT_EQ(answer.code, GriCode::kNoError) << agent_->Errors();
   const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
   ASSERT_THAT(base_tcp, IsOk());
@@ -122,7 +122,8 @@ void CellProgramsTest::ExpectHolds(const GriResponse& answer,
       << 1000 * error.shift_m << " mm, " << error.turn_rad << " rad";
 }
 
-bool CellProgramsTest::Holds(const GriResponse& answer, const client::PlannedCapture& scene) const {
+bool CellProgramsTest::Holds(const GriResponse& answer,
+                             const rendering::PlannedCapture& scene) const {
   if (answer.code != GriCode::kNoError) return false;
   const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
   return base_tcp.ok() &&

@@ -22,9 +22,9 @@ class CellProgramsTest : public ProgramsTest {
   // `environment` as NAME=VALUE.
   void StartAgentWith(const std::string& sensor, const std::vector<std::string>& flags = {},
                       const std::vector<std::string>& environment = {});
-  const client::PlannedCapture& SceneNo(std::size_t scene) const { return scenes_.at(scene); }
+  const rendering::PlannedCapture& SceneNo(std::size_t scene) const { return scenes_.at(scene); }
   // Places the parts of a random scene before the camera.
-  const client::PlannedCapture& LayOut(std::size_t scene);
+  const rendering::PlannedCapture& LayOut(std::size_t scene);
 
   client::GriClient Robot() const;
   static client::GriRequest Request(client::GriAction action, int job = 1);
@@ -33,19 +33,19 @@ class CellProgramsTest : public ProgramsTest {
   void AwaitCode(client::GriCode code, int job = 1) const;
   // Expects a grasp that holds in the scene of LayOut.
   void ExpectHolds(const client::GriResponse& answer) const;
-  void ExpectHolds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
-  bool Holds(const client::GriResponse& answer, const client::PlannedCapture& scene) const;
+  void ExpectHolds(const client::GriResponse& answer, const rendering::PlannedCapture& scene) const;
+  bool Holds(const client::GriResponse& answer, const rendering::PlannedCapture& scene) const;
 
   static recognition::Pose WorldBase();
 
   std::string scene_ = "table";
-  std::vector<client::Workpiece> parts_;
+  std::vector<rendering::Workpiece> parts_;
   std::unique_ptr<Process> agent_;
   std::string gri_;
 
  private:
-  std::vector<client::PlannedCapture> scenes_;
-  client::PlannedCapture shown_;
+  std::vector<rendering::PlannedCapture> scenes_;
+  rendering::PlannedCapture shown_;
 };
 
 }  // namespace graspdb::end_to_end

@@ -35,7 +35,7 @@ TEST_F(CellProgramsTest, ReturnsTheObjectPoseOfTheGrasp) {
   StartCell();
   StartAgent();
   client::GriClient robot = Robot();
-  const client::PlannedCapture& scene = LayOut(0);
+  const rendering::PlannedCapture& scene = LayOut(0);
   ASSERT_EQ(Trigger(robot).code, GriCode::kNoError);
   const auto related = robot.Call(Request(GriAction::kGetRelatedPose));
   ASSERT_THAT(related, IsOk());
@@ -172,12 +172,12 @@ TEST_F(CellProgramsTest, ReadsARecordedKinectThroughLibfreenect) {
   StartCell();
   auto recording = client::FakenectRecording::Create(Path("kinect"));
   ASSERT_THAT(recording, IsOk());
-  const auto camera = client::DepthCamera::Create(client::SimulatedKinectV1());
+  const auto camera = rendering::DepthCamera::Create(client::SimulatedKinectV1());
   ASSERT_THAT(camera, IsOk());
   const auto frame_of = [&](std::size_t scene) {
-    const client::PlannedCapture& shown = SceneNo(scene);
-    return *camera->Render(client::SceneOf(parts_, shown, /*with_table=*/true), shown.world_sensor,
-                           shown.seed);
+    const rendering::PlannedCapture& shown = SceneNo(scene);
+    return *camera->Render(rendering::SceneOf(parts_, shown, /*with_table=*/true),
+                           shown.world_sensor, shown.seed);
   };
   ASSERT_THAT(recording->Show(frame_of(0), absl::Seconds(8)), IsOk());
   ASSERT_THAT(recording->PullOut(), IsOk());

@@ -73,7 +73,7 @@ class DepthSetsTest : public ProgramsTest {
     return out;
   }
 
-  const recognition::CameraIntrinsics kCamera = client::KinectV2().intrinsics;
+  const recognition::CameraIntrinsics kCamera = rendering::KinectV2().intrinsics;
 };
 
 TEST_F(DepthSetsTest, GiveTheViewsAndTheAnswersOfTheirClouds) {

@@ -260,7 +260,7 @@ TEST_F(SecurityTest, AnAgentIsBoundToItsCell) {
   setenv("GRASPDB_CERT", Path("engineer.pem").c_str(), 1);
   setenv("GRASPDB_KEY", Path("engineer.key").c_str(), 1);
   StartCell();
-  const client::PlannedCapture scene = LayOut(0);
+  const rendering::PlannedCapture scene = LayOut(0);
   const auto start = [&](const std::string& name) {
     StartAgentWith("simulated:scene=" + Path(scene_), {"--token-file", Path(name + ".token")},
                    {"--unset=GRASPDB_CERT", "--unset=GRASPDB_KEY"});

@@ -24,9 +24,9 @@ class TeachTest : public ProgramsTest {
  protected:
   // An angle of 10 x 8 x 4 cm, in millimetres.
   std::string WriteAngle() const {
-    const client::TriangleMesh angle =
-        client::ExtrudeAlongY({{0, 0}, {100, 0}, {100, 20}, {25, 20}, {25, 80}, {0, 80}}, 0, 40);
-    EXPECT_THAT(client::WriteMeshPly(Path("angle.ply"), angle), IsOk());
+    const rendering::TriangleMesh angle =
+        rendering::ExtrudeAlongY({{0, 0}, {100, 0}, {100, 20}, {25, 20}, {25, 80}, {0, 80}}, 0, 40);
+    EXPECT_THAT(rendering::WriteMeshPly(Path("angle.ply"), angle), IsOk());
     return Path("angle.ply");
   }
   std::vector<std::string> Teach(const std::vector<std::string>& more) const {

@@ -30,9 +30,9 @@ const std::vector<std::string>& Words() {
 
 void Read(std::string_view text) {
   static const ScratchFolder folder;
-  static const std::vector<client::Workpiece> parts = client::SampleParts();
+  static const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
   folder.Write(files::kCaptureSetFile, text);
-  if (const auto scene = client::ReadScene(folder.path(), parts); scene.ok()) {
+  if (const auto scene = rendering::ReadScene(folder.path(), parts); scene.ok()) {
     Require(scene->world_sensor.matrix().allFinite(), "a finite pose of the camera");
   }
   const auto set = files::LoadCaptureSet(folder.path());

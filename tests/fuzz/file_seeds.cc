@@ -70,11 +70,11 @@ void WriteDepthImages(const SeedWriter& out, const ScratchFolder& folder) {
 }
 
 void WriteMeshes(const SeedWriter& out, const ScratchFolder& folder) {
-  client::TriangleMesh mesh;
+  rendering::TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   const std::filesystem::path path = folder.path() / "seed.ply";
-  Require(client::WriteMeshPly(path, mesh).ok(), "a mesh can be written");
+  Require(rendering::WriteMeshPly(path, mesh).ok(), "a mesh can be written");
   out.Write("mesh", "binary.ply", BytesOf(path));
   out.Write("mesh", "ascii.ply",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -92,7 +92,7 @@ void WriteMeshes(const SeedWriter& out, const ScratchFolder& folder) {
 }
 
 void WriteCaptureSets(const SeedWriter& out, const ScratchFolder& folder) {
-  const client::Workpiece& part = testing::Part(kPart);
+  const rendering::Workpiece& part = testing::Part(kPart);
   v1::CaptureSet set;
   auto& object = *set.add_objects();
   object.set_object_id(part.object_id);
@@ -117,7 +117,7 @@ void WriteCaptureSets(const SeedWriter& out, const ScratchFolder& folder) {
 
 // One object with a stable pose and two views.
 std::vector<v1::ArchiveRecord> ArchiveRecords() {
-  const client::Workpiece& part = testing::Part(kPart);
+  const rendering::Workpiece& part = testing::Part(kPart);
   std::vector<v1::ArchiveRecord> out(6);
   out[0].mutable_header()->set_catalog_revision(5);
   const std::string name = "objects/" + part.object_id;

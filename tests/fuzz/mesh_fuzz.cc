@@ -18,12 +18,12 @@ std::string NameOf(std::string_view bytes) {
 
 void Read(std::string_view bytes) {
   static const ScratchFolder folder;
-  const auto mesh = client::LoadMesh(folder.Write(NameOf(bytes), bytes), 0.001);
+  const auto mesh = rendering::LoadMesh(folder.Write(NameOf(bytes), bytes), 0.001);
   if (!mesh.ok()) return;
-  Require(client::CheckMesh(*mesh).ok(), "a sound mesh");
+  Require(rendering::CheckMesh(*mesh).ok(), "a sound mesh");
   const std::filesystem::path copy = folder.path() / "out.ply";
-  Require(client::WriteMeshPly(copy, *mesh).ok(), "parsed data can be written");
-  const auto again = client::LoadMesh(copy);
+  Require(rendering::WriteMeshPly(copy, *mesh).ok(), "parsed data can be written");
+  const auto again = rendering::LoadMesh(copy);
   Require(again.ok(), "written data can be read");
   Require(again->triangles.size() <= mesh->triangles.size(), "no triangle is made up");
 }

@@ -10,7 +10,7 @@
 #include "rendering/depth_camera.h"
 #include "rendering/sample_parts.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 const std::vector<Workpiece>& Parts() {
@@ -159,4 +159,4 @@ TEST(CapturePlan, RejectsInvalidPlans) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -10,7 +10,7 @@
 
 #include "rendering/solid.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using recognition::Pose;
@@ -153,4 +153,4 @@ TEST(DepthCamera, RejectsInvalidScenes) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

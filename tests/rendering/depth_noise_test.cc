@@ -9,7 +9,7 @@
 
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr int kPixels = 100000;
@@ -139,4 +139,4 @@ TEST(DepthNoise, ScaleZeroIsAnIdealCamera) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

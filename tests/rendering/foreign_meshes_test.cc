@@ -17,7 +17,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/rendering/mesh_measure.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using ::testing::HasSubstr;
@@ -320,4 +320,4 @@ TEST(ForeignMeshes, MeshesFarFromTheirOriginAreErrors) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

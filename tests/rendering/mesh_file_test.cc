@@ -16,7 +16,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/rendering/mesh_measure.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST(MeshFile, RejectsOtherFilesWithThePath) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

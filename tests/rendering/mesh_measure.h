@@ -10,7 +10,7 @@
 
 #include "rendering/mesh.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 
 // Whether every directed edge and its reverse occur once: closed shells with consistently oriented
 // triangles.
@@ -66,4 +66,4 @@ inline float DistanceTo(const TriangleMesh& mesh, const Eigen::Vector3f& p, floa
   return nearest;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

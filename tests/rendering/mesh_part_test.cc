@@ -8,7 +8,7 @@
 #include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 TEST(MeshPart, KeepsItsOrientationAndIsGraspedAcrossTheNarrowSide) {
@@ -55,4 +55,4 @@ TEST(MeshPart, AMeshInMetresIsAtMostAsLargeAsAnObject) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -10,7 +10,7 @@
 
 #include "rendering/solid.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 TEST(Mesh, BoundsDiameterAndCentreOfABox) {
@@ -98,4 +98,4 @@ TEST(Mesh, TransformedRotatesBeforeItTranslates) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -11,7 +11,7 @@
 #include "rendering/solid.h"
 #include "tests/rendering/mesh_measure.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 void Flip(TriangleMesh& mesh, std::size_t triangle) {
@@ -151,4 +151,4 @@ TEST(OutwardFaces, ASurfaceWithOneSideStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -7,7 +7,7 @@
 #include "rendering/sample_parts.h"
 #include "rendering/solid.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using recognition::Pose;
@@ -120,4 +120,4 @@ TEST(AddS, IsTheShiftOfAFarAwayModel) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -14,7 +14,7 @@
 #include "tests/rendering/mesh_measure.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using graspdb::testing::IsOk;
@@ -176,4 +176,4 @@ TEST(SampleParts, ListsTheKnownIdsForAnUnknownOne) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -6,7 +6,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using graspdb::testing::IsOk;
@@ -63,4 +63,4 @@ TEST(SceneFile, RejectsUnknownObjects) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -6,7 +6,7 @@
 
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 constexpr int kWidth = 400;
@@ -118,4 +118,4 @@ TEST(SensorEffects, PresetsAreDeterministicForASeed) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

@@ -15,7 +15,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/rendering/mesh_measure.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 using ::testing::HasSubstr;
@@ -194,4 +194,4 @@ TEST(Simulation, RejectsACameraWithoutAVisibleObject) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

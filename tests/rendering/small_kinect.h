@@ -13,21 +13,21 @@
 namespace graspdb::testing {
 
 // The middle of a Kinect v2's image at full resolution, enough for a target at the centre.
-inline client::DepthCameraModel SmallKinectV2() {
-  client::DepthCameraModel model = client::KinectV2();
+inline rendering::DepthCameraModel SmallKinectV2() {
+  rendering::DepthCameraModel model = rendering::KinectV2();
   model.intrinsics = {
       .width = 256, .height = 212, .fx = 365.5, .fy = 365.5, .cx = 127.5, .cy = 105.5};
   return model;
 }
 
 // The sample part of the given id; a failure and an empty one for an unknown id.
-inline const client::Workpiece& PartNamed(const std::string& id) {
-  static const std::vector<client::Workpiece> parts = client::SampleParts();
-  for (const client::Workpiece& part : parts) {
+inline const rendering::Workpiece& PartNamed(const std::string& id) {
+  static const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
+  for (const rendering::Workpiece& part : parts) {
     if (part.object_id == id) return part;
   }
   ADD_FAILURE() << "no sample part " << id;
-  static const client::Workpiece none;
+  static const rendering::Workpiece none;
   return none;
 }
 

@@ -7,7 +7,7 @@
 
 #include "tests/rendering/mesh_measure.h"
 
-namespace graspdb::client {
+namespace graspdb::rendering {
 namespace {
 
 // An L of area 3.
@@ -54,4 +54,4 @@ TEST(Solid, UnionKeepsEveryShell) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::rendering

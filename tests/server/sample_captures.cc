@@ -17,20 +17,20 @@ namespace {
 constexpr double kCount = 0.0001;  // m
 
 // A Kinect v2 with a quarter of the pixels: points 3 mm apart at 0.6 m.
-client::DepthCameraModel SmallKinect() {
-  client::DepthCameraModel model = client::KinectV2();
+rendering::DepthCameraModel SmallKinect() {
+  rendering::DepthCameraModel model = rendering::KinectV2();
   model.intrinsics = {
       .width = 256, .height = 212, .fx = 182.75, .fy = 182.75, .cx = 127.5, .cy = 105.5};
   return model;
 }
 
-const client::DepthCamera& Camera() {
-  static const auto camera = client::DepthCamera::Create(SmallKinect());
+const rendering::DepthCamera& Camera() {
+  static const auto camera = rendering::DepthCamera::Create(SmallKinect());
   return *camera;
 }
 
-client::Scene SceneOf(const std::string& part, const recognition::Pose& world_object) {
-  client::Scene scene;
+rendering::Scene SceneOf(const std::string& part, const recognition::Pose& world_object) {
+  rendering::Scene scene;
   scene.objects.push_back({&Part(part).mesh, world_object});
   return scene;
 }
@@ -42,9 +42,9 @@ recognition::Pose PoseOf(const Stand& stand) {
   return pose;
 }
 
-recognition::Pose SensorPose() { return client::LookAt(Eigen::Vector3d::Zero(), 0.65, 45, -90); }
+recognition::Pose SensorPose() { return rendering::LookAt(Eigen::Vector3d::Zero(), 0.65, 45, -90); }
 
-Frame FrameOf(const client::DepthFrame& image, const recognition::Pose& world_object) {
+Frame FrameOf(const rendering::DepthFrame& image, const recognition::Pose& world_object) {
   Frame frame;
   frame.camera = Camera().model().intrinsics;
   for (const float depth : image.depth_m) {
@@ -56,17 +56,17 @@ Frame FrameOf(const client::DepthFrame& image, const recognition::Pose& world_ob
   return frame;
 }
 
-client::DepthFrame Render(const client::Scene& scene, std::uint64_t seed) {
-  absl::StatusOr<client::DepthFrame> image = Camera().Render(scene, SensorPose(), seed);
+rendering::DepthFrame Render(const rendering::Scene& scene, std::uint64_t seed) {
+  absl::StatusOr<rendering::DepthFrame> image = Camera().Render(scene, SensorPose(), seed);
   if (!image.ok()) std::abort();
   return *std::move(image);
 }
 
 }  // namespace
 
-const client::Workpiece& Part(const std::string& id) {
-  static const std::vector<client::Workpiece> parts = client::SampleParts();
-  for (const client::Workpiece& part : parts) {
+const rendering::Workpiece& Part(const std::string& id) {
+  static const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
+  for (const rendering::Workpiece& part : parts) {
     if (part.object_id == id) return part;
   }
   std::abort();
@@ -77,7 +77,7 @@ Frame Photograph(const std::string& part, const Stand& stand, std::uint64_t seed
 }
 
 Frame PhotographEmptyTable() {
-  return FrameOf(Render(client::Scene(), 1), recognition::Pose::Identity());
+  return FrameOf(Render(rendering::Scene(), 1), recognition::Pose::Identity());
 }
 
 v1::DepthImage DepthImageOf(const Frame& frame) {
@@ -100,8 +100,8 @@ v1::PointCloud CloudOf(const Frame& frame) {
 }
 
 v1::PointCloud SegmentedCloudOf(const std::string& part, const Stand& stand, std::uint64_t seed) {
-  const client::DepthFrame image = Render(SceneOf(part, PoseOf(stand)), seed);
-  const recognition::Points all = client::ToPoints(image, Camera().model().intrinsics);
+  const rendering::DepthFrame image = Render(SceneOf(part, PoseOf(stand)), seed);
+  const recognition::Points all = rendering::ToPoints(image, Camera().model().intrinsics);
   recognition::Points points;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (image.surface[i] == 0) points.push_back(all[i]);

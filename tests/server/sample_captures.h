@@ -27,7 +27,7 @@ struct Frame {
 };
 
 // The sample part of the given id.
-const client::Workpiece& Part(const std::string& id);
+const rendering::Workpiece& Part(const std::string& id);
 
 // The part on the table.
 Frame Photograph(const std::string& part, const Stand& stand, std::uint64_t seed);

@@ -49,7 +49,7 @@ std::vector<std::size_t> FarApart(const recognition::Points& points) {
 std::vector<Side> SidesOf(const recognition::SurfaceModel& model) {
   std::vector<Side> out;
   for (int k = 0; k < kDirections; ++k) {
-    const Vector3f to_camera = EvenDirection(k, kDirections);
+    const Vector3f to_camera = rendering::EvenDirection(k, kDirections);
     if (static_cast<double>(to_camera.z()) < kLowest) continue;
     Side side;
     side.look_object =

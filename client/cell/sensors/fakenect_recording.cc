@@ -73,7 +73,7 @@ std::string FakenectRecording::NextName() {
   return name;
 }
 
-absl::Status FakenectRecording::Show(const DepthFrame& frame, absl::Duration duration) {
+absl::Status FakenectRecording::Show(const rendering::DepthFrame& frame, absl::Duration duration) {
   if (frame.width != kKinectV1Width || frame.height != kKinectV1Height) {
     return absl::InvalidArgumentError(
         absl::StrCat("a Kinect v1 has 640 x 480 pixels and the frame ", frame.width, " x ",

@@ -30,7 +30,7 @@ class FakenectRecording {
 
   // Repeats `frame` (640 x 480) for `duration`, 30 times a second and at least once.
   // INVALID_ARGUMENT for another size; the errors of WriteFileAtomically.
-  absl::Status Show(const DepthFrame& frame, absl::Duration duration);
+  absl::Status Show(const rendering::DepthFrame& frame, absl::Duration duration);
   // The same with the camera's raw disparities, row by row.
   absl::Status ShowRaw(const std::vector<std::uint16_t>& raw, absl::Duration duration);
 

@@ -46,8 +46,8 @@ recognition::CameraIntrinsics KinectV1Intrinsics(const KinectV1Calibration& c) {
           .cy = (kKinectV1Height - 1) / 2.0};
 }
 
-DepthCameraModel SimulatedKinectV1() {
-  DepthCameraModel model = KinectV1();
+rendering::DepthCameraModel SimulatedKinectV1() {
+  rendering::DepthCameraModel model = rendering::KinectV1();
   model.intrinsics = KinectV1Intrinsics({});
   model.noise.disparity_steps_m = 0;
   return model;

@@ -44,6 +44,6 @@ recognition::CameraIntrinsics KinectV1Intrinsics(const KinectV1Calibration& cali
 
 // A simulated camera that matches the sensor: KinectV1() with the intrinsics of most devices, and
 // without disparity steps, which the raw numbers already have.
-DepthCameraModel SimulatedKinectV1();
+rendering::DepthCameraModel SimulatedKinectV1();
 
 }  // namespace graspdb::client

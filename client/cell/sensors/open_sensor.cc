@@ -67,25 +67,27 @@ OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
 
 OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& settings) {
   SensorOptions options(spec);
-  const auto parts = SampleParts(options.List("parts"));
+  const auto parts = rendering::SampleParts(options.List("parts"));
   const std::string camera_name = options.Text("camera", "v2");
-  RandomSceneOptions scenes;
+  rendering::RandomSceneOptions scenes;
   scenes.seed = options.Seed("seed", scenes.seed);
   scenes.objects_per_scene = options.Integer("objects-per-scene", 1, 1, 8);
-  scenes.area_half_width_m = options.Number("area", scenes.area_half_width_m, 0, kRegionHalfWidthM);
+  scenes.area_half_width_m =
+      options.Number("area", scenes.area_half_width_m, 0, rendering::kRegionHalfWidthM);
   scenes.stand.look_down_deg = {options.Number("look-down", 40, 0, 90)};
   scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
   const double noise = options.Number("noise", 1, 0, 10);
   const std::string scene = options.Text("scene", "");
   if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
   if (!parts.ok()) return parts.status();
-  absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(camera_name);
+  absl::StatusOr<rendering::DepthCameraModel> camera = rendering::SimulatedCameraOf(camera_name);
   if (!camera.ok()) return camera.status();
   if (settings.intrinsics) camera->intrinsics = *settings.intrinsics;
   camera->noise.scale = noise;
   const SceneSource source =
-      scene.empty() ? RandomScenes(*parts, scenes)
-                    : SceneSource([scene, parts = *parts] { return ReadScene(scene, parts); });
+      scene.empty()
+          ? RandomScenes(*parts, scenes)
+          : SceneSource([scene, parts = *parts] { return rendering::ReadScene(scene, parts); });
   auto sensor = SimulatedSensor::Create(*camera, *parts, source);
   if (!sensor.ok()) return sensor.status();
   return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);

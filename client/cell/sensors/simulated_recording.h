@@ -18,8 +18,8 @@ namespace graspdb::client {
 // Errors as FakenectRecording and DepthCamera::Render; INVALID_ARGUMENT for a scene with a
 // workpiece that is not in `parts`, or without scenes.
 absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
-                                     const std::vector<Workpiece>& parts,
-                                     const std::vector<PlannedCapture>& plan,
+                                     const std::vector<rendering::Workpiece>& parts,
+                                     const std::vector<rendering::PlannedCapture>& plan,
                                      absl::Duration duration);
 
 }  // namespace graspdb::client

@@ -14,20 +14,21 @@ constexpr int kFirstScenes = 32;
 
 }  // namespace
 
-SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions& options) {
+SceneSource RandomScenes(std::vector<rendering::Workpiece> parts,
+                         const rendering::RandomSceneOptions& options) {
   // The first scenes do not depend on the count, so more are planned when needed.
   struct Plan {
-    std::vector<Workpiece> parts;
-    RandomSceneOptions options;
-    std::vector<PlannedCapture> scenes;
+    std::vector<rendering::Workpiece> parts;
+    rendering::RandomSceneOptions options;
+    std::vector<rendering::PlannedCapture> scenes;
     std::size_t next = 0;
   };
   const auto plan = std::make_shared<Plan>(
       Plan{.parts = std::move(parts), .options = options, .scenes = {}, .next = 0});
-  return [plan]() -> absl::StatusOr<PlannedCapture> {
+  return [plan]() -> absl::StatusOr<rendering::PlannedCapture> {
     if (plan->next == plan->scenes.size()) {
       plan->options.count = std::max(kFirstScenes, 2 * static_cast<int>(plan->next));
-      auto more = PlanRandomScenes(plan->parts, plan->options);
+      auto more = rendering::PlanRandomScenes(plan->parts, plan->options);
       if (!more.ok()) return more.status();
       plan->scenes = *std::move(more);
     }
@@ -35,37 +36,38 @@ SceneSource RandomScenes(std::vector<Workpiece> parts, const RandomSceneOptions&
   };
 }
 
-SimulatedSensor::SimulatedSensor(DepthCamera camera, std::vector<Workpiece> parts,
-                                 SceneSource scenes)
+SimulatedSensor::SimulatedSensor(rendering::DepthCamera camera,
+                                 std::vector<rendering::Workpiece> parts, SceneSource scenes)
     : camera_(std::move(camera)), parts_(std::move(parts)), scenes_(std::move(scenes)) {}
 
 absl::StatusOr<std::unique_ptr<SimulatedSensor>> SimulatedSensor::Create(
-    const DepthCameraModel& camera, std::vector<Workpiece> parts, SceneSource scenes) {
-  absl::StatusOr<DepthCamera> created = DepthCamera::Create(camera);
+    const rendering::DepthCameraModel& camera, std::vector<rendering::Workpiece> parts,
+    SceneSource scenes) {
+  absl::StatusOr<rendering::DepthCamera> created = rendering::DepthCamera::Create(camera);
   if (!created.ok()) return created.status();
   return std::unique_ptr<SimulatedSensor>(
       new SimulatedSensor(*std::move(created), std::move(parts), std::move(scenes)));
 }
 
-absl::StatusOr<PlannedCapture> SimulatedSensor::Choose() {
+absl::StatusOr<rendering::PlannedCapture> SimulatedSensor::Choose() {
   const absl::MutexLock lock(&mutex_);
-  absl::StatusOr<PlannedCapture> scene = scenes_();
+  absl::StatusOr<rendering::PlannedCapture> scene = scenes_();
   if (!scene.ok()) return scene;
-  if (absl::Status known = CheckPlacements(parts_, *scene); !known.ok()) return known;
+  if (absl::Status known = rendering::CheckPlacements(parts_, *scene); !known.ok()) return known;
   return scene;
 }
 
 absl::StatusOr<SensorFrame> SimulatedSensor::Next(MonotonicTime deadline) {
   const MonotonicTime time = MonotonicTime::Now();
-  const absl::StatusOr<PlannedCapture> scene = Choose();
+  const absl::StatusOr<rendering::PlannedCapture> scene = Choose();
   if (!scene.ok()) return scene.status();
-  const absl::StatusOr<DepthFrame> frame = camera_.Render(
-      SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
+  const absl::StatusOr<rendering::DepthFrame> frame = camera_.Render(
+      rendering::SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
   if (!frame.ok()) return frame.status();
   if (MonotonicTime::Now() > deadline) {
     return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
   }
-  SensorFrame out = {.scan = files::DepthMessage(ToCounts(*frame, kDepthUnitM),
+  SensorFrame out = {.scan = files::DepthMessage(rendering::ToCounts(*frame, kDepthUnitM),
                                                  camera_.model().intrinsics, kDepthUnitM),
                      .world_sensor = scene->world_sensor};
   SetTime(time, out);

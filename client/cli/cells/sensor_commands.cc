@@ -143,12 +143,14 @@ absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
 }
 
 absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& options) {
-  const absl::StatusOr<std::vector<Workpiece>> parts = SampleParts(options.parts);
+  const absl::StatusOr<std::vector<rendering::Workpiece>> parts =
+      rendering::SampleParts(options.parts);
   if (!parts.ok()) return parts.status();
-  const auto plan = PlanRandomScenes(*parts, {.stand = {},
-                                              .count = options.scenes,
-                                              .objects_per_scene = options.objects_per_scene,
-                                              .seed = options.seed});
+  const auto plan =
+      rendering::PlanRandomScenes(*parts, {.stand = {},
+                                           .count = options.scenes,
+                                           .objects_per_scene = options.objects_per_scene,
+                                           .seed = options.seed});
   if (!plan.ok()) return plan.status();
   absl::Status written =
       WriteSimulatedRecording(options.out, *parts, *plan, absl::Seconds(options.hold_s));
@@ -188,7 +190,7 @@ void AddFakenect(CLI::App& sensors, const GlobalOptions& global, Action* action)
   record->add_option("--parts", options->parts, "Sample parts to show, ids separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(SamplePartIds()))
+      ->check(CLI::IsMember(rendering::SamplePartIds()))
       ->type_name("ID,...");
   record->add_option("--scenes", options->scenes, "Number of scenes")
       ->check(CLI::Range(1, 1000))

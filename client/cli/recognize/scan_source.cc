@@ -14,16 +14,18 @@
 namespace graspdb::client {
 namespace {
 
-using Shapes = std::map<std::string, std::shared_ptr<const MeasuredShape>>;
+using Shapes = std::map<std::string, std::shared_ptr<const rendering::MeasuredShape>>;
 
 // Of the set's objects that have a mesh, by object id.
 absl::StatusOr<Shapes> LoadShapes(const std::filesystem::path& folder, const v1::CaptureSet& set) {
   Shapes out;
   for (const v1::CapturedObject& object : set.objects()) {
     if (object.mesh_path().empty()) continue;
-    absl::StatusOr<TriangleMesh> mesh = LoadMeshInMetres(folder / object.mesh_path());
+    absl::StatusOr<rendering::TriangleMesh> mesh =
+        rendering::LoadMeshInMetres(folder / object.mesh_path());
     if (!mesh.ok()) return mesh.status();
-    out[object.object_id()] = std::make_shared<const MeasuredShape>(Measure(*mesh));
+    out[object.object_id()] =
+        std::make_shared<const rendering::MeasuredShape>(rendering::Measure(*mesh));
   }
   return out;
 }

@@ -16,12 +16,13 @@ namespace graspdb::client {
 
 // One scan to recognise.
 struct ScanTask {
-  std::string path;                            // as it is printed
-  std::filesystem::path file;                  // to read
-  v1::Capture capture;                         // no ground truth for a single file
-  bool in_set = false;                         // whether `capture` came from a set
-  const v1::CaptureSet* set = nullptr;         // its set
-  std::shared_ptr<const MeasuredShape> shape;  // of the true object, if the set has its mesh
+  std::string path;                     // as it is printed
+  std::filesystem::path file;           // to read
+  v1::Capture capture;                  // no ground truth for a single file
+  bool in_set = false;                  // whether `capture` came from a set
+  const v1::CaptureSet* set = nullptr;  // its set
+  std::shared_ptr<const rendering::MeasuredShape>
+      shape;  // of the true object, if the set has its mesh
 };
 
 // All scans of the arguments; owns the sets that the tasks point into.

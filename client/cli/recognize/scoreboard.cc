@@ -85,10 +85,10 @@ std::optional<Verdict> Judge(const ScanTask& task, const v1::RecognizeResponse& 
   const recognition::Pose pose = files::FromMessage(detection->refined_pose());
   out.translation_error_m = (truth.translation() - pose.translation()).norm();
   out.rotation_error_deg =
-      RotationError(truth, pose, SymmetryOf(task)) * recognition::kDegreesPerRadian;
+      rendering::RotationError(truth, pose, SymmetryOf(task)) * recognition::kDegreesPerRadian;
   if (task.shape) {
-    out.add_s_m = AddS(*task.shape, truth, pose);
-    out.pose_right = IsRight(*task.shape, *out.add_s_m);
+    out.add_s_m = rendering::AddS(*task.shape, truth, pose);
+    out.pose_right = rendering::IsRight(*task.shape, *out.add_s_m);
   }
   return out;
 }

@@ -21,7 +21,7 @@ constexpr std::uint8_t kTable = 60;
 constexpr std::uint8_t kNothing = 20;
 
 std::uint8_t Brightness(std::int32_t surface, float incidence_rad) {
-  if (surface == kTableSurface) return kTable;
+  if (surface == rendering::kTableSurface) return kTable;
   if (surface < 0) return kNothing;
   return static_cast<std::uint8_t>(90 +
                                    std::lround(160 * std::cos(static_cast<double>(incidence_rad))));
@@ -36,18 +36,19 @@ absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem:
     return absl::FailedPreconditionError(absl::StrCat("cannot make ", folder.string(), ": ",
                                                       error.message(), "; choose another folder"));
   }
-  const absl::StatusOr<RayCaster> rays = RayCaster::Create();
+  const absl::StatusOr<rendering::RayCaster> rays = rendering::RayCaster::Create();
   if (!rays.ok()) return rays.status();
   for (std::size_t i = 0; i < part.workpieces.size(); ++i) {
-    const Workpiece& workpiece = part.workpieces[i];
-    Scene scene;
+    const rendering::Workpiece& workpiece = part.workpieces[i];
+    rendering::Scene scene;
     scene.objects.push_back(
         {.mesh = &workpiece.mesh, .world_object = recognition::Pose::Identity()});
-    const recognition::Box box = BoundsOf(workpiece.mesh);
+    const recognition::Box box = rendering::BoundsOf(workpiece.mesh);
     const Eigen::Vector3d middle(0, 0, box.max.z() / 2);
-    const auto frame = rays->Cast(
-        scene, kCamera,
-        LookAt(middle, kDiametersAway * DiameterOf(workpiece.mesh), kLookDownDeg, kAzimuthDeg));
+    const auto frame =
+        rays->Cast(scene, kCamera,
+                   rendering::LookAt(middle, kDiametersAway * rendering::DiameterOf(workpiece.mesh),
+                                     kLookDownDeg, kAzimuthDeg));
     if (!frame.ok()) return frame.status();
     ShadedPicture picture{
         .caption = absl::StrFormat("%s %s: %.1f %%", workpiece.object_id, workpiece.stable_pose_id,

@@ -15,7 +15,7 @@ std::string SymmetryText(const recognition::FoundSymmetry& found) {
   return found.nearly ? absl::StrCat("none (nearly ", order, ")") : order;
 }
 
-std::string GraspText(const Workpiece& part) {
+std::string GraspText(const rendering::Workpiece& part) {
   if (part.grasps.empty()) return "none: nothing fits between the fingers from above";
   return absl::StrJoin(part.grasps, ", ", [](std::string* out, const v1::Grasp& grasp) {
     absl::StrAppend(out, absl::StrFormat("%s (opens %.0f mm)", grasp.grasp_id(),
@@ -30,7 +30,7 @@ std::string StablePoseTable(const CadPart& part) {
       "stable pose   likely %  tips at deg  looks the same      size mm        grasps\n";
   for (std::size_t i = 0; i < part.workpieces.size(); ++i) {
     const MeshStablePose& pose = part.found.poses[i];
-    const recognition::Box box = BoundsOf(part.workpieces[i].mesh);
+    const recognition::Box box = rendering::BoundsOf(part.workpieces[i].mesh);
     const Eigen::Vector3d size = 1e3 * (box.max - box.min);
     absl::StrAppend(
         &out, absl::StrFormat(

@@ -58,9 +58,10 @@ Examples:
 constexpr double kMaxOpposedShare = 0.005;
 
 absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
-  const auto mesh = LoadPartMesh(options.mesh, MetresOf(options.unit).value_or(1));
+  const auto mesh =
+      rendering::LoadPartMesh(options.mesh, rendering::MetresOf(options.unit).value_or(1));
   if (!mesh.ok()) return mesh.status();
-  if (const double opposed = OpposedShare(*mesh); opposed > kMaxOpposedShare) {
+  if (const double opposed = rendering::OpposedShare(*mesh); opposed > kMaxOpposedShare) {
     std::fprintf(stderr,
                  "graspdb: warning: of %.1f %% of the edges of %s both triangles turn against each "
                  "other, and its surface is open or has one side only, so its outside is not "
@@ -79,13 +80,14 @@ absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
 
 absl::StatusOr<CadViews> ViewsOf(const TeachOptions& options, Client& client) {
   CadViews views;
-  const absl::StatusOr<DepthCameraModel> camera = SimulatedCameraOf(options.camera);
+  const absl::StatusOr<rendering::DepthCameraModel> camera =
+      rendering::SimulatedCameraOf(options.camera);
   if (!camera.ok()) return camera.status();
   views.camera = *camera;
   views.step_deg = options.step_deg;
   views.beside_others = options.add;
   views.world_sensor =
-      LookAt(Eigen::Vector3d::Zero(), options.distance_m, options.look_down_deg, -90);
+      rendering::LookAt(Eigen::Vector3d::Zero(), options.distance_m, options.look_down_deg, -90);
   if (options.cell.empty()) return views;
   const auto cell = client.GetCell(ResourceName("cells", options.cell));
   if (!cell.ok()) return cell.status();
@@ -98,8 +100,8 @@ absl::StatusOr<CadViews> ViewsOf(const TeachOptions& options, Client& client) {
 // As a capture set declares it, for programs.
 absl::Status PrintDeclaration(const CadPart& part) {
   v1::CapturedObject object;
-  for (const Workpiece& workpiece : part.workpieces) {
-    v1::CapturedObject one = DeclarationOf(workpiece);
+  for (const rendering::Workpiece& workpiece : part.workpieces) {
+    v1::CapturedObject one = rendering::DeclarationOf(workpiece);
     one.clear_mesh_path();
     object.MergeFrom(one);
   }
@@ -183,7 +185,7 @@ void AddMeshOptions(CLI::App& command, CLI::Option* mesh, TeachOptions& o) {
                   .add_option("--unit", o.unit,
                               "Unit of the mesh, which files do not specify: mm, cm, m, inch")
                   ->needs(mesh)
-                  ->check(CLI::IsMember(LengthUnitNames())));
+                  ->check(CLI::IsMember(rendering::LengthUnitNames())));
   command
       .add_option(
           "--min-probability", o.min_probability,
@@ -229,7 +231,7 @@ void AddViewOptions(CLI::App& command, CLI::Option* mesh, CLI::Option* cell, Tea
                   "v1 or v2: a Kinect with pixel noise only; kinect-v1, kinect-v2, realsense-d4xx, "
                   "carmine: with the holes, frayed edges and distortion of the real camera")
       ->needs(mesh)
-      ->check(CLI::IsMember(SimulatedCameras()))
+      ->check(CLI::IsMember(rendering::SimulatedCameras()))
       ->capture_default_str();
   command
       .add_option("--look-down", o.look_down_deg, "Angle of the camera below the horizon, degrees")

@@ -8,19 +8,20 @@
 namespace graspdb::client {
 
 absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
-                                       const std::string& display_name, const TriangleMesh& mesh,
+                                       const std::string& display_name,
+                                       const rendering::TriangleMesh& mesh,
                                        const CadOptions& options) {
   absl::StatusOr<MeshStablePoses> found = FindStablePoses(mesh, options.poses);
   if (!found.ok()) return found.status();
   CadPart out{.workpieces = {}, .found = *std::move(found)};
   for (const MeshStablePose& pose : out.found.poses) {
-    Workpiece part{.object_id = object_id,
-                   .display_name = display_name,
-                   .stable_pose_id = absl::StrCat("resting-", out.workpieces.size() + 1),
-                   .symmetry_order = pose.symmetry_order(),
-                   .grasps = {},
-                   .mesh = Transformed(mesh, pose.object_mesh),
-                   .object_mesh = pose.object_mesh};
+    rendering::Workpiece part{.object_id = object_id,
+                              .display_name = display_name,
+                              .stable_pose_id = absl::StrCat("resting-", out.workpieces.size() + 1),
+                              .symmetry_order = pose.symmetry_order(),
+                              .grasps = {},
+                              .mesh = rendering::Transformed(mesh, pose.object_mesh),
+                              .object_mesh = pose.object_mesh};
     part.grasps = ProposeTopGrasps({.mesh = &part.mesh,
                                     .mass_center = pose.object_mesh * out.found.mass.center,
                                     .any_turn = part.symmetry_order == 0},
@@ -40,7 +41,8 @@ absl::StatusOr<CadPart> Select(const CadPart& part, const std::vector<int>& numb
     }
     const auto at = static_cast<std::size_t>(number - 1);
     const std::string& id = part.workpieces[at].stable_pose_id;
-    if (std::ranges::find(out.workpieces, id, &Workpiece::stable_pose_id) != out.workpieces.end()) {
+    if (std::ranges::find(out.workpieces, id, &rendering::Workpiece::stable_pose_id) !=
+        out.workpieces.end()) {
       continue;
     }
     out.workpieces.push_back(part.workpieces[at]);

@@ -22,14 +22,15 @@ struct CadOptions {
 // A mesh with its stable poses, in the same order in both members. `workpieces` are one object,
 // whose stable poses are named "resting-1", "resting-2", … by falling probability.
 struct CadPart {
-  std::vector<Workpiece> workpieces;
+  std::vector<rendering::Workpiece> workpieces;
   MeshStablePoses found;
 };
 
 // The stable poses of `mesh` (metres) with symmetries and grasps. Deterministic. Errors as
 // FindStablePoses.
 absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
-                                       const std::string& display_name, const TriangleMesh& mesh,
+                                       const std::string& display_name,
+                                       const rendering::TriangleMesh& mesh,
                                        const CadOptions& options);
 
 // Only the stable poses with these numbers, each once, 1 for the most probable one.

@@ -90,12 +90,12 @@ void AppendTriangle(const std::array<Vector3d, 3>& corners, const Grid& grid,
 
 }  // namespace
 
-EvenSamples SampleEvenly(const TriangleMesh& mesh, int count) {
+EvenSamples SampleEvenly(const rendering::TriangleMesh& mesh, int count) {
   EvenSamples out;
   const std::size_t max_points = 2 * static_cast<std::size_t>(std::max(count, 0));
-  const double area = AreaOf(mesh);
+  const double area = rendering::AreaOf(mesh);
   if (!(area > 0)) return out;
-  const recognition::Box box = BoundsOf(mesh);
+  const recognition::Box box = rendering::BoundsOf(mesh);
   const Grid grid(box,
                   std::max(std::sqrt(area / count), (box.max - box.min).maxCoeff() / kMaxLines));
   for (const std::array<int, 3>& t : mesh.triangles) {

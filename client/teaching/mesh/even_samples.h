@@ -19,6 +19,6 @@ struct EvenSamples {
 // along the axis that its normal is nearest to. The same surface gives the same points however it
 // is divided into triangles, up to rounding. Random points would not, and with them the first of
 // several equal grasps. Deterministic.
-EvenSamples SampleEvenly(const TriangleMesh& mesh, int count);
+EvenSamples SampleEvenly(const rendering::TriangleMesh& mesh, int count);
 
 }  // namespace graspdb::client

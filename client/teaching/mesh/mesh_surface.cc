@@ -15,11 +15,11 @@ constexpr std::uint64_t kSeed = 1;
 
 }  // namespace
 
-recognition::OrientedCloud SurfaceOf(const TriangleMesh& mesh) {
-  const double wanted = AreaOf(mesh) / (kSampleSpacingM * kSampleSpacingM);
+recognition::OrientedCloud SurfaceOf(const rendering::TriangleMesh& mesh) {
+  const double wanted = rendering::AreaOf(mesh) / (kSampleSpacingM * kSampleSpacingM);
   const int count = static_cast<int>(std::clamp(wanted, kMinSamples, kMaxSamples));
-  auto samples =
-      std::make_shared<const recognition::OrientedCloud>(SampleOrientedSurface(mesh, count, kSeed));
+  auto samples = std::make_shared<const recognition::OrientedCloud>(
+      rendering::SampleOrientedSurface(mesh, count, kSeed));
   const std::vector<recognition::PosedCloud> views = {{std::move(samples)}};
   const auto fused = recognition::FuseViews(views);
   return fused ? fused->fine.cloud : recognition::OrientedCloud{};

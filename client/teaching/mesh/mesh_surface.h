@@ -8,7 +8,7 @@ namespace graspdb::client {
 
 // Points all over the surface of a mesh with their outward normals, mesh frame, m: about as dense
 // as recognition's models, 60,000 at the most. Deterministic.
-recognition::OrientedCloud SurfaceOf(const TriangleMesh& mesh);
+recognition::OrientedCloud SurfaceOf(const rendering::TriangleMesh& mesh);
 
 // `surface` transformed by `object_mesh` (T_object_mesh) into the object's frame.
 recognition::SurfaceModel Posed(const recognition::OrientedCloud& surface,

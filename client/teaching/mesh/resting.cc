@@ -170,7 +170,7 @@ bool IsInside(const ConvexHull& hull, const Vector3d& p) {
 
 }  // namespace
 
-MassCenter CenterOfMass(const TriangleMesh& mesh, const ConvexHull& hull) {
+MassCenter CenterOfMass(const rendering::TriangleMesh& mesh, const ConvexHull& hull) {
   const HullMass whole = MassOf(hull);
   Vector3d open = Vector3d::Zero();
   double area = 0;
@@ -185,7 +185,7 @@ MassCenter CenterOfMass(const TriangleMesh& mesh, const ConvexHull& hull) {
     volume += p.dot(q.cross(r)) / 6;
   }
   const double share = std::abs(volume) / whole.volume_m3;
-  const absl::StatusOr<Vector3d> solid = CenterOfMass(mesh);
+  const absl::StatusOr<Vector3d> solid = rendering::CenterOfMass(mesh);
   const bool is_solid = solid.ok() && open.norm() <= kOpenShare * area && share >= kMinVolume &&
                         share <= kMaxVolume && IsInside(hull, *solid);
   return is_solid ? MassCenter{*solid, false} : MassCenter{whole.center, true};

@@ -16,7 +16,7 @@ struct MassCenter {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   bool of_hull = false;
 };
-MassCenter CenterOfMass(const TriangleMesh& mesh, const ConvexHull& hull);
+MassCenter CenterOfMass(const rendering::TriangleMesh& mesh, const ConvexHull& hull);
 
 // A facet of the hull on which an object rests: its centre of mass is over the facet.
 struct RestingFacet {

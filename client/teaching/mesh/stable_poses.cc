@@ -88,7 +88,8 @@ bool LooksLike(const recognition::SurfaceModel& a, const recognition::SurfaceMod
   return similarity && similarity->gap.largest_m <= limit_m;
 }
 
-std::vector<Look> LooksOf(const TriangleMesh& mesh, const std::vector<Orientation>& orientations) {
+std::vector<Look> LooksOf(const rendering::TriangleMesh& mesh,
+                          const std::vector<Orientation>& orientations) {
   const recognition::OrientedCloud surface = SurfaceOf(mesh);
   std::vector<Look> out;
   for (const Orientation& orientation : orientations) {
@@ -120,23 +121,23 @@ Pose OnAxis(Pose object_mesh, const Vector3d& center) {
 
 }  // namespace
 
-Pose PutDown(const TriangleMesh& mesh, const Vector3d& down) {
+Pose PutDown(const rendering::TriangleMesh& mesh, const Vector3d& down) {
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::Quaterniond::FromTwoVectors(down, -Vector3d::UnitZ()).toRotationMatrix();
-  const recognition::Box box = BoundsOf(Transformed(mesh, pose));
+  const recognition::Box box = rendering::BoundsOf(rendering::Transformed(mesh, pose));
   const Vector3d middle = (box.min + box.max) / 2;
   pose.translation() = Vector3d(-middle.x(), -middle.y(), -box.min.z());
   return pose;
 }
 
-absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh,
+absl::StatusOr<MeshStablePoses> FindStablePoses(const rendering::TriangleMesh& mesh,
                                                 const StablePoseChoice& choice) {
-  if (absl::Status checked = CheckMesh(mesh); !checked.ok()) return checked;
+  if (absl::Status checked = rendering::CheckMesh(mesh); !checked.ok()) return checked;
   const absl::StatusOr<ConvexHull> hull = HullOf(mesh.vertices);
   if (!hull.ok()) return hull.status();
   MeshStablePoses out;
   out.mass = CenterOfMass(mesh, *hull);
-  const double diameter = DiameterOf(mesh);
+  const double diameter = rendering::DiameterOf(mesh);
   const auto facets = RestingFacets(*hull, out.mass.center, kRollLiftShare * diameter);
   if (!facets.ok()) return facets.status();
   for (const Look& look : LooksOf(mesh, OrientationsOf(*facets))) {

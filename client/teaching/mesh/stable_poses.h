@@ -58,11 +58,11 @@ struct StablePoseChoice {
 // probable one is returned.
 //
 // Deterministic; thread-safe. INVALID_ARGUMENT as CheckMesh; errors as HullOf and RestingFacets.
-absl::StatusOr<MeshStablePoses> FindStablePoses(const TriangleMesh& mesh,
+absl::StatusOr<MeshStablePoses> FindStablePoses(const rendering::TriangleMesh& mesh,
                                                 const StablePoseChoice& choice);
 
 // T_object_mesh of a mesh that rests with `down` (mesh frame, length one): the lowest point on z =
 // 0, the middle of the bounding box on the z axis, turned as little as possible.
-recognition::Pose PutDown(const TriangleMesh& mesh, const Eigen::Vector3d& down);
+recognition::Pose PutDown(const rendering::TriangleMesh& mesh, const Eigen::Vector3d& down);
 
 }  // namespace graspdb::client

@@ -155,7 +155,7 @@ class Turned {
 v1::Grasp GraspOf(const Candidate& found, const char* id, int priority,
                   const ParallelGripper& gripper) {
   const double opening = std::min(found.width_m + 2 * kPlayM, gripper.max_opening_m);
-  v1::Grasp grasp = TopGrasp(id, found.tcp, found.closing_rad, opening);
+  v1::Grasp grasp = rendering::TopGrasp(id, found.tcp, found.closing_rad, opening);
   grasp.set_priority(priority);
   grasp.set_retreat_distance_m(grasp.approach_distance_m());
   return grasp;

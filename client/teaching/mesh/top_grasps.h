@@ -22,7 +22,7 @@ inline constexpr double kOffTableM = 0.002;
 
 // The object to grasp: a mesh in the object's frame (z up, on the table z = 0, metres).
 struct GraspedObject {
-  const TriangleMesh* mesh = nullptr;
+  const rendering::TriangleMesh* mesh = nullptr;
   Eigen::Vector3d mass_center = Eigen::Vector3d::Zero();
   bool any_turn = false;  // it looks the same after any turn about z
 };

@@ -33,14 +33,14 @@ bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
 }
 
 // The region that the mesh sweeps when it turns about z.
-v1::AxisAlignedBox RegionOf(const TriangleMesh& mesh) {
+v1::AxisAlignedBox RegionOf(const rendering::TriangleMesh& mesh) {
   double radius = 0;
   double height = 0;
   for (const Eigen::Vector3f& v : mesh.vertices) {
     radius = std::max(radius, static_cast<double>(v.head<2>().norm()));
     height = std::max(height, static_cast<double>(v.z()));
   }
-  v1::AxisAlignedBox region = SimulatedRegion();
+  v1::AxisAlignedBox region = rendering::SimulatedRegion();
   const double half_width = std::max(region.max().x(), radius + kMarginM);
   region.mutable_min()->set_x(-half_width);
   region.mutable_min()->set_y(-half_width);
@@ -62,9 +62,9 @@ double FarthestDepth(const v1::AxisAlignedBox& region, const Pose& world_sensor)
 // Renders views by their number: one stable pose after the other.
 class Turntable {
  public:
-  static absl::StatusOr<Turntable> Create(const std::vector<Workpiece>& parts,
+  static absl::StatusOr<Turntable> Create(const std::vector<rendering::Workpiece>& parts,
                                           const CadViews& views) {
-    auto camera = DepthCamera::Create(views.camera);
+    auto camera = rendering::DepthCamera::Create(views.camera);
     if (!camera.ok()) return camera.status();
     return Turntable(parts, views, *std::move(camera));
   }
@@ -73,15 +73,15 @@ class Turntable {
   std::size_t count() const { return parts_.size() * steps(); }
 
   absl::Status Make(std::size_t number, v1::UploadViewsRequest* request) const {
-    const Workpiece& part = parts_[number / steps()];
+    const rendering::Workpiece& part = parts_[number / steps()];
     const double azimuth_deg = static_cast<double>(number % steps()) * views_.step_deg;
     Pose world_object = Pose::Identity();
     world_object.rotate(Eigen::AngleAxisd(azimuth_deg * std::numbers::pi / 180, Vector3d::UnitZ()));
-    Scene scene;
+    rendering::Scene scene;
     scene.objects.push_back({.mesh = &part.mesh, .world_object = world_object});
     const auto azimuth = static_cast<std::uint64_t>(std::llround(azimuth_deg * 1000));
-    const auto frame =
-        camera_.Render(scene, views_.world_sensor, RandomBits(kSeed, Hash(part), azimuth));
+    const auto frame = camera_.Render(scene, views_.world_sensor,
+                                      rendering::RandomBits(kSeed, Hash(part), azimuth));
     if (!frame.ok()) return frame.status();
     if (std::ranges::count(frame->surface, 0) < kMinPixels) return NotVisible(part);
     request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
@@ -96,11 +96,12 @@ class Turntable {
   }
 
  private:
-  Turntable(const std::vector<Workpiece>& parts, const CadViews& views, DepthCamera camera)
+  Turntable(const std::vector<rendering::Workpiece>& parts, const CadViews& views,
+            rendering::DepthCamera camera)
       : parts_(parts), views_(views), camera_(std::move(camera)) {}
 
   // Stable poses have noise of their own (FNV-1a of their names).
-  static std::uint64_t Hash(const Workpiece& part) {
+  static std::uint64_t Hash(const rendering::Workpiece& part) {
     std::uint64_t hash = 14695981039346656037ULL;
     for (const char c : part.object_id + "/" + part.stable_pose_id) {
       hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
@@ -108,16 +109,16 @@ class Turntable {
     return hash;
   }
 
-  absl::Status NotVisible(const Workpiece& part) const {
+  absl::Status NotVisible(const rendering::Workpiece& part) const {
     return absl::FailedPreconditionError(absl::StrCat(
         "no part of ", part.object_id, " is visible in ", part.stable_pose_id,
         "; the camera measures from ", views_.camera.min_depth_m, " to ", views_.camera.max_depth_m,
         " m, choose another --distance or check the cell's pose"));
   }
 
-  const std::vector<Workpiece>& parts_;
+  const std::vector<rendering::Workpiece>& parts_;
   const CadViews& views_;
-  DepthCamera camera_;
+  rendering::DepthCamera camera_;
 };
 
 // The same mesh gives the same frame; the tolerances allow for rounding by other compilers.
@@ -130,7 +131,8 @@ bool IsSameFrame(const Pose& a, const Pose& b) {
 }
 
 // Stores the mesh's frame in a stable pose of this mesh that has none.
-absl::Status KeepMeshPose(Client& client, const Workpiece& part, const std::string& name) {
+absl::Status KeepMeshPose(Client& client, const rendering::Workpiece& part,
+                          const std::string& name) {
   if (!part.object_mesh) return absl::OkStatus();
   const absl::StatusOr<v1::StablePose> known = client.GetStablePose(name);
   if (absl::IsNotFound(known.status()))
@@ -200,11 +202,12 @@ absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
   return sensor;
 }
 
-std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views) {
+std::size_t CountOf(const std::vector<rendering::Workpiece>& parts, const CadViews& views) {
   return parts.size() * static_cast<std::size_t>(StepsOf(views.step_deg));
 }
 
-absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
+absl::StatusOr<UploadCounts> TeachCadViews(Client& client,
+                                           const std::vector<rendering::Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch) {
   if (absl::Status step = CheckStep(views.step_deg); !step.ok()) return step;
   const absl::StatusOr<Turntable> turntable = Turntable::Create(parts, views);
@@ -220,7 +223,7 @@ absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Wor
   }
   std::vector<v1::CapturedObject> declared;
   declared.reserve(parts.size());
-  for (const Workpiece& part : parts) declared.push_back(DeclarationOf(part));
+  for (const rendering::Workpiece& part : parts) declared.push_back(rendering::DeclarationOf(part));
   if (absl::Status made = CreateParents(client, declared); !made.ok()) return made;
   return TeachViews(
       client,

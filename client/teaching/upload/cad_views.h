@@ -21,7 +21,7 @@ absl::StatusOr<recognition::Pose> StandOf(const v1::Cell& cell);
 
 // How the views are taken. The camera stands still, and each object turns about its z axis.
 struct CadViews {
-  DepthCameraModel camera = KinectV2();
+  rendering::DepthCameraModel camera = rendering::KinectV2();
   recognition::Pose world_sensor = recognition::Pose::Identity();  // the object is at the origin
   double step_deg = 20;                                            // as the paper's turntable
   // Also teach stable poses that already have other views.
@@ -37,10 +37,11 @@ struct CadViews {
 // when a stable pose has views that are not of this mesh, camera and place, or the frame of another
 // mesh; INVALID_ARGUMENT for a step that is not between 1 and 120 degrees; errors of TeachViews and
 // DepthCamera.
-absl::StatusOr<UploadCounts> TeachCadViews(Client& client, const std::vector<Workpiece>& parts,
+absl::StatusOr<UploadCounts> TeachCadViews(Client& client,
+                                           const std::vector<rendering::Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch);
 
 // The number of these views; 0 for an invalid step.
-std::size_t CountOf(const std::vector<Workpiece>& parts, const CadViews& views);
+std::size_t CountOf(const std::vector<rendering::Workpiece>& parts, const CadViews& views);
 
 }  // namespace graspdb::client

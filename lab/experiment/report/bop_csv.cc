@@ -67,7 +67,7 @@ std::string BopObjectsHeader() { return "case,obj_id,object,stable_pose\n"; }
 std::string BopObjects(const CaseResult& result) {
   std::string out;
   for (std::size_t i = 0; i < result.set.parts.size(); ++i) {
-    const Workpiece& part = result.set.parts[i];
+    const rendering::Workpiece& part = result.set.parts[i];
     absl::StrAppend(&out, Field(result.experiment.name), ",", i + 1, ",", Field(part.object_id),
                     ",", Field(part.stable_pose_id), "\n");
   }

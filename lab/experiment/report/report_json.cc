@@ -105,7 +105,7 @@ void FillEvidence(const recognition::Evidence& evidence,
 }
 
 void FillAnswer(const Answer& a, const PartSet& set, files::JsonObject out) {
-  const Workpiece& part = set.parts[a.part];
+  const rendering::Workpiece& part = set.parts[a.part];
   out.Set(files::Json("scene", a.scene), files::Json("object_query", part.object_id),
           files::Json("stable_pose_query", StablePoseName(part)),
           files::Json("stable_pose_answered", a.stable_pose),

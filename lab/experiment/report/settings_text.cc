@@ -18,14 +18,14 @@ std::string StandText(const Stand& stand) {
 
 }  // namespace
 
-std::string CameraName(const DepthCameraModel& camera) {
-  const auto is = [&](const DepthCameraModel& other) {
+std::string CameraName(const rendering::DepthCameraModel& camera) {
+  const auto is = [&](const rendering::DepthCameraModel& other) {
     return camera.intrinsics.width == other.intrinsics.width &&
            camera.intrinsics.height == other.intrinsics.height &&
            camera.intrinsics.fx == other.intrinsics.fx;
   };
-  if (is(KinectV1())) return "Kinect v1";
-  return is(KinectV2()) ? "Kinect v2" : "other camera";
+  if (is(rendering::KinectV1())) return "Kinect v1";
+  return is(rendering::KinectV2()) ? "Kinect v2" : "other camera";
 }
 
 std::string SettingsText(const CaseResult& result) {

@@ -8,7 +8,7 @@
 namespace graspdb::client {
 
 // "Kinect v1", "Kinect v2" or "other camera", by the intrinsics.
-std::string CameraName(const DepthCameraModel& camera);
+std::string CameraName(const rendering::DepthCameraModel& camera);
 
 // Sentences about the taught views and the queries.
 std::string SettingsText(const CaseResult& result);

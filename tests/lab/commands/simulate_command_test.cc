@@ -66,7 +66,7 @@ TEST(SimulateCommand, WritesTurntableAndRandomScenesToOneSet) {
 TEST(SimulateCommand, AcceptsMeshesAndUnitAfterListOptions) {
   const files::TemporaryFolder folder;
   const auto mesh = folder.path() / "Block.ply";
-  ASSERT_TRUE(WriteMeshPly(mesh, BoxSolid({0, 0, 0}, {80, 40, 30})).ok());
+  ASSERT_TRUE(rendering::WriteMeshPly(mesh, rendering::BoxSolid({0, 0, 0}, {80, 40, 30})).ok());
   const std::string set = (folder.path() / "set").string();
   const std::string rest = " --step 180 --out " + set;
   const RunOutput metres = Simulate(mesh.string() + rest);

@@ -25,13 +25,13 @@ using ::testing::HasSubstr;
 class CaptureTrialsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::vector<Workpiece> parts = SampleParts();
+    std::vector<rendering::Workpiece> parts = rendering::SampleParts();
     parts.resize(3);
-    const std::vector<Workpiece> taught(parts.begin(), parts.begin() + 2);
-    auto plan = *PlanTurntable(taught, {.stand = {}, .azimuth_step_deg = 30});
-    const auto scenes = *PlanRandomScenes(parts, {.stand = {}, .count = 3});
+    const std::vector<rendering::Workpiece> taught(parts.begin(), parts.begin() + 2);
+    auto plan = *rendering::PlanTurntable(taught, {.stand = {}, .azimuth_step_deg = 30});
+    const auto scenes = *rendering::PlanRandomScenes(parts, {.stand = {}, .count = 3});
     plan.insert(plan.end(), scenes.begin(), scenes.end());
-    ASSERT_THAT(WriteSimulation(folder_.path(), parts, plan, {}), IsOk());
+    ASSERT_THAT(rendering::WriteSimulation(folder_.path(), parts, plan, {}), IsOk());
   }
 
   // Changes captures.json.
@@ -77,10 +77,10 @@ TEST_F(CaptureTrialsTest, AMeshOfAnotherSizeThanTheTaughtViewsIsRejected) {
   const auto set = files::LoadCaptureSet(folder_.path());
   ASSERT_THAT(set, IsOk());
   const auto path = folder_.path() / set->objects(0).mesh_path();
-  auto mesh = LoadMesh(path);
+  auto mesh = rendering::LoadMesh(path);
   ASSERT_THAT(mesh, IsOk());
   for (Eigen::Vector3f& v : mesh->vertices) v *= 35.0F;
-  ASSERT_THAT(WriteMeshPly(path, *mesh), IsOk());
+  ASSERT_THAT(rendering::WriteMeshPly(path, *mesh), IsOk());
   EXPECT_THAT(Run(/*leave_one_out=*/false),
               StatusIs(absl::StatusCode::kInvalidArgument, HasSubstr("both must be in metres")));
 }
@@ -134,12 +134,12 @@ TEST_F(CaptureTrialsTest, JudgesOnlyObjectsWithoutPoses) {
 // While no pose can be judged, an object that was not found is no wrong pose.
 TEST(CaptureTrials, ObjectsThatWereTaughtWithoutPosesHaveNoWrongPoses) {
   const files::TemporaryFolder folder;
-  const auto parts = SampleParts({"wedge", "stepped-block"});
+  const auto parts = rendering::SampleParts({"wedge", "stepped-block"});
   ASSERT_THAT(parts, IsOk());
-  auto plan = *PlanTurntable(*parts, {.stand = {}, .azimuth_step_deg = 30});
-  const auto scenes = *PlanRandomScenes(*parts, {.stand = {}, .count = 2});
+  auto plan = *rendering::PlanTurntable(*parts, {.stand = {}, .azimuth_step_deg = 30});
+  const auto scenes = *rendering::PlanRandomScenes(*parts, {.stand = {}, .count = 2});
   plan.insert(plan.end(), scenes.begin(), scenes.end());
-  ASSERT_THAT(WriteSimulation(folder.path(), *parts, plan, {.segmented = true}), IsOk());
+  ASSERT_THAT(rendering::WriteSimulation(folder.path(), *parts, plan, {.segmented = true}), IsOk());
   files::PointFile nothing;
   nothing.points = {{0, 0, 3.0F}, {0.1F, 0, 3}, {0, 0.1F, 3}};
   nothing.width = 3;

@@ -14,9 +14,10 @@ namespace {
 using testing::IsOk;
 
 // Smallest distance over the table between points of two workpieces, m.
-double Gap(const std::vector<Workpiece>& parts, const Placement& a, const Placement& b) {
-  const auto points = [&](const Placement& p) {
-    recognition::Points out = SampleSurface(parts[p.part].mesh, 3000, /*seed=*/7);
+double Gap(const std::vector<rendering::Workpiece>& parts, const rendering::Placement& a,
+           const rendering::Placement& b) {
+  const auto points = [&](const rendering::Placement& p) {
+    recognition::Points out = rendering::SampleSurface(parts[p.part].mesh, 3000, /*seed=*/7);
     for (Eigen::Vector3f& point : out) point = p.world_object.cast<float>() * point;
     return out;
   };
@@ -29,29 +30,30 @@ double Gap(const std::vector<Workpiece>& parts, const Placement& a, const Placem
 }
 
 TEST(PlanCloseScenes, KeepsTheRequestedGap) {
-  const std::vector<Workpiece> parts = SampleParts();
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
   const auto plan = PlanCloseScenes(parts, {.count = 5, .gap_m = 0.03, .seed = 3});
   ASSERT_THAT(plan, IsOk());
   ASSERT_EQ(plan->size(), 5U);
-  for (const PlannedCapture& scene : *plan) {
+  for (const rendering::PlannedCapture& scene : *plan) {
     ASSERT_EQ(scene.placements.size(), 3U);
     std::set<std::size_t> different;
-    for (const Placement& a : scene.placements) {
+    for (const rendering::Placement& a : scene.placements) {
       different.insert(a.part);
       double nearest = 1;
-      for (const Placement& b : scene.placements) {
+      for (const rendering::Placement& b : scene.placements) {
         if (a.part != b.part) nearest = std::min(nearest, Gap(parts, a, b));
       }
       EXPECT_NEAR(nearest, 0.03, 0.004);  // between random points of the surfaces
       const Eigen::Vector3d at = a.world_object.translation();
-      EXPECT_LT(at.head<2>().cwiseAbs().maxCoeff(), kRegionHalfWidthM);
+      EXPECT_LT(at.head<2>().cwiseAbs().maxCoeff(), rendering::kRegionHalfWidthM);
     }
     EXPECT_EQ(different.size(), 3U);
   }
 }
 
 TEST(PlanCloseScenes, FailsWithTooManyObjects) {
-  EXPECT_THAT(PlanCloseScenes(SampleParts(), {.count = 1, .objects_per_scene = 13, .gap_m = 0.2}),
+  EXPECT_THAT(PlanCloseScenes(rendering::SampleParts(),
+                              {.count = 1, .objects_per_scene = 13, .gap_m = 0.2}),
               testing::StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 

@@ -18,22 +18,22 @@ class CompositesTest : public ::testing::Test {
  protected:
   CompositesTest() {
     for (const char* name : {"l-bracket", "flange", "handle"}) {
-      auto parts = SampleParts({name});
+      auto parts = rendering::SampleParts({name});
       EXPECT_THAT(parts, IsOk());
       set_.Add(parts->front(), Pose::Identity());
     }
   }
 
   Scan Background(bool with_table) const {
-    DepthCameraModel model = KinectV2();
-    const auto camera = DepthCamera::Create(model);
+    rendering::DepthCameraModel model = rendering::KinectV2();
+    const auto camera = rendering::DepthCamera::Create(model);
     EXPECT_THAT(camera, IsOk());
-    Scene scene;
+    rendering::Scene scene;
     if (with_table) scene.objects = {{&set_.parts[0].mesh, Pose::Identity()}};
     scene.with_table = with_table;
-    const auto frame = camera->Render(scene, LookAt({0, 0, 0}, 0.8, 40, -90), 1);
+    const auto frame = camera->Render(scene, rendering::LookAt({0, 0, 0}, 0.8, 40, -90), 1);
     EXPECT_THAT(frame, IsOk());
-    return {.points = ToPoints(*frame, model.intrinsics),
+    return {.points = rendering::ToPoints(*frame, model.intrinsics),
             .world_sensor = {},
             .region = recognition::Box{{-0.25, -0.25, -0.05}, {0.25, 0.25, 0.4}},
             .width = frame->width};
@@ -49,8 +49,9 @@ class CompositesTest : public ::testing::Test {
   // Points of the scan that are within the part's box at its pose, 8 mm larger. Of 200 pixels, half
   // may lie between two surfaces.
   std::size_t CountOn(const Composite& composite, const FrameObject& object) const {
-    const auto& part = *std::ranges::find(set_.parts, object.object, &Workpiece::object_id);
-    recognition::Box box = BoundsOf(part.mesh);
+    const auto& part =
+        *std::ranges::find(set_.parts, object.object, &rendering::Workpiece::object_id);
+    recognition::Box box = rendering::BoundsOf(part.mesh);
     box.min.array() -= 0.008;
     box.max.array() += 0.008;
     const Pose mesh_sensor = object.sensor_mesh->inverse();

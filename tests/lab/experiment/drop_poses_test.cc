@@ -18,8 +18,9 @@ using ::graspdb::testing::StatusIs;
 
 class DropPosesTest : public ::testing::Test {
  protected:
-  absl::StatusOr<PartSet> Fall(const TriangleMesh& mesh, const DropPoseSelection& selection) const {
-    EXPECT_THAT(WriteMeshPly(folder_.path() / "object.ply", mesh), IsOk());
+  absl::StatusOr<PartSet> Fall(const rendering::TriangleMesh& mesh,
+                               const DropPoseSelection& selection) const {
+    EXPECT_THAT(rendering::WriteMeshPly(folder_.path() / "object.ply", mesh), IsOk());
     return DropPoses({folder_.path() / "object.ply"}, 1, selection);
   }
 
@@ -27,7 +28,8 @@ class DropPosesTest : public ::testing::Test {
 };
 
 TEST_F(DropPosesTest, AreQueriedByTheirProbability) {
-  const auto set = Fall(BoxSolid({0, 0, 0}, {0.03F, 0.06F, 0.09F}), {.falls = 400, .seed = 3});
+  const auto set =
+      Fall(rendering::BoxSolid({0, 0, 0}, {0.03F, 0.06F, 0.09F}), {.falls = 400, .seed = 3});
   ASSERT_THAT(set, IsOk());
   EXPECT_EQ(set->taught_count, 3U) << "a box looks the same on opposite faces";
   EXPECT_EQ(set->parts.size() - set->taught_count, 6U) << "and comes to rest on all";
@@ -35,14 +37,14 @@ TEST_F(DropPosesTest, AreQueriedByTheirProbability) {
   std::size_t flat = 0;
   for (const std::size_t part : set->queried_parts) {
     EXPECT_TRUE(set->IsTaught(part));
-    flat += BoundsOf(set->parts[part].mesh).max.z() < 0.031 ? 1 : 0;
+    flat += rendering::BoundsOf(set->parts[part].mesh).max.z() < 0.031 ? 1 : 0;
   }
   // Both large faces: 4 atan(...) / 4 pi each.
   EXPECT_NEAR(static_cast<double>(flat) / 400, 0.655, 0.06);
 }
 
 TEST_F(DropPosesTest, AreRecognizedFromTheTaughtMesh) {
-  const TriangleMesh angle = ExtrudeAlongY(
+  const rendering::TriangleMesh angle = rendering::ExtrudeAlongY(
       {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.025F, 0.02F}, {0.025F, 0.08F}, {0, 0.08F}}, 0, 0.04F);
   const auto set = Fall(angle, {.falls = 6, .seed = 1});
   ASSERT_THAT(set, IsOk());
@@ -58,7 +60,7 @@ TEST_F(DropPosesTest, AreRecognizedFromTheTaughtMesh) {
 }
 
 TEST_F(DropPosesTest, FailWithoutAMeshWithinTheSizeLimits) {
-  EXPECT_THAT(Fall(BoxSolid({0, 0, 0}, {0.01F, 0.01F, 0.01F}), {}),
+  EXPECT_THAT(Fall(rendering::BoxSolid({0, 0, 0}, {0.01F, 0.01F, 0.01F}), {}),
               StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 

@@ -6,12 +6,17 @@ namespace graspdb::client {
 
 PartSet HandMadeParts() {
   PartSet set;
-  const std::vector<Workpiece> samples = SampleParts();
+  const std::vector<rendering::Workpiece> samples = rendering::SampleParts();
   for (std::size_t i = 0; i < 4; ++i) {
-    const recognition::Points points = SampleSurface(samples[i].mesh, 50, /*seed=*/1);
+    const recognition::Points points = rendering::SampleSurface(samples[i].mesh, 50, /*seed=*/1);
     set.parts.push_back(samples[i]);
-    set.shapes.push_back(std::make_shared<MeasuredShape>(MeasuredShape{
-        points, recognition::PointSearch(points), DiameterOf(samples[i].mesh), {0}, false, false}));
+    set.shapes.push_back(std::make_shared<rendering::MeasuredShape>(
+        rendering::MeasuredShape{points,
+                                 recognition::PointSearch(points),
+                                 rendering::DiameterOf(samples[i].mesh),
+                                 {0},
+                                 false,
+                                 false}));
     set.object_mesh.push_back(recognition::Pose::Identity());
   }
   set.taught_count = set.parts.size() - 1;

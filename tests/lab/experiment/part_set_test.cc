@@ -12,7 +12,7 @@ using testing::StatusIs;
 
 std::vector<std::string> Objects(const PartSet& set) {
   std::vector<std::string> out;
-  for (const Workpiece& part : set.parts) out.push_back(part.object_id);
+  for (const rendering::Workpiece& part : set.parts) out.push_back(part.object_id);
   return out;
 }
 

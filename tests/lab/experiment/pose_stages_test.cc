@@ -20,7 +20,7 @@ class PoseStagesTest : public ::testing::Test {
  protected:
   PoseStagesTest() {
     for (const char* name : {"l-bracket", "flange"}) {
-      auto parts = SampleParts({name});
+      auto parts = rendering::SampleParts({name});
       EXPECT_THAT(parts, IsOk());
       set_.Add(parts->front(), Pose::Identity());
     }

@@ -37,12 +37,12 @@ class RealFramesTest : public ::testing::Test {
  protected:
   // A bracket on the table, and its entry in the file: its pose, moved by `moved`.
   void WriteFrame(const std::string& object, const Pose& moved) const {
-    const auto parts = SampleParts({"l-bracket"});
+    const auto parts = rendering::SampleParts({"l-bracket"});
     ASSERT_THAT(parts, IsOk());
-    ASSERT_THAT(WriteMeshPly(folder_.path() / "l.ply", parts->front().mesh), IsOk());
-    const auto renderer = TrialRenderer::Create(*parts, KinectV2());
+    ASSERT_THAT(rendering::WriteMeshPly(folder_.path() / "l.ply", parts->front().mesh), IsOk());
+    const auto renderer = TrialRenderer::Create(*parts, rendering::KinectV2());
     ASSERT_THAT(renderer, IsOk());
-    const Pose world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+    const Pose world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90);
     const auto trial = renderer->Render({.path = "",
                                          .split = v1::Capture::QUERY,
                                          .placements = {{.part = 0}},

@@ -13,8 +13,8 @@ namespace {
 
 using testing::IsOk;
 
-DepthCameraModel Ideal() {
-  DepthCameraModel model = KinectV2();
+rendering::DepthCameraModel Ideal() {
+  rendering::DepthCameraModel model = rendering::KinectV2();
   model.noise.scale = 0;
   return model;
 }
@@ -22,14 +22,14 @@ DepthCameraModel Ideal() {
 class TrialTest : public ::testing::Test {
  protected:
   // Points of the scan above the table in the region of interest.
-  std::size_t Above(const Obstacle& obstacle, const DepthCameraModel& camera = Ideal()) {
+  std::size_t Above(const Obstacle& obstacle, const rendering::DepthCameraModel& camera = Ideal()) {
     const auto renderer = TrialRenderer::Create(parts_, camera);
     EXPECT_THAT(renderer, IsOk());
-    PlannedCapture capture{.path = "",
-                           .split = v1::Capture::QUERY,
-                           .placements = {{.part = 0}},
-                           .world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90),
-                           .seed = 1};
+    rendering::PlannedCapture capture{.path = "",
+                                      .split = v1::Capture::QUERY,
+                                      .placements = {{.part = 0}},
+                                      .world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90),
+                                      .seed = 1};
     const auto trial = renderer->Render(capture, obstacle);
     EXPECT_THAT(trial, IsOk());
     if (!trial.ok()) return 0;
@@ -41,7 +41,7 @@ class TrialTest : public ::testing::Test {
     return above;
   }
 
-  const std::vector<Workpiece> parts_ = SampleParts();
+  const std::vector<rendering::Workpiece> parts_ = rendering::SampleParts();
 };
 
 TEST_F(TrialTest, ObstacleHidesItsShareFromAnySide) {
@@ -54,7 +54,7 @@ TEST_F(TrialTest, ObstacleHidesItsShareFromAnySide) {
 }
 
 TEST_F(TrialTest, ObstacleShadowDoesNotExceedTheHiddenShare) {
-  DepthCameraModel camera = Ideal();
+  rendering::DepthCameraModel camera = Ideal();
   camera.effects.shadow_baseline_m = 0.075;
   const auto all = static_cast<double>(Above({}, camera));
   for (const double direction : {0.0, 1.0, 2.5, 4.0, 5.5}) {
@@ -69,13 +69,13 @@ TEST(Cases, WithOtherQueriesOnlyTeachAlike) {
   ExperimentCase other = seen;
   other.name = "other";
   other.hidden_share = 0.4;
-  other.queried.camera = Carmine();
+  other.queried.camera = rendering::Carmine();
   other.parts = PartChoice::kStrangers;
   EXPECT_TRUE(TeachesAlike(seen, other));
   other.parts = PartChoice::kRound;
   EXPECT_FALSE(TeachesAlike(seen, other));
   other = seen;
-  other.taught.camera = Carmine();
+  other.taught.camera = rendering::Carmine();
   EXPECT_FALSE(TeachesAlike(seen, other));
   other = seen;
   other.seed = 2;
@@ -94,8 +94,8 @@ TEST(Cases, OfThePaperQueryBetweenTheTaughtAzimuths) {
     ASSERT_THAT(queries, IsOk());
     EXPECT_EQ(taught->size(), 24U);
     EXPECT_EQ(queries->size(), 96U);
-    for (const PlannedCapture& query : *queries) {
-      for (const PlannedCapture& view : *taught) {
+    for (const rendering::PlannedCapture& query : *queries) {
+      for (const rendering::PlannedCapture& view : *taught) {
         EXPECT_FALSE(query.placements[0].world_object.isApprox(view.placements[0].world_object));
       }
     }

@@ -39,7 +39,7 @@ TEST(SimulatedFrames, DependOnTheSeed) {
   SimulatedFrames frames;
   frames.parts = {"wedge"};
   frames.count = 1;
-  frames.camera = KinectV1();
+  frames.camera = rendering::KinectV1();
   const auto first = SimulateRequests(frames);
   const auto again = SimulateRequests(frames);
   frames.seed = 2;

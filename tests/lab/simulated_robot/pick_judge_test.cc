@@ -18,13 +18,13 @@ class JudgePickTest : public ::testing::Test {
  protected:
   JudgePickTest() {
     parts_[0].object_id = "bar";
-    parts_[0].grasps = {TopGrasp("end", {0.05, 0, 0.02}, 0, 0.05)};
+    parts_[0].grasps = {rendering::TopGrasp("end", {0.05, 0, 0.02}, 0, 0.05)};
     parts_[1].object_id = "nut";
     parts_[1].symmetry_order = 6;
-    parts_[1].grasps = {TopGrasp("flat", {0.01, 0, 0.02}, 0, 0.05)};
+    parts_[1].grasps = {rendering::TopGrasp("flat", {0.01, 0, 0.02}, 0, 0.05)};
     parts_[2].object_id = "shaft";
     parts_[2].symmetry_order = 0;
-    parts_[2].grasps = {TopGrasp("rim", {0.02, 0, 0.1}, 0, 0.05)};
+    parts_[2].grasps = {rendering::TopGrasp("rim", {0.02, 0, 0.1}, 0, 0.05)};
   }
 
   // The tool as taught for a part, with the object turned about its z axis and the tool then moved
@@ -35,12 +35,12 @@ class JudgePickTest : public ::testing::Test {
   }
 
   PickError Judge(std::size_t part, const Pose& world_tcp) const {
-    PlannedCapture scene;
+    rendering::PlannedCapture scene;
     scene.placements = {{part, world_object_}};
     return JudgePick(parts_, scene, world_tcp);
   }
 
-  std::vector<Workpiece> parts_{3};
+  std::vector<rendering::Workpiece> parts_{3};
   const Pose world_object_ = Pose(Eigen::Translation3d(0.1, -0.05, 0)) * TurnAboutZ(1);
 };
 
@@ -74,10 +74,10 @@ TEST_F(JudgePickTest, AcceptsOnlyTurnsOfTheSymmetry) {
 }
 
 TEST_F(JudgePickTest, ComparesToTheNearestObject) {
-  PlannedCapture scene;
+  rendering::PlannedCapture scene;
   scene.placements = {{1, Pose(Eigen::Translation3d(-0.2, 0, 0))}, {0, world_object_}};
   EXPECT_EQ(JudgePick(parts_, scene, Tool(0, 0)).object, "bar");
-  EXPECT_FALSE(WouldHold(JudgePick(parts_, PlannedCapture(), Tool(0, 0))));
+  EXPECT_FALSE(WouldHold(JudgePick(parts_, rendering::PlannedCapture(), Tool(0, 0))));
 }
 
 }  // namespace

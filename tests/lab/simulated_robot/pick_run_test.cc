@@ -29,7 +29,7 @@ enum Job { kGrasps = 1, kNothing = 2, kPicked = 7, kMissed = 8 };
 // tool's x axis. Jobs 7 and 8 report picks.
 class SeeingRunner : public ScriptedRunner {
  public:
-  SeeingRunner(std::filesystem::path scene, std::vector<Workpiece> parts)
+  SeeingRunner(std::filesystem::path scene, std::vector<rendering::Workpiece> parts)
       : scene_(std::move(scene)), parts_(std::move(parts)) {
     for (const int job : {kGrasps, kNothing, kPicked, kMissed}) {
       Set(job, std::vector<JobPose>());
@@ -48,9 +48,9 @@ class SeeingRunner : public ScriptedRunner {
       }
     }
     if (request.job != kGrasps) return ScriptedRunner::Run(request);
-    const absl::StatusOr<PlannedCapture> scene = ReadScene(scene_, parts_);
+    const absl::StatusOr<rendering::PlannedCapture> scene = rendering::ReadScene(scene_, parts_);
     if (!scene.ok()) return scene.status();
-    const Placement& placement = scene->placements.front();
+    const rendering::Placement& placement = scene->placements.front();
     const v1::Grasp& grasp = parts_[placement.part].grasps.front();
     JobPose out;
     out.grasp.id = "a";
@@ -63,7 +63,7 @@ class SeeingRunner : public ScriptedRunner {
 
  private:
   const std::filesystem::path scene_;
-  const std::vector<Workpiece> parts_;
+  const std::vector<rendering::Workpiece> parts_;
 };
 
 class PickRunTest : public ::testing::Test {
@@ -83,7 +83,8 @@ class PickRunTest : public ::testing::Test {
   }
 
   const files::TemporaryFolder folder_;
-  const std::vector<Workpiece> parts_ = {SampleParts()[0], SampleParts()[1]};
+  const std::vector<rendering::Workpiece> parts_ = {rendering::SampleParts()[0],
+                                                    rendering::SampleParts()[1]};
   SeeingRunner runner_{folder_.path() / "table", parts_};
   GriJobs jobs_{runner_};
   GriProtocol protocol_{jobs_};

@@ -12,21 +12,21 @@
 namespace graspdb::testing {
 namespace {
 
-using client::PlannedCapture;
-using client::Workpiece;
+using rendering::PlannedCapture;
+using rendering::Workpiece;
 
 std::vector<PlannedCapture> PlanFor(const std::vector<Workpiece>& parts) {
-  client::TurntableOptions options;
+  rendering::TurntableOptions options;
   options.stand.look_down_deg = {20, 40, 60, 80};
   options.stand.distances_m = {0.7};
-  auto plan = client::PlanTurntable(parts, options);
+  auto plan = rendering::PlanTurntable(parts, options);
   EXPECT_THAT(plan, IsOk());
   return plan.ok() ? *plan : std::vector<PlannedCapture>();
 }
 
 }  // namespace
 
-void CalibrationServer::Teach(const std::string& part, const client::DepthCameraModel& model) {
+void CalibrationServer::Teach(const std::string& part, const rendering::DepthCameraModel& model) {
   const std::vector<Workpiece> parts = {PartNamed(part)};
   const std::string object = "objects/" + part;
   v1::CreateObjectRequest create;
@@ -37,21 +37,21 @@ void CalibrationServer::Teach(const std::string& part, const client::DepthCamera
   pose.set_stable_pose_id(parts.front().stable_pose_id);
   pose.mutable_stable_pose()->set_symmetry_order(parts.front().symmetry_order);
   ASSERT_THAT(client().CreateStablePose(pose), IsOk());
-  auto camera = client::DepthCamera::Create(model);
+  auto camera = rendering::DepthCamera::Create(model);
   ASSERT_THAT(camera, IsOk());
   const std::vector<PlannedCapture> plan = PlanFor(parts);
   std::size_t next = 0;
   const auto next_view = [&](v1::UploadViewsRequest* request) -> absl::StatusOr<bool> {
     if (next == plan.size()) return false;
     const PlannedCapture& capture = plan[next];
-    auto frame = camera->Render(client::SceneOf(parts, capture, /*with_table=*/true),
+    auto frame = camera->Render(rendering::SceneOf(parts, capture, /*with_table=*/true),
                                 capture.world_sensor, capture.seed);
     if (!frame.ok()) return frame.status();
     request->set_parent(object + "/stablePoses/" + parts.front().stable_pose_id);
     request->set_view_id("view-" + std::to_string(next++));
     v1::View* view = request->mutable_view();
     *view->mutable_cloud() =
-        files::CloudMessage(client::ToPoints(*frame, model.intrinsics), model.intrinsics.width);
+        files::CloudMessage(rendering::ToPoints(*frame, model.intrinsics), model.intrinsics.width);
     *view->mutable_sensor_pose() = files::ToMessage(capture.world_sensor);
     *view->mutable_object_pose() = files::ToMessage(capture.placements.front().world_object);
     return true;

@@ -11,7 +11,7 @@ namespace graspdb::testing {
 class CalibrationServer : public CatalogueServer {
  public:
   // Teaches `part` with this camera from four look-down angles.
-  void Teach(const std::string& part, const client::DepthCameraModel& camera);
+  void Teach(const std::string& part, const rendering::DepthCameraModel& camera);
   // Creates `cells/{id}`; null: without a sensor pose.
   void MakeCell(const std::string& id, const recognition::Pose* world_sensor);
 };

@@ -16,12 +16,12 @@
 namespace graspdb::testing {
 namespace {
 
-using client::BoxSolid;
 using client::CameraMount;
 using client::FromRotationVector;
-using client::TriangleMesh;
 using Eigen::Vector3d;
 using recognition::Pose;
+using rendering::BoxSolid;
+using rendering::TriangleMesh;
 
 constexpr double kUnitM = 0.0001;
 // Standard deviation of the robot's true pose from its reported one, in all directions together.
@@ -41,14 +41,14 @@ Pose Make(const Vector3d& at, const Vector3d& turn) {
 TriangleMesh Gripper(double width_m) {
   const auto half = static_cast<float>(width_m / 2);
   const auto tip = static_cast<float>(kToolLengthM) + 0.012F;
-  return client::Union({BoxSolid({half, -0.01F, 0.06F}, {half + 0.012F, 0.01F, tip}),
-                        BoxSolid({-half - 0.012F, -0.01F, 0.06F}, {-half, 0.01F, tip}),
-                        BoxSolid({-half - 0.03F, -0.03F, 0}, {half + 0.03F, 0.03F, 0.06F}),
-                        client::CylinderSolid({0, 0}, 0.045F, -0.3F, 0)});
+  return rendering::Union({BoxSolid({half, -0.01F, 0.06F}, {half + 0.012F, 0.01F, tip}),
+                           BoxSolid({-half - 0.012F, -0.01F, 0.06F}, {-half, 0.01F, tip}),
+                           BoxSolid({-half - 0.03F, -0.03F, 0}, {half + 0.03F, 0.03F, 0.06F}),
+                           rendering::CylinderSolid({0, 0}, 0.045F, -0.3F, 0)});
 }
 
-client::DepthCamera CameraOf(const client::DepthCameraModel& model) {
-  absl::StatusOr<client::DepthCamera> camera = client::DepthCamera::Create(model);
+rendering::DepthCamera CameraOf(const rendering::DepthCameraModel& model) {
+  absl::StatusOr<rendering::DepthCamera> camera = rendering::DepthCamera::Create(model);
   if (!camera.ok()) std::abort();
   return *std::move(camera);
 }
@@ -56,10 +56,10 @@ client::DepthCamera CameraOf(const client::DepthCameraModel& model) {
 }  // namespace
 
 SimulatedCell::SimulatedCell(CameraMount mount, const std::string& part,
-                             const client::DepthCameraModel& camera, std::uint64_t seed)
+                             const rendering::DepthCameraModel& camera, std::uint64_t seed)
     : mount_(mount), part_(PartNamed(part)), camera_(CameraOf(camera)), random_(seed) {
   world_base_ = Make({-0.45, 0.12, 0.03}, {0.004, -0.003, 0.4});
-  world_camera_ = client::LookAt({0.02, 0, 0.3}, 0.75, 40, -85);
+  world_camera_ = rendering::LookAt({0.02, 0, 0.3}, 0.75, 40, -85);
   world_camera_.rotate(Eigen::AngleAxisd(0.05, Vector3d::UnitZ()));
   flange_camera_ = Make({0.08, 0.01, 0.04}, {0.06, -0.12, 1.5});
   world_target_ = Make({0.03, -0.02, 0}, {0, 0, std::numbers::pi * Uniform()});
@@ -101,7 +101,8 @@ Pose SimulatedCell::DriveTo(const Place& place, const Vector3d& tilt, double tur
         Make(place.world_shown + 0.06 * shift, tilt) * Make(Vector3d::Zero(), turn);
     world_flange = world_target * flange_target_.inverse();
   } else {
-    const Pose above = client::LookAt({0, 0, 0.02}, place.distance_m + 0.06 * shift.z(), 90, -90);
+    const Pose above =
+        rendering::LookAt({0, 0, 0.02}, place.distance_m + 0.06 * shift.z(), 90, -90);
     const Pose around = Make(0.04 * Vector3d(shift.x(), shift.y(), 0), tilt);
     world_flange = around * above * Make(Vector3d::Zero(), turn) * flange_camera_.inverse();
   }
@@ -128,7 +129,7 @@ Pose SimulatedCell::mount_camera() const {
 Pose SimulatedCell::camera_target() const { return WorldCameraNow().inverse() * WorldTargetNow(); }
 
 absl::StatusOr<client::SensorFrame> SimulatedCell::Next(MonotonicTime /*deadline*/) {
-  client::Scene scene;
+  rendering::Scene scene;
   if (!hidden_) scene.objects.push_back({&part_.mesh, WorldTargetNow()});
   if (mount_ == CameraMount::kFixed) {
     scene.objects.push_back({&gripper_, world_base_ * base_flange_});
@@ -137,7 +138,7 @@ absl::StatusOr<client::SensorFrame> SimulatedCell::Next(MonotonicTime /*deadline
   if (!frame.ok()) return frame.status();
   client::SensorFrame out;
   out.scan =
-      files::DepthMessage(client::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
+      files::DepthMessage(rendering::ToCounts(*frame, kUnitM), camera_.model().intrinsics, kUnitM);
   out.time = MonotonicTime::Now();
   return out;
 }

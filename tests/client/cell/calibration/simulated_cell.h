@@ -18,7 +18,7 @@ namespace graspdb::testing {
 class SimulatedCell : public client::DepthSensor {
  public:
   SimulatedCell(client::CameraMount mount, const std::string& part,
-                const client::DepthCameraModel& camera, std::uint64_t seed);
+                const rendering::DepthCameraModel& camera, std::uint64_t seed);
 
   // Drives to the next pose of a calibration, the tool tilted by up to `tilt_rad` to any side and
   // turned about its own axis by up to `turn_rad`; returns the robot's reported pose.
@@ -53,9 +53,9 @@ class SimulatedCell : public client::DepthSensor {
   recognition::Pose WorldTargetNow() const;
 
   const client::CameraMount mount_;
-  const client::Workpiece& part_;
-  client::DepthCamera camera_;
-  client::TriangleMesh gripper_;  // frame of the flange
+  const rendering::Workpiece& part_;
+  rendering::DepthCamera camera_;
+  rendering::TriangleMesh gripper_;  // frame of the flange
   std::mt19937_64 random_;
   bool hidden_ = false;
   recognition::Pose world_base_ = recognition::Pose::Identity();

@@ -19,12 +19,12 @@ using recognition::Pose;
 using ::testing::HasSubstr;
 
 recognition::Points EmptyTable(const Pose& world_sensor) {
-  const DepthCameraModel model = graspdb::testing::SmallKinectV2();
-  const auto camera = DepthCamera::Create(model);
+  const rendering::DepthCameraModel model = graspdb::testing::SmallKinectV2();
+  const auto camera = rendering::DepthCamera::Create(model);
   EXPECT_THAT(camera, IsOk());
-  const auto frame = camera->Render(Scene(), world_sensor, 7);
+  const auto frame = camera->Render(rendering::Scene(), world_sensor, 7);
   EXPECT_THAT(frame, IsOk());
-  return ToPoints(*frame, model.intrinsics);
+  return rendering::ToPoints(*frame, model.intrinsics);
 }
 
 Pose Tilted(const Pose& pose, double angle, const Vector3d& axis, const Vector3d& shift) {
@@ -35,7 +35,7 @@ Pose Tilted(const Pose& pose, double angle, const Vector3d& axis, const Vector3d
 }
 
 TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
-  const Pose truth = LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
+  const Pose truth = rendering::LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
   EXPECT_GT(table->share, 0.95);
@@ -58,7 +58,7 @@ TEST(TableLevelTest, SetsHeightAndLevelAndKeepsTheRest) {
 }
 
 TEST(TableLevelTest, ALoweredCameraMeasuresTheTableHigher) {
-  const Pose truth = LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
+  const Pose truth = rendering::LookAt(Vector3d(0.1, 0.2, 0), 0.8, 50, 20);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
   Pose estimated = *LevelOn(*table, truth);
@@ -69,7 +69,7 @@ TEST(TableLevelTest, ALoweredCameraMeasuresTheTableHigher) {
 }
 
 TEST(TableLevelTest, WithoutAPoseTheOriginIsUnderTheImageCentre) {
-  const Pose truth = LookAt(Vector3d::Zero(), 0.8, 50, -90);
+  const Pose truth = rendering::LookAt(Vector3d::Zero(), 0.8, 50, -90);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
   const auto level = LevelOn(*table, std::nullopt);
@@ -79,10 +79,10 @@ TEST(TableLevelTest, WithoutAPoseTheOriginIsUnderTheImageCentre) {
 
 TEST(TableLevelTest, InvalidTablesAreRejected) {
   EXPECT_THAT(FindTable({}), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("clear")));
-  const Pose along = LookAt(Vector3d::Zero(), 0.8, 10, -90);
+  const Pose along = rendering::LookAt(Vector3d::Zero(), 0.8, 10, -90);
   EXPECT_THAT(FindTable(EmptyTable(along)),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("at most 75")));
-  const Pose truth = LookAt(Vector3d::Zero(), 0.8, 50, -90);
+  const Pose truth = rendering::LookAt(Vector3d::Zero(), 0.8, 50, -90);
   const auto table = FindTable(EmptyTable(truth));
   ASSERT_THAT(table, IsOk());
   EXPECT_THAT(LevelOn(*table, Tilted(truth, 20 * recognition::kRadiansPerDegree, Vector3d::UnitY(),

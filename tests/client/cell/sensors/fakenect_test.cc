@@ -31,7 +31,7 @@ using testing::StatusIs;
 constexpr absl::Duration kLongEnough = absl::Milliseconds(500);
 
 // A plane of one depth before the camera.
-DepthFrame Plane(float depth_m) {
+rendering::DepthFrame Plane(float depth_m) {
   return {.width = kKinectV1Width,
           .height = kKinectV1Height,
           .depth_m = std::vector<float>(std::size_t{kKinectV1Width} * kKinectV1Height, depth_m),
@@ -74,12 +74,12 @@ class FakenectTest : public ::testing::Test {
 };
 
 TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
-  const auto parts = SampleParts();
-  const auto camera = DepthCamera::Create(SimulatedKinectV1());
+  const auto parts = rendering::SampleParts();
+  const auto camera = rendering::DepthCamera::Create(SimulatedKinectV1());
   ASSERT_THAT(camera, IsOk());
-  const Scene scene = {.objects = {{.mesh = &parts[0].mesh}}};
+  const rendering::Scene scene = {.objects = {{.mesh = &parts[0].mesh}}};
   const auto seen =
-      camera->Render(scene, LookAt(Eigen::Vector3d::Zero(), 0.8, 40, -90), /*seed=*/3);
+      camera->Render(scene, rendering::LookAt(Eigen::Vector3d::Zero(), 0.8, 40, -90), /*seed=*/3);
   ASSERT_THAT(seen, IsOk());
   auto writer = FakenectRecording::Create(recording());
   ASSERT_THAT(writer, IsOk());
@@ -104,8 +104,8 @@ TEST_F(FakenectTest, MeasuresTheSimulatedDepths) {
 }
 
 TEST_F(FakenectTest, ARecordingOfRandomScenesMatchesItsGroundTruth) {
-  const auto parts = SampleParts();
-  const auto plan = PlanRandomScenes(parts, {.stand = {}, .count = 2, .seed = 4});
+  const auto parts = rendering::SampleParts();
+  const auto plan = rendering::PlanRandomScenes(parts, {.stand = {}, .count = 2, .seed = 4});
   ASSERT_THAT(plan, IsOk());
   ASSERT_THAT(WriteSimulatedRecording(recording(), parts, *plan, kLongEnough), IsOk());
   EXPECT_THAT(Play(1, recording()), Contains("frame 0"));

@@ -176,11 +176,12 @@ TEST(OpenSensor, ASimulationShowsAGivenScene) {
   ASSERT_THAT(sensor, IsOk());
   const auto look = [&] { return (*sensor)->Next(MonotonicTime::Now() + absl::Seconds(60)); };
   EXPECT_THAT(look(), StatusIs(absl::StatusCode::kUnavailable));
-  const auto plan = PlanRandomScenes(SampleParts(), {.stand = {}, .count = 2, .seed = 9});
+  const auto plan =
+      rendering::PlanRandomScenes(rendering::SampleParts(), {.stand = {}, .count = 2, .seed = 9});
   ASSERT_THAT(plan, IsOk());
   std::vector<std::string> frames;
-  for (const PlannedCapture& scene : *plan) {
-    ASSERT_THAT(WriteScenes(table, SampleParts(), {scene}), IsOk());
+  for (const rendering::PlannedCapture& scene : *plan) {
+    ASSERT_THAT(rendering::WriteScenes(table, rendering::SampleParts(), {scene}), IsOk());
     const auto frame = look();
     ASSERT_THAT(frame, IsOk());
     ASSERT_TRUE(frame->world_sensor);

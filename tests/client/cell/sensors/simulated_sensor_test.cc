@@ -14,14 +14,14 @@ namespace {
 using testing::IsOk;
 using testing::StatusIs;
 
-DepthCameraModel SmallCamera() {
-  DepthCameraModel camera = KinectV2();
+rendering::DepthCameraModel SmallCamera() {
+  rendering::DepthCameraModel camera = rendering::KinectV2();
   camera.intrinsics = {.width = 64, .height = 48, .fx = 46, .fy = 46, .cx = 31.5, .cy = 23.5};
   return camera;
 }
 
 std::unique_ptr<SimulatedSensor> SensorOf(SceneSource scenes) {
-  auto sensor = SimulatedSensor::Create(SmallCamera(), SampleParts(), std::move(scenes));
+  auto sensor = SimulatedSensor::Create(SmallCamera(), rendering::SampleParts(), std::move(scenes));
   EXPECT_THAT(sensor, IsOk());
   return sensor.ok() ? *std::move(sensor) : nullptr;
 }
@@ -32,39 +32,40 @@ std::string NextData(SimulatedSensor& sensor) {
   return frame.ok() ? std::get<v1::DepthImage>(frame->scan).data() : "";
 }
 
-PlannedCapture SceneOfOne() {
+rendering::PlannedCapture SceneOfOne() {
   return {.path = "",
           .placements = {{.part = 2}},
-          .world_sensor = LookAt(Eigen::Vector3d::Zero(), 0.8, 40, -90)};
+          .world_sensor = rendering::LookAt(Eigen::Vector3d::Zero(), 0.8, 40, -90)};
 }
 
 // The same scene at every call, with other noise.
-SceneSource StillScene(PlannedCapture scene) {
+SceneSource StillScene(rendering::PlannedCapture scene) {
   return [scene = std::move(scene)]() mutable {
     ++scene.seed;
-    return absl::StatusOr<PlannedCapture>(scene);
+    return absl::StatusOr<rendering::PlannedCapture>(scene);
   };
 }
 
 // The expected frame of a scene.
-std::string DataOf(const PlannedCapture& scene) {
-  const auto camera = DepthCamera::Create(SmallCamera());
+std::string DataOf(const rendering::PlannedCapture& scene) {
+  const auto camera = rendering::DepthCamera::Create(SmallCamera());
   EXPECT_THAT(camera, IsOk());
-  const std::vector<Workpiece> parts = SampleParts();
-  const auto frame =
-      camera->Render(SceneOf(parts, scene, /*with_table=*/true), scene.world_sensor, scene.seed);
+  const std::vector<rendering::Workpiece> parts = rendering::SampleParts();
+  const auto frame = camera->Render(rendering::SceneOf(parts, scene, /*with_table=*/true),
+                                    scene.world_sensor, scene.seed);
   EXPECT_THAT(frame, IsOk());
-  return files::DepthMessage(ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001).data();
+  return files::DepthMessage(rendering::ToCounts(*frame, 0.001), SmallCamera().intrinsics, 0.001)
+      .data();
 }
 
 TEST(SimulatedSensor, ShowsRandomScenesWithTheSensorPose) {
-  RandomSceneOptions options;
+  rendering::RandomSceneOptions options;
   options.seed = 5;
   options.count = 3;
-  const auto plan = PlanRandomScenes(SampleParts(), options);
+  const auto plan = rendering::PlanRandomScenes(rendering::SampleParts(), options);
   ASSERT_THAT(plan, IsOk());
-  const auto sensor = SensorOf(RandomScenes(SampleParts(), options));
-  for (const PlannedCapture& expected : *plan) {
+  const auto sensor = SensorOf(RandomScenes(rendering::SampleParts(), options));
+  for (const rendering::PlannedCapture& expected : *plan) {
     const auto frame = sensor->Next(MonotonicTime::InfiniteFuture());
     ASSERT_THAT(frame, IsOk());
     EXPECT_EQ(std::get<v1::DepthImage>(frame->scan).data(), DataOf(expected));
@@ -74,12 +75,12 @@ TEST(SimulatedSensor, ShowsRandomScenesWithTheSensorPose) {
 }
 
 TEST(SimulatedSensor, RandomScenesAreUnlimited) {
-  const SceneSource scenes = RandomScenes(SampleParts(), {});
-  RandomSceneOptions many;
+  const SceneSource scenes = RandomScenes(rendering::SampleParts(), {});
+  rendering::RandomSceneOptions many;
   many.count = 100;
-  const auto plan = PlanRandomScenes(SampleParts(), many);
+  const auto plan = rendering::PlanRandomScenes(rendering::SampleParts(), many);
   ASSERT_THAT(plan, IsOk());
-  for (const PlannedCapture& expected : *plan) {
+  for (const rendering::PlannedCapture& expected : *plan) {
     const auto scene = scenes();
     ASSERT_THAT(scene, IsOk());
     EXPECT_EQ(scene->path, expected.path);
@@ -107,14 +108,15 @@ TEST(SimulatedSensor, MeasuresTheTableInMillimetres) {
 }
 
 TEST(SimulatedSensor, TheSourceMaySimulateAnUnpluggedCamera) {
-  const auto sensor =
-      SensorOf([] { return absl::StatusOr<PlannedCapture>(absl::UnavailableError("pulled out")); });
+  const auto sensor = SensorOf([] {
+    return absl::StatusOr<rendering::PlannedCapture>(absl::UnavailableError("pulled out"));
+  });
   EXPECT_THAT(sensor->Next(MonotonicTime::InfiniteFuture()),
               StatusIs(absl::StatusCode::kUnavailable, "pulled out"));
 }
 
 TEST(SimulatedSensor, AnUnknownWorkpieceIsRejected) {
-  PlannedCapture scene = SceneOfOne();
+  rendering::PlannedCapture scene = SceneOfOne();
   scene.placements[0].part = 99;
   const auto sensor = SensorOf(StillScene(scene));
   EXPECT_THAT(sensor->Next(MonotonicTime::InfiniteFuture()),

@@ -23,7 +23,7 @@ TEST(CellText, PrintsPosesRegionsAndSettings) {
   v1::Cell cell;
   cell.set_name("cells/press-3");
   cell.set_display_name("Press 3");
-  *cell.mutable_sensor_pose() = files::ToMessage(LookAt({0, 0, 0}, 0.8, 40, -90));
+  *cell.mutable_sensor_pose() = files::ToMessage(rendering::LookAt({0, 0, 0}, 0.8, 40, -90));
   cell.mutable_robot_base_pose()->mutable_position()->set_x(-0.6);
   cell.mutable_robot_base_pose()->mutable_orientation()->set_w(1);
   cell.mutable_workspace()->mutable_max()->set_z(0.5);

@@ -59,7 +59,9 @@ TEST_F(ScanSourceTest, FilesAndSetsMayBeMixed) {
 
 // With a mesh in millimetres every pose would be within 5 % of the diameter.
 TEST_F(ScanSourceTest, AMeshInMillimetresIsRejected) {
-  ASSERT_THAT(WriteMeshPly(folder_.path() / "part.ply", BoxSolid({0, 0, 0}, {80, 30, 20})), IsOk());
+  ASSERT_THAT(rendering::WriteMeshPly(folder_.path() / "part.ply",
+                                      rendering::BoxSolid({0, 0, 0}, {80, 30, 20})),
+              IsOk());
   WriteSet([](v1::CaptureSet& set) {
     set.add_objects()->set_object_id("part");
     set.mutable_objects(0)->set_mesh_path("part.ply");

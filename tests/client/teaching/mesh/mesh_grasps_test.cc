@@ -18,7 +18,9 @@ using recognition::Pose;
 using ::testing::HasSubstr;
 
 // A grasp from above at `height_m`, with an approach of 0.1 m.
-v1::Grasp Above(double height_m) { return TopGrasp("top", {0.01, 0.02, height_m}, 0, 0.05); }
+v1::Grasp Above(double height_m) {
+  return rendering::TopGrasp("top", {0.01, 0.02, height_m}, 0, 0.05);
+}
 
 Pose Rolled(double degrees, double height_m) {
   Pose pose = Pose::Identity();

@@ -24,7 +24,7 @@ struct Dropped {
   std::vector<RestingFacet> facets;
 };
 
-Dropped Drop(const TriangleMesh& mesh, double roll_lift_m = 1e-5) {
+Dropped Drop(const rendering::TriangleMesh& mesh, double roll_lift_m = 1e-5) {
   Dropped out;
   auto hull = HullOf(mesh.vertices);
   EXPECT_THAT(hull, IsOk());
@@ -49,12 +49,13 @@ double ProbabilityOf(const std::vector<RestingFacet>& facets, const Eigen::Vecto
 }
 
 // A tower whose top is moved to the side by `lean_m`.
-TriangleMesh LeaningTower(float lean_m) {
-  return ExtrudeAlongX({{0, 0}, {0.02F, 0}, {0.02F + lean_m, 0.1F}, {lean_m, 0.1F}}, 0, 0.02F);
+rendering::TriangleMesh LeaningTower(float lean_m) {
+  return rendering::ExtrudeAlongX({{0, 0}, {0.02F, 0}, {0.02F + lean_m, 0.1F}, {lean_m, 0.1F}}, 0,
+                                  0.02F);
 }
 
 TEST(ConvexHull, ABoxHasSixFacetsOfFourSides) {
-  const auto hull = HullOf(BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F}).vertices);
+  const auto hull = HullOf(rendering::BoxSolid({0, 0, 0}, {0.1F, 0.2F, 0.3F}).vertices);
   ASSERT_THAT(hull, IsOk());
   EXPECT_EQ(hull->points.size(), 8U);
   ASSERT_EQ(hull->facets.size(), 6U);
@@ -65,7 +66,7 @@ TEST(ConvexHull, ABoxHasSixFacetsOfFourSides) {
 
 TEST(RestingFacets, AreAsLikelyAsTheSolidAnglesOfABoxFaces) {
   const double a = 0.04, b = 0.07, c = 0.1;
-  const Dropped box = Drop(BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}));
+  const Dropped box = Drop(rendering::BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}));
   ASSERT_EQ(box.facets.size(), 6U);
   const auto share = [](double width, double depth, double height) {
     const double diagonal = std::sqrt(width * width + depth * depth + height * height);
@@ -90,25 +91,25 @@ TEST(RestingFacets, ATowerThatLeansTooFarDoesNotStand) {
 }
 
 TEST(RestingFacets, SidesOfARoundObjectAreOneBasin) {
-  const Dropped can = Drop(CylinderSolid({0, 0}, 0.03F, 0, 0.1F), 5e-4);
+  const Dropped can = Drop(rendering::CylinderSolid({0, 0}, 0.03F, 0, 0.1F), 5e-4);
   std::set<int> basins;
   for (const RestingFacet& f : can.facets) basins.insert(f.basin);
   EXPECT_EQ(basins.size(), 3U) << "two ends, and the side";
-  const Dropped box = Drop(BoxSolid({0, 0, 0}, {0.04F, 0.04F, 0.04F}), 5e-4);
+  const Dropped box = Drop(rendering::BoxSolid({0, 0, 0}, {0.04F, 0.04F, 0.04F}), 5e-4);
   basins.clear();
   for (const RestingFacet& f : box.facets) basins.insert(f.basin);
   EXPECT_EQ(basins.size(), 6U);
 }
 
 TEST(TipAngle, IsWhereTheCentreOfMassPassesOverTheEdge) {
-  const Dropped box = Drop(BoxSolid({0, 0, 0}, {0.04F, 0.06F, 0.1F}));
+  const Dropped box = Drop(rendering::BoxSolid({0, 0, 0}, {0.04F, 0.06F, 0.1F}));
   EXPECT_NEAR(TipAngle(box.hull, box.mass.center, {0, 0, -1}, 1e-5), std::atan(0.4), 1e-6);
   const Dropped leaning = Drop(LeaningTower(0.06F));
   EXPECT_LT(TipAngle(leaning.hull, leaning.mass.center, {0, 0, -1}, 1e-5), 0);
 }
 
 TEST(CenterOfMass, IsThatOfTheHullWhereTheSurfaceIsOpen) {
-  TriangleMesh bracket = ExtrudeAlongY(
+  rendering::TriangleMesh bracket = rendering::ExtrudeAlongY(
       {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.02F, 0.02F}, {0.02F, 0.1F}, {0, 0.1F}}, 0, 0.03F);
   const Dropped closed = Drop(bracket);
   EXPECT_FALSE(closed.mass.of_hull);

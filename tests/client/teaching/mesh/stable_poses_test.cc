@@ -22,22 +22,23 @@ using ::graspdb::testing::StatusIs;
 using ::testing::DoubleNear;
 using ::testing::UnorderedElementsAre;
 
-std::vector<MeshStablePose> PosesOf(const TriangleMesh& mesh, double min_probability = 0) {
+std::vector<MeshStablePose> PosesOf(const rendering::TriangleMesh& mesh,
+                                    double min_probability = 0) {
   const auto found = FindStablePoses(mesh, {.min_probability = min_probability});
   EXPECT_THAT(found, IsOk());
   return found.ok() ? found->poses : std::vector<MeshStablePose>();
 }
 
-double HeightOf(const TriangleMesh& mesh, const MeshStablePose& pose) {
-  return BoundsOf(Transformed(mesh, pose.object_mesh)).max.z();
+double HeightOf(const rendering::TriangleMesh& mesh, const MeshStablePose& pose) {
+  return rendering::BoundsOf(rendering::Transformed(mesh, pose.object_mesh)).max.z();
 }
 
-void ExpectStanding(const TriangleMesh& mesh, const MeshStablePose& pose) {
-  EXPECT_TRUE(Stands(Transformed(mesh, pose.object_mesh)));
+void ExpectStanding(const rendering::TriangleMesh& mesh, const MeshStablePose& pose) {
+  EXPECT_TRUE(Stands(rendering::Transformed(mesh, pose.object_mesh)));
 }
 
-TriangleMesh Sphere(float radius) {
-  TriangleMesh out;
+rendering::TriangleMesh Sphere(float radius) {
+  rendering::TriangleMesh out;
   constexpr int kRings = 24;
   constexpr int kSectors = 48;
   for (int i = 0; i <= kRings; ++i) {
@@ -61,13 +62,13 @@ TriangleMesh Sphere(float radius) {
   return out;
 }
 
-TriangleMesh Bracket() {
-  return ExtrudeAlongY({{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.02F, 0.02F}, {0.02F, 0.1F}, {0, 0.1F}},
-                       0, 0.03F);
+rendering::TriangleMesh Bracket() {
+  return rendering::ExtrudeAlongY(
+      {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.02F, 0.02F}, {0.02F, 0.1F}, {0, 0.1F}}, 0, 0.03F);
 }
 
 TEST(StablePoses, ACubeLooksTheSameOnAllItsFaces) {
-  const auto poses = PosesOf(BoxSolid({0, 0, 0}, {0.05F, 0.05F, 0.05F}));
+  const auto poses = PosesOf(rendering::BoxSolid({0, 0, 0}, {0.05F, 0.05F, 0.05F}));
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_NEAR(poses[0].probability, 1, 1e-9);
   EXPECT_EQ(poses[0].facet_count, 6);
@@ -77,7 +78,7 @@ TEST(StablePoses, ACubeLooksTheSameOnAllItsFaces) {
 }
 
 TEST(StablePoses, ABoxHasThreeOfTwoFacesEach) {
-  const TriangleMesh box = BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F});
+  const rendering::TriangleMesh box = rendering::BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F});
   const auto poses = PosesOf(box);
   ASSERT_EQ(poses.size(), 3U);
   const double heights[] = {0.04, 0.07, 0.1};
@@ -90,9 +91,10 @@ TEST(StablePoses, ABoxHasThreeOfTwoFacesEach) {
 }
 
 TEST(StablePoses, TheObjectsFrameIsOnTheTableBelowItsMiddle) {
-  const TriangleMesh bracket = Bracket();
+  const rendering::TriangleMesh bracket = Bracket();
   for (const MeshStablePose& pose : PosesOf(bracket)) {
-    const recognition::Box bounds = BoundsOf(Transformed(bracket, pose.object_mesh));
+    const recognition::Box bounds =
+        rendering::BoundsOf(rendering::Transformed(bracket, pose.object_mesh));
     EXPECT_NEAR(bounds.min.z(), 0, 1e-6);
     if (pose.symmetry_order() != 1) continue;
     EXPECT_NEAR(bounds.min.x(), -bounds.max.x(), 1e-6);
@@ -101,7 +103,7 @@ TEST(StablePoses, TheObjectsFrameIsOnTheTableBelowItsMiddle) {
 }
 
 TEST(StablePoses, AnAngleRestsOnItsBackOnItsSideAndOnBothEnds) {
-  const TriangleMesh bracket = Bracket();
+  const rendering::TriangleMesh bracket = Bracket();
   const auto poses = PosesOf(bracket, 0.03);
   ASSERT_EQ(poses.size(), 3U);
   for (const MeshStablePose& pose : poses) ExpectStanding(bracket, pose);
@@ -114,7 +116,7 @@ TEST(StablePoses, AnAngleRestsOnItsBackOnItsSideAndOnBothEnds) {
 }
 
 TEST(StablePoses, ACanStandsOrRolls) {
-  const TriangleMesh can = CylinderSolid({0, 0}, 0.03F, 0, 0.1F);
+  const rendering::TriangleMesh can = rendering::CylinderSolid({0, 0}, 0.03F, 0, 0.1F);
   const auto poses = PosesOf(can);
   ASSERT_EQ(poses.size(), 2U);
   EXPECT_TRUE(poses[0].rolls);
@@ -136,7 +138,7 @@ TEST(StablePoses, ABallHasOne) {
 }
 
 TEST(StablePoses, ATetrahedronHasOneOfThreeTurnsAboutItsCentre) {
-  TriangleMesh mesh;
+  rendering::TriangleMesh mesh;
   const float s = 0.03F;
   mesh.vertices = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
@@ -153,7 +155,7 @@ TEST(StablePoses, ATetrahedronHasOneOfThreeTurnsAboutItsCentre) {
 TEST(StablePoses, ARockingObjectHasTwoStablePoses) {
   const auto slope = static_cast<float>(std::tan(2 * std::numbers::pi / 180));
   const float knee = 0.1091F;
-  const TriangleMesh bar = ExtrudeAlongY(
+  const rendering::TriangleMesh bar = rendering::ExtrudeAlongY(
       {{0, slope * knee}, {knee, 0}, {0.2F, slope * (0.2F - knee)}, {0.2F, 0.05F}, {0, 0.03F}}, 0,
       0.04F);
   std::vector<double> tilts;  // of those that lie on the knee, degrees
@@ -167,11 +169,11 @@ TEST(StablePoses, ARockingObjectHasTwoStablePoses) {
 }
 
 TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
-  const TriangleMesh bracket = Bracket();
+  const rendering::TriangleMesh bracket = Bracket();
   recognition::Pose turned = recognition::Pose::Identity();
   turned.rotate(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()));
   const auto as_it_is = PosesOf(bracket, 0.01);
-  const auto otherwise = PosesOf(Transformed(bracket, turned), 0.01);
+  const auto otherwise = PosesOf(rendering::Transformed(bracket, turned), 0.01);
   ASSERT_EQ(as_it_is.size(), otherwise.size());
   for (std::size_t i = 0; i < as_it_is.size(); ++i) {
     EXPECT_NEAR(as_it_is[i].probability, otherwise[i].probability, 1e-4);
@@ -180,7 +182,7 @@ TEST(StablePoses, DoNotDependOnHowTheMeshLies) {
 }
 
 TEST(StablePoses, UprightPosesAreKeptWhateverTheirProbability) {
-  const TriangleMesh bottle = BoxSolid({0, 0, 0}, {0.035F, 0.075F, 0.19F});
+  const rendering::TriangleMesh bottle = rendering::BoxSolid({0, 0, 0}, {0.035F, 0.075F, 0.19F});
   const auto probable = FindStablePoses(bottle, {.min_probability = 0.05});
   ASSERT_THAT(probable, IsOk());
   EXPECT_EQ(probable->poses.size(), 2U);
@@ -192,8 +194,8 @@ TEST(StablePoses, UprightPosesAreKeptWhateverTheirProbability) {
 }
 
 TEST(StablePoses, TheMostProbablePoseIsKeptIfNoneIsLikelyEnough) {
-  const auto found =
-      FindStablePoses(BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}), {.min_probability = 0.99});
+  const auto found = FindStablePoses(rendering::BoxSolid({0, 0, 0}, {0.04F, 0.07F, 0.1F}),
+                                     {.min_probability = 0.99});
   ASSERT_THAT(found, IsOk());
   ASSERT_EQ(found->poses.size(), 1U);
   EXPECT_NEAR(found->poses[0].probability + found->left_out, 1, 1e-9);
@@ -201,11 +203,11 @@ TEST(StablePoses, TheMostProbablePoseIsKeptIfNoneIsLikelyEnough) {
 
 TEST(StablePoses, InvalidMeshesAreAnError) {
   EXPECT_THAT(FindStablePoses({}, {}), StatusIs(absl::StatusCode::kInvalidArgument));
-  TriangleMesh sheet;
+  rendering::TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0}, {0.1F, 0, 0}, {0.1F, 0.1F, 0}, {0, 0.1F, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
   EXPECT_THAT(FindStablePoses(sheet, {}), StatusIs(absl::StatusCode::kInvalidArgument));
-  TriangleMesh beyond = BoxSolid({0, 0, 0}, {0.1F, 0.1F, 0.1F});
+  rendering::TriangleMesh beyond = rendering::BoxSolid({0, 0, 0}, {0.1F, 0.1F, 0.1F});
   beyond.triangles[0][0] = 1000;
   EXPECT_THAT(FindStablePoses(beyond, {}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
@@ -221,9 +223,9 @@ class RealMeshTest : public ::testing::TestWithParam<const char*> {
       const std::string ending = entry.path().extension().string();
       if (ending != ".ply" && ending != ".stl" && ending != ".STL") continue;
       SCOPED_TRACE(entry.path().filename().string());
-      auto mesh = LoadMesh(entry.path());
+      auto mesh = rendering::LoadMesh(entry.path());
       ASSERT_THAT(mesh, IsOk());
-      const recognition::Box box = BoundsOf(*mesh);
+      const recognition::Box box = rendering::BoundsOf(*mesh);
       const auto scale = static_cast<float>(0.1 / (box.max - box.min).maxCoeff());
       for (Eigen::Vector3f& v : mesh->vertices) v *= scale;
       const auto found = FindStablePoses(*mesh, {.min_probability = 0.01});

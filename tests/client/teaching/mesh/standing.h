@@ -12,7 +12,7 @@
 namespace graspdb::client {
 
 // The centre of mass of the solid within the mesh: columns over its triangles, weighed one by one.
-inline Eigen::Vector3d WeighedCenter(const TriangleMesh& mesh) {
+inline Eigen::Vector3d WeighedCenter(const rendering::TriangleMesh& mesh) {
   double volume = 0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -54,7 +54,8 @@ inline double LargestGap(const Eigen::Vector3d& foot, const std::vector<Eigen::V
 }
 
 // The vertices of a posed mesh that touch the table.
-inline std::vector<Eigen::Vector3d> Touching(const TriangleMesh& posed, double tolerance_m) {
+inline std::vector<Eigen::Vector3d> Touching(const rendering::TriangleMesh& posed,
+                                             double tolerance_m) {
   float lowest = std::numeric_limits<float>::infinity();
   for (const auto& v : posed.vertices) lowest = std::min(lowest, v.z());
   std::vector<Eigen::Vector3d> out;
@@ -66,7 +67,7 @@ inline std::vector<Eigen::Vector3d> Touching(const TriangleMesh& posed, double t
 
 // The posed mesh stands on the table z = 0: its lowest points are there, and its centre of mass is
 // over their convex hull.
-inline bool Stands(const TriangleMesh& posed) {
+inline bool Stands(const rendering::TriangleMesh& posed) {
   constexpr double kTouchingM = 5e-5;
   const std::vector<Eigen::Vector3d> touching = Touching(posed, kTouchingM);
   return touching.size() >= 3 && std::abs(touching.front().z()) < 2 * kTouchingM &&

@@ -13,15 +13,15 @@ namespace {
 
 using recognition::Pose;
 
-std::vector<v1::Grasp> GraspsOf(const TriangleMesh& mesh, double max_opening_m = 0.085) {
-  const recognition::Box box = BoundsOf(mesh);
-  const auto center = CenterOfMass(mesh);
+std::vector<v1::Grasp> GraspsOf(const rendering::TriangleMesh& mesh, double max_opening_m = 0.085) {
+  const recognition::Box box = rendering::BoundsOf(mesh);
+  const auto center = rendering::CenterOfMass(mesh);
   return ProposeTopGrasps({&mesh, center.value_or((box.min + box.max) / 2), false},
                           {.max_opening_m = max_opening_m});
 }
 
 TEST(TopGrasps, CloseAcrossTheNarrowerSideOverTheCentreOfMass) {
-  const auto grasps = GraspsOf(BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.02F}));
+  const auto grasps = GraspsOf(rendering::BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.02F}));
   ASSERT_FALSE(grasps.empty());
   EXPECT_EQ(grasps[0].grasp_id(), "top");
   const Pose tcp = files::FromMessage(grasps[0].tcp_pose());
@@ -30,18 +30,21 @@ TEST(TopGrasps, CloseAcrossTheNarrowerSideOverTheCentreOfMass) {
   EXPECT_LT(tcp.translation().head<2>().norm(), 0.003);
   EXPECT_NEAR(grasps[0].gripper_opening_m(), 0.05, 1e-3);
   ASSERT_EQ(grasps.size(), 1U) << "80 mm and the clearance of the fingers do not fit into 85 mm";
-  EXPECT_EQ(GraspsOf(BoxSolid({-0.035F, -0.015F, 0}, {0.035F, 0.015F, 0.02F})).size(), 2U);
+  EXPECT_EQ(GraspsOf(rendering::BoxSolid({-0.035F, -0.015F, 0}, {0.035F, 0.015F, 0.02F})).size(),
+            2U);
 }
 
 TEST(TopGrasps, AnObjectWiderThanTheGripperHasNone) {
-  const TriangleMesh box = BoxSolid({-0.05F, -0.05F, 0}, {0.05F, 0.05F, 0.05F});
+  const rendering::TriangleMesh box =
+      rendering::BoxSolid({-0.05F, -0.05F, 0}, {0.05F, 0.05F, 0.05F});
   EXPECT_TRUE(GraspsOf(box).empty());
   EXPECT_FALSE(GraspsOf(box, 0.11).empty());
 }
 
 TEST(TopGrasps, AWedgeHasNoneAcrossItsSlopes) {
   // 45 degrees on both sides: the fingers would slip up.
-  const TriangleMesh roof = ExtrudeAlongY({{-0.02F, 0}, {0.02F, 0}, {0, 0.02F}}, -0.03F, 0.03F);
+  const rendering::TriangleMesh roof =
+      rendering::ExtrudeAlongY({{-0.02F, 0}, {0.02F, 0}, {0, 0.02F}}, -0.03F, 0.03F);
   const auto grasps = GraspsOf(roof);
   ASSERT_FALSE(grasps.empty()) << "its ends can be grasped";
   for (const v1::Grasp& grasp : grasps) {
@@ -51,13 +54,13 @@ TEST(TopGrasps, AWedgeHasNoneAcrossItsSlopes) {
 
 TEST(TopGrasps, TheFingersComeDownBesideTheObjectAndOffTheTable) {
   // An angle on its back: the upright leg is narrow, the lying one wide.
-  const TriangleMesh angle = ExtrudeAlongX(
+  const rendering::TriangleMesh angle = rendering::ExtrudeAlongX(
       {{-0.1F, 0}, {0.02F, 0}, {0.02F, 0.06F}, {0, 0.06F}, {0, 0.02F}, {-0.1F, 0.02F}}, -0.02F,
       0.02F);
   const auto grasps = GraspsOf(angle, 0.06);
   ASSERT_FALSE(grasps.empty());
   const ParallelGripper gripper;
-  const recognition::Points surface = SampleSurface(angle, 20'000, 7);
+  const recognition::Points surface = rendering::SampleSurface(angle, 20'000, 7);
   for (const v1::Grasp& grasp : grasps) {
     const Pose tcp = files::FromMessage(grasp.tcp_pose());
     const double tips = tcp.translation().z() - gripper.pad_height_m / 2;
@@ -72,15 +75,15 @@ TEST(TopGrasps, TheFingersComeDownBesideTheObjectAndOffTheTable) {
 }
 
 TEST(TopGrasps, AStandingCanHasOneAcrossItsMiddle) {
-  const TriangleMesh can = CylinderSolid({0, 0}, 0.03F, 0, 0.05F);
+  const rendering::TriangleMesh can = rendering::CylinderSolid({0, 0}, 0.03F, 0, 0.05F);
   const auto grasps = ProposeTopGrasps({&can, {0, 0, 0.025}, true}, {});
   ASSERT_EQ(grasps.size(), 1U);
   EXPECT_LT(files::FromMessage(grasps[0].tcp_pose()).translation().head<2>().norm(), 0.002);
 }
 
 // Each triangle as four.
-TriangleMesh Divided(const TriangleMesh& mesh) {
-  TriangleMesh out;
+rendering::TriangleMesh Divided(const rendering::TriangleMesh& mesh) {
+  rendering::TriangleMesh out;
   for (const std::array<int, 3>& t : mesh.triangles) {
     const auto first = static_cast<int>(out.vertices.size());
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,14 +101,15 @@ TriangleMesh Divided(const TriangleMesh& mesh) {
 }
 
 TEST(TopGrasps, DoNotDependOnTheTriangles) {
-  const TriangleMesh angle = ExtrudeAlongX(
+  const rendering::TriangleMesh angle = rendering::ExtrudeAlongX(
       {{-0.05F, 0}, {0.01F, 0}, {0.01F, 0.06F}, {-0.01F, 0.06F}, {-0.01F, 0.02F}, {-0.05F, 0.02F}},
       -0.02F, 0.02F);
-  for (const TriangleMesh& part : {angle, BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.05F}),
-                                   CylinderSolid({0, 0}, 0.02F, 0, 0.05F)}) {
+  for (const rendering::TriangleMesh& part :
+       {angle, rendering::BoxSolid({-0.04F, -0.015F, 0}, {0.04F, 0.015F, 0.05F}),
+        rendering::CylinderSolid({0, 0}, 0.02F, 0, 0.05F)}) {
     for (const double turn_rad : {0.0, 0.2}) {
-      const TriangleMesh mesh =
-          Transformed(part, Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())));
+      const rendering::TriangleMesh mesh =
+          rendering::Transformed(part, Pose(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())));
       const auto grasps = GraspsOf(mesh);
       const auto divided = GraspsOf(Divided(Divided(mesh)));
       ASSERT_FALSE(grasps.empty());
@@ -120,7 +124,8 @@ TEST(TopGrasps, DoNotDependOnTheTriangles) {
 }
 
 TEST(TopGrasps, ThePalmStaysOffATallObject) {
-  const TriangleMesh tower = BoxSolid({-0.02F, -0.02F, 0}, {0.02F, 0.02F, 0.2F});
+  const rendering::TriangleMesh tower =
+      rendering::BoxSolid({-0.02F, -0.02F, 0}, {0.02F, 0.02F, 0.2F});
   const ParallelGripper gripper;
   for (const v1::Grasp& grasp : GraspsOf(tower)) {
     const double tips = grasp.tcp_pose().position().z() - gripper.pad_height_m / 2;

@@ -75,7 +75,7 @@ class GuidedTeachingTest : public ::testing::Test {
     return views.ok() ? views->size() : 0;
   }
 
-  Workpiece part_;
+  rendering::Workpiece part_;
   Turntable table_;
   GuidedOptions options_;
   graspdb::testing::CatalogueServer server_;

@@ -23,13 +23,13 @@ constexpr double kPlateHeightM = 0.04;
 inline Eigen::Vector2d Axis() { return {0.05, -0.03}; }
 
 // The part, a wall that occludes most of it, and the plate of a turntable.
-inline std::vector<Workpiece> WithScenery(const Workpiece& part) {
-  Workpiece wall = part;
+inline std::vector<rendering::Workpiece> WithScenery(const rendering::Workpiece& part) {
+  rendering::Workpiece wall = part;
   wall.object_id = "wall";
-  wall.mesh = BoxSolid({-0.1F, 0, -0.05F}, {0.006F, 0.002F, 0.4F});
-  Workpiece plate = part;
+  wall.mesh = rendering::BoxSolid({-0.1F, 0, -0.05F}, {0.006F, 0.002F, 0.4F});
+  rendering::Workpiece plate = part;
   plate.object_id = "plate";
-  plate.mesh = CylinderSolid({0, 0}, 0.15F, 0, static_cast<float>(kPlateHeightM));
+  plate.mesh = rendering::CylinderSolid({0, 0}, 0.15F, 0, static_cast<float>(kPlateHeightM));
   return {part, std::move(wall), std::move(plate)};
 }
 
@@ -47,10 +47,10 @@ struct Turntable {
     return OnTurntable(Axis(), has_plate ? kPlateHeightM : 0, turned_deg) *
            recognition::Pose(Eigen::Translation3d(beside));
   }
-  absl::StatusOr<PlannedCapture> Scene() {
-    PlannedCapture scene;
-    scene.world_sensor = LookAt({Axis().x(), Axis().y(), 0}, 0.7, 40, -90);
-    scene.seed = RandomBits(7, 8, is_frozen ? 0 : frame++);
+  absl::StatusOr<rendering::PlannedCapture> Scene() {
+    rendering::PlannedCapture scene;
+    scene.world_sensor = rendering::LookAt({Axis().x(), Axis().y(), 0}, 0.7, 40, -90);
+    scene.seed = rendering::RandomBits(7, 8, is_frozen ? 0 : frame++);
     if (!is_empty) scene.placements.push_back({.part = 0, .world_object = World()});
     if (has_plate) {
       scene.placements.push_back({.part = 2, .world_object = OnTurntable(Axis(), 0, 0)});

@@ -20,19 +20,20 @@ using recognition::Pose;
 Eigen::Vector2d Axis() { return {0.02, -0.04}; }
 
 // A part that stands 12 mm beside the axis, seen every 30 degrees with the camera's noise.
-std::vector<TurnedCloud> Turn(const Workpiece& part, int count) {
-  const auto camera = DepthCamera::Create(KinectV2());
+std::vector<TurnedCloud> Turn(const rendering::Workpiece& part, int count) {
+  const auto camera = rendering::DepthCamera::Create(rendering::KinectV2());
   EXPECT_THAT(camera, IsOk());
-  const Pose world_sensor = LookAt({Axis().x(), Axis().y(), 0}, 0.8, 40, -90);
+  const Pose world_sensor = rendering::LookAt({Axis().x(), Axis().y(), 0}, 0.8, 40, -90);
   std::vector<TurnedCloud> views;
   for (int i = 0; i < count; ++i) {
-    Scene scene;
+    rendering::Scene scene;
     const Pose beside(Eigen::Translation3d(0.010, 0.006, 0));
     scene.objects.push_back(
         {.mesh = &part.mesh, .world_object = OnTurntable(Axis(), 0, 30.0 * i) * beside});
     const auto frame = camera->Render(scene, world_sensor, static_cast<std::uint64_t>(i));
     EXPECT_THAT(frame, IsOk());
-    const recognition::Points points = ToPoints(*frame, KinectV2().intrinsics);
+    const recognition::Points points =
+        rendering::ToPoints(*frame, rendering::KinectV2().intrinsics);
     TurnedCloud view{.azimuth_rad = 30.0 * i * std::numbers::pi / 180, .cloud = {}};
     for (std::size_t pixel = 0; pixel < points.size(); ++pixel) {
       if (frame->surface[pixel] == 0 && points[pixel].allFinite()) {
@@ -50,10 +51,10 @@ std::vector<TurnedCloud> Turn(const Workpiece& part, int count) {
 }
 
 TEST(FindAxis, ItIsFoundWithinHalfAMillimetreFromTwoCentimetresAway) {
-  const auto parts = SampleParts({"flange", "l-bracket"});
+  const auto parts = rendering::SampleParts({"flange", "l-bracket"});
   ASSERT_THAT(parts, IsOk());
   ASSERT_EQ(parts->size(), 2U);
-  for (const Workpiece& part : *parts) {
+  for (const rendering::Workpiece& part : *parts) {
     const auto seen = FindAxis(Turn(part, 12), Axis() + Eigen::Vector2d(0.012, -0.016));
     ASSERT_THAT(seen, IsOk()) << part.object_id;
     EXPECT_LT((seen->axis - Axis()).norm(), 0.0005) << part.object_id;
@@ -63,7 +64,7 @@ TEST(FindAxis, ItIsFoundWithinHalfAMillimetreFromTwoCentimetresAway) {
 }
 
 TEST(FindAxis, TwoViewsDoNotDetermineTheAxis) {
-  EXPECT_THAT(FindAxis(Turn(SampleParts().front(), 2), Axis()),
+  EXPECT_THAT(FindAxis(Turn(rendering::SampleParts().front(), 2), Axis()),
               StatusIs(absl::StatusCode::kFailedPrecondition));
   EXPECT_THAT(FindAxis({}, Axis()), StatusIs(absl::StatusCode::kFailedPrecondition));
 }

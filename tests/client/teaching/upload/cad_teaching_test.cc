@@ -23,13 +23,13 @@ class CadTeachingTest : public ::testing::Test {
   // The bounds of every view of a box with these half widths and this height, in the object's
   // frame.
   recognition::Box KeptOf(float x, float y, float height) {
-    Workpiece part{.object_id = "box",
-                   .display_name = "",
-                   .stable_pose_id = "resting-1",
-                   .grasps = {},
-                   .mesh = BoxSolid({-x, -y, 0}, {x, y, height})};
+    rendering::Workpiece part{.object_id = "box",
+                              .display_name = "",
+                              .stable_pose_id = "resting-1",
+                              .grasps = {},
+                              .mesh = rendering::BoxSolid({-x, -y, 0}, {x, y, height})};
     CadViews views;
-    views.world_sensor = LookAt({0, 0, 0.1}, 1.4, 40, -90);
+    views.world_sensor = rendering::LookAt({0, 0, 0.1}, 1.4, 40, -90);
     views.step_deg = 30;
     EXPECT_THAT(TeachCadViews(client_, {part}, views, {}), IsOk());
     recognition::Box common{{-1, -1, -1}, {1, 1, 1}};
@@ -64,14 +64,14 @@ class MeshFrameTest : public CadTeachingTest {
   MeshFrameTest() {
     part_.object_id = "box";
     part_.stable_pose_id = "resting-1";
-    part_.mesh = BoxSolid({-0.04F, -0.03F, 0}, {0.04F, 0.03F, 0.05F});
+    part_.mesh = rendering::BoxSolid({-0.04F, -0.03F, 0}, {0.04F, 0.03F, 0.05F});
     part_.object_mesh = Pose::Identity();
     part_.object_mesh->translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
   }
 
   absl::Status Teach() {
     CadViews views;
-    views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+    views.world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90);
     views.step_deg = 120;
     return TeachCadViews(client_, {part_}, views, {}).status();
   }
@@ -83,7 +83,7 @@ class MeshFrameTest : public CadTeachingTest {
   }
 
   static constexpr char kName[] = "objects/box/stablePoses/resting-1";
-  Workpiece part_;
+  rendering::Workpiece part_;
 };
 
 TEST_F(MeshFrameTest, IsTaughtAndFilledInWhereItIsMissing) {
@@ -112,30 +112,30 @@ TEST_F(MeshFrameTest, TheFrameOfAnotherMeshIsRejected) {
 
 // The mesh pose maps the vertices to their true positions in the world, and back.
 TEST_F(CadTeachingTest, DetectionsHaveTheFrameOfTheMesh) {
-  const TriangleMesh mesh = ExtrudeAlongY(
+  const rendering::TriangleMesh mesh = rendering::ExtrudeAlongY(
       {{0, 0}, {0.1F, 0}, {0.1F, 0.02F}, {0.025F, 0.02F}, {0.025F, 0.08F}, {0, 0.08F}}, 0, 0.04F);
   const auto all = ProposeCadPart("angle", "", mesh, {});
   ASSERT_THAT(all, IsOk());
   const auto part = Select(*all, {1, 3});
   ASSERT_THAT(part, IsOk());
   CadViews views;
-  views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+  views.world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90);
   ASSERT_THAT(TeachCadViews(client_, part->workpieces, views, {}), IsOk());
-  const auto camera = DepthCamera::Create(views.camera);
+  const auto camera = rendering::DepthCamera::Create(views.camera);
   ASSERT_THAT(camera, IsOk());
   for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
     Pose world_object = Pose::Identity();
     world_object.translation() = Eigen::Vector3d(0.05, -0.03, 0);
     world_object.rotate(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()));
-    Scene scene;
+    rendering::Scene scene;
     scene.objects.push_back({.mesh = &part->workpieces[i].mesh, .world_object = world_object});
-    const auto frame = camera->Render(scene, views.world_sensor, RandomBits(7, i, 0));
+    const auto frame = camera->Render(scene, views.world_sensor, rendering::RandomBits(7, i, 0));
     ASSERT_THAT(frame, IsOk());
     v1::RecognizeRequest request;
     *request.mutable_cloud() =
-        files::CloudMessage(ToPoints(*frame, views.camera.intrinsics), frame->width);
+        files::CloudMessage(rendering::ToPoints(*frame, views.camera.intrinsics), frame->width);
     *request.mutable_sensor_pose() = files::ToMessage(views.world_sensor);
-    *request.mutable_region_of_interest() = SimulatedRegion();
+    *request.mutable_region_of_interest() = rendering::SimulatedRegion();
     const auto response = client_.Recognize(request);
     ASSERT_THAT(response, IsOk());
     ASSERT_EQ(response->detections_size(), 1);
@@ -153,14 +153,15 @@ TEST_F(CadTeachingTest, DetectionsHaveTheFrameOfTheMesh) {
 // The server's steps of 0.05 mm and the depth image's, which are finer, are the only errors of
 // views without noise.
 TEST_F(CadTeachingTest, ViewsLieOnTheSurfaceOfTheMesh) {
-  const Workpiece part{.object_id = "box",
-                       .display_name = "",
-                       .stable_pose_id = "resting-1",
-                       .grasps = {},
-                       .mesh = BoxSolid({-0.05F, -0.04F, 0}, {0.05F, 0.04F, 0.06F})};
+  const rendering::Workpiece part{
+      .object_id = "box",
+      .display_name = "",
+      .stable_pose_id = "resting-1",
+      .grasps = {},
+      .mesh = rendering::BoxSolid({-0.05F, -0.04F, 0}, {0.05F, 0.04F, 0.06F})};
   CadViews views;
   views.camera.noise = {};
-  views.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+  views.world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90);
   views.step_deg = 120;
   ASSERT_THAT(TeachCadViews(client_, {part}, views, {}), IsOk());
   const auto listed = client_.ListViews("objects/box/stablePoses/resting-1");

@@ -23,7 +23,7 @@ v1::Cell CellWith(const Pose& world_sensor) {
 }
 
 TEST(StandOf, TheCameraKeepsItsAngleItsDistanceAndItsRoll) {
-  Pose sensor = LookAt({0.4, -0.2, 0}, 0.9, 55, 30);
+  Pose sensor = rendering::LookAt({0.4, -0.2, 0}, 0.9, 55, 30);
   sensor.rotate(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()));
   const auto stand = StandOf(CellWith(sensor));
   ASSERT_THAT(stand, IsOk());
@@ -33,7 +33,7 @@ TEST(StandOf, TheCameraKeepsItsAngleItsDistanceAndItsRoll) {
 }
 
 TEST(StandOf, ObjectsStandInTheRegionWhereTheCameraLooksBesideIt) {
-  v1::Cell cell = CellWith(LookAt({0.4, -0.2, 0}, 0.9, 55, 30));
+  v1::Cell cell = CellWith(rendering::LookAt({0.4, -0.2, 0}, 0.9, 55, 30));
   cell.mutable_region_of_interest()->mutable_min()->set_x(0.6);
   cell.mutable_region_of_interest()->mutable_max()->set_x(1.0);
   cell.mutable_region_of_interest()->mutable_min()->set_y(-0.1);
@@ -47,12 +47,12 @@ TEST(StandOf, ObjectsStandInTheRegionWhereTheCameraLooksBesideIt) {
 
 TEST(StandOf, WithoutACalibratedCameraThatSeesTheTableItIsAnError) {
   EXPECT_THAT(StandOf({}), StatusIs(absl::StatusCode::kFailedPrecondition));
-  Pose level = LookAt({0, 0, 0.5}, 0.9, 0, 30);
+  Pose level = rendering::LookAt({0, 0, 0.5}, 0.9, 0, 30);
   EXPECT_THAT(StandOf(CellWith(level)), StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
 TEST(CadPart, StablePosesAreChosenByNumber) {
-  const TriangleMesh box = BoxSolid({0, 0, 0}, {0.03F, 0.05F, 0.08F});
+  const rendering::TriangleMesh box = rendering::BoxSolid({0, 0, 0}, {0.03F, 0.05F, 0.08F});
   const auto part = ProposeCadPart("box", "A box", box, {});
   ASSERT_THAT(part, IsOk());
   ASSERT_EQ(part->workpieces.size(), 3U);
@@ -62,13 +62,13 @@ TEST(CadPart, StablePosesAreChosenByNumber) {
   ASSERT_THAT(chosen, IsOk());
   ASSERT_EQ(chosen->workpieces.size(), 2U);
   EXPECT_EQ(chosen->workpieces[0].stable_pose_id, "resting-3");
-  EXPECT_NEAR(BoundsOf(chosen->workpieces[0].mesh).max.z(), 0.08, 1e-6);
+  EXPECT_NEAR(rendering::BoundsOf(chosen->workpieces[0].mesh).max.z(), 0.08, 1e-6);
   EXPECT_THAT(Select(*part, {4}), StatusIs(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(Select(*part, {0}), StatusIs(absl::StatusCode::kInvalidArgument));
 }
 
 TEST(CountOf, IsOfAllStepsBelowAWholeTurnAndZeroWhereThereIsNone) {
-  const std::vector<Workpiece> parts(2);
+  const std::vector<rendering::Workpiece> parts(2);
   EXPECT_EQ(CountOf(parts, {.step_deg = 20}), 36U);
   EXPECT_EQ(CountOf(parts, {.step_deg = 7}), 104U);
   EXPECT_EQ(CountOf(parts, {.step_deg = 0}), 0U);

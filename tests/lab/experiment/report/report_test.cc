@@ -156,7 +156,8 @@ TEST(CaseAsJson, AnAnswerWithoutATruePoseHasNoError) {
 
 TEST(CaseAsJson, DrawsTheWorstAnswers) {
   CaseResult result = HandMade();
-  for (Answer& answer : result.answers) answer.world_sensor = LookAt({0, 0, 0}, 0.8, 40, -90);
+  for (Answer& answer : result.answers)
+    answer.world_sensor = rendering::LookAt({0, 0, 0}, 0.8, 40, -90);
   result.scans[2] = {{0, 0, 0.02F}, {0.01F, 0, 0.02F}};
   const Value json = CaseAsJson(result);
   const auto& drawings = json.struct_value().fields().at("drawings").list_value();
