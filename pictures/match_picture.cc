@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::pictures {
 namespace {
 
 constexpr int kPanel = 420;         // pixels
@@ -140,4 +140,4 @@ absl::Status WriteMatchPicture(const std::filesystem::path& path, const MatchPic
                                                     "; choose another folder"));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::pictures

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::pictures {
 
 // The content of a picture; all points in the world frame, metres.
 struct MatchPicture {
@@ -26,4 +26,4 @@ struct MatchPicture {
 // Writes a PNG of three panels. FAILED_PRECONDITION when the file cannot be written.
 absl::Status WriteMatchPicture(const std::filesystem::path& path, const MatchPicture& picture);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::pictures

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::pictures {
 namespace {
 
 constexpr int kHeaderHeight = 30;  // pixels
@@ -71,4 +71,4 @@ absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedP
                                                     "; choose another folder"));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::pictures

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 
-namespace graspdb::client {
+namespace graspdb::pictures {
 
 struct ColoredPixel {
   std::size_t pixel = 0;  // counted row by row
@@ -28,4 +28,4 @@ struct ShadedPicture {
 // outside the picture, FAILED_PRECONDITION when the file cannot be written.
 absl::Status WriteShadedPicture(const std::filesystem::path& path, const ShadedPicture& picture);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::pictures

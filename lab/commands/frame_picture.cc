@@ -115,13 +115,13 @@ std::uint32_t ColorOf(PosedModel::Verdict verdict) {
 
 }  // namespace
 
-ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan) {
+pictures::ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan) {
   const Image image(scan);
-  ShadedPicture out{.caption = absl::StrFormat("%s  %.0f ms  %s", result.frame->name,
-                                               result.milliseconds, result.error),
-                    .width = kWidth,
-                    .height = image.height(),
-                    .brightness = image.Brightness()};
+  pictures::ShadedPicture out{.caption = absl::StrFormat("%s  %.0f ms  %s", result.frame->name,
+                                                         result.milliseconds, result.error),
+                              .width = kWidth,
+                              .height = image.height(),
+                              .brightness = image.Brightness()};
   for (const PosedModel& posed : result.posed) {
     const recognition::VisibleSurface visible(posed.model->fine, posed.sensor_object.cast<float>());
     for (std::size_t k = 0; k < visible.points().size(); k += kDrawnStride) {

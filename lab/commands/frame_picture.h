@@ -10,6 +10,6 @@ namespace graspdb::client {
 // the posed models: of right answers green, of wrong ones red, of objects that were not found, at
 // their true pose, yellow. Measurements that are not finite or behind the camera are left out;
 // pixels without one are black. O(n) in the points.
-ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan);
+pictures::ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan);
 
 }  // namespace graspdb::client

@@ -93,7 +93,8 @@ absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& res
     return absl::FailedPreconditionError("cannot make the folder " + arguments.out + ": " +
                                          error.message());
   }
-  return WriteShadedPicture(folder / (result.frame->name + ".png"), DrawFrame(result, points));
+  return pictures::WriteShadedPicture(folder / (result.frame->name + ".png"),
+                                      DrawFrame(result, points));
 }
 
 absl::Status WriteReport(const EvalArguments& arguments, const FramesCatalogue& catalogue,

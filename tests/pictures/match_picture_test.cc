@@ -5,7 +5,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::pictures {
 namespace {
 
 using graspdb::testing::IsOk;
@@ -59,4 +59,4 @@ TEST(MatchPicture, AMissingFolderIsAnError) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::pictures

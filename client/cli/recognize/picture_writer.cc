@@ -68,7 +68,7 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
                                                  : files::PointsFromMessage(request.cloud());
   if (!scan.ok()) return scan.status();
   const v1::Detection* detection = MainDetection(task, response);
-  MatchPicture picture;
+  pictures::MatchPicture picture;
   picture.caption = Caption(task, response, detection);
   picture.world_sensor = files::FromMessage(response.sensor_pose());
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
@@ -101,7 +101,7 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
       picture.world_tcp = files::FromMessage(detection->grasps(0).tcp_pose());
     }
   }
-  return WriteMatchPicture(FileFor(folder, task), picture);
+  return pictures::WriteMatchPicture(FileFor(folder, task), picture);
 }
 
 }  // namespace graspdb::client

@@ -50,7 +50,7 @@ absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem:
                    rendering::LookAt(middle, kDiametersAway * rendering::DiameterOf(workpiece.mesh),
                                      kLookDownDeg, kAzimuthDeg));
     if (!frame.ok()) return frame.status();
-    ShadedPicture picture{
+    pictures::ShadedPicture picture{
         .caption = absl::StrFormat("%s %s: %.1f %%", workpiece.object_id, workpiece.stable_pose_id,
                                    100 * part.found.poses[i].probability),
         .width = frame->width,
@@ -62,7 +62,8 @@ absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem:
     }
     const std::string name =
         absl::StrCat(workpiece.object_id, "-", workpiece.stable_pose_id, ".png");
-    if (absl::Status put = WriteShadedPicture(folder / name, picture); !put.ok()) return put;
+    if (absl::Status put = pictures::WriteShadedPicture(folder / name, picture); !put.ok())
+      return put;
   }
   return absl::OkStatus();
 }

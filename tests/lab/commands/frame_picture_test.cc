@@ -53,7 +53,7 @@ class FramePictureTest : public ::testing::Test {
 };
 
 TEST_F(FramePictureTest, HasNoBlackPixelForAScanWithoutHoles) {
-  const ShadedPicture picture = DrawFrame(result_, Wall());
+  const pictures::ShadedPicture picture = DrawFrame(result_, Wall());
   EXPECT_EQ(std::ranges::count(picture.brightness, 0), 0);
 }
 
@@ -64,23 +64,23 @@ TEST_F(FramePictureTest, IgnoresStrayAndMissingPointsInTheCrop) {
   scan.emplace_back(0, 0, -1);
   scan.emplace_back(0, 0, 0);
   scan.emplace_back(Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-  const ShadedPicture picture = DrawFrame(result_, scan);
+  const pictures::ShadedPicture picture = DrawFrame(result_, scan);
   EXPECT_EQ(std::ranges::count(picture.brightness, 0), 0);
 }
 
 TEST_F(FramePictureTest, IsBlackWithoutAMeasurement) {
-  const ShadedPicture picture = DrawFrame(result_, {});
+  const pictures::ShadedPicture picture = DrawFrame(result_, {});
   EXPECT_THAT(picture.brightness, Each(0));
 }
 
 TEST_F(FramePictureTest, DrawsAModelAtItsPoseInTheColorOfItsVerdict) {
   result_.posed = {Plate(PosedModel::Verdict::kWrong)};
-  const ShadedPicture picture = DrawFrame(result_, Wall());
+  const pictures::ShadedPicture picture = DrawFrame(result_, Wall());
   ASSERT_FALSE(picture.marks.empty());
-  EXPECT_THAT(picture.marks, Each(Field(&ColoredPixel::rgb, 0xff4040U)));
+  EXPECT_THAT(picture.marks, Each(Field(&pictures::ColoredPixel::rgb, 0xff4040U)));
   // 3 cm at 0.8 m are 18.75 of 320 pixels to each side of the middle.
   const double half = 0.03 / 0.8 * 500 / 320 * picture.width / 2 + 1;
-  for (const ColoredPixel& mark : picture.marks) {
+  for (const pictures::ColoredPixel& mark : picture.marks) {
     const auto width = static_cast<std::size_t>(picture.width);
     const std::size_t row = mark.pixel / width;
     const auto x = static_cast<double>(mark.pixel % width);
