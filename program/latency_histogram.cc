@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace graspdb::client {
+namespace graspdb {
 namespace {
 
 // Bits of a time that are kept: 1024 buckets for every doubling, so that a bucket is at most a
@@ -72,4 +72,4 @@ std::int64_t LatencyHistogram::CountBelow(Duration time) const {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb

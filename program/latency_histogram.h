@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <map>
 
-namespace graspdb::client {
+namespace graspdb {
 
 // Times from a nanosecond to centuries, each within 0.1 % of the recorded value; minimum, maximum
 // and sum are exact. Not thread-safe: use one per thread and merge.
@@ -43,4 +43,4 @@ class LatencyHistogram {
   Duration sum_{0};
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb

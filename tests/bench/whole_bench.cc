@@ -43,7 +43,7 @@ PeerCatalogue PeerOf(const Catalogue& catalogue) {
 // Recognizes frames in turn; `recognize` returns the number of grasps.
 void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
          const std::function<int(const Frame&)>& recognize) {
-  client::LatencyHistogram times;
+  LatencyHistogram times;
   int grasps = 0;
   // Models are made on first use and kept.
   for (const Frame* frame : frames) benchmark::DoNotOptimize(recognize(*frame));

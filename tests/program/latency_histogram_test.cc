@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb {
 namespace {
 
 using std::chrono::hours;
@@ -122,4 +122,4 @@ TEST(LatencyHistogram, CountsValuesBelow) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb
