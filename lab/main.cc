@@ -3,20 +3,20 @@
 #include "lab/commands/commands.h"
 #include "program/standard_streams.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 int Run(int argc, char** argv) {
   // The name on the command line.
   CLI::App app("graspdb-lab simulates, evaluates and measures.", "graspdb");
-  GlobalOptions global;
-  Action action;
-  AddGlobalFlags(app, &global);
+  client::GlobalOptions global;
+  client::Action action;
+  client::AddGlobalFlags(app, &global);
   AddBenchCommand(app, global, &action);
   AddRobotCommand(app, global, &action);
   AddSimulateCommand(app, &action);
   AddEvalCommand(app, &action);
-  return RunCommandLine(
+  return client::RunCommandLine(
       app, global, action,
       {"import", "teach", "recognize", "replay", "describe", "export", "objects", "grasps", "cells",
        "status", "sensors", "backup", "uploads", "watch", "doctor"},
@@ -24,9 +24,9 @@ int Run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab
 
 int main(int argc, char** argv) {
   graspdb::OpenStandardStreams();
-  return graspdb::WithOutputWritten("graspdb", graspdb::client::Run(argc, argv));
+  return graspdb::WithOutputWritten("graspdb", graspdb::lab::Run(argc, argv));
 }

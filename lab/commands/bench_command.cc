@@ -12,7 +12,7 @@
 #include "lab/load/load_report.h"
 #include "lab/load/load_run.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 struct BenchOptions {
@@ -64,7 +64,7 @@ LoadPlan PlanOf(const BenchOptions& options) {
 
 // Progress in requests or in seconds.
 std::function<void(std::int64_t, std::chrono::nanoseconds)> ReportOn(const LoadPlan& plan,
-                                                                     ProgressLine* line) {
+                                                                     client::ProgressLine* line) {
   return [&plan, line](std::int64_t requests, std::chrono::nanoseconds elapsed) {
     if (plan.requests > 0) {
       line->Report(static_cast<int>(requests), static_cast<int>(plan.requests));
@@ -88,14 +88,14 @@ LoadResult Measure(const LoadReport& report, const SendRequest& send) {
     LoadPlan warmup;
     warmup.concurrency = report.plan.concurrency;
     warmup.requests = report.warmup;
-    RunLoad(warmup, send, {.report = {}, .cancelled = Interrupted});
+    RunLoad(warmup, send, {.report = {}, .cancelled = client::Interrupted});
   }
-  ProgressLine line(report.plan.requests > 0 ? "requests" : "seconds");
+  client::ProgressLine line(report.plan.requests > 0 ? "requests" : "seconds");
   return RunLoad(report.plan, send,
-                 {.report = ReportOn(report.plan, &line), .cancelled = Interrupted});
+                 {.report = ReportOn(report.plan, &line), .cancelled = client::Interrupted});
 }
 
-absl::Status PrintReport(const GlobalOptions& global, const LoadReport& report) {
+absl::Status PrintReport(const client::GlobalOptions& global, const LoadReport& report) {
   if (!global.json) {
     std::printf("%s", LoadText(report).c_str());
     return absl::OkStatus();
@@ -120,26 +120,26 @@ absl::Status Verdict(const LoadResult& result) {
 // One connection per worker, like that many robots. Frames of half a megabyte also delay each other
 // on one connection: with two workers and answers of half a millisecond, one connection gave 1310
 // answers a second, and two gave 1410.
-absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) {
-  (void)Interrupted();  // installs the handler for Ctrl-C
-  ConnectionOptions connection{.server = global.server,
-                               .timeout = absl::Seconds(global.timeout_s),
-                               .retry = false,
-                               .own_connection = true,
-                               .security = global.security};
-  std::vector<Client> clients;
+absl::Status RunBench(const client::GlobalOptions& global, const BenchOptions& options) {
+  (void)client::Interrupted();  // installs the handler for Ctrl-C
+  client::ConnectionOptions connection{.server = global.server,
+                                       .timeout = absl::Seconds(global.timeout_s),
+                                       .retry = false,
+                                       .own_connection = true,
+                                       .security = global.security};
+  std::vector<client::Client> clients;
   clients.reserve(static_cast<std::size_t>(options.concurrency));
   for (int i = 0; i < options.concurrency; ++i) clients.emplace_back(connection);
 
   LoadReport report;
   // With the default deadline: --timeout applies to the requests.
   absl::StatusOr<v1::CatalogStatus> catalog =
-      Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
+      client::Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
   if (!catalog.ok()) return catalog.status();
   report.catalog = *std::move(catalog);
   const absl::StatusOr<std::vector<v1::RecognizeRequest>> requests = MakeRequests(options.frames);
   if (!requests.ok()) return requests.status();
-  if (Interrupted()) return absl::CancelledError("interrupted before the first request");
+  if (client::Interrupted()) return absl::CancelledError("interrupted before the first request");
   report.server = global.server;
   report.frames = DescribeRequests(*requests);
   report.warmup = WarmupOf(options, requests->size());
@@ -151,8 +151,9 @@ absl::Status RunBench(const GlobalOptions& global, const BenchOptions& options) 
   });
   // If the server is gone by now, the report lists the errors.
   const absl::StatusOr<v1::CatalogStatus> after =
-      Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
-  if (after.ok()) report.models = Between(report.catalog.model_cache(), after->model_cache());
+      client::Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
+  if (after.ok())
+    report.models = client::Between(report.catalog.model_cache(), after->model_cache());
   if (absl::Status status = PrintReport(global, report); !status.ok()) return status;
   std::fflush(stdout);
   return Verdict(report.result);
@@ -186,8 +187,8 @@ void AddLoadOptions(CLI::App& command, BenchOptions* o) {
 
 }  // namespace
 
-void AddBenchCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
-  CLI::App* command = AddCommand(app, "bench", kBenchDescription);
+void AddBenchCommand(CLI::App& app, const client::GlobalOptions& global, client::Action* action) {
+  CLI::App* command = client::AddCommand(app, "bench", kBenchDescription);
   auto options = std::make_shared<BenchOptions>();
   AddFrameOptions(*command, &options->frames);
   AddLoadOptions(*command, options.get());
@@ -201,4 +202,4 @@ void AddBenchCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   });
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

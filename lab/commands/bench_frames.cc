@@ -6,20 +6,20 @@
 #include "client/cli/recognize/scan_source.h"
 #include "rendering/sample_parts.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr double kMegabyte = 1e6;
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames& frames) {
-  absl::StatusOr<ScanTasks> scans = ListScans(frames.inputs, frames.split);
+  absl::StatusOr<client::ScanTasks> scans = client::ListScans(frames.inputs, frames.split);
   if (!scans.ok()) return scans.status();
   const auto limit = static_cast<std::size_t>(frames.limit);
   if (limit > 0 && scans->tasks.size() > limit) scans->tasks.resize(limit);
   std::vector<v1::RecognizeRequest> out;
-  for (const ScanTask& task : scans->tasks) {
-    if (Interrupted()) return absl::CancelledError("interrupted before the first request");
-    absl::StatusOr<v1::RecognizeRequest> request = ReadScan(task);
+  for (const client::ScanTask& task : scans->tasks) {
+    if (client::Interrupted()) return absl::CancelledError("interrupted before the first request");
+    absl::StatusOr<v1::RecognizeRequest> request = client::ReadScan(task);
     if (!request.ok()) return request.status();
     out.push_back(*std::move(request));
   }
@@ -67,7 +67,7 @@ void AddSimulationOptions(CLI::App& command, BenchFrames* f) {
 
 void AddFrameOptions(CLI::App& command, BenchFrames* f) {
   command.add_option("SCAN", f->inputs, "Point files (.pcd, .ply) or capture sets");
-  AddSplitFlag(command, &f->split);
+  client::AddSplitFlag(command, &f->split);
   AddSimulationOptions(command, f);
   command
       .add_option("--frames", f->limit,
@@ -97,7 +97,7 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> MakeRequests(const BenchFrames
       frames.simulate ? Simulate(frames) : ReadRequests(frames);
   if (!out.ok()) return out;
   for (v1::RecognizeRequest& request : *out) {
-    if (!frames.cell.empty()) request.set_cell(ResourceName("cells", frames.cell));
+    if (!frames.cell.empty()) request.set_cell(client::ResourceName("cells", frames.cell));
     if (frames.segmented) request.set_segmented(true);
     *request.mutable_pipeline() = frames.pipeline;
   }
@@ -119,4 +119,4 @@ std::string DescribeRequests(const std::vector<v1::RecognizeRequest>& requests) 
                          camera.width(), camera.height(), megabytes);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

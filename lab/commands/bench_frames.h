@@ -9,7 +9,7 @@
 #include "graspdb/v1/recognition_service.pb.h"
 #include "lab/load/simulated_frames.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Options of the frames.
 struct BenchFrames {
@@ -34,4 +34,4 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> MakeRequests(const BenchFrames
 // "16 depth images of 512 x 424, 0.43 MB each".
 std::string DescribeRequests(const std::vector<v1::RecognizeRequest>& requests);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

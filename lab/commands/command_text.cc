@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 bool IsPlain(char c) {
@@ -41,4 +41,4 @@ std::string CommandText(const CLI::App& command) {
   return absl::StrJoin(words, " ");
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -4,10 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // "graspdb eval a.ply --trials 3": the options that are set on the command line, in the environment
 // or in a file, in the order in which the command declares them, quoted for a shell.
 std::string CommandText(const CLI::App& command);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -3,18 +3,18 @@
 
 #include "client/cli/base/command.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Adds `bench SCAN…|--simulate [--concurrency N] [--rate R] [--requests N] [--duration S]`.
-void AddBenchCommand(CLI::App& app, const GlobalOptions& global, Action* action);
+void AddBenchCommand(CLI::App& app, const client::GlobalOptions& global, client::Action* action);
 
 // Adds `robot`: a simulated robot picks objects before a simulated camera.
-void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action);
+void AddRobotCommand(CLI::App& app, const client::GlobalOptions& global, client::Action* action);
 
 // Adds `simulate [MESH…] --out SET`, which writes a capture set.
-void AddSimulateCommand(CLI::App& app, Action* action);
+void AddSimulateCommand(CLI::App& app, client::Action* action);
 
 // Adds `eval MESH…`, which prints a line for each case.
-void AddEvalCommand(CLI::App& app, Action* action);
+void AddEvalCommand(CLI::App& app, client::Action* action);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

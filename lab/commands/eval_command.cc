@@ -8,7 +8,7 @@
 #include "lab/experiment/cases.h"
 #include "rendering/length_unit.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr char kEvalDescription[] =
@@ -79,9 +79,9 @@ void AddPipelineOptions(CLI::App* command, EvalArguments* arguments) {
 
 }  // namespace
 
-void AddEvalCommand(CLI::App& app, Action* action) {
+void AddEvalCommand(CLI::App& app, client::Action* action) {
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App* command = AddCommand(app, "eval", kEvalDescription);
+  CLI::App* command = client::AddCommand(app, "eval", kEvalDescription);
   command->footer(kEvalFooter);
   command
       ->add_option("inputs", arguments->inputs,
@@ -156,4 +156,4 @@ void AddEvalCommand(CLI::App& app, Action* action) {
   });
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -21,7 +21,7 @@
 #include "lab/experiment/report/answer_drawings.h"
 #include "lab/experiment/report/report_writer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // The case that descriptors are compared on.
@@ -144,7 +144,7 @@ class Runner {
     run_.own_thresholds = arguments.own_thresholds;
     run_.kept_scans = writer_ ? kDrawnAnswers : 0;
     run_.report = [this](const std::string& step, std::size_t done, std::size_t total) {
-      if (step != running_) progress_ = std::make_unique<ProgressLine>();
+      if (step != running_) progress_ = std::make_unique<client::ProgressLine>();
       running_ = step;
       progress_->Report(static_cast<int>(done), static_cast<int>(total));
     };
@@ -154,7 +154,7 @@ class Runner {
   std::optional<ReportWriter> writer_;
   ExperimentRun run_;
   LastGallery taught_;
-  std::unique_ptr<ProgressLine> progress_;
+  std::unique_ptr<client::ProgressLine> progress_;
   std::string running_;
 };
 
@@ -220,4 +220,4 @@ absl::Status RunEval(const EvalArguments& arguments) {
                 : "a folder cannot be combined with other inputs; give one folder or mesh files");
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -10,7 +10,7 @@
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/matching/matching_parameters.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct EvalArguments {
   // Mesh files, or one folder: a capture set or frames of real cameras.
@@ -37,4 +37,4 @@ struct EvalArguments {
 // that cannot be combined; errors as those of the cases.
 absl::Status RunEval(const EvalArguments& arguments);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

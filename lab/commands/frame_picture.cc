@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "recognition/verification/visibility.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Eigen::Vector3f;
@@ -132,4 +132,4 @@ pictures::ShadedPicture DrawFrame(const FrameResult& result, const recognition::
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -4,7 +4,7 @@
 #include "lab/experiment/real_frames.h"
 #include "pictures/shaded_picture.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // The scan (sensor frame, m) from its camera, darker where it is farther, and the visible points of
 // the posed models: of right answers green, of wrong ones red, of objects that were not found, at
@@ -12,4 +12,4 @@ namespace graspdb::client {
 // pixels without one are black. O(n) in the points.
 pictures::ShadedPicture DrawFrame(const FrameResult& result, const recognition::Points& scan);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -19,7 +19,7 @@
 #include "lab/experiment/report/report_markdown.h"
 #include "rendering/counter_random.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 void Print(const FrameInstance& t) {
@@ -142,7 +142,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   run.parameters.matching = arguments.matching;
   run.parameters.scene.verify = !arguments.without_image;
   run.parameters.scene.search = !arguments.without_search && !arguments.without_image;
-  auto progress = std::make_unique<ProgressLine>();
+  auto progress = std::make_unique<client::ProgressLine>();
   run.report = [&](const std::string&, std::size_t done, std::size_t total) {
     progress->Report(static_cast<int>(done), static_cast<int>(total));
   };
@@ -169,4 +169,4 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   return WriteReport(arguments, **catalogue, results);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr char kProgram[] = "graspdb-eval-report";
@@ -35,4 +35,4 @@ absl::Status MakeReportPage(const std::filesystem::path& folder) {
                    kProgram, " ", folder.string()));
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -11,7 +11,7 @@
 #include "program/listen_address.h"
 #include "rendering/sample_parts.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr std::chrono::seconds kTimeout{60};
@@ -37,8 +37,9 @@ Example:
   graspdb robot --cell demo --scene /tmp/table --picks 20)";
 
 std::string PickText(const Pick& pick) {
-  if (pick.code != GriCode::kNoError) {
-    return absl::StrFormat("%-16s not picked: %s", pick.shown, std::string(GriCodeName(pick.code)));
+  if (pick.code != client::GriCode::kNoError) {
+    return absl::StrFormat("%-16s not picked: %s", pick.shown,
+                           std::string(client::GriCodeName(pick.code)));
   }
   return absl::StrFormat("%-16s %s: %s, %s, off by %.2f mm, %.2f deg; %.1f ms", pick.shown,
                          pick.held ? "held" : "LOST", pick.error.object, pick.error.grasp_id,
@@ -55,23 +56,24 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
   }
   google::protobuf::Struct document;
   files::JsonObject object(&document);
-  object.Set(files::Json("shown", pick.shown), files::Json("code", GriCodeName(pick.code)),
+  object.Set(files::Json("shown", pick.shown), files::Json("code", client::GriCodeName(pick.code)),
              files::Json("held", pick.held));
-  if (pick.code == GriCode::kNoError) {
+  if (pick.code == client::GriCode::kNoError) {
     object.Set(files::Json("object", pick.error.object), files::Json("grasp", pick.error.grasp_id),
                files::Json("shift_mm", 1000 * pick.error.shift_m),
                files::Json("turn_deg", pick.error.turn_rad * 180 / std::numbers::pi),
                files::Json("cycle_ms", Milliseconds(pick.latency)));
   }
-  return PrintJson(document);
+  return client::PrintJson(document);
 }
 
 // The server knows the robot base of a cell.
-absl::Status TakeBase(const GlobalOptions& global, RobotOptions* options) {
+absl::Status TakeBase(const client::GlobalOptions& global, RobotOptions* options) {
   if (options->cell.empty()) return absl::OkStatus();
-  absl::StatusOr<v1::Cell> cell = Connect(global).GetCell(ResourceName("cells", options->cell));
+  absl::StatusOr<v1::Cell> cell =
+      client::Connect(global).GetCell(client::ResourceName("cells", options->cell));
   if (!cell.ok()) return cell.status();
-  const absl::StatusOr<CellFrames> frames = FramesOf(*cell);
+  const absl::StatusOr<client::CellFrames> frames = client::FramesOf(*cell);
   if (!frames.ok()) return frames.status();
   options->run.world_base = frames->world_base;
   return absl::OkStatus();
@@ -99,7 +101,7 @@ absl::Status PrintSummary(bool as_json, std::size_t held, std::size_t picks, dou
              files::Json("with_pose", times.count()));
   if (times.count() > 0)
     object.Set(files::Json("cycle_p50_ms", p50_ms), files::Json("cycle_p99_ms", p99_ms));
-  return PrintJson(document);
+  return client::PrintJson(document);
 }
 
 absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_percent) {
@@ -107,7 +109,7 @@ absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_
   std::size_t held = 0;
   for (const Pick& pick : picks) {
     if (pick.held) ++held;
-    if (pick.code != GriCode::kNoError) continue;
+    if (pick.code != client::GriCode::kNoError) continue;
     times.Record(std::chrono::duration_cast<LatencyHistogram::Duration>(pick.latency));
   }
   const double percent = 100.0 * static_cast<double>(held) / static_cast<double>(picks.size());
@@ -116,21 +118,22 @@ absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_
   return absl::InternalError(absl::StrFormat("fewer than %g %% would have held", min_percent));
 }
 
-absl::Status Run(const GlobalOptions& global, RobotOptions options) {
+absl::Status Run(const client::GlobalOptions& global, RobotOptions options) {
   const absl::StatusOr<std::vector<rendering::Workpiece>> parts =
       rendering::SampleParts(options.parts);
   if (!parts.ok()) return parts.status();
   if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
   const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
   if (!agent.ok()) return agent.status();
-  absl::StatusOr<GriClient> robot = GriClient::Connect(agent->host, agent->port, kTimeout);
-  if (!robot.ok()) return NotOfServer(robot.status());
+  absl::StatusOr<client::GriClient> robot =
+      client::GriClient::Connect(agent->host, agent->port, kTimeout);
+  if (!robot.ok()) return client::NotOfServer(robot.status());
   absl::Status printed;
   const auto picks = RunPicks(*robot, *parts, options.run, [&](const Pick& pick) {
     printed.Update(PrintPick(global.json, pick));
     std::fflush(stdout);
   });
-  if (!picks.ok()) return NotOfServer(picks.status());
+  if (!picks.ok()) return client::NotOfServer(picks.status());
   if (!printed.ok()) return printed;
   return Summarise(global.json, *picks, options.min_percent);
 }
@@ -171,13 +174,13 @@ void AddFlags(CLI::App* command, RobotOptions* options) {
 
 }  // namespace
 
-void AddRobotCommand(CLI::App& app, const GlobalOptions& global, Action* action) {
+void AddRobotCommand(CLI::App& app, const client::GlobalOptions& global, client::Action* action) {
   auto options = std::make_shared<RobotOptions>();
   CLI::App* command =
-      AddCommand(app, "robot", "Pick with a simulated robot before a simulated camera");
+      client::AddCommand(app, "robot", "Pick with a simulated robot before a simulated camera");
   AddFlags(command, options.get());
   command->footer(kRobotFooter);
   command->callback([=, &global] { *action = [=, &global] { return Run(global, *options); }; });
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

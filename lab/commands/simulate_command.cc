@@ -17,7 +17,7 @@
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // Values of the options.
@@ -143,7 +143,7 @@ absl::Status Run(const Arguments& arguments) {
   options.segmented = arguments.segmented;
   options.overwrite = arguments.overwrite;
   {
-    ProgressLine progress;
+    client::ProgressLine progress;
     const auto report = [&progress](int done, int total) { progress.Report(done, total); };
     const rendering::SimulationWatch watch = {.report = report, .cancelled = {}};
     absl::Status written = rendering::WriteSimulation(arguments.out, *parts, *plan, options, watch);
@@ -222,9 +222,9 @@ void AddCameraOptions(CLI::App& command, Arguments& a) {
 
 }  // namespace
 
-void AddSimulateCommand(CLI::App& app, Action* action) {
+void AddSimulateCommand(CLI::App& app, client::Action* action) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(app, "simulate", kSimulateDescription);
+  CLI::App* command = client::AddCommand(app, "simulate", kSimulateDescription);
   command->footer(kSimulateFooter);
   AddObjectOptions(*command, *arguments);
   AddPlanOptions(*command, *arguments);
@@ -235,4 +235,4 @@ void AddSimulateCommand(CLI::App& app, Action* action) {
   });
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -4,7 +4,7 @@
 
 #include "lab/experiment/gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Detection;
@@ -101,4 +101,4 @@ Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& tri
   return first;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

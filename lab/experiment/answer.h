@@ -11,7 +11,7 @@
 #include "recognition/recognizer.h"
 #include "rendering/pose_error.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Result of a query for one object in a scene.
 struct Answer {
@@ -55,4 +55,4 @@ bool IsWrong(const Answer& answer);
 Answer JudgeAnswer(const recognition::Recognition& recognition, const Trial& trial,
                    std::size_t which, const PartSet& set);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -15,7 +15,7 @@
 #include "files/scan_file.h"
 #include "rendering/mesh_part.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -181,4 +181,4 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "lab/experiment/trial_source.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct CaptureTrials {
   PartSet set;  // stable poses with taught captures come first; shapes may be null
@@ -22,4 +22,4 @@ struct CaptureTrials {
 absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& folder,
                                                 bool leave_one_out);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

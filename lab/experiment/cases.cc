@@ -8,7 +8,7 @@
 #include "lab/experiment/close_scene.h"
 #include "rendering/counter_random.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 enum ObstacleStream : std::uint64_t { kObstacleSide = 100 };
@@ -185,4 +185,4 @@ Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query) {
           .cut_out = experiment.cut_out};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -8,7 +8,7 @@
 #include "lab/experiment/part_set.h"
 #include "lab/experiment/trial.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Camera and its pose.
 struct Stand {
@@ -54,4 +54,4 @@ absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanQueries(const Experim
 // The obstacle of a query; none unless the case hides something.
 Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

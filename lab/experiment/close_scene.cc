@@ -11,7 +11,7 @@
 #include "rendering/counter_random.h"
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -160,4 +160,4 @@ absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanCloseScenes(
   return plan;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "rendering/capture_plan.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct CloseSceneOptions {
   rendering::CameraStand stand = {};
@@ -26,4 +26,4 @@ struct CloseSceneOptions {
 absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanCloseScenes(
     const std::vector<rendering::Workpiece>& parts, const CloseSceneOptions& options);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -16,7 +16,7 @@
 #include "rendering/counter_random.h"
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Frame;
@@ -218,4 +218,4 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
   return composite;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,7 +9,7 @@
 #include "recognition/points/scan.h"
 #include "recognition/recognizer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct CompositeOptions {
   int objects = 3;  // to place; fewer where there is no space
@@ -32,4 +32,4 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
                                   const recognition::RecognitionParameters& parameters,
                                   const CompositeOptions& options);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

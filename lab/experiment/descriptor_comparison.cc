@@ -7,7 +7,7 @@
 
 #include "lab/experiment/shown_segment.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Descriptor;
@@ -176,4 +176,4 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

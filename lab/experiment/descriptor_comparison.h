@@ -8,7 +8,7 @@
 #include "lab/experiment/experiment_run.h"
 #include "lab/experiment/trial_source.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Every descriptor with every distance over `trials`, which show one object at a time. Objects that
 // are not taught are left out. Descriptors in the order VFH-263, VFH-308, MVFH-300, GSH-288;
@@ -17,4 +17,4 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
                                                                   const ExperimentTrials& trials,
                                                                   const ExperimentRun& run);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Results of the nearest view by one descriptor and one distance.
 struct DescriptorFigures {
@@ -22,4 +22,4 @@ struct DescriptorFigures {
 // Every object counts the same.
 double MeanFalseRecognition(const DescriptorFigures& figures);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,23 +9,24 @@
 #include "rendering/counter_random.h"
 #include "rendering/mesh_part.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 enum DropStream : std::uint64_t { kFalls = 200 };
 
 struct Mesh {
   rendering::Workpiece as_it_lies;
-  std::vector<RestingFacet> facets;
+  std::vector<client::RestingFacet> facets;
 };
 
 // Adds its taught stable poses to `out`.
 absl::StatusOr<Mesh> Teach(rendering::Workpiece as_it_lies, PartSet* out) {
-  auto taught = ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
+  auto taught =
+      client::ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
   if (!taught.ok()) return taught.status();
-  const auto hull = HullOf(as_it_lies.mesh.vertices);
+  const auto hull = client::HullOf(as_it_lies.mesh.vertices);
   if (!hull.ok()) return hull.status();
-  auto facets = RestingFacets(*hull, taught->found.mass.center, 0);
+  auto facets = client::RestingFacets(*hull, taught->found.mass.center, 0);
   if (!facets.ok()) return facets.status();
   for (std::size_t i = 0; i < taught->workpieces.size(); ++i) {
     out->Add(std::move(taught->workpieces[i]), taught->found.poses[i].object_mesh);
@@ -34,8 +35,8 @@ absl::StatusOr<Mesh> Teach(rendering::Workpiece as_it_lies, PartSet* out) {
 }
 
 // The facet at which the probabilities add up to `share`.
-const RestingFacet& Drawn(const std::vector<RestingFacet>& facets, double share) {
-  for (const RestingFacet& facet : facets) {
+const client::RestingFacet& Drawn(const std::vector<client::RestingFacet>& facets, double share) {
+  for (const client::RestingFacet& facet : facets) {
     share -= facet.probability;
     if (share < 0) return facet;
   }
@@ -48,14 +49,14 @@ void AddFalls(const Mesh& mesh, std::uint64_t number, const DropPoseSelection& s
   for (int i = 0; i < selection.falls; ++i) {
     const double share = rendering::RandomUniform(
         selection.seed, rendering::RandomBits(0, kFalls, number), static_cast<std::uint64_t>(i));
-    const RestingFacet& facet = Drawn(mesh.facets, share);
+    const client::RestingFacet& facet = Drawn(mesh.facets, share);
     const auto [found, is_new] = of_facet.emplace(facet.facet, out->parts.size());
     out->queried_parts.push_back(found->second);
     if (!is_new) continue;
     rendering::Workpiece part = mesh.as_it_lies;
     part.stable_pose_id = absl::StrCat("drop-", of_facet.size());
     part.grasps.clear();
-    const recognition::Pose pose = PutDown(part.mesh, facet.down);
+    const recognition::Pose pose = client::PutDown(part.mesh, facet.down);
     part.mesh = rendering::Transformed(part.mesh, pose);
     out->Add(std::move(part), pose);
   }
@@ -82,4 +83,4 @@ absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& path
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

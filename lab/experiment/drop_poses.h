@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "lab/experiment/part_set.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct DropPoseSelection {
   // Smaller and larger meshes are left out, by their diameter.
@@ -26,4 +26,4 @@ struct DropPoseSelection {
 absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& paths,
                                   double unit_scale_m, const DropPoseSelection& selection);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

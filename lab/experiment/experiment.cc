@@ -8,7 +8,7 @@
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/own_thresholds.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // Without a mesh, answers are measured against the taught model.
@@ -145,4 +145,4 @@ CaseSummary Summarize(const CaseResult& result) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

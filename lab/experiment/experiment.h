@@ -12,7 +12,7 @@
 #include "lab/experiment/part_set.h"
 #include "lab/experiment/trial_source.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct CaseResult {
   ExperimentCase experiment;
@@ -45,4 +45,4 @@ struct CaseSummary {
 };
 CaseSummary Summarize(const CaseResult& result);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 absl::Status ForEach(std::size_t count, const std::string& step, const ExperimentRun& run,
                      const std::function<absl::Status(std::size_t)>& work) {
@@ -31,4 +31,4 @@ absl::Status ForEach(std::size_t count, const std::string& step, const Experimen
   return failure;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "recognition/recognizer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Workers run queries in parallel; the result does not depend on their number.
 struct ExperimentRun {
@@ -28,4 +28,4 @@ struct ExperimentRun {
 absl::Status ForEach(std::size_t count, const std::string& step, const ExperimentRun& run,
                      const std::function<absl::Status(std::size_t)>& work);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

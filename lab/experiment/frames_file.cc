@@ -17,7 +17,7 @@
 #include "program/text_encoding.h"
 #include "rendering/mesh_part.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using google::protobuf::Struct;
@@ -171,4 +171,4 @@ absl::StatusOr<std::vector<RealFrame>> ParseFrames(const std::string& text,
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

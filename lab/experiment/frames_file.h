@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // An object in a frame.
 struct FrameObject {
@@ -42,4 +42,4 @@ absl::StatusOr<std::vector<RealFrame>> LoadFrames(const std::filesystem::path& f
 absl::StatusOr<std::vector<RealFrame>> ParseFrames(const std::string& text,
                                                    const std::filesystem::path& folder);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

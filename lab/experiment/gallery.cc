@@ -9,7 +9,7 @@
 #include "lab/experiment/shown_segment.h"
 #include "recognition/base/bounds.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // A view and its whole object differ by less; more is another unit.
@@ -139,4 +139,4 @@ std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(
   return model.ok() ? *model : nullptr;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

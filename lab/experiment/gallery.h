@@ -12,7 +12,7 @@
 #include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Taught views. Teaching is not thread-safe; recognition is.
 class Gallery : public recognition::CloudsInMemory {
@@ -52,4 +52,4 @@ class Gallery : public recognition::CloudsInMemory {
 std::string ObjectName(const rendering::Workpiece& part);
 std::string StablePoseName(const rendering::Workpiece& part);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

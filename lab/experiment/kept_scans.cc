@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -70,4 +70,4 @@ absl::Status KeepScans(std::size_t count, const TrialSource& queries, CaseResult
   return absl::OkStatus();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

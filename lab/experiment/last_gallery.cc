@@ -1,6 +1,6 @@
 #include "lab/experiment/last_gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 absl::StatusOr<Gallery*> LastGallery::Teach(const ExperimentCase& experiment, const PartSet& set,
                                             const TrialSource& teaching, const ExperimentRun& run) {
@@ -18,4 +18,4 @@ absl::StatusOr<Gallery*> LastGallery::Teach(const ExperimentCase& experiment, co
   return status;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

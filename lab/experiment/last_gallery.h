@@ -9,7 +9,7 @@
 #include "lab/experiment/cases.h"
 #include "lab/experiment/gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // One gallery. For rendered trials of one run, in which names of meshes are unique.
 class LastGallery {
@@ -24,4 +24,4 @@ class LastGallery {
   std::vector<std::string> taught_;  // stable poses
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

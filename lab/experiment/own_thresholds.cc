@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
     recognition::CatalogueSnapshot taught, const recognition::RecognitionParameters& parameters,
@@ -23,4 +23,4 @@ absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
   return taught;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 #include "lab/experiment/gallery.h"
 #include "recognition/threshold_proposals.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // `taught` with the threshold of each stable pose from recognition::ProposeThresholds. Errors as
 // there.
@@ -13,4 +13,4 @@ absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
     recognition::CatalogueSnapshot taught, const recognition::RecognitionParameters& parameters,
     const recognition::ThresholdProgress& report, Gallery* gallery);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -10,7 +10,7 @@
 #include "rendering/mesh_part.h"
 #include "rendering/sample_parts.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
@@ -72,7 +72,7 @@ absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& p
         rendering::WorkpieceFromMesh(path, unit_scale_m);
     if (!as_it_lies.ok()) return as_it_lies.status();
     const auto found =
-        FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
+        client::FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
     if (!found.ok()) return found.status();
     const auto count =
         std::min(found->poses.size(), static_cast<std::size_t>(selection.orientations));
@@ -129,4 +129,4 @@ absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choi
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

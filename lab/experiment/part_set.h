@@ -10,7 +10,7 @@
 #include "rendering/pose_error.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Workpieces and their shapes for measuring answers, by position.
 struct PartSet {
@@ -69,4 +69,4 @@ struct Choices {
 // part is left.
 absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

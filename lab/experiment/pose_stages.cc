@@ -4,7 +4,7 @@
 
 #include "lab/experiment/gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -81,7 +81,7 @@ PoseStage PoseRecord::StageOf(const std::string& object_id, const Pose& world_me
                               PoseSource source) const {
   PoseStage furthest = PoseStage::kNone;
   for (const Step& step : steps_) {
-    const PoseStage stage = client::StageOf(step.step);
+    const PoseStage stage = lab::StageOf(step.step);
     const bool refined = stage == PoseStage::kRefined;
     if (step.source != source || (stage <= furthest && !refined)) continue;
     bool is_best = refined;
@@ -108,4 +108,4 @@ double ShareOff(const PartSet& set, std::size_t position, const Pose& world_obje
          shape.diameter_m;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

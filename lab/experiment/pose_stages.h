@@ -10,7 +10,7 @@
 #include "lab/experiment/part_set.h"
 #include "recognition/base/pose_observer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // A pose is right when its ADD-S is under this share of the diameter (Hinterstoisser et al. 2012).
 inline constexpr double kFoundShare = 0.10;
@@ -70,4 +70,4 @@ class PoseRecord {
 double ShareOff(const PartSet& set, std::size_t position, const recognition::Pose& world_object,
                 const recognition::Pose& world_mesh);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

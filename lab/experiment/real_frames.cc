@@ -10,7 +10,7 @@
 #include "lab/experiment/trial_source.h"
 #include "rendering/mesh_part.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Detection;
@@ -22,7 +22,7 @@ constexpr double kTeachStepDeg = 20;
 absl::Status AddMesh(const FrameObject& object, PartSet* set) {
   const auto mesh = rendering::LoadPartMesh(object.mesh, object.unit_m);
   if (!mesh.ok()) return mesh.status();
-  auto part = ProposeCadPart(rendering::ObjectIdOf(object.object), "", *mesh, {});
+  auto part = client::ProposeCadPart(rendering::ObjectIdOf(object.object), "", *mesh, {});
   if (!part.ok()) return part.status();
   for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
     set->Add(std::move(part->workpieces[i]), part->found.poses[i].object_mesh);
@@ -247,4 +247,4 @@ FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -16,7 +16,7 @@
 #include "lab/experiment/pose_stages.h"
 #include "lab/experiment/true_pose.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Teaches the stable poses of each mesh in the frames, like `graspdb teach --mesh`.
 class FramesCatalogue {
@@ -116,4 +116,4 @@ absl::StatusOr<recognition::Scan> ReadScan(const RealFrame& frame);
 FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan,
                            const ExperimentRun& run, FramesCatalogue* catalogue);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

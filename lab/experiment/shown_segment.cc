@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 using recognition::Segment;
 
@@ -30,4 +30,4 @@ absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
   return ShownSegment{std::move(nearest), segmentation->world_sensor, segmentation->world_frame};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 #include "lab/experiment/trial.h"
 #include "recognition/recognizer.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct ShownSegment {
   recognition::Segment segment;
@@ -18,4 +18,4 @@ struct ShownSegment {
 absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
                                           const recognition::RecognitionParameters& parameters);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

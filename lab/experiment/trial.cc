@@ -6,7 +6,7 @@
 #include "files/pose_message.h"
 #include "rendering/simulation.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Eigen::Vector2d;
@@ -123,4 +123,4 @@ absl::StatusOr<Trial> TrialRenderer::Render(const rendering::PlannedCapture& cap
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

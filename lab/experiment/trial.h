@@ -10,7 +10,7 @@
 #include "rendering/depth_camera.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // A frame to teach or to recognize.
 struct Trial {
@@ -53,4 +53,4 @@ class TrialRenderer {
   rendering::DepthCamera camera_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

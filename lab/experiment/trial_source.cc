@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // With the obstacles of `query_case` if it is not null.
@@ -43,4 +43,4 @@ absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment
   return ExperimentTrials{*std::move(taught), *std::move(queries), false};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,7 +9,7 @@
 #include "lab/experiment/part_set.h"
 #include "lab/experiment/trial.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Trials that are made on demand, since together they do not fit into memory.
 struct TrialSource {
@@ -31,4 +31,4 @@ struct ExperimentTrials {
 absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
                                                 const PartSet& set);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

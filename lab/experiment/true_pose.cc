@@ -9,7 +9,7 @@
 #include "recognition/verification/depth_buffer.h"
 #include "recognition/verification/verification.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -93,4 +93,4 @@ TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentati
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 #include "recognition/recognizer.h"
 #include "recognition/verification/confidence.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // A pose refined against a segment.
 struct PoseScore {
@@ -42,4 +42,4 @@ TruePose ScoreTruth(const recognition::Scan& scan, const recognition::Segmentati
                     const recognition::SurfaceModel& model, const recognition::Pose& world_object,
                     const recognition::RecognitionParameters& parameters);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

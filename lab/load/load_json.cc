@@ -1,7 +1,7 @@
 #include "files/json_object.h"
 #include "lab/load/load_report.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 void FillPlan(const LoadReport& report, files::JsonObject out) {
@@ -90,4 +90,4 @@ absl::StatusOr<std::string> LoadJson(const LoadReport& report) {
   return files::PrintDocument(document, files::JsonLayout::kOneLine);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -1,6 +1,6 @@
 #include "lab/load/load_report.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 constexpr int kBins = 10;
 }  // namespace
@@ -29,4 +29,4 @@ std::vector<LatencyBin> BinsOf(const LatencyHistogram& histogram) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

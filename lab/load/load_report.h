@@ -11,7 +11,7 @@
 #include "graspdb/v1/catalog_service.pb.h"
 #include "lab/load/load_run.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct LoadReport {
   std::string server;         // HOST:PORT
@@ -54,4 +54,4 @@ std::string LoadText(const LoadReport& report);
 // _ms, _per_s); shares are 0 to 1. INTERNAL when serialization fails.
 absl::StatusOr<std::string> LoadJson(const LoadReport& report);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

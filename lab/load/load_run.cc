@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -182,4 +182,4 @@ LoadResult RunLoad(const LoadPlan& plan, const SendRequest& send, const LoadWatc
   return run.Result();
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

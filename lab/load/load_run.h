@@ -9,7 +9,7 @@
 #include "graspdb/v1/recognition_service.pb.h"
 #include "lab/load/tally.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Rate and length of a run. At least one of `requests` and `duration` is set; the run ends at the
 // first limit.
@@ -54,4 +54,4 @@ bool KeptRate(const LoadPlan& plan, const LoadResult& result);
 // requests would be its errors.
 LoadResult RunLoad(const LoadPlan& plan, const SendRequest& send, const LoadWatch& watch);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

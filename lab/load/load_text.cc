@@ -7,7 +7,7 @@
 #include "client/cli/base/cache_text.h"
 #include "lab/load/load_report.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr double kBarWidth = 40;
@@ -105,8 +105,8 @@ std::string StepsText(const LoadPlan& plan, const Tally& tally) {
 // Empty if the server needed no models or did not report them.
 std::string ModelsText(const v1::CacheStatus& models) {
   if (models.hit_count() + models.miss_count() == 0) return "";
-  const std::string advice = CacheAdvice(models);
-  return absl::StrCat("\nmodels in memory         ", CacheText(models), "\n",
+  const std::string advice = client::CacheAdvice(models);
+  return absl::StrCat("\nmodels in memory         ", client::CacheText(models), "\n",
                       advice.empty() ? "" : absl::StrCat("  ", advice, "\n"));
 }
 
@@ -122,4 +122,4 @@ std::string LoadText(const LoadReport& report) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr double kDepthUnitM = 0.001;
@@ -40,4 +40,4 @@ absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const Simulat
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

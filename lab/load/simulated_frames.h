@@ -9,7 +9,7 @@
 #include "graspdb/v1/recognition_service.pb.h"
 #include "rendering/depth_camera.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct SimulatedFrames {
   std::vector<std::string> parts;  // ids of sample parts; none: all
@@ -24,4 +24,4 @@ struct SimulatedFrames {
 // interest. Errors as PlanRandomScenes and DepthCamera.
 absl::StatusOr<std::vector<v1::RecognizeRequest>> SimulateRequests(const SimulatedFrames& frames);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

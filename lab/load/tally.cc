@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -62,4 +62,4 @@ void Tally::Merge(const Tally& other) {
   }
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

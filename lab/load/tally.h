@@ -11,7 +11,7 @@
 #include "graspdb/v1/recognition_service.pb.h"
 #include "program/latency_histogram.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Time stamps of one request.
 struct RequestTimes {
@@ -70,4 +70,4 @@ class Tally {
   std::vector<Step> steps_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -6,7 +6,7 @@
 
 #include "files/pose_message.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -61,4 +61,4 @@ PickError JudgePick(const std::vector<rendering::Workpiece>& parts,
   return nearest;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,7 +9,7 @@
 #include "rendering/capture_plan.h"
 #include "rendering/workpiece.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Error of a tool pose from the nearest taught grasp of all objects in a scene.
 struct PickError {
@@ -30,4 +30,4 @@ bool WouldHold(const PickError& error);
 PickError JudgePick(const std::vector<rendering::Workpiece>& parts,
                     const rendering::PlannedCapture& scene, const recognition::Pose& world_tcp);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -6,34 +6,36 @@
 #include "client/cell/robots/gri_data.h"
 #include "rendering/scene_file.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
 using Clock = std::chrono::steady_clock;
 
-GriRequest RequestFor(const PickRunOptions& options, int job) {
-  GriRequest out;
-  out.action = static_cast<std::uint8_t>(GriAction::kTriggerJobSync);
+client::GriRequest RequestFor(const PickRunOptions& options, int job) {
+  client::GriRequest out;
+  out.action = static_cast<std::uint8_t>(client::GriAction::kTriggerJobSync);
   out.job_id = static_cast<std::uint16_t>(job);
   out.pose_format = static_cast<std::uint8_t>(options.pose_format);
   return out;
 }
 
-absl::Status Report(GriClient& agent, const PickRunOptions& options, bool held) {
+absl::Status Report(client::GriClient& agent, const PickRunOptions& options, bool held) {
   const std::optional<int>& job = held ? options.picked_job : options.missed_job;
   if (!job) return absl::OkStatus();
   const auto answer = agent.Call(RequestFor(options, *job));
   if (!answer.ok()) return answer.status();
-  if (answer->code == GriCode::kNoError || answer->code == GriCode::kNoReturnSpecified) {
+  if (answer->code == client::GriCode::kNoError ||
+      answer->code == client::GriCode::kNoReturnSpecified) {
     return absl::OkStatus();
   }
   return absl::FailedPreconditionError(
       absl::StrCat("job ", *job, ", which reports picks that ", held ? "held" : "did not hold",
-                   ", returned ", GriCodeName(answer->code), "; see the agent's jobs"));
+                   ", returned ", client::GriCodeName(answer->code), "; see the agent's jobs"));
 }
 
-absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<rendering::Workpiece>& parts,
+absl::StatusOr<Pick> PickFrom(client::GriClient& agent,
+                              const std::vector<rendering::Workpiece>& parts,
                               const PickRunOptions& options,
                               const rendering::PlannedCapture& scene) {
   Pick out;
@@ -43,9 +45,9 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<rendering::Wor
   const Clock::duration spent = Clock::now() - sent;
   if (!answer.ok()) return answer.status();
   out.code = answer->code;
-  out.latency = spent - std::chrono::microseconds(answer->data[gri_data::kCameraTime]);
-  if (answer->code != GriCode::kNoError) return out;
-  const absl::StatusOr<Pose> base_tcp = FromGriPose(answer->pose, answer->pose_format);
+  out.latency = spent - std::chrono::microseconds(answer->data[client::gri_data::kCameraTime]);
+  if (answer->code != client::GriCode::kNoError) return out;
+  const absl::StatusOr<Pose> base_tcp = client::FromGriPose(answer->pose, answer->pose_format);
   if (!base_tcp.ok()) return absl::InternalError(base_tcp.status().message());
   out.error = JudgePick(parts, scene, options.world_base * *base_tcp);
   out.held = WouldHold(out.error);
@@ -56,7 +58,7 @@ absl::StatusOr<Pick> PickFrom(GriClient& agent, const std::vector<rendering::Wor
 
 }  // namespace
 
-absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent,
+absl::StatusOr<std::vector<Pick>> RunPicks(client::GriClient& agent,
                                            const std::vector<rendering::Workpiece>& parts,
                                            const PickRunOptions& options,
                                            const std::function<void(const Pick&)>& on_pick) {
@@ -80,4 +82,4 @@ absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent,
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -13,7 +13,7 @@
 #include "client/cell/robots/gri_client.h"
 #include "lab/simulated_robot/pick_judge.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 struct PickRunOptions {
   std::filesystem::path scene;  // the folder that the agent's simulated camera reads
@@ -30,7 +30,7 @@ struct PickRunOptions {
 
 struct Pick {
   std::string shown;  // id of the object that the scene is about
-  GriCode code = GriCode::kUnknownError;
+  client::GriCode code = client::GriCode::kUnknownError;
   PickError error;  // if a pose was returned
   bool held = false;
   // From the trigger to the answer, also without a pose, without the camera's time.
@@ -41,9 +41,9 @@ struct Pick {
 // pose is no error and is not reported to the agent. Errors of PlanRandomScenes, WriteScenes and
 // GriClient; INTERNAL when the agent returns an invalid pose; FAILED_PRECONDITION when a job that
 // reports picks returns an error. Thread-safe if every thread has its own client and folder.
-absl::StatusOr<std::vector<Pick>> RunPicks(GriClient& agent,
+absl::StatusOr<std::vector<Pick>> RunPicks(client::GriClient& agent,
                                            const std::vector<rendering::Workpiece>& parts,
                                            const PickRunOptions& options,
                                            const std::function<void(const Pick&)>& on_pick);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

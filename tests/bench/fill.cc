@@ -97,9 +97,9 @@ absl::StatusOr<std::size_t> Store(storage::Catalogue& catalogue,
     views[i] = *std::move(view);
     return absl::OkStatus();
   };
-  client::ExperimentRun run;
+  lab::ExperimentRun run;
   run.workers = kWorkers;
-  absl::Status status = client::ForEach(views.size(), "", run, make);
+  absl::Status status = lab::ForEach(views.size(), "", run, make);
   if (!status.ok()) return status;
   if (auto stored = catalogue.PutViews(views); !stored.ok()) return stored.status();
   return views.size();

@@ -8,7 +8,7 @@ using recognition::OrientedCloud;
 
 std::vector<SeenPart> SeeParts(const std::vector<rendering::Workpiece>& parts) {
   const auto plan = rendering::PlanTurntable(parts, {});
-  const auto renderer = client::TrialRenderer::Create(parts, rendering::KinectV2());
+  const auto renderer = lab::TrialRenderer::Create(parts, rendering::KinectV2());
   std::vector<SeenPart> out;
   if (!plan.ok() || !renderer.ok()) return out;
   for (const rendering::PlannedCapture& capture : *plan) {

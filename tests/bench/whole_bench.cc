@@ -56,8 +56,8 @@ void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
     }
   }
   state.counters["grasps"] = grasps;
-  state.counters["p50_ms"] = client::Milliseconds(times.Percentile(50));
-  state.counters["p99_ms"] = client::Milliseconds(times.Percentile(99));
+  state.counters["p50_ms"] = lab::Milliseconds(times.Percentile(50));
+  state.counters["p99_ms"] = lab::Milliseconds(times.Percentile(99));
 }
 
 int Ours(const Frame& frame, Catalogue& catalogue) {

@@ -116,18 +116,16 @@ void CellProgramsTest::ExpectHolds(const GriResponse& answer,
   ASSERT_EQ(answer.code, GriCode::kNoError) << agent_->Errors();
   const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
   ASSERT_THAT(base_tcp, IsOk());
-  const client::PickError error = client::JudgePick(parts_, scene, WorldBase() * *base_tcp);
+  const lab::PickError error = lab::JudgePick(parts_, scene, WorldBase() * *base_tcp);
   EXPECT_EQ(error.object, parts_[scene.placements[0].part].object_id);
-  EXPECT_TRUE(client::WouldHold(error))
-      << 1000 * error.shift_m << " mm, " << error.turn_rad << " rad";
+  EXPECT_TRUE(lab::WouldHold(error)) << 1000 * error.shift_m << " mm, " << error.turn_rad << " rad";
 }
 
 bool CellProgramsTest::Holds(const GriResponse& answer,
                              const rendering::PlannedCapture& scene) const {
   if (answer.code != GriCode::kNoError) return false;
   const auto base_tcp = client::FromGriPose(answer.pose, answer.pose_format);
-  return base_tcp.ok() &&
-         client::WouldHold(client::JudgePick(parts_, scene, WorldBase() * *base_tcp));
+  return base_tcp.ok() && lab::WouldHold(lab::JudgePick(parts_, scene, WorldBase() * *base_tcp));
 }
 
 }  // namespace graspdb::end_to_end

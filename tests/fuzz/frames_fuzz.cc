@@ -10,11 +10,11 @@ namespace graspdb::fuzz {
 namespace {
 
 void Read(std::string_view text) {
-  const auto frames = client::ParseFrames(std::string(text), "folder");
+  const auto frames = lab::ParseFrames(std::string(text), "folder");
   if (!frames.ok()) return;
-  for (const client::RealFrame& frame : *frames) {
+  for (const lab::RealFrame& frame : *frames) {
     Require(!frame.path.empty(), "a frame has a file");
-    for (const client::FrameObject& object : frame.objects) {
+    for (const lab::FrameObject& object : frame.objects) {
       Require(object.object.empty() == object.mesh.empty(), "an object with a name has a mesh");
       if (!object.sensor_mesh) continue;
       Require(std::abs(object.sensor_mesh->linear().determinant() - 1) < 1e-9, "a rotation");

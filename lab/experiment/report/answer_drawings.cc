@@ -11,7 +11,7 @@
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/report/case_figures.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Eigen::Vector3d;
@@ -139,4 +139,4 @@ void FillFirstMatches(const CaseResult& result, Value* value) {
       });
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -4,7 +4,7 @@
 #include "files/json_object.h"
 #include "lab/experiment/experiment.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Answers that are drawn for a case.
 inline constexpr std::size_t kDrawnAnswers = 8;
@@ -20,4 +20,4 @@ void FillDrawings(const CaseResult& result, files::JsonObject* out);
 // verified) and "chosen". Null where no answer has candidates.
 void FillFirstMatches(const CaseResult& result, google::protobuf::Value* value);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

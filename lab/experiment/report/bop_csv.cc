@@ -8,7 +8,7 @@
 #include "absl/strings/str_replace.h"
 #include "lab/experiment/report/case_figures.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr char kBopHeader[] = "scene_id,im_id,obj_id,score,R,t,time\n";
@@ -95,4 +95,4 @@ std::string BopObjects(const std::vector<std::string>& object_ids) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

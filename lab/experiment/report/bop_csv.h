@@ -10,7 +10,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/real_frames.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // "graspdb_hidden20-test.csv" for the case "hidden-20": METHOD_DATASET-SPLIT.csv. The toolkit cuts
 // the name at '_' and '-', so that the case's own ones go.
@@ -38,4 +38,4 @@ std::string BopCsv(const std::vector<FrameResult>& results,
                    const std::vector<std::string>& object_ids);
 std::string BopObjects(const std::vector<std::string>& object_ids);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

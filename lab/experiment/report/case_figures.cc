@@ -9,7 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "lab/experiment/gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 double OverAtLeastOne(double sum, std::size_t count) {
@@ -86,4 +86,4 @@ CaseRow RowOf(const CaseResult& result) {
   return {.name = result.experiment.name, .summary = Summarize(result), .times = TimesOf(result)};
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 
 #include "lab/experiment/experiment.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // The object of a stable pose's resource name: "cup" for "objects/cup/stablePoses/upright"; empty
 // for any other text.
@@ -53,4 +53,4 @@ struct CaseRow {
 };
 CaseRow RowOf(const CaseResult& result);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

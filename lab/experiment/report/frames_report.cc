@@ -10,7 +10,7 @@
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_markdown.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr char kSeparated[] = "separated";
@@ -71,4 +71,4 @@ absl::Status WriteFramesReport(const std::filesystem::path& folder, const std::s
   return status;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "lab/experiment/real_frames.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // How many true poses came as far as each stage, first the headings: of frames whose arrangement is
 // "separated" in words, of the others, of all, and what segments and the search in the image
@@ -25,4 +25,4 @@ absl::Status WriteFramesReport(const std::filesystem::path& folder, const std::s
                                const std::vector<std::string>& object_ids,
                                const std::vector<FrameResult>& results);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

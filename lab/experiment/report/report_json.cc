@@ -8,7 +8,7 @@
 #include "lab/experiment/report/settings_text.h"
 #include "recognition/base/units.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using google::protobuf::Value;
@@ -199,4 +199,4 @@ absl::StatusOr<std::string> FramesJson(const std::string& command,
   return files::PrintDocument(document, files::JsonLayout::kIndented);
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

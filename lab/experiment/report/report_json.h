@@ -11,7 +11,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/real_frames.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // {"name", "description", "settings", "summary", "time", "objects", "answers", "drawings",
 // "first_matches"}; of captures of a set, "settings" are the numbers of parts only. The unit is in
@@ -31,4 +31,4 @@ absl::StatusOr<std::string> ReportJson(const std::string& command,
 absl::StatusOr<std::string> FramesJson(const std::string& command,
                                        const std::vector<FrameResult>& results);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using Cells = std::vector<std::string>;
@@ -95,4 +95,4 @@ std::string TableMarkdown(const std::vector<Cells>& table) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 #include "lab/experiment/descriptor_figures.h"
 #include "lab/experiment/report/case_figures.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // The cells of the table of cases, first the headings, as they are shown; units and per cent signs
 // are in the headings. "–": the case has no such queries.
@@ -21,4 +21,4 @@ std::vector<std::vector<std::string>> DescriptorTable(
 // A table with its headings as GitHub Markdown.
 std::string TableMarkdown(const std::vector<std::vector<std::string>>& table);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -11,7 +11,7 @@
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_markdown.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 constexpr char kReportFile[] = "report.json";
@@ -83,4 +83,4 @@ absl::Status ReportWriter::Write() const {
   return status;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -13,7 +13,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/report/case_figures.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Writes into one folder, again after every case, so that a run that is interrupted leaves what was
 // done:
@@ -54,4 +54,4 @@ class ReportWriter {
   std::string bop_objects_;
 };
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

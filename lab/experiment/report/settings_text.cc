@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 std::string StandText(const Stand& stand) {
@@ -52,4 +52,4 @@ std::string SettingsText(const CaseResult& result) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

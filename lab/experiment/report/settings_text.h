@@ -5,7 +5,7 @@
 
 #include "lab/experiment/experiment.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // "Kinect v1", "Kinect v2" or "other camera", by the intrinsics.
 std::string CameraName(const rendering::DepthCameraModel& camera);
@@ -13,4 +13,4 @@ std::string CameraName(const rendering::DepthCameraModel& camera);
 // Sentences about the taught views and the queries.
 std::string SettingsText(const CaseResult& result);
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

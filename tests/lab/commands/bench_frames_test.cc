@@ -7,7 +7,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using graspdb::testing::IsOk;
@@ -83,4 +83,4 @@ TEST_F(BenchFramesTest, LimitsTheNumberOfFrames) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 TEST(CommandText, RepeatsTheCommand) {
@@ -21,4 +21,4 @@ TEST(CommandText, RepeatsTheCommand) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

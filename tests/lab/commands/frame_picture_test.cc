@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::OrientedCloud;
@@ -97,4 +97,4 @@ TEST_F(FramePictureTest, ClipsModelsOutsideTheImage) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -10,7 +10,7 @@
 #include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -97,4 +97,4 @@ TEST(SimulateCommand, RejectsWrongUsageWithAParseError) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

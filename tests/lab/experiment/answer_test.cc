@@ -5,7 +5,7 @@
 #include "lab/experiment/gallery.h"
 #include "tests/lab/experiment/hand_made_case.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -117,4 +117,4 @@ TEST_F(AnswerTest, AcceptsNoAnswerForAnUnknownObject) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

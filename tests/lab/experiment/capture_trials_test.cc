@@ -14,7 +14,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -229,4 +229,4 @@ TEST_F(CaptureTrialsTest, ReportsASetWithoutTaughtCaptures) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

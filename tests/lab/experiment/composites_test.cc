@@ -7,7 +7,7 @@
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -101,4 +101,4 @@ TEST_F(CompositesTest, WithoutATableNothingIsPlaced) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

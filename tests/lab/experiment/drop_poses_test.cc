@@ -10,7 +10,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -65,4 +65,4 @@ TEST_F(DropPosesTest, FailWithoutAMeshWithinTheSizeLimits) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -2,7 +2,7 @@
 
 #include "rendering/sample_parts.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 PartSet HandMadeParts() {
   PartSet set;
@@ -60,4 +60,4 @@ CaseResult HandMade(const std::string& name) {
   return out;
 }
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

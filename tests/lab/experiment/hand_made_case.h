@@ -6,7 +6,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/gallery.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 
 // Some sample parts, of which the last is not taught. Measured with a few points only, since the
 // errors of these tests are fixed.
@@ -18,4 +18,4 @@ Answer RightAnswer(const PartSet& set, std::size_t part, std::size_t scene);
 // rejected.
 CaseResult HandMade(const std::string& name = "hidden-20");
 
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

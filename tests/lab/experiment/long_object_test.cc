@@ -7,7 +7,7 @@
 #include "tests/recognition/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -30,4 +30,4 @@ TEST(LongObject, ConvergesWithFortyPercentHidden) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -4,7 +4,7 @@
 
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using testing::IsOk;
@@ -55,4 +55,4 @@ TEST(RestingParts, RejectsTwoFilesOfOneObject) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

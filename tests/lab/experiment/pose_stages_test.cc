@@ -7,7 +7,7 @@
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -111,4 +111,4 @@ TEST_F(PoseStagesTest, StablePosesOfOneMeshAreOneObjectAndOthersAreNot) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

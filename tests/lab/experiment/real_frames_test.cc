@@ -16,7 +16,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -184,4 +184,4 @@ TEST_F(RealFramesTest, RejectsAnObjectWithTwoMeshes) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -8,7 +8,7 @@
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using testing::IsOk;
@@ -112,4 +112,4 @@ TEST(Cases, HaveUniqueNames) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

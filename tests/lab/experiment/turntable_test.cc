@@ -15,7 +15,7 @@
 #include "tests/recognition/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::graspdb::testing::IsOk;
@@ -91,4 +91,4 @@ TEST_F(TurntableTest, RecognizesTheObjects) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using std::chrono::hours;
@@ -165,4 +165,4 @@ TEST(LoadRun, WorkerPausesWithoutAServer) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 // The byte at which the middle pixel of a Kinect v2 begins.
@@ -52,4 +52,4 @@ TEST(SimulatedFrames, DependOnTheSeed) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

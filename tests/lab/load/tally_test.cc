@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using std::chrono::microseconds;
@@ -108,4 +108,4 @@ TEST(Tally, MergedTalliesEqualOneTally) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

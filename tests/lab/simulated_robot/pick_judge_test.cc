@@ -5,7 +5,7 @@
 #include "files/pose_message.h"
 #include "recognition/base/units.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -81,4 +81,4 @@ TEST_F(JudgePickTest, ComparesToTheNearestObject) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

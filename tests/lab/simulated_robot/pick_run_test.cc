@@ -14,7 +14,7 @@
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using recognition::Pose;
@@ -27,36 +27,36 @@ enum Job { kGrasps = 1, kNothing = 2, kPicked = 7, kMissed = 8 };
 
 // Reads the robot's scene and returns the grasp of its first object, moved by `off_m` along the
 // tool's x axis. Jobs 7 and 8 report picks.
-class SeeingRunner : public ScriptedRunner {
+class SeeingRunner : public client::ScriptedRunner {
  public:
   SeeingRunner(std::filesystem::path scene, std::vector<rendering::Workpiece> parts)
       : scene_(std::move(scene)), parts_(std::move(parts)) {
     for (const int job : {kGrasps, kNothing, kPicked, kMissed}) {
-      Set(job, std::vector<JobPose>());
+      Set(job, std::vector<client::JobPose>());
     }
   }
 
   bool ReturnsPoses(int job) override { return job != kPicked && job != kMissed; }
 
-  absl::StatusOr<std::vector<JobPose>> Run(const JobRequest& request) override {
+  absl::StatusOr<std::vector<client::JobPose>> Run(const client::JobRequest& request) override {
     if (request.job == kPicked || request.job == kMissed) {
       if (absl::Status reported =
-              ReportOutcome(request.session,
-                            request.job == kPicked ? PickOutcome::kPicked : PickOutcome::kMissed);
+              ReportOutcome(request.session, request.job == kPicked ? client::PickOutcome::kPicked
+                                                                    : client::PickOutcome::kMissed);
           !reported.ok()) {
         return reported;
       }
     }
-    if (request.job != kGrasps) return ScriptedRunner::Run(request);
+    if (request.job != kGrasps) return client::ScriptedRunner::Run(request);
     const absl::StatusOr<rendering::PlannedCapture> scene = rendering::ReadScene(scene_, parts_);
     if (!scene.ok()) return scene.status();
     const rendering::Placement& placement = scene->placements.front();
     const v1::Grasp& grasp = parts_[placement.part].grasps.front();
-    JobPose out;
+    client::JobPose out;
     out.grasp.id = "a";
     out.base_primary = placement.world_object * files::FromMessage(grasp.tcp_pose()) *
                        Eigen::Translation3d(off_m, 0, 0);
-    return std::vector<JobPose>{out};
+    return std::vector<client::JobPose>{out};
   }
 
   double off_m = 0;
@@ -69,7 +69,7 @@ class SeeingRunner : public ScriptedRunner {
 class PickRunTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto server = RobotServer::Start(protocol_, {});
+    auto server = client::RobotServer::Start(protocol_, {});
     ASSERT_THAT(server, IsOk());
     server_ = *std::move(server);
     options_.scene = folder_.path() / "table";
@@ -77,7 +77,7 @@ class PickRunTest : public ::testing::Test {
   }
 
   absl::StatusOr<std::vector<Pick>> Run() {
-    auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
+    auto robot = client::GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
     if (!robot.ok()) return robot.status();
     return RunPicks(*robot, parts_, options_, [this](const Pick&) { ++picks_; });
   }
@@ -86,9 +86,9 @@ class PickRunTest : public ::testing::Test {
   const std::vector<rendering::Workpiece> parts_ = {rendering::SampleParts()[0],
                                                     rendering::SampleParts()[1]};
   SeeingRunner runner_{folder_.path() / "table", parts_};
-  GriJobs jobs_{runner_};
-  GriProtocol protocol_{jobs_};
-  std::unique_ptr<RobotServer> server_;
+  client::GriJobs jobs_{runner_};
+  client::GriProtocol protocol_{jobs_};
+  std::unique_ptr<client::RobotServer> server_;
   PickRunOptions options_;
   int picks_ = 0;
 };
@@ -102,14 +102,15 @@ TEST_F(PickRunTest, ReportsPicksThatHold) {
   EXPECT_EQ(picks_, 3);
   for (std::size_t i = 0; i < 3; ++i) {
     const Pick& pick = (*picks)[i];
-    EXPECT_EQ(pick.code, GriCode::kNoError);
+    EXPECT_EQ(pick.code, client::GriCode::kNoError);
     EXPECT_TRUE(pick.held);
     EXPECT_EQ(pick.shown, parts_[i % 2].object_id) << "each of the parts in turn";
     EXPECT_EQ(pick.error.object, pick.shown);
     EXPECT_LT(pick.error.shift_m, 1e-6);
   }
   ASSERT_THAT(runner_.outcomes(), SizeIs(3));
-  for (const auto& [grasp, outcome] : runner_.outcomes()) EXPECT_EQ(outcome, PickOutcome::kPicked);
+  for (const auto& [grasp, outcome] : runner_.outcomes())
+    EXPECT_EQ(outcome, client::PickOutcome::kPicked);
 }
 
 TEST_F(PickRunTest, ReportsPicksThatDoNotHold) {
@@ -120,7 +121,8 @@ TEST_F(PickRunTest, ReportsPicksThatDoNotHold) {
   ASSERT_THAT(picks, IsOk());
   for (const Pick& pick : *picks) EXPECT_FALSE(pick.held);
   ASSERT_THAT(runner_.outcomes(), SizeIs(3));
-  for (const auto& [grasp, outcome] : runner_.outcomes()) EXPECT_EQ(outcome, PickOutcome::kMissed);
+  for (const auto& [grasp, outcome] : runner_.outcomes())
+    EXPECT_EQ(outcome, client::PickOutcome::kMissed);
 }
 
 TEST_F(PickRunTest, ConvertsPosesFromTheRobotBaseFrame) {
@@ -141,7 +143,7 @@ TEST_F(PickRunTest, DoesNotReportRequestsWithoutAPose) {
   ASSERT_THAT(picks, IsOk());
   ASSERT_THAT(*picks, SizeIs(3));
   for (const Pick& pick : *picks) {
-    EXPECT_EQ(pick.code, GriCode::kNoPosesFound);
+    EXPECT_EQ(pick.code, client::GriCode::kNoPosesFound);
     EXPECT_FALSE(pick.held);
     EXPECT_GT(pick.latency.count(), 0);
   }
@@ -159,7 +161,7 @@ TEST_F(PickRunTest, FailsIfAJobCannotReportPicks) {
 }
 
 TEST_F(PickRunTest, ReturnsUnavailableWithoutAnAgent) {
-  auto robot = GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
+  auto robot = client::GriClient::Connect("127.0.0.1", server_->port(), std::chrono::minutes(1));
   ASSERT_THAT(robot, IsOk());
   server_.reset();
   EXPECT_THAT(RunPicks(*robot, parts_, options_, [](const Pick&) {}),
@@ -167,4 +169,4 @@ TEST_F(PickRunTest, ReturnsUnavailableWithoutAnAgent) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab

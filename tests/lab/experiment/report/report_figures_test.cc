@@ -9,7 +9,7 @@
 #include "lab/experiment/report/frames_report.h"
 #include "tests/lab/experiment/hand_made_case.h"
 
-namespace graspdb::client {
+namespace graspdb::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -107,4 +107,4 @@ TEST(WorstFirst, PutsWrongObjectsBeforeFarPoses) {
 }
 
 }  // namespace
-}  // namespace graspdb::client
+}  // namespace graspdb::lab
