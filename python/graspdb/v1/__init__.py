@@ -1,0 +1,1 @@
+"""The published messages and stubs, generated from proto/graspdb/v1."""
