@@ -2,27 +2,26 @@
 import os
 import sys
 
+import graspdb
 import plant
-from graspdb.v1 import recognition_pb2, recognition_service_pb2, recognition_service_pb2_grpc
+from graspdb.geometry import matrix_of_pose
 
 
 def main():
     folder, out = sys.argv[1:]
-    recognition = recognition_service_pb2_grpc.RecognitionServiceStub(plant.connect("press-3"))
-    right = 0
     captures = plant.capture_set(folder).captures
-    with open(out, "w", encoding="ascii") as responses:
+    right = 0
+    with plant.connect("press-3") as client, open(out, "w", encoding="ascii") as responses:
         for capture in captures:
-            response = recognition.Recognize(recognition_service_pb2.RecognizeRequest(
-                cloud=plant.point_cloud(os.path.join(folder, capture.path)), sensor_pose=capture.sensor_pose,
-                omit_timings=True), timeout=30)
-            found = [detection for detection in response.detections if detection.status == recognition_pb2.OK]
+            result = client.recognize(os.path.join(folder, capture.path), omit_timings=True,
+                                      sensor_pose=matrix_of_pose(capture.sensor_pose))
+            found = [detection for detection in result.detections if detection.status is graspdb.Status.OK]
             for detection in found:
-                position = detection.refined_pose.position
-                print(f"{capture.path}: {detection.object} ({detection.score:.2f}) at "
-                      f"{position.x:.3f} {position.y:.3f} {position.z:.3f} m, {len(detection.grasps)} grasps")
+                x, y, z = detection.pose[:3, 3]
+                print(f"{capture.path}: {detection.object} ({detection.score:.2f}) at {x:.3f} {y:.3f} {z:.3f} m, "
+                      f"{len(detection.grasps)} grasps")
             right += [detection.object for detection in found] == [f"objects/{capture.object_id}"]
-            print(response.SerializeToString(deterministic=True).hex(), file=responses)
+            print(result.message.SerializeToString(deterministic=True).hex(), file=responses)
     print(f"{right} of {len(captures)} right")
     sys.exit(0 if right == len(captures) else 1)
 

@@ -3,20 +3,18 @@ import json
 import os
 import sys
 
-import grpc
-
 import plant
-from graspdb.v1 import catalog_service_pb2, catalog_service_pb2_grpc
+from graspdb import errors
+from graspdb.v1 import catalog_service_pb2
 
 
 def delete_object(name):
-    """Deletes an object as the caller `name`; returns the code and text of the error."""
-    with plant.channel(name) as channel:
+    """Deletes an object as the caller `name`; returns the error."""
+    with plant.client(name) as client:
         try:
-            catalog_service_pb2_grpc.CatalogServiceStub(channel).DeleteObject(
-                catalog_service_pb2.DeleteObjectRequest(name="objects/wedge", force=True), timeout=10)
-        except grpc.RpcError as error:
-            return error.code(), error.details()
+            client.catalog.DeleteObject(catalog_service_pb2.DeleteObjectRequest(name="objects/wedge", force=True))
+        except errors.Error as error:
+            return error
     raise AssertionError(f"the server accepted {name}")
 
 
@@ -25,19 +23,20 @@ def new_lines(file):
     return file.read().splitlines()
 
 
-def check_call(audit, name, code, identity, why):
+def check_call(audit, name, error_class, identity, why):
     """A refused call has its line in the audit log: who, from where, what, why."""
-    assert delete_object(name)[0] == code
+    error = delete_object(name)
+    assert isinstance(error, error_class)
     (record,) = map(json.loads, new_lines(audit))
     print(record)
     assert record.get("identity", "") == identity and record["peer"].startswith("ipv")
     assert record["method"] == "graspdb.v1.CatalogService.DeleteObject" and record["resources"] == ["objects/wedge"]
-    assert record["code"] == code.name and why in record["error"]
+    assert record["code"] == error.code.name and why in record["error"]
 
 
 def check_connection(audit, name, why):
     """A refused certificate ends the connection before any call: its lines, one for each attempt, have the subject."""
-    assert delete_object(name)[0] == grpc.StatusCode.UNAVAILABLE
+    assert isinstance(delete_object(name), errors.Unavailable)
     records = [json.loads(line) for line in new_lines(audit)]
     print(records[0])
     for record in records:
@@ -47,8 +46,8 @@ def check_connection(audit, name, why):
 def main():
     with open(sys.argv[1], encoding="utf-8") as audit:
         audit.seek(0, os.SEEK_END)
-        check_call(audit, "press-3", grpc.StatusCode.PERMISSION_DENIED, "press-3", "lacks the role teach")
-        check_call(audit, None, grpc.StatusCode.UNAUTHENTICATED, "", "known callers only")
+        check_call(audit, "press-3", errors.PermissionDenied, "press-3", "lacks the role teach")
+        check_call(audit, None, errors.Unauthenticated, "", "known callers only")
         check_connection(audit, "expired", "certificate has expired")
         check_connection(audit, "stranger", "unable to get local issuer certificate")
 

@@ -220,11 +220,11 @@ def _create(call: Callable[[Any], Any], request: Any, exist_ok: bool) -> None:
 def _backup(responses: Any, progress: Union[bool, OnProgress]) -> backup_pb2.Backup:
     """That of the last message; those before it report the progress."""
     report = reporter(progress, "bytes")
-    backup = backup_pb2.Backup()
+    last = backup_service_pb2.CreateBackupResponse()
     try:
-        for response in responses:
-            report(response.done_byte_count, 0)
-            backup = response.backup
+        for last in responses:
+            report(last.done_byte_count, 0)
     finally:
         responses.cancel()
-    return backup
+    report(last.done_byte_count, last.done_byte_count)
+    return last.backup

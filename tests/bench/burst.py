@@ -1,7 +1,7 @@
 """burst.py HOST:PORT SET CALLERS ROUNDS: callers that send at the same moment, each with a connection of its own.
 
 First frames of a capture set, then views of it. Prints how the calls ended as a Markdown table: without retries, and with
-retries as docs/api.md describes them. Needs the folder of the generated messages in PYTHONPATH, and those of the fifth example.
+retries as docs/api.md describes them. Needs the folders of the Python client and of the fifth example in PYTHONPATH.
 """
 import collections
 import os
@@ -11,25 +11,13 @@ import threading
 import time
 
 import grpc
-from google.rpc import error_details_pb2, status_pb2
 
+import graspdb
 import plant
 from graspdb.v1 import (catalog_pb2, catalog_service_pb2, catalog_service_pb2_grpc, recognition_service_pb2,
                         recognition_service_pb2_grpc)
 
 MAX_RETRIES = 12
-
-
-def retry_delay(error):
-    """Seconds of its RetryInfo; None without one."""
-    for key, value in error.trailing_metadata() or ():
-        if key != "grpc-status-details-bin":
-            continue
-        for detail in status_pb2.Status.FromString(value).details:
-            info = error_details_pb2.RetryInfo()
-            if detail.Unpack(info):
-                return info.retry_delay.ToNanoseconds() / 1e9
-    return None
 
 
 def outcome(call, retries):
@@ -39,7 +27,7 @@ def outcome(call, retries):
             call()
             return "answered"
         except grpc.RpcError as error:
-            delay = retry_delay(error)
+            delay = graspdb.errors.error_of_call(error).retry_delay_s
             if error.code() != grpc.StatusCode.RESOURCE_EXHAUSTED or delay is None:
                 return f"{error.code().name}, {'no' if delay is None else 'a'} RetryInfo: {error.details()[:60]}"
         time.sleep(delay + random.uniform(0, 0.05 * 2 ** k))
@@ -80,7 +68,7 @@ def main():
     address, folder, callers, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     captures = plant.capture_set(folder).captures
     frames = [recognition_service_pb2.RecognizeRequest(
-        cloud=plant.point_cloud(os.path.join(folder, capture.path)), sensor_pose=capture.sensor_pose)
+        cloud=graspdb.geometry.cloud_message(graspdb.read_points(os.path.join(folder, capture.path)).points), sensor_pose=capture.sensor_pose)
         for capture in captures[:8]]
 
     def recognise(channel, _):

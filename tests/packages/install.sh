@@ -91,10 +91,13 @@ here sh -c 'cmake -S /example/cpp -B /example/build && cmake --build /example/bu
 here graspdb teach box --mesh /example/box.ply --unit mm >/dev/null 2>&1
 here /example/build/recognize | grep -q "objects/box"
 checked "a C++ program builds with libgraspdb-dev and recognizes a box"
+installs /packages/python3-graspdb_*.deb
+here /usr/bin/python3 /example/python/recognize.py | grep -q "objects/box"
+checked "a Python program with python3-graspdb recognizes it"
 stop
 
 here man -w graspdb-server graspdb graspdb-cell >/dev/null
 checked "man pages"
-here sh -c 'apt-get purge -q -y graspdb-server graspdb-client graspdb-cell libgraspdb-dev' >"$root/install.log" 2>&1
+here sh -c 'apt-get purge -q -y graspdb-server graspdb-client graspdb-cell libgraspdb-dev python3-graspdb' >"$root/install.log" 2>&1
 [ -e "$root/var/lib/graspdb/db/CURRENT" ] && [ ! -e "$root/usr/bin/graspdb-server" ] && [ ! -e "$root/etc/graspdb/server.conf" ]
 checked "purged; the database in /var/lib/graspdb stays"

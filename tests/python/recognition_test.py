@@ -166,7 +166,9 @@ class Recognition(unittest.TestCase):
         backup = self.client.create_backup(progress=lambda done, total: reports.append((done, total)))
         self.assertGreater(backup.view_count, 0)
         self.assertEqual(self.client.verify_backup(backup.name).name, backup.name)
-        self.assertEqual(reports[-1][1], 0)
+        done, total = reports[-1]
+        self.assertGreater(done, 0)
+        self.assertEqual(([each for _, each in reports[:-1]], total), ([0] * (len(reports) - 1), done))
         with self.assertRaises(errors.NotFound):
             self.client.verify_backup("backups/77")
 
