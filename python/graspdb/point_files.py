@@ -18,6 +18,7 @@ from graspdb.v1 import geometry_pb2
 PathLike = Union[str, "os.PathLike[str]"]
 
 _LONGEST_HEADER = 16 << 10
+_LONGEST_PADDING = 64 << 10
 _PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
               "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
               "double": "f8", "float64": "f8"}
@@ -68,6 +69,7 @@ def _read_pcd(data: bytes) -> PointFile:
         points = _table(bytes(body), count, sum(counts), [sum(counts[:k]) for k in columns])
     elif encoding == "binary":
         points = _records(body, count, stride, formats, offsets)
+        _check_end(body[count * stride:])
     elif encoding == "binary_compressed":
         points = _planes(body, count, stride, formats, offsets)
     else:
@@ -132,19 +134,30 @@ def _read_ply(data: bytes) -> npt.NDArray[np.float32]:
         raise ValueError("has an unknown PLY format; save it as binary_little_endian")
     types = [np.dtype(order + _PLY_TYPES[line[1]]) for line in properties]
     offsets = np.cumsum([0] + [each.itemsize for each in types]).tolist()
-    return _records(body, count, offsets[-1], [types[k].str for k in columns], [offsets[k] for k in columns])
+    points = _records(body, count, offsets[-1], [types[k].str for k in columns], [offsets[k] for k in columns])
+    if all(lines[k][-1] == "0" for k in elements[1:]):
+        _check_end(body[count * offsets[-1]:])
+    return points
 
 
 def _table(body: bytes, count: int, width: int, columns: List[int]) -> npt.NDArray[np.float32]:
     """Columns of rows of numbers in text."""
-    words = body.split()
-    if count < 1 or len(words) < count * width:
+    rows = [row for row in map(bytes.split, body.splitlines()) if row]
+    if count < 1 or len(rows) < count:
         raise ValueError(f"ends before its {count} points; copy or export it again")
+    if any(len(row) != width for row in rows[:count]):
+        raise ValueError(f"has rows with more or fewer numbers than the {width} of its header; export it again")
     try:
-        numbers = np.array([words[k:count * width:width] for k in columns], "S64").astype(np.float32)
+        return np.array([[row[k] for k in columns] for row in rows[:count]], "S64").astype(np.float32)
     except ValueError:
         raise ValueError("has words in place of numbers; export it again") from None
-    return numbers.T.copy()
+
+
+def _check_end(rest: Any) -> None:
+    """Of what is behind the points: fewer zeros than a page of memory, which versions of PCL write, or nothing."""
+    if len(rest) >= _LONGEST_PADDING or any(rest):
+        raise ValueError("has bytes behind its points, as a copy in text mode has, which writes 0D 0A for each 0A; copy or "
+                         "capture it again")
 
 
 def _records(body: Any, count: int, stride: int, formats: List[str], offsets: List[int]) -> npt.NDArray[np.float32]:
@@ -161,6 +174,7 @@ def _planes(body: Any, count: int, stride: int, formats: List[str], offsets: Lis
     packed_size, size = struct.unpack_from("<II", body) if len(body) >= 8 else (0, 0)
     if size != count * stride or len(body) - 8 < packed_size:
         raise ValueError(f"ends before its {count} points; copy or export it again")
+    _check_end(body[8 + packed_size:])
     plain = _decompress(bytes(body[8:8 + packed_size]), size)
     planes = [np.frombuffer(plain, formats[k], count, count * offsets[k]) for k in range(3)]
     return np.stack([plane.astype(np.float32) for plane in planes], axis=-1)

@@ -90,6 +90,23 @@ class PointFiles(unittest.TestCase):
         body = "".join(" ".join(map(str, point)) + " 255\n" for point in POINTS)
         np.testing.assert_array_equal(self.read((PLY.format("ascii", 4) + body).encode(), "a.ply").points, POINTS)
 
+    def test_a_copy_in_text_mode_is_refused(self):
+        points = np.frombuffer(b"\n" * 48, np.float32).tobytes()
+        copied = points.replace(b"\n", b"\r\n")
+        self.read(HEADER.format(4, 1, "binary").encode() + points)
+        self.read(HEADER.format(4, 1, "binary").encode() + points + bytes(4096))  # the padding of PCL
+        self.assert_refused(HEADER.format(4, 1, "binary").encode() + copied, "text mode")
+        self.assert_refused(PLY.format("binary_little_endian", 3).encode() + copied, "text mode", "a.ply")
+        packed = struct.pack("<II", 50, 48) + bytes([31]) + points[:32] + bytes([15]) + points[:16]
+        self.read(HEADER.format(4, 1, "binary_compressed").encode() + packed)
+        self.assert_refused(HEADER.format(4, 1, "binary_compressed").encode() + packed.replace(b"\n", b"\r\n"),
+                            "text mode")
+
+    def test_rows_have_the_numbers_of_the_header(self):
+        for row in (b"1 2 3 4 5\n", b"1 2 3\n"):
+            self.assert_refused(PLY.format("ascii", 2).encode() + b"1 2 3 4\n" + row * 2, "more or fewer", "a.ply")
+        self.assert_refused(HEADER.format(4, 1, "ascii").encode() + b"1 2 3 4\n" * 4, "more or fewer")
+
     def test_sizes_of_a_header_are_compared_with_the_file(self):
         for size in (5, 10 ** 6, 10 ** 15, 10 ** 30):
             for encoding in ("ascii", "binary", "binary_compressed"):
