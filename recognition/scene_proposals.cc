@@ -163,12 +163,13 @@ struct Aligned {
   std::optional<AlignedPose> alone;
 };
 
+// `pixels` are those that the proposal explains.
 absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
-                              const OwnPointsFinder& finder, const SceneProposal& proposal) {
+                              const OwnPointsFinder& finder, const SceneProposal& proposal,
+                              const std::vector<bool>& pixels, bool may_explain_cluster) {
   Aligned out;
   const SceneParameters& scene = input.parameters.scene;
-  const Segment segment =
-      finder.On(PixelsOn(frame, *proposal.model, proposal.hypothesis.sensor_object));
+  const Segment segment = finder.On(pixels);
   const auto fewest =
       static_cast<std::size_t>(input.parameters.segmentation.min_cluster_point_count);
   if (segment.cloud.points.size() < fewest) return out;
@@ -188,9 +189,11 @@ absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
     return AlignedPose{std::move(aligned), sensor_model,
                        JudgePose(frame, *proposal.model, sensor_model, scene.object_search)};
   };
-  auto alone = WithoutNeighbours(proposal.hypothesis, **detection, own, input.parameters,
-                                 input.is_cancelled);
-  if (alone) out.alone = judged(*std::move(alone));
+  if (may_explain_cluster) {
+    auto alone = WithoutNeighbours(proposal.hypothesis, **detection, own, input.parameters,
+                                   input.is_cancelled);
+    if (alone) out.alone = judged(*std::move(alone));
+  }
   out.pose = judged(**std::move(detection));
   const ImageEvidenceParameters& evidence = scene.object_search.evidence;
   out.log_odds = std::min(SceneScore(frame, proposal.hypothesis, evidence),
@@ -198,9 +201,44 @@ absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
   return out;
 }
 
+ClusterPixels ClustersOf(const SceneInput& input, const Frame& frame,
+                         const std::vector<AnsweredSegment>& answers) {
+  std::vector<const Indices*> clusters;
+  clusters.reserve(answers.size());
+  for (const AnsweredSegment& answer : answers) clusters.push_back(&answer.segment.indices);
+  return ClusterPixelsOf(input.scan, frame, clusters);
+}
+
+// What a proposal explains before it is aligned.
+struct ProposedPixels {
+  std::vector<bool> own;
+  bool may_explain_cluster = false;  // some of these show a cluster that proposals cover
+};
+
+std::vector<ProposedPixels> PixelsOf(const SceneInput& input, const Frame& frame,
+                                     const ClusterPixels& clusters,
+                                     const std::vector<SceneProposal>& proposals) {
+  std::vector<ProposedPixels> out(proposals.size());
+  ForEachIndex(proposals.size(), [&](std::size_t i) {
+    out[i].own = PixelsOn(frame, *proposals[i].model, proposals[i].hypothesis.sensor_object);
+  });
+  std::vector<bool> all(frame.depth.size(), false);
+  for (const ProposedPixels& one : out) {
+    for (std::size_t p = 0; p < all.size(); ++p) all[p] = all[p] || one.own[p];
+  }
+  const std::vector<bool> covered =
+      PixelsOfCoveredClusters(frame, clusters, all, input.parameters.scene.clusters.min_proposed);
+  for (ProposedPixels& one : out) {
+    for (std::size_t p = 0; p < all.size() && !one.may_explain_cluster; ++p) {
+      one.may_explain_cluster = one.own[p] && covered[p];
+    }
+  }
+  return out;
+}
+
 // Proposals that explain a cluster completely, alone or with others.
 std::vector<bool> WhichExplainClusters(const SceneInput& input, const Frame& frame,
-                                       const std::vector<AnsweredSegment>& answers,
+                                       const ClusterPixels& clusters,
                                        const std::vector<SceneProposal>& proposals,
                                        const std::vector<Aligned>& aligned) {
   std::vector<std::optional<ClusterCandidate>> candidates(aligned.size());
@@ -213,11 +251,7 @@ std::vector<bool> WhichExplainClusters(const SceneInput& input, const Frame& fra
     candidates[i] = {PixelsOn(frame, *proposals[i].model, alone->sensor_model),
                      alone->detection.score, aligned[i].log_odds};
   }
-  std::vector<const Indices*> clusters;
-  clusters.reserve(answers.size());
-  for (const AnsweredSegment& answer : answers) clusters.push_back(&answer.segment.indices);
-  return WhichExplainClusters(frame, ClusterPixelsOf(input.scan, frame, clusters), candidates,
-                              input.parameters.scene.clusters);
+  return WhichExplainClusters(frame, clusters, candidates, input.parameters.scene.clusters);
 }
 
 // How much more likely proposal `i` is than the best other one in its place. Turns of one object
@@ -303,10 +337,17 @@ absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
                               const std::vector<AnsweredSegment>& answers,
                               std::vector<SceneProposal>* proposals) {
   if (proposals->empty()) return absl::OkStatus();
+  const SceneParameters& scene = input.parameters.scene;
+  const ClusterPixels clusters = ClustersOf(input, frame, answers);
+  const std::vector<ProposedPixels> pixels = PixelsOf(input, frame, clusters, *proposals);
   const OwnPointsFinder finder(input, frame);
   std::vector<absl::StatusOr<Aligned>> done(proposals->size(), Aligned());
   ForEachIndex(proposals->size(), [&](std::size_t i) {
-    if (!input.is_cancelled()) done[i] = Align(input, frame, finder, (*proposals)[i]);
+    const SceneProposal& proposal = (*proposals)[i];
+    const bool is_unlikely =
+        SceneScore(frame, proposal.hypothesis, scene.object_search.evidence) < scene.min_log_odds;
+    if (input.is_cancelled() || (is_unlikely && !pixels[i].may_explain_cluster)) return;
+    done[i] = Align(input, frame, finder, proposal, pixels[i].own, pixels[i].may_explain_cluster);
   });
   if (absl::Status status = CheckNotCancelled(input); !status.ok()) return status;
   std::vector<Aligned> aligned;
@@ -315,11 +356,10 @@ absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
     aligned.push_back(*std::move(one));
   }
   const std::vector<bool> completes =
-      WhichExplainClusters(input, frame, answers, *proposals, aligned);
+      WhichExplainClusters(input, frame, clusters, *proposals, aligned);
   for (std::size_t i = 0; i < aligned.size(); ++i) {
     if (!aligned[i].pose) continue;
     SceneProposal& proposal = (*proposals)[i];
-    const SceneParameters& scene = input.parameters.scene;
     const AlignedPose& pose = *aligned[i].pose;
     const double by_itself = std::min(
         pose.detection.score, ProposalScore(aligned[i].log_odds, LeadOf(i, *proposals, aligned),

@@ -105,6 +105,23 @@ ClusterPixels ClusterPixelsOf(const Scan& scan, const Frame& frame,
   return out;
 }
 
+std::vector<bool> PixelsOfCoveredClusters(const Frame& frame, const ClusterPixels& clusters,
+                                          const std::vector<bool>& pixels, double min_share) {
+  std::vector<double> covered = clusters.explained;
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    const int cluster = clusters.cluster_of[p];
+    if (cluster < 0 || !pixels[p] || frame.role[p] != PixelRole::kObject) continue;
+    covered[static_cast<std::size_t>(cluster)] += 1;
+  }
+  std::vector<bool> out(pixels.size(), false);
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    if (clusters.cluster_of[p] < 0) continue;
+    const auto cluster = static_cast<std::size_t>(clusters.cluster_of[p]);
+    out[p] = covered[cluster] >= min_share * clusters.count[cluster];
+  }
+  return out;
+}
+
 std::vector<bool> WhichExplainClusters(
     const Frame& frame, const ClusterPixels& clusters,
     const std::vector<std::optional<ClusterCandidate>>& candidates,

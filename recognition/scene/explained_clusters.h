@@ -21,6 +21,11 @@ struct ClusterPixels {
 ClusterPixels ClusterPixelsOf(const Scan& scan, const Frame& frame,
                               const std::vector<const Indices*>& clusters);
 
+// For each pixel, whether it shows a cluster of which `pixels` and what is explained already cover
+// `min_share`. O(pixels).
+std::vector<bool> PixelsOfCoveredClusters(const Frame& frame, const ClusterPixels& clusters,
+                                          const std::vector<bool>& pixels, double min_share);
+
 // An object that may be one of a cluster's.
 struct ClusterCandidate {
   std::vector<bool> pixels;  // that it explains
@@ -38,6 +43,8 @@ struct ClusterParameters {
   // Of several objects each needs this confidence: parts of unknown objects resemble known ones
   // with up to 0.7 (docs/adr/0012).
   double min_confidence_of_several = 0.9;
+  // Clusters that all proposals together cover less of, before they are aligned, are not looked at.
+  double min_proposed = 0.9;
   // An object is one of a cluster where so many of its own pixels lie there.
   double min_inside = 0.8;
   // And where no more of them lie on a more likely object.

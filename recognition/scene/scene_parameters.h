@@ -27,6 +27,8 @@ struct SceneParameters {
   // Proposals of the search that are less likely by the image alone, log-odds, are dropped, and so
   // are all but so many.
   float min_proposal_log_odds = -7;
+  // And those below this, where they cannot explain a cluster together with others.
+  float min_log_odds = -4;
   std::size_t max_proposals = 64;
   ProposalWeights proposal;
   // Proposals that explain a cluster completely are judged as its answers, by segment_bar.
