@@ -9,7 +9,7 @@ namespace graspdb::rendering {
 // then closed shells outwards. A closed shell within another one is a cavity if it turns against
 // it, or if its triangles did not turn alike. An open surface stays as most of its area is; it has
 // no outside. Surfaces that cannot be turned stay as they are: those with one side only, and open
-// ones of which much turns each way.
+// ones with much area turned each way.
 //
 // Deterministic, n log n in the number of triangles.
 void TurnOutwards(TriangleMesh& mesh);

@@ -84,7 +84,7 @@ class ObjReader {
   absl::Status Add(const Words& words) {
     if (words[0] == "v") return AddVertex(words);
     if (words[0] == "f") return AddFace(words);
-    if (IsCurved(words[0])) return Bad("begins a curved surface, of which no triangles are made");
+    if (IsCurved(words[0])) return Bad("begins a curved surface; triangles are needed");
     if (absl::ascii_isalpha(static_cast<unsigned char>(words[0].front()))) return absl::OkStatus();
     return Bad(absl::StrCat("begins with \"", absl::CHexEscape(words[0].substr(0, 20)),
                             "\", and the line before does not continue"));

@@ -21,8 +21,8 @@ struct ClusterPixels {
 ClusterPixels ClusterPixelsOf(const Scan& scan, const Frame& frame,
                               const std::vector<const Indices*>& clusters);
 
-// For each pixel, whether it shows a cluster of which `pixels` and what is explained already cover
-// `min_share`. O(pixels).
+// For each pixel, whether it shows a cluster that is covered: `pixels` and what is explained
+// already are at least `min_share` of it. O(pixels).
 std::vector<bool> PixelsOfCoveredClusters(const Frame& frame, const ClusterPixels& clusters,
                                           const std::vector<bool>& pixels, double min_share);
 

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 // The next start replays the logs, which takes time. Less than this is not worth a
 // file for each family.
 constexpr std::uint64_t kLargeLogBytes = 1U << 20;
-// Between two attempts to write to a disk that was full, each of which may write the memtables.
+// Between two attempts to write to a disk that was full. Each may write the memtables.
 // Doubled, writes fail for up to a second longer after there is room.
 constexpr std::chrono::seconds kRecoveryInterval{1};
 // The longest time between two attempts after the disk failed. Doubled, writes fail for half a
