@@ -196,8 +196,7 @@ absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
   }
   out.pose = judged(**std::move(detection));
   const ImageEvidenceParameters& evidence = scene.object_search.evidence;
-  out.log_odds = std::min(SceneScore(frame, proposal.hypothesis, evidence),
-                          SceneScore(frame, out.pose->judged, evidence));
+  out.log_odds = std::min(proposal.log_odds, SceneScore(frame, out.pose->judged, evidence));
   return out;
 }
 
@@ -306,17 +305,15 @@ absl::StatusOr<std::vector<SceneProposal>> ProposeObjects(
                             input.is_cancelled, ObserverOf(input, searched[i].stable_poses));
   });
   if (absl::Status status = CheckNotCancelled(input); !status.ok()) return status;
-  std::vector<std::pair<float, SceneProposal>> scored;
   for (std::size_t i = 0; i < searched.size(); ++i) {
     for (const SceneHypothesis& hypothesis : found[i]) {
       const float log_odds = SceneScore(frame, hypothesis, scene.object_search.evidence);
       if (log_odds < scene.min_proposal_log_odds) continue;
-      scored.push_back({log_odds, {searched[i].stable_poses, searched[i].model, hypothesis}});
+      out.push_back({searched[i].stable_poses, searched[i].model, hypothesis, log_odds});
     }
   }
-  std::ranges::stable_sort(scored, std::greater(), &std::pair<float, SceneProposal>::first);
-  if (scored.size() > scene.max_proposals) scored.resize(scene.max_proposals);
-  for (auto& [log_odds, proposal] : scored) out.push_back(std::move(proposal));
+  std::ranges::stable_sort(out, std::greater(), &SceneProposal::log_odds);
+  if (out.size() > scene.max_proposals) out.resize(scene.max_proposals);
   return out;
 }
 
@@ -344,8 +341,7 @@ absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
   std::vector<absl::StatusOr<Aligned>> done(proposals->size(), Aligned());
   ForEachIndex(proposals->size(), [&](std::size_t i) {
     const SceneProposal& proposal = (*proposals)[i];
-    const bool is_unlikely =
-        SceneScore(frame, proposal.hypothesis, scene.object_search.evidence) < scene.min_log_odds;
+    const bool is_unlikely = proposal.log_odds < scene.min_log_odds;
     if (input.is_cancelled() || (is_unlikely && !pixels[i].may_explain_cluster)) return;
     done[i] = Align(input, frame, finder, proposal, pixels[i].own, pixels[i].may_explain_cluster);
   });

@@ -30,6 +30,7 @@ struct SceneProposal {
   StablePoses stable_poses;  // that `model` shows
   std::shared_ptr<const PairModel> model;
   SceneHypothesis hypothesis;
+  float log_odds = 0;  // of the hypothesis by the image, see SceneScore
   // The rest is set by ConfirmProposals.
   Eigen::Isometry3f sensor_model = Eigen::Isometry3f::Identity();  // T_sensor_model
   Detection detection = {};                                        // without grasps
