@@ -19,7 +19,7 @@ int Run(int argc, char** argv) {
   return client::RunCommandLine(
       app, global, action,
       {"import", "teach", "recognize", "replay", "describe", "export", "objects", "grasps", "cells",
-       "status", "sensors", "backup", "uploads", "watch", "doctor"},
+       "status", "sensors", "backup", "uploads", "watch", "doctor", "console"},
       argc, argv);
 }
 

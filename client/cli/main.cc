@@ -2,8 +2,8 @@
 #include "client/cli/backup/backup_commands.h"
 #include "client/cli/base/command_line.h"
 #include "client/cli/cells/commands.h"
-#include "client/cli/lab_program.h"
 #include "client/cli/objects/commands.h"
+#include "client/cli/other_programs.h"
 #include "client/cli/recognize/commands.h"
 #include "client/cli/teach/commands.h"
 #include "program/standard_streams.h"
@@ -45,9 +45,9 @@ int Run(int argc, char** argv) {
   AddWatchCommand(app, global, &action);
   AddDoctorCommand(app, global, &action);
   AddSensorsCommand(app, global, &action);
-  AddLabCommands(app);
-  RunLabCommand(app, argc, argv);
-  return RunCommandLine(app, global, action, LabCommands(), argc, argv);
+  AddOtherCommands(app);
+  RunOtherCommand(app, argc, argv);
+  return RunCommandLine(app, global, action, OtherCommands(), argc, argv);
 }
 
 }  // namespace

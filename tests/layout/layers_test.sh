@@ -13,7 +13,7 @@ for i in "${!rows[@]}"; do rank[${rows[$i]}]=${rank[${rows[$i]}]-$i}; done
 # FILE:#include "PATH" of all sources but the tests'.
 includes() {
   grep -rHoE '^#include "[a-z_0-9/]+\.h"' --include='*.h' --include='*.cc' \
-    recognition storage program server files rendering pictures client lab | sed 's/#include "//; s/"$//'
+    recognition storage program server files rendering pictures client console lab | sed 's/#include "//; s/"$//'
 }
 
 failed=0
@@ -39,10 +39,13 @@ forbid() {
   failed=1
 }
 forbid '(server|storage)/' client lab
+forbid '(server|storage|recognition|rendering)/' console
 forbid '(storage|server|files|graspdb|google|grpc|grpcpp)/|\S+\.pb\.h' recognition
 forbid 'recognition/' storage
 forbid 'program/(?!uuid\.h)' storage
 forbid 'storage/(?!base/(crc32c|little_endian|folder_sync)\.h)' files
-forbid 'lab/' recognition program storage server files rendering pictures client
-forbid 'pcl/' recognition program storage server files rendering pictures client lab
+forbid 'lab/' recognition program storage server files rendering pictures client console
+# Asio of Boost and Asio by itself have the same macros.
+forbid 'boost/' recognition program storage server files rendering pictures client lab
+forbid 'pcl/' recognition program storage server files rendering pictures client console lab
 exit $failed

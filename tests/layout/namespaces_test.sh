@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$1"
 
 failed=0
-for folder in recognition storage program server files rendering pictures client lab; do
+for folder in recognition storage program server files rendering pictures client console lab; do
   own=graspdb::$folder
   [ "$folder" != program ] || own=graspdb
   # FILE:NAMESPACE of all that are not those of a library; FILE:none of a header without one.

@@ -1,4 +1,4 @@
-#include "client/cli/lab_program.h"
+#include "client/cli/other_programs.h"
 
 #include <algorithm>
 #include <array>
@@ -12,18 +12,21 @@
 namespace graspdb::client {
 namespace {
 
-constexpr char kProgram[] = "graspdb-lab";
+constexpr char kLab[] = "graspdb-lab";
+constexpr char kConsole[] = "graspdb-console";
 
-struct LabCommand {
+struct OtherCommand {
   std::string_view name;
   std::string_view description;
+  const char* program;
 };
 
-constexpr std::array<LabCommand, 4> kCommands = {{
-    {"bench", "Measure a server's latency and throughput"},
-    {"robot", "Run a simulated robot that picks objects seen by a simulated camera"},
-    {"simulate", "Take captures with a simulated depth camera"},
-    {"eval", "Measure recognition rates and pose errors on simulated and real frames"},
+constexpr std::array<OtherCommand, 5> kCommands = {{
+    {"bench", "Measure a server's latency and throughput", kLab},
+    {"robot", "Run a simulated robot that picks objects seen by a simulated camera", kLab},
+    {"simulate", "Take captures with a simulated depth camera", kLab},
+    {"eval", "Measure recognition rates and pose errors on simulated and real frames", kLab},
+    {"console", "Show scenes, answers and the catalogue of a server in a browser", kConsole},
 }};
 
 // The first argument that is neither a flag nor a flag's value; empty without one.
@@ -41,24 +44,24 @@ std::string_view CommandOf(const CLI::App& app, int argc, char** argv) {
 
 }  // namespace
 
-std::vector<std::string> LabCommands() {
+std::vector<std::string> OtherCommands() {
   std::vector<std::string> out;
   out.reserve(kCommands.size());
-  for (const LabCommand& command : kCommands) out.emplace_back(command.name);
+  for (const OtherCommand& command : kCommands) out.emplace_back(command.name);
   return out;
 }
 
-void AddLabCommands(CLI::App& app) {
-  for (const LabCommand& command : kCommands) {
+void AddOtherCommands(CLI::App& app) {
+  for (const OtherCommand& command : kCommands) {
     app.add_subcommand(std::string(command.name), std::string(command.description));
   }
 }
 
-void RunLabCommand(const CLI::App& app, int argc, char** argv) {
+void RunOtherCommand(const CLI::App& app, int argc, char** argv) {
   const std::string_view name = CommandOf(app, argc, argv);
-  const auto is_named = [name](const LabCommand& command) { return command.name == name; };
-  if (std::ranges::none_of(kCommands, is_named)) return;
-  const absl::Status failed = BecomeProgram(kProgram, {argv + 1, argv + argc});
+  const auto* command = std::ranges::find(kCommands, name, &OtherCommand::name);
+  if (command == kCommands.end()) return;
+  const absl::Status failed = BecomeProgram(command->program, {argv + 1, argv + argc});
   std::fprintf(stderr, "graspdb: '%s' %s\n", std::string(name).c_str(),
                std::string(failed.message()).c_str());
   std::exit(1);

@@ -1,0 +1,81 @@
+// The server, through the console's own address.
+import { Code, ConnectError, createClient, type Interceptor } from "@connectrpc/connect";
+import { createConnectTransport } from "@connectrpc/connect-web";
+import { CatalogService } from "../gen/graspdb/v1/catalog_service_pb";
+import { CellService } from "../gen/graspdb/v1/cell_service_pb";
+import { RecognitionService } from "../gen/graspdb/v1/recognition_service_pb";
+import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
+import type { Cell } from "../gen/graspdb/v1/cell_pb";
+import { BadRequestSchema, ErrorInfoSchema } from "../gen/google/rpc/error_details_pb";
+import { codes, reasons } from "../gen/errors";
+
+// In memory only: neither a cookie nor the browser's storage has it.
+let token = "";
+export function setToken(text: string): void {
+  token = text.trim();
+}
+
+const withToken: Interceptor = (next) => (request) => {
+  if (token !== "") request.header.set("Authorization", `Bearer ${token}`);
+  return next(request);
+};
+
+const transport = createConnectTransport({
+  baseUrl: location.origin, useBinaryFormat: true, interceptors: [withToken], defaultTimeoutMs: 60_000,
+});
+
+export const catalog = createClient(CatalogService, transport);
+export const cells = createClient(CellService, transport);
+export const recognition = createClient(RecognitionService, transport);
+
+async function allPages<R extends { nextPageToken: string }, T>(
+  page: (pageToken: string) => Promise<R>, records: (response: R) => T[], most: number,
+): Promise<T[]> {
+  const out: T[] = [];
+  let pageToken = "";
+  do {
+    const response = await page(pageToken);
+    out.push(...records(response));
+    pageToken = response.nextPageToken;
+  } while (pageToken !== "" && out.length < most);
+  return out.slice(0, most);
+}
+
+export const listObjects = (most: number): Promise<CatalogObject[]> =>
+  allPages((pageToken) => catalog.listObjects({ pageToken, pageSize: 1000 }), (page) => page.objects, most);
+export const listStablePoses = (parent: string, most: number): Promise<StablePose[]> =>
+  allPages((pageToken) => catalog.listStablePoses({ parent, pageToken }), (page) => page.stablePoses, most);
+export const listViews = (parent: string, most: number): Promise<View[]> =>
+  allPages((pageToken) => catalog.listViews({ parent, pageToken, pageSize: Math.min(most, 1000) }), (page) => page.views, most);
+export const listCells = (most: number): Promise<Cell[]> =>
+  allPages((pageToken) => cells.listCells({ pageToken }), (page) => page.cells, most);
+
+// Views never change. The most recent ones are kept.
+const keptViews = new Map<string, Promise<View>>();
+const maxKeptViews = 200;
+export function fullView(name: string): Promise<View> {
+  const kept = keptViews.get(name);
+  if (kept) return kept;
+  const view = catalog.getView({ name, detail: ViewDetail.FULL });
+  view.catch(() => keptViews.delete(name));
+  keptViews.set(name, view);
+  if (keptViews.size > maxKeptViews) keptViews.delete(keptViews.keys().next().value as string);
+  return view;
+}
+
+export interface Explained { title: string; text: string; advice: string; requestId: string; needsToken: boolean }
+
+// An error with the advice of docs/errors.md.
+export function explain(error: unknown): Explained {
+  const e = ConnectError.from(error);
+  const name = Code[e.code].replace(/([a-z])([A-Z])/g, "$1_$2").toUpperCase().replace(/^CANCELED$/, "CANCELLED");
+  const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";
+  const fields = e.findDetails(BadRequestSchema).flatMap((detail) => detail.fieldViolations);
+  return {
+    title: reason !== "" && reason !== name ? `${name}, ${reason}` : name,
+    text: [e.rawMessage, ...fields.map((each) => `${each.field}: ${each.description}`).filter((each) => !e.rawMessage.includes(each))].join("\n"),
+    advice: (reasons[reason] ?? codes[name])?.action ?? "",
+    requestId: e.metadata.get("x-request-id") ?? "",
+    needsToken: e.code === Code.Unauthenticated || e.code === Code.PermissionDenied,
+  };
+}

@@ -1,0 +1,183 @@
+// The view of the catalogue: objects, their stable poses in 3D, and their views.
+import { Box3, Matrix4, Vector3 } from "three";
+import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
+import { explain, fullView, listObjects, listStablePoses, listViews, type Explained } from "./api";
+import { facts, h, replace, table } from "./dom";
+import { matrixOf } from "./geometry";
+import { pointsInObjectFrame } from "./scene_view";
+import { cloudScan, type Scan } from "./scan";
+import { lastPart, millimetres, shortName } from "./text";
+import { axesObject, cloudObject, emptyPane, gripperObject, linesObject, Viewer } from "./viewer";
+
+const maxObjects = 2000;
+const maxListedViews = 500;
+const maxDrawnViews = 36;
+
+const hue = (i: number, count: number): string => `hsl(${Math.round((360 * i) / Math.max(1, count))}, 65%, 58%)`;
+
+export class CatalogueView {
+  readonly element: HTMLElement;
+  private readonly objectList = h("div", { className: "objects" });
+  private readonly poseTabs = h("div", { className: "poses" });
+  private readonly panel = h("div", { className: "panel" });
+  private readonly filter = h("input", { type: "search", placeholder: "Find an object", oninput: () => this.updateObjects() });
+  private readonly viewer = new Viewer("The stable pose", (key) => void this.selectView(this.views[Number(key)]));
+  private objects: CatalogObject[] = [];
+  private object: CatalogObject | undefined;
+  private poses: StablePose[] = [];
+  private pose: StablePose | undefined;
+  private views: View[] = [];
+  private view: View | undefined;
+  private step = 0;
+
+  constructor(private readonly report: (error: Explained | undefined) => void, private readonly use: (scan: Scan) => void) {
+    this.filter.setAttribute("aria-label", "Find an object");
+    this.element = h("div", { className: "scene catalogue" },
+      h("aside", { "aria-label": "Objects" }, this.filter, this.objectList),
+      h("div", { className: "stage" }, this.poseTabs, this.viewer.element),
+      h("aside", { className: "right", "aria-label": "Stable pose" }, this.panel));
+  }
+
+  opened(): void {
+    void this.attempt(async () => {
+      this.objects = await listObjects(maxObjects);
+      this.updateObjects();
+      const first = this.objects.find((each) => each.name === this.object?.name) ?? this.objects[0];
+      if (first && !this.object) await this.selectObject(first);
+      if (!first) replace(this.panel, h("p", { className: "hint" }, "The catalogue is empty. graspdb teach and graspdb import fill it."));
+    });
+    this.viewer.draw();
+  }
+
+  private async attempt(action: () => Promise<void>): Promise<void> {
+    try {
+      await action();
+    } catch (error) {
+      this.report(explain(error));
+    }
+  }
+
+  private updateObjects(): void {
+    const words = this.filter.value.toLowerCase();
+    const found = this.objects.filter((each) => `${each.name} ${each.displayName} ${each.labels.join(" ")}`.toLowerCase().includes(words));
+    replace(this.objectList, found.map((each) => h("button", {
+      type: "button", "aria-pressed": each === this.object, onclick: () => void this.attempt(() => this.selectObject(each)),
+    }, h("strong", {}, each.displayName || lastPart(each.name)), h("small", {}, lastPart(each.name),
+      each.release === ReleaseState.DRAFT && h("span", { className: "chip" }, "draft"),
+      each.labels.map((label) => h("span", { className: "chip" }, label))))),
+    found.length === 0 && h("p", { className: "hint" }, "None."));
+  }
+
+  private async selectObject(object: CatalogObject): Promise<void> {
+    this.report(undefined);
+    const step = ++this.step;
+    const poses = await listStablePoses(object.name, 100);
+    if (step !== this.step) return;
+    this.object = object;
+    this.poses = poses;
+    this.updateObjects();
+    if (poses[0]) return this.selectPose(poses[0]);
+    this.pose = undefined;
+    this.views = [];
+    this.viewer.show([emptyPane()]);
+    replace(this.poseTabs);
+    replace(this.panel, h("p", { className: "hint" }, "It has no stable pose."));
+  }
+
+  private async selectPose(pose: StablePose): Promise<void> {
+    const step = ++this.step;
+    const views = await listViews(pose.name, maxListedViews);
+    if (step !== this.step) return;
+    this.pose = pose;
+    this.views = views;
+    this.view = undefined;
+    replace(this.poseTabs, this.poses.map((each) => h("button", {
+      type: "button", "aria-pressed": each === pose, onclick: () => void this.attempt(() => this.selectPose(each)),
+    }, each.displayName || lastPart(each.name))));
+    await this.draw(true);
+  }
+
+  private async selectView(view: View | undefined): Promise<void> {
+    this.view = view === this.view ? undefined : view;
+    await this.attempt(() => this.draw(false));
+  }
+
+  // Evenly chosen views where there are many.
+  private drawn(): View[] {
+    if (this.view) return [this.view];
+    const shared = this.views.filter((each) => !each.objectPoseEstimated);
+    const usable = shared.length > 0 ? shared : this.views.slice(0, 1);
+    const every = Math.max(1, usable.length / maxDrawnViews);
+    return Array.from({ length: Math.min(usable.length, maxDrawnViews) }, (_, i) => usable[Math.floor(i * every)]!);
+  }
+
+  private async draw(look: boolean): Promise<void> {
+    const step = ++this.step;
+    this.updatePanel();
+    const pane = emptyPane();
+    const drawn = this.drawn();
+    const clouds = await Promise.all(drawn.map((each) => pointsInObjectFrame(each.name)));
+    if (step !== this.step) return;
+    const box = new Box3();
+    clouds.forEach((points, i) => {
+      const index = this.views.indexOf(drawn[i]!);
+      pane.content.add(cloudObject(points, hue(index, this.views.length), 2, String(index)));
+      for (let at = 0; at < points.length; at += 3) box.expandByPoint(new Vector3(points[at], points[at + 1], points[at + 2]));
+    });
+    for (const grasp of this.pose?.grasps ?? []) {
+      pane.content.add(gripperObject(matrixOf(grasp.tcpPose), grasp.gripperOpeningM, grasp.approachDistanceM, "#f08a24"));
+    }
+    // Where the cameras stood, in direction: nearer than they were.
+    const center = box.getCenter(new Vector3());
+    const radius = Math.max(0.05, box.getSize(new Vector3()).length());
+    drawn.forEach((each) => {
+      const sensor = new Vector3().setFromMatrixPosition(matrixOf(each.objectPose).invert().multiply(matrixOf(each.sensorPose)));
+      const direction = sensor.sub(center).normalize();
+      const [from, to] = [center.clone().addScaledVector(direction, radius), center.clone().addScaledVector(direction, 1.12 * radius)];
+      pane.content.add(linesObject([...from.toArray(), ...to.toArray()], hue(this.views.indexOf(each), this.views.length)));
+    });
+    pane.content.add(axesObject(new Matrix4(), 0.04));
+    this.viewer.show([pane]);
+    if (look) this.viewer.look(box);
+  }
+
+  private updatePanel(): void {
+    const { pose, object } = this;
+    if (!pose || !object) return;
+    const rows = pose.grasps.map((grasp) => {
+      const outcome = pose.graspOutcomes.find((each) => each.graspId === grasp.graspId);
+      return [grasp.graspId, millimetres(grasp.gripperOpeningM), millimetres(grasp.approachDistanceM), grasp.priority,
+        outcome ? `${outcome.pickedCount} / ${outcome.missedCount} / ${outcome.slippedCount}` : "–"];
+    });
+    const time = (stamp: { seconds: bigint } | undefined): string => stamp ? new Date(Number(stamp.seconds) * 1000).toISOString().slice(0, 16).replace("T", " ") : "–";
+    const symmetry = pose.symmetryOrder ?? 1;
+    replace(this.panel,
+      h("h2", {}, object.displayName || lastPart(object.name)),
+      facts([
+        ["stable pose", shortName(pose.name)], ["state", ReleaseState[object.release]?.toLowerCase() ?? "–"],
+        ["symmetry", symmetry === 0 ? "any turn" : symmetry === 1 ? "none" : `${symmetry}-fold`],
+        ["minimum score", pose.minScore === undefined ? "the cell's" : String(pose.minScore)],
+        ["views", this.views.length >= maxListedViews ? `${maxListedViews} or more` : String(this.views.length)],
+        ["changed (UTC)", time(pose.updateTime)],
+      ]),
+      h("h3", {}, "Grasps"),
+      rows.length > 0 ? table(["grasp", "opening", "approach", "priority", "picked / missed / slipped"], rows) : h("p", { className: "hint" }, "None is taught: graspdb grasps import."),
+      h("h3", {}, "Views"),
+      this.views.length > maxDrawnViews && h("p", { className: "hint" }, `${maxDrawnViews} of them are drawn; choose one to see it alone.`),
+      h("div", { className: "views" }, this.views.map((each, i) => {
+        const swatch = h("span", { className: "swatch" });
+        swatch.style.background = hue(i, this.views.length);
+        return h("div", { className: "row" },
+          h("button", { type: "button", className: "pick", "aria-pressed": each === this.view, onclick: () => void this.selectView(each) },
+            swatch, lastPart(each.name), h("small", {}, `${each.pointCount.toLocaleString("en")} points${each.objectPoseEstimated ? ", pose estimated" : ""}`)),
+          h("button", { type: "button", className: "beside", title: "Open it as a scan", onclick: () => void this.openScan(each) }, "open"));
+      })));
+  }
+
+  private openScan(view: View): Promise<void> {
+    return this.attempt(async () => {
+      const full = await fullView(view.name);
+      if (full.cloud) this.use(cloudScan(shortName(view.name), full.cloud, full.sensorPose, true));
+    });
+  }
+}

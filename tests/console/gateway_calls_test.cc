@@ -1,0 +1,243 @@
+// Calls through the gateway beside direct ones.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+#include "console/connect_protocol.h"
+#include "console/methods.h"
+#include "graspdb/v1/change_service.pb.h"
+#include "tests/console/gateway_fixture.h"
+
+namespace graspdb::testing {
+namespace {
+
+using console::Envelope;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+class GatewayCallsTest : public ConsoleTest<ServerTest> {
+ protected:
+  void SetUp() override {
+    options_.backup_dir = (folder_.path() / "backups").string();
+    std::filesystem::create_directory(options_.backup_dir);
+    ServerTest::SetUp();
+    StartGateway();
+  }
+
+  // The same call directly, in binary, and in JSON: the responses must be the same.
+  template <typename Stub, typename Request, typename Response>
+  void ExpectSame(const std::string& path,
+                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                  const Request& request) {
+    Response direct;
+    ASSERT_THAT(ServerTest::Call(method, request, &direct), IsGrpcOk());
+    const HttpResponse binary = ConsoleTest::Call(path, kProto, request.SerializeAsString());
+    EXPECT_EQ(binary.status, 200) << path;
+    EXPECT_EQ(binary.Field("content-type"), kProto);
+    EXPECT_EQ(binary.body, direct.SerializeAsString()) << path;
+    const HttpResponse json = ConsoleTest::Call(path, kJson, JsonOf(request));
+    EXPECT_EQ(json.status, 200) << path << json.body;
+    EXPECT_EQ(json.Field("content-type"), kJson);
+    EXPECT_EQ(json.body, JsonOf(direct)) << path;
+    EXPECT_THAT(json.Field("x-request-id"), SizeIs(16));
+  }
+};
+
+TEST_F(GatewayCallsTest, UnaryCallsGiveTheBytesOfDirectCalls) {
+  Teach("flange", 3);
+  const std::string view = FlatPoseOf("flange") + "/views/turn-1";
+  ExpectSame("CatalogService/ListObjects", &Catalog::ListObjects, v1::ListObjectsRequest());
+  v1::GetStablePoseRequest pose;
+  pose.set_name(FlatPoseOf("flange"));
+  ExpectSame("CatalogService/GetStablePose", &Catalog::GetStablePose, pose);
+  v1::ListViewsRequest views;
+  views.set_parent(FlatPoseOf("flange"));
+  views.set_page_size(2);
+  ExpectSame("CatalogService/ListViews", &Catalog::ListViews, views);
+  v1::GetViewRequest full;
+  full.set_name(view);
+  full.set_detail(v1::VIEW_DETAIL_FULL);
+  ExpectSame("CatalogService/GetView", &Catalog::GetView, full);
+  ExpectSame("CellService/ListCells", &Cells::ListCells, v1::ListCellsRequest());
+  ExpectSame("ObjectHistoryService/ListDeletedObjects", &History::ListDeletedObjects,
+             v1::ListDeletedObjectsRequest());
+  ExpectSame("BackupService/ListBackups", &BackupStub::ListBackups, v1::ListBackupsRequest());
+  ExpectSame("RecognitionService/FindLookAlikes", &Recognition::FindLookAlikes,
+             v1::FindLookAlikesRequest());
+  v1::RecognizeRequest frame = RequestOf(Photograph("flange", {.turn_deg = 40}, 3));
+  ExpectSame("RecognitionService/Recognize", &Recognition::Recognize, frame);
+}
+
+TEST_F(GatewayCallsTest, EveryMethodCanBeCalled) {
+  for (const std::string& path : console::MethodPaths()) {
+    const google::protobuf::MethodDescriptor* method = console::FindMethod(path);
+    // "x" is no UUID of a request: no backup is made.
+    const std::string body = method->name() == "CreateBackup" ? R"({"requestId":"x"})" : "{}";
+    const HttpResponse response =
+        method->server_streaming() && !method->client_streaming()
+            ? Connect().Call(path, kJsonStream, Envelope(body), {{"Connect-Timeout-Ms", "500"}})
+            : Connect().Call(path, kJson, body);
+    if (method->client_streaming()) {
+      EXPECT_EQ(response.status, 501) << path;
+    } else {
+      EXPECT_THAT(response.status, ::testing::AnyOf(200, 400, 404)) << path << response.body;
+      EXPECT_THAT(response.body, ::testing::Not(HasSubstr("unimplemented"))) << path;
+    }
+  }
+}
+
+TEST_F(GatewayCallsTest, AWriteIsOneOfTheServer) {
+  const HttpResponse made = Call("CatalogService/CreateObject", kJson,
+                                 R"({"objectId":"box","object":{"displayName":"The \u00e4 box"}})");
+  ASSERT_EQ(made.status, 200) << made.body;
+  v1::GetObjectRequest request;
+  request.set_name("objects/box");
+  v1::Object object;
+  ASSERT_THAT(ServerTest::Call(&Catalog::GetObject, request, &object), IsGrpcOk());
+  EXPECT_EQ(object.display_name(), "The \u00e4 box");
+  EXPECT_EQ(made.body, JsonOf(object));
+  const HttpResponse gone = Call("CatalogService/DeleteObject", kJson, R"({"name":"objects/box"})");
+  EXPECT_EQ(gone.status, 200);
+  EXPECT_EQ(gone.body, "{}");
+}
+
+TEST_F(GatewayCallsTest, AnErrorHasItsCodeAndDetails) {
+  const HttpResponse none = Call("CatalogService/GetObject", kJson, R"({"name":"objects/none"})");
+  EXPECT_EQ(none.status, 404);
+  EXPECT_EQ(none.Field("content-type"), kJson);
+  EXPECT_THAT(none.body, HasSubstr(R"("code":"not_found")"));
+  EXPECT_THAT(none.body, HasSubstr(R"("type":"google.rpc.ErrorInfo")"));
+  EXPECT_THAT(none.Field("x-request-id"), SizeIs(16));
+  const HttpResponse binary = Call("CatalogService/GetObject", kProto, "");
+  EXPECT_EQ(binary.status, 400);
+  EXPECT_EQ(binary.Field("content-type"), kJson) << "errors are JSON in the protocol";
+  EXPECT_THAT(binary.body, HasSubstr("BadRequest"));
+}
+
+TEST_F(GatewayCallsTest, WrongRequestsDoNotReachTheServer) {
+  const auto answer = [&](const std::string& type, const std::string& body,
+                          const HttpFields& fields = {}) {
+    const HttpResponse out = Call("CatalogService/ListObjects", type, body, fields);
+    return absl::StrCat(out.status, " ", out.body);
+  };
+  EXPECT_THAT(answer(kJson, "{"), AllOf(StartsWith("400"), HasSubstr("in JSON")));
+  EXPECT_THAT(answer(kJson, R"({"pageSise":1})"), AllOf(StartsWith("400"), HasSubstr("pageSise")));
+  EXPECT_THAT(answer(kJson, std::string(100'000, '[')), StartsWith("400"));
+  EXPECT_THAT(answer("text/plain", "{}"), AllOf(StartsWith("415"), HasSubstr(kJson)));
+  EXPECT_THAT(answer(kJsonStream, Envelope("{}")), StartsWith("415"));
+  EXPECT_THAT(answer(kJson, "{}", {{"Content-Encoding", "gzip"}}),
+              AllOf(StartsWith("501"), HasSubstr("identity")));
+  EXPECT_THAT(answer(kJson, "{}", {{"Connect-Protocol-Version", "2"}}), StartsWith("400"));
+  EXPECT_THAT(answer(kJson, "{}", {{"Connect-Timeout-Ms", "soon"}}), StartsWith("400"));
+  EXPECT_THAT(answer(kJson, "{}", {{"Authorization", "Bearer \xc3\xa4"}}), StartsWith("400"));
+  EXPECT_THAT(answer(kJson, "{}", {{"Authorization", std::string(3000, 'x')}}), StartsWith("400"));
+  EXPECT_THAT(answer(kProto, "\xff\xff", {{"x-request-id", "\"; x"}}),
+              AllOf(StartsWith("500"), HasSubstr("internal")))
+      << "the server's own error";
+  EXPECT_EQ(Call("CatalogService/NoSuch", kJson, "{}").status, 404);
+  EXPECT_EQ(Connect().Call("/grpc.health.v1.Health/Check", kJson, "{}").status, 404);
+  EXPECT_EQ(Connect().Call("/graspdb.v1.CatalogService/../x", kJson, "{}").status, 404);
+  EXPECT_EQ(Call("CatalogService/UploadViews", kProto, "").status, 501);
+}
+
+TEST_F(GatewayCallsTest, ATimeLimitIsTheServers) {
+  const HttpResponse late =
+      Call("CatalogService/ListObjects", kJson, "{}", {{"Connect-Timeout-Ms", "0"}});
+  EXPECT_EQ(late.status, 504);
+  EXPECT_THAT(late.body, HasSubstr("deadline_exceeded"));
+}
+
+TEST_F(GatewayCallsTest, AStreamHasTheServersMessages) {
+  const HttpResponse made = Call("BackupService/CreateBackup", kProtoStream, Envelope(""));
+  ASSERT_EQ(made.status, 200);
+  EXPECT_EQ(made.Field("content-type"), kProtoStream);
+  const std::vector<StreamMessage> messages = MessagesOf(made.body);
+  ASSERT_GE(messages.size(), 2U);
+  EXPECT_EQ(messages.back().flags, 2);
+  EXPECT_EQ(messages.back().bytes, "{}");
+  v1::CreateBackupResponse last;
+  ASSERT_TRUE(last.ParseFromString(messages[messages.size() - 2].bytes));
+  v1::ListBackupsResponse backups;
+  ASSERT_THAT(ServerTest::Call(&BackupStub::ListBackups, v1::ListBackupsRequest(), &backups),
+              IsGrpcOk());
+  ASSERT_THAT(backups.backups(), SizeIs(1));
+  EXPECT_EQ(last.backup().SerializeAsString(), backups.backups(0).SerializeAsString());
+
+  const HttpResponse verified =
+      Call("BackupService/VerifyBackup", kJsonStream, Envelope(R"({"name":"backups/1"})"));
+  const std::vector<StreamMessage> texts = MessagesOf(verified.body);
+  ASSERT_GE(texts.size(), 2U);
+  EXPECT_THAT(texts[texts.size() - 2].bytes, HasSubstr(R"("name":"backups/1")"));
+}
+
+TEST_F(GatewayCallsTest, AStreamEndsWithItsError) {
+  const HttpResponse none =
+      Call("BackupService/VerifyBackup", kJsonStream, Envelope(R"({"name":"backups/9"})"));
+  EXPECT_EQ(none.status, 200) << "as the protocol has it";
+  const std::vector<StreamMessage> messages = MessagesOf(none.body);
+  ASSERT_THAT(messages, SizeIs(1));
+  EXPECT_EQ(messages[0].flags, 2);
+  EXPECT_THAT(messages[0].bytes, AllOf(HasSubstr(R"("code":"not_found")"), HasSubstr("ErrorInfo")));
+  const HttpResponse wrong = Call("BackupService/VerifyBackup", kJsonStream, "{}");
+  EXPECT_EQ(wrong.status, 200);
+  EXPECT_THAT(MessagesOf(wrong.body)[0].bytes, HasSubstr("invalid_argument"));
+}
+
+TEST_F(GatewayCallsTest, ChangesComeAsTheyHappen) {
+  const v1::CatalogStatus status = Status();
+  HttpClient browser = Connect();
+  const std::string body =
+      Envelope(absl::StrCat(R"({"afterRevision":")", status.catalog_revision(),
+                            R"(","catalogId":")", status.catalog_id(), R"("})"));
+  browser.SendBytes(
+      absl::StrCat("POST /graspdb.v1.ChangeService/WatchCatalog HTTP/1.1\r\nHost: "
+                   "127.0.0.1:",
+                   gateway_->port(), "\r\nContent-Type: ", kJsonStream,
+                   "\r\nContent-Length: ", body.size(), "\r\n\r\n", body));
+  ASSERT_THAT(CreateObject("box"), IsGrpcOk());
+  std::string received;
+  while (received.find("objects/box") == std::string::npos) {
+    const std::string bytes = browser.ReceiveBytes();
+    ASSERT_NE(bytes, "") << received;
+    received += bytes;
+  }
+  EXPECT_THAT(received, StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(GatewayCallsTest, OneConnectionTakesManyCalls) {
+  HttpClient browser = Connect();
+  for (int i = 0; i < 50; ++i) {
+    const HttpResponse response =
+        browser.Call("/graspdb.v1.CatalogService/ListObjects", i % 2 == 0 ? kJson : kProto, "");
+    ASSERT_EQ(response.status, 200);
+    EXPECT_EQ(response.Field("connection"), "keep-alive");
+  }
+  EXPECT_EQ(browser.Call("/graspdb.v1.CatalogService/GetObject", kJson, "{}").status, 400);
+  EXPECT_EQ(browser.Send("GET", "/").status, 200) << "an error does not end the connection";
+}
+
+TEST_F(GatewayCallsTest, RequestsMayBeSentBeforeTheResponseOfTheFirst) {
+  HttpClient browser = Connect();
+  std::string both;
+  for (const char* name : {"objects/a", "objects/b"}) {
+    const std::string body = absl::StrCat(R"({"name":")", name, R"("})");
+    absl::StrAppend(&both, "POST /graspdb.v1.CatalogService/GetObject HTTP/1.1\r\nHost: localhost:",
+                    gateway_->port(), "\r\nContent-Type: ", kJson,
+                    "\r\nContent-Length: ", body.size(), "\r\n\r\n", body);
+  }
+  browser.SendBytes(both);
+  EXPECT_THAT(browser.Receive().body, HasSubstr("objects/a"));
+  EXPECT_THAT(browser.Receive().body, HasSubstr("objects/b"));
+}
+
+TEST_F(GatewayCallsTest, ACallWithoutServerHasAdvice) {
+  server_.reset();
+  const HttpResponse response = Call("CatalogService/ListObjects", kJson, "{}");
+  EXPECT_EQ(response.status, 503);
+  EXPECT_THAT(response.body, HasSubstr("start graspdb-server"));
+}
+
+}  // namespace
+}  // namespace graspdb::testing
