@@ -1,6 +1,6 @@
 // Everything that an answer has, and why it is as it is.
 import { toJsonString } from "@bufbuild/protobuf";
-import { WorldFrameSource, type Detection } from "../gen/graspdb/v1/recognition_pb";
+import { WorldFrameSource, type Detection, type StageReport } from "../gen/graspdb/v1/recognition_pb";
 import { RecognizeResponseSchema } from "../gen/graspdb/v1/recognition_service_pb";
 import type { Pose, Vector3 } from "../gen/graspdb/v1/geometry_pb";
 import type { Advice } from "../gen/errors";
@@ -129,33 +129,31 @@ const brief = (detection: Detection | undefined): string =>
 // Two answers, row by row.
 export function comparison(a: Answer, b: Answer): HTMLElement {
   const [left, right] = [a.response, b.response];
-  const rows: [string, string, string][] = [
-    ["parameters", a.parameters.summary, b.parameters.summary], ["scan", a.scan.name, b.scan.name],
-    ["status", statusName(left.status), statusName(right.status)],
-    ["detections", String(left.detections.length), String(right.detections.length)],
-    ["revision", String(left.catalogRevision), String(right.catalogRevision)],
-    ["time", milliseconds(left.timings?.totalMs ?? 0), milliseconds(right.timings?.totalMs ?? 0)],
-  ];
+  const rows: [string, string, string, boolean][] = [];
+  const add = (name: string, one: string, two: string, differs = one !== two): void => void rows.push([name, one, two, differs]);
+  add("parameters", a.parameters.summary, b.parameters.summary);
+  add("scan", a.scan.name, b.scan.name);
+  add("status", statusName(left.status), statusName(right.status));
+  add("detections", String(left.detections.length), String(right.detections.length));
+  add("revision", String(left.catalogRevision), String(right.catalogRevision));
+  add("time", milliseconds(left.timings?.totalMs ?? 0), milliseconds(right.timings?.totalMs ?? 0), false);
   const matched = new Set<Detection>();
   for (const each of left.detections) {
     const other = partner(each, right.detections);
     if (other) matched.add(other);
     const step = each.refinedPose && other?.refinedPose ? between(each.refinedPose, other.refinedPose) : undefined;
-    rows.push([`at ${vector(each.centroid)}`, brief(each),
-      brief(other) + (step ? `; pose differs by ${millimetres(step.shift)}, ${step.turn.toFixed(1)}°` : "")]);
+    add(`at ${vector(each.centroid)}`, brief(each),
+      brief(other) + (step ? `; pose differs by ${millimetres(step.shift)}, ${step.turn.toFixed(1)}°` : ""), brief(each) !== brief(other));
   }
-  for (const other of right.detections) if (!matched.has(other)) rows.push([`at ${vector(other.centroid)}`, "none", brief(other)]);
+  for (const other of right.detections) if (!matched.has(other)) add(`at ${vector(other.centroid)}`, "none", brief(other));
   const stages = [...new Set([...left.stages, ...right.stages].map((stage) => stage.stage))];
   for (const name of stages) {
-    const text = (answer: Answer): string => {
-      const stage = answer.response.stages.find((each) => each.stage === name);
-      return stage ? `${count(stage.inputPointCount)} → ${count(stage.outputPointCount)}, ${milliseconds(stage.durationMs)}` : "–";
-    };
-    rows.push([name, text(a), text(b)]);
+    const [one, two] = [a, b].map((answer) => answer.response.stages.find((each) => each.stage === name));
+    const counts = (stage: StageReport | undefined): string => stage ? `${count(stage.inputPointCount)} → ${count(stage.outputPointCount)}` : "–";
+    const text = (stage: StageReport | undefined): string => stage ? `${counts(stage)}, ${milliseconds(stage.durationMs)}` : "–";
+    add(name, text(one), text(two), counts(one) !== counts(two));
   }
   return h("div", { className: "comparison" }, h("h3", {}, `Answers ${a.number} and ${b.number}`),
-    table(["", `answer ${a.number}`, `answer ${b.number}`], rows.map(([name, one, two]) => {
-      const differs = one !== two;
-      return [name, one, h("span", { className: differs ? "differs" : "" }, two)];
-    })));
+    table(["", `answer ${a.number}`, `answer ${b.number}`], rows.map(([name, one, two, differs]) =>
+      [name, one, h("span", { className: differs ? "differs" : "" }, two)])));
 }

@@ -7,13 +7,11 @@ import { matrixOf } from "./geometry";
 import { pointsInObjectFrame } from "./scene_view";
 import { cloudScan, type Scan } from "./scan";
 import { lastPart, millimetres, shortName } from "./text";
-import { axesObject, cloudObject, emptyPane, gripperObject, linesObject, Viewer } from "./viewer";
+import { axesObject, cloudObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer } from "./viewer";
 
 const maxObjects = 2000;
 const maxListedViews = 500;
 const maxDrawnViews = 36;
-
-const hue = (i: number, count: number): string => `hsl(${Math.round((360 * i) / Math.max(1, count))}, 65%, 58%)`;
 
 export class CatalogueView {
   readonly element: HTMLElement;
@@ -102,13 +100,13 @@ export class CatalogueView {
     await this.attempt(() => this.draw(false));
   }
 
-  // Evenly chosen views where there are many.
+  // Evenly chosen views where there are many, and the selected one.
   private drawn(): View[] {
-    if (this.view) return [this.view];
     const shared = this.views.filter((each) => !each.objectPoseEstimated);
     const usable = shared.length > 0 ? shared : this.views.slice(0, 1);
     const every = Math.max(1, usable.length / maxDrawnViews);
-    return Array.from({ length: Math.min(usable.length, maxDrawnViews) }, (_, i) => usable[Math.floor(i * every)]!);
+    const out = Array.from({ length: Math.min(usable.length, maxDrawnViews) }, (_, i) => usable[Math.floor(i * every)]!);
+    return this.view && !out.includes(this.view) ? [...out, this.view] : out;
   }
 
   private async draw(look: boolean): Promise<void> {
@@ -119,26 +117,31 @@ export class CatalogueView {
     const clouds = await Promise.all(drawn.map((each) => pointsInObjectFrame(each.name)));
     if (step !== this.step) return;
     const box = new Box3();
-    clouds.forEach((points, i) => {
-      const index = this.views.indexOf(drawn[i]!);
-      pane.content.add(cloudObject(points, hue(index, this.views.length), 2, String(index)));
+    for (const points of clouds) {
       for (let at = 0; at < points.length; at += 3) box.expandByPoint(new Vector3(points[at], points[at + 1], points[at + 2]));
+    }
+    const isOther = (i: number): boolean => this.view !== undefined && drawn[i] !== this.view;
+    clouds.forEach((points, i) => {
+      if (isOther(i)) pane.content.add(cloudObject(points, styleColor("--table"), 1));
+      else if (this.view) pane.content.add(cloudObject(points, styleColor("--high"), 3));
+      else pane.content.add(heightObject(points, box.min.z, box.max.z, 2));
     });
     for (const grasp of this.pose?.grasps ?? []) {
       pane.content.add(gripperObject(matrixOf(grasp.tcpPose), grasp.gripperOpeningM, grasp.approachDistanceM, "#f08a24"));
     }
-    // Where the cameras stood, in direction: nearer than they were.
+    // The directions of the cameras.
     const center = box.getCenter(new Vector3());
-    const radius = Math.max(0.05, box.getSize(new Vector3()).length());
-    drawn.forEach((each) => {
+    const radius = 0.75 * Math.max(0.05, box.getSize(new Vector3()).length());
+    drawn.forEach((each, i) => {
       const sensor = new Vector3().setFromMatrixPosition(matrixOf(each.objectPose).invert().multiply(matrixOf(each.sensorPose)));
       const direction = sensor.sub(center).normalize();
-      const [from, to] = [center.clone().addScaledVector(direction, radius), center.clone().addScaledVector(direction, 1.12 * radius)];
-      pane.content.add(linesObject([...from.toArray(), ...to.toArray()], hue(this.views.indexOf(each), this.views.length)));
+      const [from, to] = [center.clone().addScaledVector(direction, radius), center.clone().addScaledVector(direction, 1.15 * radius)];
+      pane.content.add(linesObject([...from.toArray(), ...to.toArray()], isOther(i) ? styleColor("--table") : styleColor("--high")));
+      pane.content.add(handleObject(to, String(this.views.indexOf(each)), isOther(i) ? styleColor("--table") : styleColor("--high")));
     });
-    pane.content.add(axesObject(new Matrix4(), 0.04));
+    pane.content.add(axesObject(new Matrix4(), 0.03));
     this.viewer.show([pane]);
-    if (look) this.viewer.look(box);
+    if (look) this.viewer.look(box.clone().expandByScalar(0.25 * radius));
   }
 
   private updatePanel(): void {
@@ -154,7 +157,7 @@ export class CatalogueView {
     replace(this.panel,
       h("h2", {}, object.displayName || lastPart(object.name)),
       facts([
-        ["stable pose", shortName(pose.name)], ["state", ReleaseState[object.release]?.toLowerCase() ?? "–"],
+        ["stable pose", shortName(pose.name)], ["state", [object.release, pose.release].includes(ReleaseState.DRAFT) ? "draft" : "released"],
         ["symmetry", symmetry === 0 ? "any turn" : symmetry === 1 ? "none" : `${symmetry}-fold`],
         ["minimum score", pose.minScore === undefined ? "the cell's" : String(pose.minScore)],
         ["views", this.views.length >= maxListedViews ? `${maxListedViews} or more` : String(this.views.length)],
@@ -163,13 +166,11 @@ export class CatalogueView {
       h("h3", {}, "Grasps"),
       rows.length > 0 ? table(["grasp", "opening", "approach", "priority", "picked / missed / slipped"], rows) : h("p", { className: "hint" }, "None is taught: graspdb grasps import."),
       h("h3", {}, "Views"),
-      this.views.length > maxDrawnViews && h("p", { className: "hint" }, `${maxDrawnViews} of them are drawn; choose one to see it alone.`),
-      h("div", { className: "views" }, this.views.map((each, i) => {
-        const swatch = h("span", { className: "swatch" });
-        swatch.style.background = hue(i, this.views.length);
+      this.views.length > maxDrawnViews && h("p", { className: "hint" }, `${maxDrawnViews} of them are drawn.`),
+      h("div", { className: "views" }, this.views.map((each) => {
         return h("div", { className: "row" },
           h("button", { type: "button", className: "pick", "aria-pressed": each === this.view, onclick: () => void this.selectView(each) },
-            swatch, lastPart(each.name), h("small", {}, `${each.pointCount.toLocaleString("en")} points${each.objectPoseEstimated ? ", pose estimated" : ""}`)),
+            lastPart(each.name), h("small", {}, `${each.pointCount.toLocaleString("en")} points${each.objectPoseEstimated ? ", pose estimated" : ""}`)),
           h("button", { type: "button", className: "beside", title: "Open it as a scan", onclick: () => void this.openScan(each) }, "open"));
       })));
   }

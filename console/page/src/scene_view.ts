@@ -1,5 +1,6 @@
 // The view of one scene: a scan, what was recognised in it, and why.
-import { Box3, Group, Matrix4, Vector3 } from "three";
+import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
+import { WorldFrameSource } from "../gen/graspdb/v1/recognition_pb";
 import { fullView, listCells, recognition, type Explained, explain } from "./api";
 import { objectName, statusName, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
@@ -8,13 +9,19 @@ import { matrixOf, moved, pointsOfCloud, type Points } from "./geometry";
 import { ParameterForm } from "./parameters";
 import { readScan, type Scan } from "./scan";
 import { milliseconds } from "./text";
-import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, Viewer, type Pane } from "./viewer";
+import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, heightObject, styleColor, Viewer, type Pane } from "./viewer";
 
 const maxAnswers = 12;
 const maxGrasps = 24;
 const colors: Record<string, string> = { ok: "#2fbf71", warning: "#e0a526", bad: "#e5534b" };
 const layerNames = ["scan", "refined pose", "rough pose", "grasps", "region", "axes"] as const;
 type Layer = (typeof layerNames)[number];
+
+// A scan in the world frame, if that is known: then the table is at z = 0.
+function scanObject(points: Points, hasTable: boolean): Object3D {
+  const tableEnd = 0.006;  // as PipelineParameters.plane_distance_m
+  return hasTable ? heightObject(points, tableEnd, 0.15, 1.5) : cloudObject(points, styleColor("--low"), 1.5);
+}
 
 // The points of a view in the frame of its object.
 export async function pointsInObjectFrame(name: string): Promise<Points> {
@@ -192,14 +199,15 @@ export class SceneView {
 
   private paneOfScan(): Pane {
     const pane = emptyPane();
-    if (this.scan) pane.content.add(cloudObject(moved(this.scan.points, matrixOf(this.scan.sensorPose)), "#8fa3b8", 1.5));
+    const sensorPose = this.scan?.sensorPose;
+    if (this.scan) pane.content.add(scanObject(moved(this.scan.points, matrixOf(sensorPose)), sensorPose !== undefined));
     return pane;
   }
 
   private async paneOf(answer: Answer, title: string): Promise<Pane> {
     const pane = emptyPane(title);
     const { response, scan, parameters } = answer;
-    if (this.layers.has("scan")) pane.content.add(cloudObject(moved(scan.points, matrixOf(response.sensorPose)), "#8fa3b8", 1.5));
+    if (this.layers.has("scan")) pane.content.add(scanObject(moved(scan.points, matrixOf(response.sensorPose)), response.worldFrameSource !== WorldFrameSource.SENSOR));
     const region = parameters.region;
     if (this.layers.has("region") && region?.min && region.max) {
       pane.content.add(boxObject(new Vector3(region.min.x, region.min.y, region.min.z), new Vector3(region.max.x, region.max.y, region.max.z), "#5b8def"));
@@ -235,7 +243,7 @@ export class SceneView {
     for (const { centroid } of answer?.response.detections ?? []) {
       if (centroid) box.expandByPoint(new Vector3(centroid.x, centroid.y, centroid.z));
     }
-    if (!box.isEmpty()) return box.expandByScalar(0.12);
+    if (!box.isEmpty()) return box.expandByScalar(0.08);
     if (!this.scan) return box;
     const points = moved(this.scan.points, matrixOf(answer ? answer.response.sensorPose : this.scan.sensorPose));
     for (const axis of [0, 1, 2] as const) {

@@ -23,10 +23,37 @@ export function cloudObject(points: Points, color: string, size: number, key = "
   return out;
 }
 
+// Points coloured by their height above the table: what lies on it is brighter. `low` and `high`: metres.
+export function heightObject(points: Points, low: number, high: number, size: number): PointsObject {
+  const table = new Color(styleColor("--table"));
+  const bottom = new Color(styleColor("--low"));
+  const top = new Color(styleColor("--high"));
+  const colors = new Float32Array(points.length);
+  const color = new Color();
+  for (let i = 0; i < points.length; i += 3) {
+    const z = points[i + 2]!;
+    if (z < low - 1e-6) color.copy(table);
+    else color.lerpColors(bottom, top, Math.min(1, (z - low) / Math.max(1e-6, high - low)));
+    color.toArray(colors, i);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(points, 3));
+  geometry.setAttribute("color", new BufferAttribute(colors, 3));
+  return new PointsObject(geometry, new PointsMaterial({ vertexColors: true, size, sizeAttenuation: false }));
+}
+
+// A colour of the style sheet, which has those of light and dark.
+export const styleColor = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
 export function linesObject(vertices: number[], color: string): LineSegments {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(vertices), 3));
   return new LineSegments(geometry, new LineBasicMaterial({ color: new Color(color) }));
+}
+
+// A point that can be clicked.
+export function handleObject(at: Vector3, key: string, color: string): PointsObject {
+  return cloudObject(new Float32Array(at.toArray()), color, 7, key);
 }
 
 export function boxObject(min: Vector3, max: Vector3, color: string): Object3D {
@@ -136,8 +163,7 @@ export class Viewer {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
-    const background = getComputedStyle(this.element).getPropertyValue("--scene").trim();
-    this.renderer.setClearColor(new Color(background || "#101418"));
+    this.renderer.setClearColor(new Color(styleColor("--scene")));
     this.overlay.textContent = "";
     const share = width / this.scenes.length;
     this.camera.aspect = share / height;
