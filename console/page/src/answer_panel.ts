@@ -37,7 +37,7 @@ function stageTable(answer: Answer): HTMLElement {
 }
 
 function candidateTable(detection: Detection): HTMLElement | false {
-  return detection.candidates.length > 0 && h("div", {}, h("h4", {}, "Candidates: the nearest views"),
+  return detection.candidates.length > 0 && h("div", {}, h("h3", {}, "Candidates: the nearest views"),
     table(["view", "distance", "verification"], detection.candidates.map((each) => [
       h("span", { title: each.view }, shortName(each.view)), each.descriptorDistance.toFixed(3),
       each.verificationScore === undefined ? "not among the best" : [bar(each.verificationScore, score(each.verificationScore)), " ", score(each.verificationScore)],
@@ -45,14 +45,14 @@ function candidateTable(detection: Detection): HTMLElement | false {
 }
 
 function alternativeTable(detection: Detection): HTMLElement | false {
-  return detection.alternatives.length > 0 && h("div", {}, h("h4", {}, "Alternatives: explain the scan as well"),
+  return detection.alternatives.length > 0 && h("div", {}, h("h3", {}, "Alternatives: explain the scan as well"),
     table(["stable pose", "score", "position (m)"], detection.alternatives.map((each) => [
       shortName(each.stablePose), score(each.score), vector(each.pose?.position),
     ])));
 }
 
 function graspTable(detection: Detection): HTMLElement | false {
-  return detection.grasps.length > 0 && h("div", {}, h("h4", {}, `Grasps: ${detection.grasps.length}, the best first`),
+  return detection.grasps.length > 0 && h("div", {}, h("h3", {}, `Grasps: ${detection.grasps.length}, the best first`),
     table(["grasp", "position (m)", "opening", "approach", "priority"], detection.grasps.map((each) => [
       each.graspId, vector(each.tcpPose?.position), millimetres(each.gripperOpeningM), millimetres(each.approachDistanceM), each.priority,
     ])));
@@ -101,7 +101,7 @@ export function answerPanel(answer: Answer, selected: number, select: (index: nu
     response.untriedViewCount > 0 && h("p", {}, `${response.untriedViewCount} views were not tried, since the frame's budget was spent.`),
     response.searchTimedOut && h("p", {}, "The search ended early, since it had taken 2 s."),
     response.detections.map((each, i) => detectionCard(each, i === selected, () => select(i === selected ? -1 : i))),
-    h("h3", {}, "Points after each stage"), stageTable(answer),
+    h("h2", {}, "Points after each stage"), stageTable(answer),
     h("details", {}, h("summary", {}, "Frame and times"), facts([
       ["world frame from", WorldFrameSource[response.worldFrameSource]?.toLowerCase().replace(/_/g, " ") ?? "–"],
       ["sensor pose", poseText(response.sensorPose)],
@@ -153,7 +153,7 @@ export function comparison(a: Answer, b: Answer): HTMLElement {
     const text = (stage: StageReport | undefined): string => stage ? `${counts(stage)}, ${milliseconds(stage.durationMs)}` : "–";
     add(name, text(one), text(two), counts(one) !== counts(two));
   }
-  return h("div", { className: "comparison" }, h("h3", {}, `Answers ${a.number} and ${b.number}`),
-    table(["", `answer ${a.number}`, `answer ${b.number}`], rows.map(([name, one, two, differs]) =>
+  return h("div", { className: "comparison" }, h("h2", {}, `Answers ${a.number} and ${b.number}`),
+    table(["of", `answer ${a.number}`, `answer ${b.number}`], rows.map(([name, one, two, differs]) =>
       [name, one, h("span", { className: differs ? "differs" : "" }, two)])));
 }

@@ -47,6 +47,10 @@ export class CatalogueView {
     this.viewer.draw();
   }
 
+  recolour(): void {
+    if (this.pose) void this.attempt(() => this.draw(false));
+  }
+
   private async attempt(action: () => Promise<void>): Promise<void> {
     try {
       await action();
@@ -59,7 +63,7 @@ export class CatalogueView {
     const words = this.filter.value.toLowerCase();
     const found = this.objects.filter((each) => `${each.name} ${each.displayName} ${each.labels.join(" ")}`.toLowerCase().includes(words));
     replace(this.objectList, found.map((each) => h("button", {
-      type: "button", "aria-pressed": each === this.object, onclick: () => void this.attempt(() => this.selectObject(each)),
+      type: "button", "aria-pressed": each.name === this.object?.name, onclick: () => void this.attempt(() => this.selectObject(each)),
     }, h("strong", {}, each.displayName || lastPart(each.name)), h("small", {}, lastPart(each.name),
       each.release === ReleaseState.DRAFT && h("span", { className: "chip" }, "draft"),
       each.labels.map((label) => h("span", { className: "chip" }, label))))),

@@ -32,7 +32,7 @@ export function replace(parent: Node, ...children: Child[]): void {
 
 // A table; cells that are no strings are elements.
 export function table(heads: string[], rows: Child[][], properties: Properties = {}): HTMLElement {
-  return h("div", { className: "scroll" },
+  return h("div", { className: "scroll", tabIndex: 0 },
     h("table", properties,
       h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col" }, head)))),
       h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell) => h("td", {}, cell)))))));

@@ -101,7 +101,7 @@ export class HealthView {
     replace(this.times, h("h2", {}, "Stage times of this page's answers"),
       this.answers.length === 0 ? h("p", { className: "hint" }, "None yet: recognise a scan.") : [
         h("p", {}, `${this.answers.length} answer${this.answers.length === 1 ? "" : "s"}, median ${milliseconds(median(total))}, longest ${milliseconds(Math.max(...total))}.`),
-        table(["stage", "median", "", "longest"], names.map((name) => [
+        table(["stage", "median", "share", "longest"], names.map((name) => [
           h("code", {}, name), milliseconds(median(of(name))), bar(median(of(name)) / longest, milliseconds(median(of(name)))), milliseconds(Math.max(...of(name))),
         ])),
       ]);

@@ -66,8 +66,12 @@ function open(): void {
 }
 
 document.body.append(
-  h("header", {}, h("a", { href: "#scene", className: "brand" }, "graspdb"), h("nav", { "aria-label": "Views" }, links), revision),
+  h("header", {}, h("h1", {}, h("a", { href: "#scene", className: "brand" }, "graspdb")), h("nav", { "aria-label": "Views" }, links), revision),
   banner, main);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  scene.recolour();
+  catalogue.recolour();
+});
 addEventListener("hashchange", () => {
   report(undefined);
   open();

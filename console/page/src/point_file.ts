@@ -154,7 +154,8 @@ export function readPcd(bytes: Uint8Array): PointFile {
   } else if (kind === "binary_compressed") {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
     const packed = view.getUint32(0, true);
-    if (view.getUint32(4, true) !== stride * count || packed > data.length - 8) throw new Error("the compressed points are damaged");
+    const maxRatio = 100;  // of LZF it is 88
+    if (view.getUint32(4, true) !== stride * count || packed > data.length - 8 || stride * count > maxRatio * packed) throw new Error("the compressed points are damaged");
     const plain = decompress(data.subarray(8, 8 + packed), stride * count);
     points = fromBytes(new DataView(plain.buffer), columns, count, true,
       (column, point) => column.offset * count + point * column.size);

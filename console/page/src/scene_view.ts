@@ -65,6 +65,7 @@ export class SceneView {
       return h("label", {}, box, " ", name);
     });
     const form = h("form", {
+      noValidate: true,  // a browser cannot show what is wrong in a closed part
       onsubmit: (event: Event) => {
         event.preventDefault();
         void this.recognise();
@@ -89,6 +90,10 @@ export class SceneView {
   opened(): void {
     listCells(1000).then((cells) => this.form.setCells(cells), (error) => this.report(explain(error)));
     this.viewer.draw();
+  }
+
+  recolour(): void {
+    void this.drawAll(false);
   }
 
   async open(files: File[]): Promise<void> {
@@ -155,7 +160,7 @@ export class SceneView {
 
   private updateList(): void {
     if (this.answers.length === 0) return replace(this.list);
-    replace(this.list, h("h3", {}, "Answers"), [...this.answers].reverse().map((answer) => {
+    replace(this.list, h("h2", {}, "Answers"), [...this.answers].reverse().map((answer) => {
       const pressed = (is: boolean): string => String(is);
       return h("div", { className: "row" },
         h("button", {
@@ -217,7 +222,8 @@ export class SceneView {
       const isSelected = answer === this.shown && i === this.selected;
       const color = colors[tone(detection)]!;
       if (detection.centroid) {
-        const at = new Vector3(detection.centroid.x, detection.centroid.y, detection.centroid.z);
+        // Above the object, whose centroid is about halfway up from the table.
+        const at = new Vector3(detection.centroid.x, detection.centroid.y, 2 * detection.centroid.z + 0.01);
         pane.labels.push({ at, text: `${objectName(detection)} ${detection.score.toFixed(2)}`, key: String(i), tone: `${tone(detection)}${isSelected ? " selected" : ""}` });
       }
       if (detection.view !== "" && (this.layers.has("refined pose") || this.layers.has("rough pose"))) {

@@ -42,7 +42,7 @@ export function heightObject(points: Points, low: number, high: number, size: nu
   return new PointsObject(geometry, new PointsMaterial({ vertexColors: true, size, sizeAttenuation: false }));
 }
 
-// A colour of the style sheet, which has those of light and dark.
+// A colour of the style sheet, which has those of light and dark; drawn objects keep theirs.
 export const styleColor = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export function linesObject(vertices: number[], color: string): LineSegments {
@@ -113,7 +113,6 @@ export class Viewer {
     this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => this.draw());
     new ResizeObserver(() => this.draw()).observe(this.element);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     canvas.addEventListener("keydown", (event) => this.onKey(event));
     let down = { x: 0, y: 0 };
     canvas.addEventListener("pointerdown", (event) => (down = { x: event.clientX, y: event.clientY }));
