@@ -9,6 +9,7 @@ find_package(CLI11 2 REQUIRED)
 find_package(RocksDB REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(OpenSSL REQUIRED)
+find_package(Boost 1.74 REQUIRED)  # Asio and Beast, which are headers
 pkg_check_modules(GRASPDB_ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(GRASPDB_PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core prometheus-cpp-pull)
 pkg_check_modules(GRASPDB_JEMALLOC REQUIRED IMPORTED_TARGET jemalloc)

@@ -8,4 +8,5 @@ page() {
 bin=$(realpath "$1") out=$(realpath "$2")
 page graspdb-server "server that recognises taught objects in depth images"
 page graspdb "teach objects to a graspdb server and recognise them"
+[ ! -e "$bin/graspdb-console" ] || page graspdb-console "page for browsers that shows a graspdb server"
 page graspdb-cell "agent that bridges depth camera, robots and a graspdb server"

@@ -20,7 +20,7 @@ trap 'stop_agent; stop_server; rm -rf "$work"' EXIT
 log_step() { printf '\n\033[1m== %s\033[0m\n' "$*"; }
 
 log_step "a server on an empty database"
-start_server "$out/server" "$work/db"
+start_server "$out/server" "$out/db"
 echo "graspdb-server listens on $GRASPDB_SERVER"
 
 log_step "capturing sample parts on a turntable with a simulated Kinect v2, every 15 degrees"
@@ -31,10 +31,10 @@ log_step "teaching"
 "$bin/graspdb" objects list
 
 log_step "random scenes of the same parts, within 10 cm of the centre of the table"
-"$bin/graspdb" simulate --parts "$parts" --random "$scenes" --seed $((seed + 1)) --out "$work/scenes"
+"$bin/graspdb" simulate --parts "$parts" --random "$scenes" --seed $((seed + 1)) --out "$out/scenes"
 
 log_step "recognizing the scenes: objects, poses and grasps"
-"$bin/graspdb" recognize "$work/scenes" --split QUERY --pictures "$out/pictures"
+"$bin/graspdb" recognize "$out/scenes" --split QUERY --pictures "$out/pictures"
 
 log_step "pictures (the scan white, the matched view green, the grasp's axes): $out/pictures"
 ls "$out/pictures" | head -n 3
@@ -48,3 +48,6 @@ echo "graspdb-cell listens for robots on $GRASPDB_AGENT"
 log_step "a robot requests $picks picks over the Generic Robot Interface"
 "$bin/graspdb" robot --cell demo --scene "$work/table" --parts "$parts" --picks "$picks" \
   --seed $((seed + 2))
+
+log_step "look at it in a browser: drop a scene of $out/scenes/clouds on the page"
+echo "$bin/graspdb-server --db $out/db & $bin/graspdb console"

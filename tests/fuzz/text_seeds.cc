@@ -35,6 +35,39 @@ void WriteRobots(const SeedWriter& out) {
             "SLIPPED\n");
 }
 
+void WriteHttp(const SeedWriter& out) {
+  const std::string host = "Host: localhost:8080\r\n";
+  const std::string objects = "POST /graspdb.v1.CatalogService/ListObjects HTTP/1.1\r\n" + host;
+  const std::string watch = "POST /graspdb.v1.ChangeService/WatchCatalog HTTP/1.1\r\n" + host;
+  out.Write("http", "page",
+            "GET /?a HTTP/1.1\r\n" + host +
+                "Accept-Encoding: gzip\r\n\r\nHEAD /console.js HTTP/1.1\r\n" + host +
+                "If-None-Match: \"2\"\r\n\r\nGET /none HTTP/1.1\r\n" + host + "\r\n");
+  out.Write("http", "json",
+            objects +
+                "Origin: http://localhost:8080\r\nSec-Fetch-Site: same-origin\r\nContent-Type: "
+                "application/json\r\nContent-Length: 14\r\nConnect-Timeout-Ms: "
+                "1000\r\n\r\n{\"pageSize\":1}" +
+                objects +
+                "Content-Type: application/proto\r\nContent-Length: 2\r\nAuthorization: Bearer "
+                "x\r\nX-Request-Id: a1\r\nConnection: close\r\n\r\n\x08\x01");
+  out.Write("http", "chunked",
+            objects +
+                "Content-Type: application/json\r\nTransfer-Encoding: chunked\r\nExpect: "
+                "100-continue\r\n\r\n2;a=b\r\n{}\r\n0\r\nA: b\r\n\r\n");
+  out.Write("http", "stream",
+            watch +
+                "Content-Type: application/connect+json\r\nConnect-Protocol-Version: "
+                "1\r\nContent-Length: 7\r\n\r\n" +
+                std::string("\0\0\0\0\x02{}", 7) + watch +
+                "Content-Type: application/connect+proto\r\nContent-Length: 5\r\n\r\n" +
+                std::string(5, '\0'));
+  out.Write("http", "refused",
+            "POST /graspdb.v1.UploadService/WriteUploadViews HTTP/1.1\r\n" + host +
+                "Content-Type: application/proto\r\nContent-Length: 0\r\n\r\n" + objects +
+                "Content-Type: text/plain\r\nContent-Length: 9999\r\n\r\n");
+}
+
 void WriteSettings(const SeedWriter& out) {
   out.Write("settings", "server",
             "--db=/var/lib/graspdb\n--workers=2\nGRASPDB_QUEUE=8\nmax-points=1000000\n"
@@ -73,6 +106,7 @@ void WriteIdentities(const SeedWriter& out) {
 void WriteTextSeeds(const SeedWriter& out) {
   WriteIdentities(out);
   WriteFrames(out);
+  WriteHttp(out);
   WriteRobots(out);
   WriteSettings(out);
 }

@@ -22,6 +22,7 @@ command_of() { sed -n 's/^ExecStart=//p' "$root/lib/systemd/system/$1.service"; 
 
 server=
 cell=
+console=
 start() {
   install -d -o "$(here id -u graspdb)" -g "$(here id -g graspdb)" -m 700 "$root/var/lib/graspdb"  # StateDirectory
   : >"$root/server.out"
@@ -45,7 +46,7 @@ stop() {
 # Programs find those beside them by /proc/self/exe.
 own_proc=
 mountpoint -q "$root/proc" || { mount -t proc proc "$root/proc"; own_proc=$root/proc; }
-trap '[ -z "$cell" ] || kill "$cell" 2>/dev/null; [ -z "$server" ] || stop; [ -z "$own_proc" ] || umount "$own_proc"' EXIT
+trap '[ -z "$cell" ] || kill "$cell" 2>/dev/null; [ -z "$console" ] || kill "$console" 2>/dev/null; [ -z "$server" ] || stop; [ -z "$own_proc" ] || umount "$own_proc"' EXIT
 
 here sh -c 'apt-get update -q' >/dev/null
 install_from "$before"
@@ -84,6 +85,18 @@ here graspdb-cell health >/dev/null || { cat "$root/cell.log"; exit 1; }
 kill "$cell"
 checked "the agent's unit serves with its settings: $(command_of graspdb-cell@)"
 
+installs /packages/graspdb-console_*.deb curl
+chroot "$root" setpriv --reuid 65534 --regid 65534 --clear-groups graspdb console --listen 127.0.0.1:18080 >"$root/console.out" 2>&1 &
+console=$!
+for _ in $(seq 100); do
+  grep -q "console on" "$root/console.out" && break
+  sleep 0.1
+done
+here curl -sSf http://127.0.0.1:18080/console.js >"$root/console.js"
+here curl -sSf -H 'Content-Type: application/json' -d '{}' http://127.0.0.1:18080/graspdb.v1.CatalogService/ListObjects | grep -q objects/flange
+kill "$console"
+checked "the console serves its page and forwards calls"
+
 installs /packages/libgraspdb-dev_*.deb cmake g++ make man-db
 rm -rf "$root/example" && cp -r "$(dirname "$0")/../../examples/04-your-own-client" "$root/example"
 here sh -c 'cmake -S /example/cpp -B /example/build && cmake --build /example/build' >"$root/install.log" 2>&1 ||
@@ -96,8 +109,8 @@ here /usr/bin/python3 /example/python/recognize.py | grep -q "objects/box"
 checked "a Python program with python3-graspdb recognizes it"
 stop
 
-here man -w graspdb-server graspdb graspdb-cell >/dev/null
+here man -w graspdb-server graspdb graspdb-cell graspdb-console >/dev/null
 checked "man pages"
-here sh -c 'apt-get purge -q -y graspdb-server graspdb-client graspdb-cell libgraspdb-dev python3-graspdb' >"$root/install.log" 2>&1
+here sh -c 'apt-get purge -q -y graspdb-server graspdb-client graspdb-cell graspdb-console libgraspdb-dev python3-graspdb' >"$root/install.log" 2>&1
 [ -e "$root/var/lib/graspdb/db/CURRENT" ] && [ ! -e "$root/usr/bin/graspdb-server" ] && [ ! -e "$root/etc/graspdb/server.conf" ]
 checked "purged; the database in /var/lib/graspdb stays"

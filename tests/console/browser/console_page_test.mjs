@@ -141,6 +141,7 @@ try {
   await page.fill("#minScore", "7");
   await page.getByRole("button", { name: "Recognise" }).click();
   await page.locator(".banner").getByText("minimum score: 0 to 1").waitFor();
+  await page.getByRole("button", { name: "Close" }).click();
   await page.fill("#minScore", "");
 
   step("two answers side by side");

@@ -29,7 +29,8 @@ export async function openPage(work, executablePath, url, colorScheme) {
 // The colours of the canvas: how many there are, and how many pixels have that of a recognised object's view, of its
 // grasps and of its rough pose, with one of these pixels.
 export async function colours(page, selector = ".viewer canvas") {
-  const box = await page.locator(selector).boundingBox();
+  let box = null;
+  while (box === null) box = await page.locator(selector).boundingBox();  // null while one view replaces another
   const bytes = await page.screenshot({ clip: box });
   return page.evaluate(async (base64) => {
     const raw = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
