@@ -25,12 +25,15 @@ function tableOf(text, heading) {
   if (start < 0) throw new Error(`${errors} has no section ${heading}`);
   const end = text.indexOf("\n## ", start);
   const rows = {};
+  let before = "";
   for (const line of text.slice(start, end < 0 ? undefined : end).split("\n")) {
     const cells = line.split(/(?<!\\)\|/).slice(1, -1).map((cell) => cell.trim());
     const key = /^`([A-Z_]+)`$/.exec(cells[0] ?? "");
     if (!key) continue;
     const plain = cells.slice(1).map((cell) => cell.replace(/\[([^\]]*)\]\([^)]*\)/g, "$1").replace(/[`*]/g, ""));
-    rows[key[1]] = { meaning: plain[plain.length - 2], action: plain[plain.length - 1] };
+    // "the same" is the action of the row above.
+    before = plain[plain.length - 1].replace(/^the same(?=$|;)/, before);
+    rows[key[1]] = { meaning: plain[plain.length - 2], action: before };
   }
   if (Object.keys(rows).length === 0) throw new Error(`${errors}: no rows in ${heading}`);
   return rows;

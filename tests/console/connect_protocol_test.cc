@@ -72,15 +72,14 @@ TEST(ConnectProtocol, MessagesOfStreamsAreInEnvelopes) {
 }
 
 TEST(ConnectProtocol, ABodyOfAStreamHasOneMessage) {
-  const auto kWrong = absl::StatusCode::kInvalidArgument;
-  EXPECT_THAT(OnlyMessage(""), StatusIs(kWrong, HasSubstr("envelope")));
-  EXPECT_THAT(OnlyMessage(std::string(4, '\0')), StatusIs(kWrong, HasSubstr("envelope")));
-  EXPECT_THAT(OnlyMessage(Envelope("abc").substr(0, 7)),
-              StatusIs(kWrong, HasSubstr("one message")));
+  const auto wrong = absl::StatusCode::kInvalidArgument;
+  EXPECT_THAT(OnlyMessage(""), StatusIs(wrong, HasSubstr("envelope")));
+  EXPECT_THAT(OnlyMessage(std::string(4, '\0')), StatusIs(wrong, HasSubstr("envelope")));
+  EXPECT_THAT(OnlyMessage(Envelope("abc").substr(0, 7)), StatusIs(wrong, HasSubstr("one message")));
   EXPECT_THAT(OnlyMessage(Envelope("a") + Envelope("b")),
-              StatusIs(kWrong, HasSubstr("one message")));
+              StatusIs(wrong, HasSubstr("one message")));
   EXPECT_THAT(OnlyMessage(std::string("\xff\0\0\0\0", 5)),
-              StatusIs(kWrong, HasSubstr("one message")));
+              StatusIs(wrong, HasSubstr("one message")));
   EXPECT_THAT(OnlyMessage(std::string("\x01\0\0\0\0", 5)),
               StatusIs(absl::StatusCode::kUnimplemented, HasSubstr("compressed")));
 }

@@ -31,7 +31,7 @@ class ScriptedUpstream : public console::Upstream {
       ++next_count_;
     }
     void Cancel() override { End(absl::CancelledError("cancelled")); }
-    void End(absl::Status status, std::optional<std::string> message = std::nullopt) {
+    void End(const absl::Status& status, std::optional<std::string> message = std::nullopt) {
       OnEvent on_event;
       {
         const absl::MutexLock lock(&mutex_);
@@ -337,7 +337,9 @@ TEST_F(GatewayHttpTest, CallsInProgressEndWithTheGateway) {
 }
 
 TEST_F(GatewayHttpTest, OtherMachinesNeedEncryption) {
-  const auto check = [](console::GatewayOptions options) { return console::CheckOptions(options); };
+  const auto check = [](const console::GatewayOptions& options) {
+    return console::CheckOptions(options);
+  };
   EXPECT_THAT(check({.listen = "0.0.0.0:8080"}),
               StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("--behind-proxy")));
   EXPECT_THAT(check({.listen = "0.0.0.0:8080", .behind_proxy = true}), IsOk());

@@ -141,7 +141,9 @@ export class SceneView {
       this.shown = answer;
       this.selected = response.detections.length === 1 ? 0 : -1;
       this.done(answer);
+      const answered = performance.now();
       await this.drawAll(isFirst);
+      requestAnimationFrame(() => performance.measure("an answer is drawn", { start: answered }));
     } catch (error) {
       this.report(error instanceof Error && error.constructor === Error
         ? { title: "These parameters cannot be used", text: error.message, advice: "", requestId: "", needsToken: false }
