@@ -6,7 +6,15 @@ import type { Camera } from "./depth_file";
 import { h, replace } from "./dom";
 import { lastPart } from "./text";
 
-export interface Parameters { cell: string; segmented: boolean; region?: AxisAlignedBox; pipeline?: PipelineParameters; summary: string }
+// `region`: of the request; `searched`: that one, or the cell's, if known.
+export interface Parameters {
+  cell: string;
+  segmented: boolean;
+  region?: AxisAlignedBox;
+  searched?: AxisAlignedBox;
+  pipeline?: PipelineParameters;
+  summary: string;
+}
 
 type Key = "minScore" | "clusterToleranceM" | "minClusterPointCount" | "planeDistanceM" | "maxRangeM" | "maxObjectSizeM"
   | "verifiedViewCount" | "furtherViewCount";
@@ -34,6 +42,7 @@ export class ParameterForm {
   private readonly inputs = new Map<Key, HTMLInputElement>();
   private readonly region: HTMLInputElement[];
   private readonly camera: Record<keyof Camera, HTMLInputElement>;
+  private cells: Cell[] = [];
 
   constructor() {
     const field = (id: string, label: string, input: HTMLElement, unit = "") =>
@@ -74,6 +83,7 @@ export class ParameterForm {
 
   setCells(cells: Cell[]): void {
     const chosen = this.cell.value;
+    this.cells = cells;
     replace(this.cell, h("option", { value: "" }, "none"),
       cells.map((cell) => h("option", { value: cell.name }, lastPart(cell.name))));
     this.cell.value = cells.some((cell) => cell.name === chosen) ? chosen : "";
@@ -116,7 +126,9 @@ export class ParameterForm {
       words.push(`${label} ${value}${unit === "" ? "" : ` ${unit}`}`);
     }
     return {
-      cell: this.cell.value, segmented: this.segmented.checked, region, pipeline: isSet ? pipeline : undefined,
+      cell: this.cell.value, segmented: this.segmented.checked, region,
+      searched: region ?? this.cells.find((each) => each.name === this.cell.value)?.regionOfInterest,
+      pipeline: isSet ? pipeline : undefined,
       summary: words.length === 0 ? "defaults" : words.join(", "),
     };
   }

@@ -33,7 +33,7 @@ export async function pointsInObjectFrame(name: string): Promise<Points> {
 export class SceneView {
   readonly element: HTMLElement;
   private readonly form = new ParameterForm();
-  private readonly viewer = new Viewer("The scene", (key) => this.select(Number(key)));
+  private readonly viewer = new Viewer("The scene", (key) => this.selectKey(key));
   private readonly panel = h("div", { className: "panel", "aria-live": "polite" });
   private readonly list = h("div", { className: "answers" });
   private readonly scanLine = h("p", { className: "scan-line" }, "No scan yet.");
@@ -130,7 +130,7 @@ export class SceneView {
       const response = await recognition.recognize({
         cell: parameters.cell, scan: scan.message, segmented: parameters.segmented,
         regionOfInterest: parameters.region, pipeline: parameters.pipeline,
-        ...(parameters.cell === "" || scan.sensorPose ? { sensorPose: scan.sensorPose } : {}),
+        sensorPose: scan.sensorPose,
       });
       const answer = {
         number: (this.answers.at(-1)?.number ?? 0) + 1, scan, parameters, response, elapsedMs: performance.now() - start,
@@ -152,6 +152,13 @@ export class SceneView {
       this.button.disabled = false;
       this.updateList();
     }
+  }
+
+  // `key`: the number of an answer and a detection's index in it. That of the answer beside makes it the shown one.
+  private selectKey(key: string): void {
+    const [number, index] = key.split(":").map(Number);
+    if (this.beside && this.beside.number === number) this.choose(this.beside, this.shown);
+    this.select(index!);
   }
 
   private select(index: number): void {
@@ -215,23 +222,24 @@ export class SceneView {
     const pane = emptyPane(title);
     const { response, scan, parameters } = answer;
     if (this.layers.has("scan")) pane.content.add(scanObject(moved(scan.points, matrixOf(response.sensorPose)), response.worldFrameSource !== WorldFrameSource.SENSOR));
-    const region = parameters.region;
+    const region = parameters.searched;
     if (this.layers.has("region") && region?.min && region.max) {
       pane.content.add(boxObject(new Vector3(region.min.x, region.min.y, region.min.z), new Vector3(region.max.x, region.max.y, region.max.z), "#5b8def"));
     }
     await Promise.all(response.detections.map(async (detection, i) => {
       const group = new Group();
       const isSelected = answer === this.shown && i === this.selected;
+      const key = `${answer.number}:${i}`;
       const color = colors[tone(detection)]!;
       if (detection.centroid) {
         // Above the object, whose centroid is about halfway up from the table.
         const at = new Vector3(detection.centroid.x, detection.centroid.y, 2 * detection.centroid.z + 0.01);
-        pane.labels.push({ at, text: `${objectName(detection)} ${detection.score.toFixed(2)}`, key: String(i), tone: `${tone(detection)}${isSelected ? " selected" : ""}` });
+        pane.labels.push({ at, text: `${objectName(detection)} ${detection.score.toFixed(2)}`, key, tone: `${tone(detection)}${isSelected ? " selected" : ""}` });
       }
       if (detection.view !== "" && (this.layers.has("refined pose") || this.layers.has("rough pose"))) {
         const points = await pointsInObjectFrame(detection.view).catch(() => undefined);  // deleted meanwhile
-        if (points && this.layers.has("rough pose")) group.add(cloudObject(moved(points, matrixOf(detection.roughPose)), "#c58af9", 2, String(i)));
-        if (points && this.layers.has("refined pose")) group.add(cloudObject(moved(points, matrixOf(detection.refinedPose)), color, isSelected ? 4 : 3, String(i)));
+        if (points && this.layers.has("rough pose")) group.add(cloudObject(moved(points, matrixOf(detection.roughPose)), "#c58af9", 2, key));
+        if (points && this.layers.has("refined pose")) group.add(cloudObject(moved(points, matrixOf(detection.refinedPose)), color, isSelected ? 4 : 3, key));
       }
       if (this.layers.has("grasps")) {
         for (const grasp of detection.grasps.slice(0, isSelected ? maxGrasps : 1)) {

@@ -154,6 +154,9 @@ try {
   await until(page, "both are drawn", (each) => each.model.count > 100);
   await picture("side-by-side");
   await checkRules("side by side");
+  await page.locator(".label.bad").click();
+  assert.match(await page.locator(".comparison").innerText(), /Answers 2 and 1/, "the clicked one becomes the first");
+  assert.ok((await page.locator(".detection.selected").innerText()).includes("UNKNOWN_OBJECT"));
 
   step("other files");
   await page.setInputFiles("#files", [at("scene.png"), at("intrinsics.json")]);
