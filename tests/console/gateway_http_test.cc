@@ -1,11 +1,13 @@
 // What the gateway refuses, and what one connection may take.
 #include <gmock/gmock.h>
 
-#include <algorithm>
+#include <condition_variable>
 #include <deque>
+#include <mutex>
+#include <optional>
+#include <tuple>
 
 #include "absl/strings/str_cat.h"
-#include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "tests/console/gateway_fixture.h"
 #include "tests/testing/certificates.h"
@@ -20,75 +22,95 @@ using ::testing::Not;
 constexpr char kListObjects[] = "/graspdb.v1.CatalogService/ListObjects";
 constexpr char kWatchCatalog[] = "/graspdb.v1.ChangeService/WatchCatalog";
 
-// Calls that end when they are cancelled, or with the next response.
+// Calls that end when they are cancelled, or as the test decides.
 class ScriptedUpstream : public console::Upstream {
  public:
   class Call : public console::UpstreamCall {
    public:
     explicit Call(OnEvent on_event) : on_event_(std::move(on_event)) {}
     void Next() override {
-      const absl::MutexLock lock(&mutex_);
+      const std::scoped_lock lock(mutex_);
       ++next_count_;
+      changed_.notify_all();
     }
     void Cancel() override { End(absl::CancelledError("cancelled")); }
     void End(const absl::Status& status, std::optional<std::string> message = std::nullopt) {
       OnEvent on_event;
       {
-        const absl::MutexLock lock(&mutex_);
+        const std::scoped_lock lock(mutex_);
         on_event = std::exchange(on_event_, nullptr);
         was_cancelled_ = absl::IsCancelled(status);
+        changed_.notify_all();
       }
       if (!on_event) return;
       on_event({.message = std::move(message),
                 .end = console::UpstreamEvent::End{.status = status, .request_id = {}}});
     }
-    void Send(std::string message) { on_event_({.message = std::move(message)}); }
+    void Send(std::string message) {
+      OnEvent on_event;
+      {
+        const std::scoped_lock lock(mutex_);
+        on_event = on_event_;
+      }
+      on_event({.message = std::move(message)});
+    }
+    int next_count() {
+      const std::scoped_lock lock(mutex_);
+      return next_count_;
+    }
     void AwaitNext(int count) {
-      const absl::MutexLock lock(&mutex_);
-      const auto is_there = [&] { return next_count_ >= count; };
-      mutex_.Await(absl::Condition(&is_there));
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return next_count_ >= count; });
     }
     void AwaitCancel() {
-      const absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(&was_cancelled_));
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return was_cancelled_; });
     }
 
    private:
-    absl::Mutex mutex_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
     OnEvent on_event_;
     int next_count_ = 0;
     bool was_cancelled_ = false;
   };
 
-  std::shared_ptr<console::UpstreamCall> Start(console::UpstreamRequest /*request*/,
-                                               OnEvent on_event) override {
-    auto call = std::make_shared<Call>(std::move(on_event));
-    if (answer_) {
-      call->End(absl::OkStatus(), *answer_);
-      return call;
-    }
-    const absl::MutexLock lock(&mutex_);
-    calls_.push_back(call);
-    all_.push_back(call);
-    return call;
-  }
-  // Answers all calls at once.
-  void Answer(std::string message) { answer_ = std::move(message); }
-  // The next call.
-  std::shared_ptr<Call> Await() {
-    const absl::MutexLock lock(&mutex_);
-    const auto is_there = [this] { return !calls_.empty(); };
-    mutex_.Await(absl::Condition(&is_there));
-    auto out = calls_.front();
-    calls_.pop_front();
-    return out;
-  }
   ~ScriptedUpstream() override {
     for (const auto& call : all_) call->Cancel();
   }
 
+  std::shared_ptr<console::UpstreamCall> Start(console::UpstreamRequest /*request*/,
+                                               OnEvent on_event) override {
+    auto call = std::make_shared<Call>(std::move(on_event));
+    std::unique_lock lock(mutex_);
+    if (answer_) {
+      const std::string answer = *answer_;
+      lock.unlock();
+      call->End(absl::OkStatus(), answer);
+      return call;
+    }
+    calls_.push_back(call);
+    all_.push_back(call);
+    changed_.notify_all();
+    return call;
+  }
+  // Answers all calls at once.
+  void Answer(std::string message) {
+    const std::scoped_lock lock(mutex_);
+    answer_ = std::move(message);
+  }
+  // The next call.
+  std::shared_ptr<Call> Await() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !calls_.empty(); });
+    auto out = calls_.front();
+    calls_.pop_front();
+    return out;
+  }
+
  private:
-  absl::Mutex mutex_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
   std::deque<std::shared_ptr<Call>> calls_;  // not yet taken by Await()
   std::vector<std::shared_ptr<Call>> all_;
   std::optional<std::string> answer_;
@@ -313,17 +335,20 @@ TEST_F(GatewayHttpTest, AStreamIsReadAsFastAsTheBrowserTakesIt) {
   client.SendBytes(absl::StrCat(Head(kWatchCatalog, kProtoStream, "Content-Length: 5\r\n\r\n"),
                                 std::string(5, '\0')));
   const auto call = upstream_->Await();
-  // Until the kernel keeps no more: then no message is requested any more.
-  const std::string message(4 << 20, 'x');
+  // More than the kernel keeps, so that it cannot be written before it is read.
+  const std::string message(64 << 20, 'x');
   call->Send(message);
+  std::string received = client.ReceiveBytes();
+  EXPECT_EQ(call->next_count(), 0) << "the message is not written yet";
+  while (received.size() < message.size()) received += client.ReceiveBytes();
   call->AwaitNext(1);
   call->Send("last");
-  std::string received;
-  while (received.find("last") == std::string::npos) received += client.ReceiveBytes();
-  EXPECT_GT(received.size(), message.size());
+  while (received.find("last", message.size()) == std::string::npos) {
+    received += client.ReceiveBytes();
+  }
   call->AwaitNext(2);
   call->End(absl::OkStatus());
-  while (received.find("0\r\n\r\n") == std::string::npos) received += client.ReceiveBytes();
+  while (!received.ends_with("0\r\n\r\n")) received += client.ReceiveBytes();
   EXPECT_EQ(client.Send("GET", "/").status, 200) << "the connection stays";
 }
 
