@@ -135,11 +135,13 @@ class GrpcUpstream::StreamCall : public Call {
 
   // A call that waits for Next() would not notice.
   void Cancel() override {
+    is_cancelled_ = true;
     context_.TryCancel();
     Next();
   }
 
   void Proceed(bool ok) override {
+    const std::shared_ptr<Call> self = shared_from_this();  // until the return
     if (step_ == Step::kFinish) return End({});
     if (!ok) {
       step_ = Step::kFinish;
@@ -155,6 +157,8 @@ class GrpcUpstream::StreamCall : public Call {
       response_.Clear();
       is_waiting_ = true;
       Deliver(std::move(event));
+      // Who cancels it meanwhile takes no message any more.
+      if (is_cancelled_) Next();
     }
   }
 
@@ -169,6 +173,7 @@ class GrpcUpstream::StreamCall : public Call {
 
   Step step_ = Step::kStart;
   std::atomic<bool> is_waiting_ = false;  // for Next()
+  std::atomic<bool> is_cancelled_ = false;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
   grpc::ByteBuffer request_;
   grpc::ByteBuffer response_;

@@ -1,7 +1,9 @@
 // Calls through the gateway beside direct ones.
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <filesystem>
+#include <future>
 
 #include "absl/strings/str_cat.h"
 #include "console/connect_protocol.h"
@@ -204,6 +206,28 @@ TEST_F(GatewayCallsTest, ChangesComeAsTheyHappen) {
     received += bytes;
   }
   EXPECT_THAT(received, StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(GatewayCallsTest, CancelledStreamsEnd) {
+  for (int i = 0; i < 50; ++i) ASSERT_THAT(CreateObject(absl::StrCat("box-", i)), IsGrpcOk());
+  v1::WatchCatalogRequest request;
+  request.set_after_revision(0);
+  for (int i = 0; i < 100; ++i) {
+    console::GrpcUpstream upstream({.server = server_->address()});
+    std::promise<void> begun;
+    std::atomic<int> message_count = 0;
+    const auto call = upstream.Start({.path = "/graspdb.v1.ChangeService/WatchCatalog",
+                                      .is_stream = true,
+                                      .message = request.SerializeAsString()},
+                                     [&](const console::UpstreamEvent& event) {
+                                       if (event.message && ++message_count == 1) begun.set_value();
+                                     });
+    begun.get_future().wait();
+    // While the next message arrives, which is not taken.
+    call->Next();
+    if (i % 2 == 0) call->Cancel();
+    // The end of `upstream` waits for that of the call.
+  }
 }
 
 TEST_F(GatewayCallsTest, OneConnectionTakesManyCalls) {
