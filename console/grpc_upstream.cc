@@ -73,13 +73,19 @@ class GrpcUpstream::Call : public UpstreamCall, public std::enable_shared_from_t
   }
 
   void Begin(const UpstreamRequest& request) {
+    const std::scoped_lock lock(begin_);
     self_ = shared_from_this();
     Send(has_own_authorization_ ? upstream_.open_stub_ : upstream_.stub_, request);
   }
   // An operation has ended.
-  virtual void Proceed(bool ok) = 0;
+  void OnOperation(bool ok) {
+    // What Begin() has written is visible from here on, however the queue passes on its tags.
+    { const std::scoped_lock lock(begin_); }
+    Proceed(ok);
+  }
 
  protected:
+  virtual void Proceed(bool ok) = 0;
   virtual void Send(grpc::GenericStub& stub, const UpstreamRequest& request) = 0;
   void Deliver(UpstreamEvent event) { on_event_(std::move(event)); }
   // Nothing of the call may be used afterwards.
@@ -97,6 +103,7 @@ class GrpcUpstream::Call : public UpstreamCall, public std::enable_shared_from_t
   grpc::Status status_;
 
  private:
+  std::mutex begin_;
   const bool has_own_authorization_;
   OnEvent on_event_;
   std::shared_ptr<Call> self_;
@@ -192,7 +199,7 @@ GrpcUpstream::GrpcUpstream(const client::ConnectionOptions& options)
     threads_.emplace_back([this] {
       void* tag = nullptr;
       bool ok = false;
-      while (queue_.Next(&tag, &ok)) static_cast<Call*>(tag)->Proceed(ok);
+      while (queue_.Next(&tag, &ok)) static_cast<Call*>(tag)->OnOperation(ok);
     });
   }
 }
