@@ -38,6 +38,15 @@ async function prepare() {
   return { url, scene: at(`scenes/clouds/${scene}`), revision: JSON.parse(graspdb("status", "--json")).catalogRevision };
 }
 
+// The same with an empty catalogue, in which only a reader has an identity.
+async function withIdentities() {
+  writeFileSync(at("identities.jsonl"), execFileSync(join(bin, "graspdb-server"),
+    ["token", "reader", "--role", "read", "--out", at("reader.token")]));
+  const server = await start(join(bin, "graspdb-server"),
+    ["--db", at("db2"), "--listen", "127.0.0.1:0", "--identities", at("identities.jsonl")], "listening on ");
+  return start(join(bin, "graspdb"), ["--server", server, "console", "--listen", "127.0.0.1:0"], "console on ");
+}
+
 // The scene as a PLY file and as a depth image with its camera.
 async function otherFiles(scene) {
   const { readPcd } = await pageModule(work, "point_file", folder);
@@ -220,6 +229,17 @@ try {
 
   assert.deepEqual(await page.evaluate(() => globalThis.refusals), [], "refusals of the policy");
   assert.deepEqual(faults, [], "errors of the page");
+
+  step("a server with identities takes the browser's token");
+  await page.goto(await withIdentities());
+  await page.locator(".banner").getByText("UNAUTHENTICATED").waitFor();
+  await page.getByLabel("Token").fill(readFileSync(at("reader.token"), "utf8").trim());
+  await page.getByRole("button", { name: "Use it" }).click();
+  await page.locator(".revision").getByText("revision 0").waitFor();
+  assert.deepEqual(await page.evaluate(() => [document.cookie, localStorage.length, sessionStorage.length]), ["", 0, 0]);
+  await page.setInputFiles("#files", scene);
+  await page.getByRole("button", { name: "Recognise" }).click();
+  await page.locator(".banner").getByText("lacks the role").waitFor();
   console.log("done");
 } catch (error) {
   await picture("failure");
