@@ -1,10 +1,8 @@
 #include "console/gateway.h"
 
-#include <openssl/ssl.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 
-#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -12,7 +10,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <exception>
-#include <optional>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -20,8 +18,10 @@
 #include "console/http_connection.h"
 #include "program/listen_address.h"
 #include "program/listening_sockets.h"
+#include "program/log_field.h"
 #include "program/loopback.h"
 #include "program/pem_files.h"
+#include "program/watched_files.h"
 
 namespace graspdb::console {
 namespace {
@@ -35,7 +35,11 @@ constexpr int kHttpThreads = 3;
 constexpr std::chrono::milliseconds kAcceptPause(100);  // without a free descriptor
 
 // TLS 1.2 or later. FAILED_PRECONDITION for files that do not fit.
-absl::Status UseFiles(const GatewayOptions& options, net::ssl::context* tls) {
+absl::StatusOr<std::shared_ptr<net::ssl::context>> MakeTls(const GatewayOptions& options) {
+  absl::Status usable =
+      CheckKeyPair({"--tls-cert", options.tls_cert}, {"--tls-key", options.tls_key});
+  if (!usable.ok()) return usable;
+  auto tls = std::make_shared<net::ssl::context>(net::ssl::context::tls_server);
   ErrorCode error;
   tls->set_options(net::ssl::context::default_workarounds | net::ssl::context::no_sslv2 |
                        net::ssl::context::no_sslv3 | net::ssl::context::no_tlsv1 |
@@ -43,7 +47,7 @@ absl::Status UseFiles(const GatewayOptions& options, net::ssl::context* tls) {
                    error);
   if (!error) tls->use_certificate_chain_file(options.tls_cert, error);
   if (!error) tls->use_private_key_file(options.tls_key, net::ssl::context::pem, error);
-  if (!error) return absl::OkStatus();
+  if (!error) return tls;
   return absl::FailedPreconditionError(
       absl::StrCat("--tls-cert and --tls-key cannot be used: ", error.message()));
 }
@@ -67,11 +71,15 @@ struct Gateway::Parts {
              .limits = limits} {}
 
   void Listen(ListeningSockets sockets);
+  // Uses the files of TLS, and those that replace them for new connections.
+  absl::Status UseTls(const GatewayOptions& options);
+  bool RenewTls(const GatewayOptions& options);
   void Accept(std::size_t listener);
   void Take(tcp::socket socket);
 
   net::io_context context;
-  std::optional<net::ssl::context> tls;
+  std::mutex tls_mutex;
+  std::shared_ptr<net::ssl::context> tls;  // null: none
   std::unique_ptr<Upstream> upstream;
   Site site;
   std::vector<tcp::acceptor> acceptors;
@@ -79,7 +87,36 @@ struct Gateway::Parts {
   std::string url;
   std::uint16_t port = 0;
   std::vector<std::thread> threads;
+  bool is_tls_invalid = false;              // of the next one's thread: was logged
+  std::unique_ptr<WatchedFiles> tls_files;  // whose thread renews `tls`
 };
+
+absl::Status Gateway::Parts::UseTls(const GatewayOptions& options) {
+  if (options.tls_cert.empty()) return absl::OkStatus();
+  // Before the files are read, so that no change is missed between.
+  tls_files =
+      std::make_unique<WatchedFiles>(std::vector<std::string>{options.tls_cert, options.tls_key});
+  absl::StatusOr<std::shared_ptr<net::ssl::context>> made = MakeTls(options);
+  if (!made.ok()) return made.status();
+  tls = *std::move(made);
+  tls_files->Start([this, options] { return RenewTls(options); });
+  return absl::OkStatus();
+}
+
+bool Gateway::Parts::RenewTls(const GatewayOptions& options) {
+  absl::StatusOr<std::shared_ptr<net::ssl::context>> made = MakeTls(options);
+  if (!made.ok()) {  // e.g. half written: those from before stay in use
+    if (!std::exchange(is_tls_invalid, true)) {
+      spdlog::warn("event=tls_files_invalid error={}",
+                   LogField(std::string(made.status().message())));
+    }
+    return false;
+  }
+  is_tls_invalid = false;
+  const std::scoped_lock lock(tls_mutex);
+  tls = *std::move(made);
+  return true;
+}
 
 void Gateway::Parts::Listen(ListeningSockets sockets) {
   port = sockets.port;
@@ -111,11 +148,15 @@ void Gateway::Parts::Take(tcp::socket socket) {
   ErrorCode ignored;
   socket.set_option(tcp::no_delay(true), ignored);
   const auto executor = socket.get_executor();
-  // Counted from here on.
-  if (tls) {
-    using TlsStream = net::ssl::stream<tcp::socket>;
+  std::shared_ptr<net::ssl::context> current;
+  {
+    const std::scoped_lock lock(tls_mutex);
+    current = tls;
+  }
+  if (current != nullptr) {
+    using TlsStream = net::ssl::stream<tcp::socket>;  // which keeps what it needs of the context
     auto connection =
-        std::make_shared<HttpConnection<TlsStream>>(TlsStream(std::move(socket), *tls), site);
+        std::make_shared<HttpConnection<TlsStream>>(TlsStream(std::move(socket), *current), site);
     net::post(executor, [connection] { connection->Start(); });
   } else {
     auto connection = std::make_shared<HttpConnection<tcp::socket>>(std::move(socket), site);
@@ -155,11 +196,7 @@ absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& op
     auto parts = std::make_unique<Parts>(
         Origins(address->host, sockets->port, options.hosts, has_tls || options.behind_proxy),
         files, std::move(upstream), options.limits);
-    if (has_tls) parts->tls.emplace(net::ssl::context::tls_server);
-    if (absl::Status used = has_tls ? UseFiles(options, &*parts->tls) : absl::OkStatus();
-        !used.ok()) {
-      return used;
-    }
+    if (absl::Status used = parts->UseTls(options); !used.ok()) return used;
     parts->url =
         absl::StrCat(has_tls ? "https://" : "http://", address->host, ":", sockets->port, "/");
     parts->Listen(*std::move(sockets));

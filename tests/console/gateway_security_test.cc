@@ -8,6 +8,7 @@
 #include <boost/beast/http/write.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "tests/console/gateway_fixture.h"
 #include "tests/server/access_fixture.h"
 #include "tests/testing/certificates.h"
@@ -95,6 +96,31 @@ TEST_F(GatewayTlsTest, BrowsersCanUseTls) {
   HttpClient plain = Connect();
   plain.SendBytes("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(plain.Receive().status, 0) << "no answer without TLS";
+}
+
+TEST_F(GatewayTlsTest, RenewedFilesAreUsed) {
+  namespace net = boost::asio;
+  KeyPair pair = plant_.IssueForLoopback();
+  gateway_options_.tls_cert = Write("console.pem", pair.certificate);
+  gateway_options_.tls_key = Write("console.key", pair.key);
+  StartGateway();
+  const Authority other("other");
+  const auto is_trusted = [&] {
+    net::io_context context;
+    net::ssl::context tls(net::ssl::context::tls_client);
+    tls.add_certificate_authority(net::buffer(other.certificate()));
+    tls.set_verify_mode(net::ssl::verify_peer);
+    net::ssl::stream<net::ip::tcp::socket> stream(context, tls);
+    stream.next_layer().connect({net::ip::address_v4::loopback(), gateway_->port()});
+    boost::system::error_code error;
+    stream.handshake(net::ssl::stream_base::client, error);
+    return !error;
+  };
+  EXPECT_FALSE(is_trusted());
+  pair = other.IssueForLoopback();
+  Write("console.pem", pair.certificate);
+  Write("console.key", pair.key);
+  while (!is_trusted()) absl::SleepFor(absl::Milliseconds(50));
 }
 
 }  // namespace
