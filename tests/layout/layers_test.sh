@@ -13,7 +13,7 @@ for i in "${!rows[@]}"; do rank[${rows[$i]}]=${rank[${rows[$i]}]-$i}; done
 # FILE:#include "PATH" of all sources but the tests'.
 includes() {
   grep -rHoE '^#include "[a-z_0-9/]+\.h"' --include='*.h' --include='*.cc' \
-    recognition storage program server files rendering pictures client console lab | sed 's/#include "//; s/"$//'
+    base recognition storage program server files rendering pictures client console lab | sed 's/#include "//; s/"$//'
 }
 
 failed=0
@@ -45,6 +45,8 @@ forbid 'recognition/' storage
 forbid 'program/(?!uuid\.h)' storage
 forbid 'storage/(?!base/(crc32c|little_endian|folder_sync)\.h)' files
 forbid 'lab/' recognition program storage server files rendering pictures client console
+# Its macros have no prefix; users of the library may have their own of these names.
+forbid 'base/' client/sdk/client.h
 # Asio of Boost and Asio by itself have the same macros.
 forbid 'boost/' recognition program storage server files rendering pictures client lab
 forbid 'pcl/' recognition program storage server files rendering pictures client console lab
