@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "storage/backups/backup_record.h"
 
 namespace graspdb::storage {
@@ -76,7 +77,7 @@ absl::Status DeleteUnfinished(rocksdb::BackupEngine& engine, const std::string& 
 
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngineReadOnly>> OpenToRead(
     const std::string& directory, rocksdb::Env* env) {
-  if (absl::Status readable = CheckFoldersReadable(directory); !readable.ok()) return readable;
+  RETURN_IF_ERROR(CheckFoldersReadable(directory));
   rocksdb::BackupEngineOptions options = MakeOptions(directory);
   options.backup_env = env;
   rocksdb::BackupEngineReadOnly* engine = nullptr;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "rocksdb/utilities/stackable_db.h"
 #include "storage/backups/backup_engine.h"
@@ -104,7 +105,7 @@ absl::Status Backups::Claim() {
     rocksdb::Env::Default()->UnlockFile(lock_).PermitUncheckedError();
     lock_ = nullptr;
   }
-  if (auto ours = CheckFolder(directory_); !ours.ok()) return ours;
+  RETURN_IF_ERROR(CheckFolder(directory_));
   const std::string path = LockPath(directory_);
   const rocksdb::Status locked = rocksdb::Env::Default()->LockFile(path, &lock_);
   if (IsLockTaken(locked)) {
@@ -120,9 +121,8 @@ absl::Status Backups::Claim() {
 
 absl::StatusOr<std::optional<Backup>> Backups::FindMade(std::string_view request_id) const {
   if (request_id.empty()) return std::nullopt;
-  auto existing = List();
-  if (!existing.ok()) return existing.status();
-  for (Backup& backup : *existing) {
+  ASSIGN_OR_RETURN(auto existing, List());
+  for (Backup& backup : existing) {
     if (backup.state.ok() && backup.record.request_id() == request_id) return std::move(backup);
   }
   return std::nullopt;
@@ -130,25 +130,24 @@ absl::StatusOr<std::optional<Backup>> Backups::FindMade(std::string_view request
 
 absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgress& progress,
                                        std::string_view request_id) {
-  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  RETURN_IF_ERROR(Claim());
   const OperationMark mark(running_);
-  if (auto first = mark.Check(directory_); !first.ok()) return first;
-  auto made_before = FindMade(request_id);
-  if (!made_before.ok()) return made_before.status();
-  if (made_before->has_value()) return **std::move(made_before);
+  RETURN_IF_ERROR(mark.Check(directory_));
+  ASSIGN_OR_RETURN(auto made_before, FindMade(request_id));
+  if (made_before.has_value()) return *std::move(made_before);
   Database& database = *catalogue.database_;
-  const auto engine = OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv());
-  if (!engine.ok()) return engine.status();
+  ASSIGN_OR_RETURN(const auto engine,
+                   OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv()));
   // Both before changes are paused, since they take longer; the logs of later changes become part
   // of the backup.
-  if (auto deleted = DeleteUnfinished(**engine, directory_); !deleted.ok()) return deleted;
-  if (auto flushed = database.Flush(); !flushed.ok()) return flushed;
+  RETURN_IF_ERROR(DeleteUnfinished(*engine, directory_));
+  RETURN_IF_ERROR(database.Flush());
 
   std::int64_t bytes = 0;
   rocksdb::CreateBackupOptions options;
   options.progress_callback = [&] {
     progress.Report(bytes += kBackupProgressBytes);
-    if (progress.IsCancelled()) (*engine)->StopBackup();
+    if (progress.IsCancelled()) engine->StopBackup();
   };
   rocksdb::BackupID id = 0;
   const auto copy = [&](const MetaRecord& meta, absl::FunctionRef<void()> release) {
@@ -161,7 +160,7 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
         absl::ToUnixNanos(catalogue.log_->Now()));
     CapturedDatabase captured(database.rocks(), release);
     const rocksdb::Status made =
-        (*engine)->CreateNewBackupWithMetadata(options, &captured, EncodeBackupRecord(record), &id);
+        engine->CreateNewBackupWithMetadata(options, &captured, EncodeBackupRecord(record), &id);
     if (made.IsIncomplete()) return cancelled;
     if (made.IsCorruption()) {
       return absl::DataLossError("no backup was made, since the database is damaged (" +
@@ -169,10 +168,9 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
     }
     return FromBackupEngine(made, "make a backup", directory_);
   };
-  if (auto copied = catalogue.log_->PauseChanges(copy); !copied.ok()) return copied;
-  const auto info = FindBackup(**engine, id, directory_);
-  if (!info.ok()) return info.status();
-  return DescribeBackup(*info, directory_);
+  RETURN_IF_ERROR(catalogue.log_->PauseChanges(copy));
+  ASSIGN_OR_RETURN(const auto info, FindBackup(*engine, id, directory_));
+  return DescribeBackup(info, directory_);
 }
 
 absl::StatusOr<std::vector<Backup>> Backups::List() const {
@@ -181,32 +179,30 @@ absl::StatusOr<std::vector<Backup>> Backups::List() const {
 }
 
 absl::StatusOr<std::vector<Backup>> Backups::ListLocked() const {
-  const auto engine = OpenToRead(directory_, nullptr);
-  if (!engine.ok()) return engine.status();
+  ASSIGN_OR_RETURN(const auto engine, OpenToRead(directory_, nullptr));
   std::vector<rocksdb::BackupInfo> infos;
-  (*engine)->GetBackupInfo(&infos);
+  engine->GetBackupInfo(&infos);
   std::vector<Backup> backups;
   backups.reserve(infos.size());
   for (const rocksdb::BackupInfo& info : infos) backups.push_back(DescribeBackup(info, directory_));
   std::vector<rocksdb::BackupID> damaged;
-  (*engine)->GetCorruptedBackups(&damaged);
+  engine->GetCorruptedBackups(&damaged);
   for (const rocksdb::BackupID id : damaged) {
     Backup& backup = backups.emplace_back();
     backup.id = id;
-    backup.state = FindBackup(**engine, id, directory_).status();
+    backup.state = FindBackup(*engine, id, directory_).status();
   }
   std::ranges::sort(backups, {}, &Backup::id);
   return backups;
 }
 
 absl::Status Backups::Delete(BackupId id) {
-  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  RETURN_IF_ERROR(Claim());
   const OperationMark mark(running_);
-  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  RETURN_IF_ERROR(mark.Check(directory_));
   absl::MutexLock lock(&listing_mutex_);
-  const auto existing = ListLocked();
-  if (!existing.ok()) return existing.status();
-  if (std::ranges::find(*existing, id, &Backup::id) == existing->end()) {
+  ASSIGN_OR_RETURN(const auto existing, ListLocked());
+  if (std::ranges::find(existing, id, &Backup::id) == existing.end()) {
     return NoBackup(id, directory_);
   }
   return DeleteLocked({id});
@@ -214,15 +210,14 @@ absl::Status Backups::Delete(BackupId id) {
 
 absl::StatusOr<std::vector<BackupId>> Backups::DeleteOld(const BackupRetention& retention,
                                                          absl::Time now) {
-  if (auto claimed = Claim(); !claimed.ok()) return claimed;
+  RETURN_IF_ERROR(Claim());
   const OperationMark mark(running_);
-  if (auto first = mark.Check(directory_); !first.ok()) return first;
+  RETURN_IF_ERROR(mark.Check(directory_));
   absl::MutexLock lock(&listing_mutex_);
-  const auto existing = ListLocked();
-  if (!existing.ok()) return existing.status();
+  ASSIGN_OR_RETURN(const auto existing, ListLocked());
   std::vector<BackupId> old;
   std::int64_t newer = 0;  // intact ones
-  for (auto backup = existing->rbegin(); backup != existing->rend(); ++backup) {
+  for (auto backup = existing.rbegin(); backup != existing.rend(); ++backup) {
     if (!backup->state.ok() || retention.damaged.contains(backup->id)) continue;
     const absl::Duration age =
         now - absl::FromUnixNanos(
@@ -232,17 +227,16 @@ absl::StatusOr<std::vector<BackupId>> Backups::DeleteOld(const BackupRetention& 
     }
     ++newer;
   }
-  if (auto deleted = DeleteLocked(old); !deleted.ok()) return deleted;
+  RETURN_IF_ERROR(DeleteLocked(old));
   return old;
 }
 
 absl::Status Backups::DeleteLocked(const std::vector<BackupId>& ids) {
-  const auto engine = OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default());
-  if (!engine.ok()) return engine.status();
+  ASSIGN_OR_RETURN(const auto engine,
+                   OpenToWrite(directory_, bytes_per_second_, rocksdb::Env::Default()));
   for (const BackupId id : ids) {
-    absl::Status deleted = FromBackupEngine((*engine)->DeleteBackup(id),
-                                            "delete backup " + std::to_string(id), directory_);
-    if (!deleted.ok()) return deleted;
+    RETURN_IF_ERROR(FromBackupEngine(engine->DeleteBackup(id),
+                                     "delete backup " + std::to_string(id), directory_));
   }
   return absl::OkStatus();
 }

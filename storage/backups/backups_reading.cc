@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "rocksdb/env.h"
 #include "storage/backups/backup_engine.h"
 #include "storage/backups/backups.h"
@@ -43,9 +44,7 @@ absl::StatusOr<OpenBackup> OpenBackupToRead(BackupId id, const std::string& dire
   auto engine = OpenToRead(directory, out.files.get());
   if (!engine.ok()) return progress.IsCancelled() ? Cancelled() : engine.status();
   out.engine = *std::move(engine);
-  auto info = FindBackup(*out.engine, id, directory);
-  if (!info.ok()) return info.status();
-  out.info = *std::move(info);
+  ASSIGN_OR_RETURN(out.info, FindBackup(*out.engine, id, directory));
   out.backup = DescribeBackup(out.info, directory);
   const int version = out.backup.record.meta().schema_version();
   if (version <= kSchemaVersion) return out;
@@ -124,50 +123,44 @@ std::string DatabaseName(const std::filesystem::path& file) {
 // Gives a restored database an id of its own: its next changes get revisions that changes of the
 // original had.
 absl::Status GiveNewId(const std::string& directory) {
-  const auto database = Database::Open(directory, {.create_if_missing = false});
-  if (!database.ok()) return database.status();
-  auto meta = ReadMeta(**database);
-  return meta.ok() ? RenewCatalogId(**database, *meta) : meta.status();
+  ASSIGN_OR_RETURN(const auto database, Database::Open(directory, {.create_if_missing = false}));
+  ASSIGN_OR_RETURN(auto meta, ReadMeta(*database));
+  return RenewCatalogId(*database, meta);
 }
 
 }  // namespace
 
 absl::StatusOr<Backup> Backups::Verify(BackupId id, const BackupProgress& progress) const {
   const OperationMark mark(running_);
-  if (auto first = mark.Check(directory_); !first.ok()) return first;
-  const auto open = OpenBackupToRead(id, directory_, progress);
-  if (!open.ok()) return open.status();
-  const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
-  absl::Status status = ReadStatus(verified, *open, directory_, "verify", progress);
-  if (!status.ok()) return status;
-  status = CheckContent(OpenContent(*open), *open, directory_);
-  if (status.ok()) return open->backup;
+  RETURN_IF_ERROR(mark.Check(directory_));
+  ASSIGN_OR_RETURN(const auto open, OpenBackupToRead(id, directory_, progress));
+  const rocksdb::Status verified = open.engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+  RETURN_IF_ERROR(ReadStatus(verified, open, directory_, "verify", progress));
+  const absl::Status status = CheckContent(OpenContent(open), open, directory_);
+  if (status.ok()) return open.backup;
   return progress.IsCancelled() ? Cancelled() : status;
 }
 
 absl::StatusOr<Backup> Backups::Restore(BackupId id, const std::string& database,
                                         const BackupProgress& progress) const {
-  const auto folder = RestoreFolder::Make(database);
-  if (!folder.ok()) return folder.status();
-  const std::string path = (*folder)->path();
+  ASSIGN_OR_RETURN(const auto folder, RestoreFolder::Make(database));
+  const std::string path = folder->path();
   // Ends before the folder, into which its threads write.
-  const auto open = OpenBackupToRead(id, directory_, progress);
-  if (!open.ok()) return open.status();
+  ASSIGN_OR_RETURN(const auto open, OpenBackupToRead(id, directory_, progress));
   rocksdb::Status copied =
-      open->engine->RestoreDBFromBackup(rocksdb::RestoreOptions(), id, path, path);
+      open.engine->RestoreDBFromBackup(rocksdb::RestoreOptions(), id, path, path);
   // The error of a restore does not name the damaged file, that of a verification does.
   if (copied.IsCorruption()) {
-    const rocksdb::Status verified = open->engine->VerifyBackup(id, /*verify_with_checksum=*/true);
+    const rocksdb::Status verified = open.engine->VerifyBackup(id, /*verify_with_checksum=*/true);
     if (verified.IsCorruption()) copied = verified;
   }
-  absl::Status status = ReadStatus(copied, *open, directory_, "restore", progress);
-  if (status.ok()) status = CheckLogs(path);
-  if (status.ok()) status = CheckContent(Database::OpenReadOnly(path, nullptr), *open, directory_);
-  if (status.ok()) status = GiveNewId(path);
-  if (status.ok()) status = WriteRevisionFloor(path, open->backup.record.meta().revision());
-  if (status.ok()) status = (*folder)->Publish();
-  if (!status.ok()) return status;
-  return open->backup;
+  RETURN_IF_ERROR(ReadStatus(copied, open, directory_, "restore", progress));
+  RETURN_IF_ERROR(CheckLogs(path));
+  RETURN_IF_ERROR(CheckContent(Database::OpenReadOnly(path, nullptr), open, directory_));
+  RETURN_IF_ERROR(GiveNewId(path));
+  RETURN_IF_ERROR(WriteRevisionFloor(path, open.backup.record.meta().revision()));
+  RETURN_IF_ERROR(folder->Publish());
+  return open.backup;
 }
 
 absl::StatusOr<Backup> Backups::Compare(BackupId id, const Catalogue& catalogue,
@@ -180,9 +173,8 @@ absl::StatusOr<Backup> Backups::Compare(BackupId id, const Catalogue& catalogue,
 absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database,
                                         const BackupProgress& progress,
                                         DifferenceVisitor visit) const {
-  const auto found = InspectDirectory(database);
-  if (!found.ok()) return found.status();
-  if (*found == DirectoryContent::kNothing) {
+  ASSIGN_OR_RETURN(const auto found, InspectDirectory(database));
+  if (found == DirectoryContent::kNothing) {
     return absl::NotFoundError("there is no database at " + database);
   }
   const DatabaseLock lock(database);
@@ -191,20 +183,18 @@ absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database
                                          " is in use by another process; stop it, or compare with "
                                          "its catalogue: graspdb backup diff");
   }
-  const auto there = Database::OpenReadOnly(database, nullptr);
-  if (!there.ok()) return there.status();
-  return CompareWith({**there}, id, progress, visit);
+  ASSIGN_OR_RETURN(const auto there, Database::OpenReadOnly(database, nullptr));
+  return CompareWith({*there}, id, progress, visit);
 }
 
 absl::StatusOr<Backup> Backups::CompareWith(const DatabaseState& there, BackupId id,
                                             const BackupProgress& progress,
                                             DifferenceVisitor visit) const {
-  const auto open = OpenBackupToRead(id, directory_, progress);
-  if (!open.ok()) return open.status();
-  const auto content = OpenContent(*open);
+  ASSIGN_OR_RETURN(const auto open, OpenBackupToRead(id, directory_, progress));
+  const auto content = OpenContent(open);
   absl::Status status = content.status();
   if (status.ok()) status = FindDifferences(there, {**content}, progress, visit);
-  if (status.ok()) return open->backup;
+  if (status.ok()) return open.backup;
   return progress.IsCancelled() ? Cancelled() : status;
 }
 
@@ -212,10 +202,9 @@ absl::StatusOr<std::map<std::string, BackupId>> Backups::FindFiles(
     const std::string& catalog_id, const std::vector<std::string>& names,
     const std::set<BackupId>& left_out) const {
   absl::MutexLock lock(&listing_mutex_);
-  const auto engine = OpenToRead(directory_, nullptr);
-  if (!engine.ok()) return engine.status();
+  ASSIGN_OR_RETURN(const auto engine, OpenToRead(directory_, nullptr));
   std::vector<rocksdb::BackupInfo> infos;  // the oldest first
-  (*engine)->GetBackupInfo(&infos, /*include_file_details=*/true);
+  engine->GetBackupInfo(&infos, /*include_file_details=*/true);
   std::map<std::string, BackupId> out;
   for (const rocksdb::BackupInfo& info : infos) {
     const Backup backup = DescribeBackup(info, directory_);

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "base/status_macros.h"
 #include "rocksdb/iterator.h"
 #include "storage/database/rocksdb_status.h"
 
@@ -39,7 +40,7 @@ absl::Status CompareRows(rocksdb::Iterator* before, rocksdb::Iterator* after,
                                   : Difference::Kind::kAdded;
     if (order != 0 || before->value() != after->value()) {
       difference.name = (order <= 0 ? before : after)->key().ToString();
-      if (auto visited = visit(difference); !visited.ok()) return visited;
+      RETURN_IF_ERROR(visit(difference));
     }
     if (order <= 0) before->Next();
     if (order >= 0) after->Next();
@@ -57,8 +58,7 @@ absl::Status FindDifferences(const DatabaseState& before, const DatabaseState& a
        {Family::kObjects, Family::kStablePoses, Family::kViews, Family::kCells}) {
     const auto rows_before = RowsOf(before, family);
     const auto rows_after = RowsOf(after, family);
-    absl::Status compared = CompareRows(rows_before.get(), rows_after.get(), progress, visit);
-    if (!compared.ok()) return compared;
+    RETURN_IF_ERROR(CompareRows(rows_before.get(), rows_after.get(), progress, visit));
   }
   return absl::OkStatus();
 }

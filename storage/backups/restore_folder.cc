@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/status_macros.h"
 #include "storage/base/folder_sync.h"
 
 namespace graspdb::storage {
@@ -48,12 +49,12 @@ absl::StatusOr<std::unique_ptr<RestoreFolder>> RestoreFolder::Make(const std::st
   if (!error && !target.has_filename()) target = target.parent_path();  // "db/"
   if (!error) error = MakeFolders(target.parent_path());
   if (error) return CannotRestore(database, error.message());
-  if (auto empty = CheckEmpty(target); !empty.ok()) return empty;
+  RETURN_IF_ERROR(CheckEmpty(target));
 
   const std::filesystem::path path =
       target.parent_path() / (std::string(kPrefix) + target.filename().string());
   std::unique_ptr<RestoreFolder> folder(new RestoreFolder(target, path));
-  if (auto locked = folder->Lock(); !locked.ok()) return locked;
+  RETURN_IF_ERROR(folder->Lock());
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error)) {
     std::filesystem::remove_all(entry->path(), error);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "storage/changes/change_log.h"
 #include "storage/changes/schema.h"
 #include "storage/database/database.h"
@@ -16,24 +17,21 @@ namespace graspdb::storage {
 
 absl::StatusOr<std::unique_ptr<Catalogue>> Catalogue::Open(const std::string& directory,
                                                            CatalogueOptions options) {
-  const auto floor = ReadRevisionFloor(directory);
-  if (!floor.ok()) return floor.status();
-  auto database = Database::Open(directory, {.create_if_missing = options.create_if_missing,
-                                             .write_buffer_bytes = options.write_buffer_bytes,
-                                             .env = options.env,
-                                             .reserve_bytes = options.disk_reserve_bytes});
-  if (!database.ok()) return database.status();
-  auto meta = PrepareSchema(**database, *floor, options.clock());
-  if (!meta.ok()) return meta.status();
+  ASSIGN_OR_RETURN(const auto floor, ReadRevisionFloor(directory));
+  ASSIGN_OR_RETURN(auto database,
+                   Database::Open(directory, {.create_if_missing = options.create_if_missing,
+                                              .write_buffer_bytes = options.write_buffer_bytes,
+                                              .env = options.env,
+                                              .reserve_bytes = options.disk_reserve_bytes}));
+  ASSIGN_OR_RETURN(auto meta, PrepareSchema(*database, floor, options.clock()));
   DeleteOldIndex(directory);
-  const absl::Status floor_written = WriteRevisionFloor(directory, meta->revision());
-  if (!floor_written.ok()) return floor_written;
-  auto log = std::make_unique<ChangeLog>(**database, *std::move(meta),
+  RETURN_IF_ERROR(WriteRevisionFloor(directory, meta.revision()));
+  auto log = std::make_unique<ChangeLog>(*database, std::move(meta),
                                          std::max<std::int64_t>(1, options.keep_changes),
                                          std::move(options.clock));
   // The constructor is private, so std::make_unique cannot call it.
   return std::unique_ptr<Catalogue>(
-      new Catalogue(*std::move(database), std::move(log), options.max_staged_views));
+      new Catalogue(std::move(database), std::move(log), options.max_staged_views));
 }
 
 Catalogue::Catalogue(std::unique_ptr<Database> database, std::unique_ptr<ChangeLog> log,
@@ -68,20 +66,15 @@ const std::string& Catalogue::directory() const { return database_->directory();
 
 absl::StatusOr<std::int64_t> Catalogue::ForEach(const RecordVisitor& visitor) const {
   const Database::Snapshot snapshot = database_->TakeSnapshot();
-  const auto bytes = database_->Get(Family::kMeta, kMetaKey, snapshot.get());
-  if (!bytes.ok()) return bytes.status();
+  ASSIGN_OR_RETURN(const auto bytes, database_->Get(Family::kMeta, kMetaKey, snapshot.get()));
   MetaRecord meta;
-  if (!meta.ParseFromString(*bytes)) return DamagedRecord(kMetaKey);
-  absl::Status status = VisitRecords<v1::Object>(*database_, snapshot.get(), visitor.object);
-  if (!status.ok()) return status;
-  status = VisitRecords<v1::StablePose>(*database_, snapshot.get(), visitor.stable_pose);
-  if (!status.ok()) return status;
-  status = VisitRecords<ViewRecord>(*database_, snapshot.get(), visitor.view);
-  if (!status.ok()) return status;
-  status = VisitRecords<v1::Cell>(*database_, snapshot.get(), visitor.cell);
-  if (!status.ok()) return status;
-  status = VisitRecords<GraspOutcomesRecord>(*database_, snapshot.get(), visitor.grasp_outcomes);
-  if (!status.ok()) return status;
+  if (!meta.ParseFromString(bytes)) return DamagedRecord(kMetaKey);
+  RETURN_IF_ERROR(VisitRecords<v1::Object>(*database_, snapshot.get(), visitor.object));
+  RETURN_IF_ERROR(VisitRecords<v1::StablePose>(*database_, snapshot.get(), visitor.stable_pose));
+  RETURN_IF_ERROR(VisitRecords<ViewRecord>(*database_, snapshot.get(), visitor.view));
+  RETURN_IF_ERROR(VisitRecords<v1::Cell>(*database_, snapshot.get(), visitor.cell));
+  RETURN_IF_ERROR(
+      VisitRecords<GraspOutcomesRecord>(*database_, snapshot.get(), visitor.grasp_outcomes));
   return meta.revision();
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/changes/change_log.h"
 #include "storage/changes/requests.h"
@@ -50,10 +51,10 @@ absl::StatusOr<std::optional<AddedOutcomes>> FindAdded(const Database& database,
                                                        const RequestKey& request,
                                                        const ChangeBatch& batch) {
   if (request.id.empty()) return std::nullopt;
-  const auto found = FindRequest(database, request.id, request.content_digest, batch.time());
-  if (!found.ok()) return found.status();
-  if (!found->has_value()) return std::nullopt;
-  return AddedOutcomes{(*found)->grasp_outcome_counts(), (*found)->revision(), true};
+  ASSIGN_OR_RETURN(const auto found,
+                   FindRequest(database, request.id, request.content_digest, batch.time()));
+  if (!found.has_value()) return std::nullopt;
+  return AddedOutcomes{found->grasp_outcome_counts(), found->revision(), true};
 }
 
 void KeepAdded(const AddedOutcomes& added, const RequestKey& request, ChangeBatch& batch) {
@@ -71,26 +72,23 @@ void KeepAdded(const AddedOutcomes& added, const RequestKey& request, ChangeBatc
 absl::StatusOr<AddedOutcomes> Catalogue::AddGraspOutcomes(std::string_view stable_pose_name,
                                                           const v1::GraspOutcomeCounts& added,
                                                           const RequestKey& request) {
-  if (absl::Status valid = CheckAdded(added); !valid.ok()) return valid;
+  RETURN_IF_ERROR(CheckAdded(added));
   AddedOutcomes out;
   const absl::Status status = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
-    auto earlier = FindAdded(*database_, request, batch);
-    if (!earlier.ok()) return earlier.status();
-    if (earlier->has_value()) {
-      out = **std::move(earlier);
+    ASSIGN_OR_RETURN(auto earlier, FindAdded(*database_, request, batch));
+    if (earlier.has_value()) {
+      out = *std::move(earlier);
       return absl::OkStatus();
     }
-    const auto pose = ReadRecord<v1::StablePose>(*database_, stable_pose_name);
-    if (!pose.ok()) return pose.status();
-    if (auto known = CheckGrasp(*pose, added.grasp_id()); !known.ok()) return known;
-    auto record = ReadOutcomes(*database_, stable_pose_name);
-    if (!record.ok()) return record.status();
-    v1::GraspOutcomeCounts& counts = CountsOf(*record, added.grasp_id());
+    ASSIGN_OR_RETURN(const auto pose, ReadRecord<v1::StablePose>(*database_, stable_pose_name));
+    RETURN_IF_ERROR(CheckGrasp(pose, added.grasp_id()));
+    ASSIGN_OR_RETURN(auto record, ReadOutcomes(*database_, stable_pose_name));
+    v1::GraspOutcomeCounts& counts = CountsOf(record, added.grasp_id());
     counts.set_picked_count(counts.picked_count() + added.picked_count());
     counts.set_missed_count(counts.missed_count() + added.missed_count());
     counts.set_slipped_count(counts.slipped_count() + added.slipped_count());
     out = {counts, batch.Begin()};
-    batch.Overwrite(Family::kGraspOutcomes, stable_pose_name, record->SerializeAsString());
+    batch.Overwrite(Family::kGraspOutcomes, stable_pose_name, record.SerializeAsString());
     KeepAdded(out, request, batch);
     return absl::OkStatus();
   });
@@ -100,7 +98,7 @@ absl::StatusOr<AddedOutcomes> Catalogue::AddGraspOutcomes(std::string_view stabl
 
 absl::StatusOr<GraspOutcomesRecord> Catalogue::GetGraspOutcomes(
     std::string_view stable_pose_name) const {
-  if (auto pose = GetStablePose(stable_pose_name); !pose.ok()) return pose.status();
+  RETURN_IF_ERROR(GetStablePose(stable_pose_name).status());
   return ReadOutcomes(*database_, stable_pose_name);
 }
 

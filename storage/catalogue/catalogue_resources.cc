@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/changes/change_log.h"
 #include "storage/changes/grasp_outcomes.h"
@@ -28,10 +29,9 @@ absl::Status RemoveViewsBelow(const Database& database, const std::string& prefi
                               ChangeBatch& batch) {
   return database.Scan(Family::kViews, prefix, "",
                        [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-                         const auto view = ParseRecord<ViewRecord>(key, value);
-                         if (!view.ok()) return view.status();
+                         ASSIGN_OR_RETURN(const auto view, ParseRecord<ViewRecord>(key, value));
                          batch.Remove(Family::kViews, key, value);
-                         batch.NoteRemovedCloud(CloudKeyOf(*view));
+                         batch.NoteRemovedCloud(CloudKeyOf(view));
                          return true;
                        });
 }
@@ -50,9 +50,8 @@ absl::StatusOr<bool> IsEmptyBelow(const Database& database, Family family,
 
 absl::Status CheckChildless(const Database& database, Family family, const std::string& prefix,
                             std::string_view name, std::string_view children) {
-  const auto empty = IsEmptyBelow(database, family, prefix);
-  if (!empty.ok()) return empty.status();
-  if (*empty) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto empty, IsEmptyBelow(database, family, prefix));
+  if (empty) return absl::OkStatus();
   return absl::FailedPreconditionError(std::string(name) + " has " + std::string(children) +
                                        "; delete them first, or delete with force");
 }
@@ -95,10 +94,9 @@ absl::Status Catalogue::DeleteObject(std::string_view name, bool force, std::str
   const std::string below = std::string(name) + std::string(Kind<v1::StablePose>::kCollection);
   return log_->Mutate(
       [&](ChangeBatch& batch) -> absl::Status {
-        const auto object = ReadRecord<v1::Object>(*database_, name);
-        if (!object.ok()) return object.status();
+        ASSIGN_OR_RETURN(const auto object, ReadRecord<v1::Object>(*database_, name));
         auto status = RemoveRecord<v1::Object>(*database_, batch, name, etag);
-        if (status.ok()) status = PutDeleted(*database_, *object, batch);
+        if (status.ok()) status = PutDeleted(*database_, object, batch);
         if (status.ok() && !force) {
           status = CheckChildless(*database_, Family::kStablePoses, below, name, "stable poses");
         }
@@ -122,7 +120,7 @@ absl::StatusOr<v1::StablePose> Catalogue::GetStablePose(std::string_view name) c
 absl::StatusOr<Page<v1::StablePose>> Catalogue::ListStablePoses(std::string_view object_name,
                                                                 std::size_t page_size,
                                                                 std::string_view after_name) const {
-  if (auto parent = GetObject(object_name); !parent.ok()) return parent.status();
+  RETURN_IF_ERROR(GetObject(object_name).status());
   return ListRecords<v1::StablePose>(*database_, object_name, page_size, after_name);
 }
 

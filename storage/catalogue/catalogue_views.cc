@@ -2,6 +2,7 @@
 #include <map>
 #include <string>
 
+#include "base/status_macros.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/changes/change_log.h"
 #include "storage/database/database.h"
@@ -41,19 +42,17 @@ absl::StatusOr<PutViewOutcome> CompareWithStored(const Database& database, const
 absl::StatusOr<PutViewOutcome> AddView(const Database& database, const NewView& view,
                                        AddedDigests& added, ChangeBatch& batch) {
   const std::string& name = view.record.name();
-  const auto parent = Kind<ViewRecord>::ParentOf(name);
-  if (!parent.ok()) return parent.status();
-  if (auto complete = CheckComplete(view); !complete.ok()) return complete;
-  if (auto there = CheckParent(database, *parent); !there.ok()) return there;
+  ASSIGN_OR_RETURN(const auto parent, Kind<ViewRecord>::ParentOf(name));
+  RETURN_IF_ERROR(CheckComplete(view));
+  RETURN_IF_ERROR(CheckParent(database, parent));
   auto outcome = CompareWithStored(database, view.record, added);
   if (!outcome.ok() || *outcome == PutViewOutcome::kExisting) return outcome;
   ViewRecord record = view.record;
   const std::int64_t revision = batch.Begin();
   *record.mutable_create_time() = batch.time();
   // An earlier view of that name, which is in the history, has the cloud of that key.
-  const auto taken = database.Contains(Family::kClouds, name);
-  if (!taken.ok()) return taken.status();
-  if (*taken) record.set_cloud_key(name + "@" + std::to_string(revision));
+  ASSIGN_OR_RETURN(const auto taken, database.Contains(Family::kClouds, name));
+  if (taken) record.set_cloud_key(name + "@" + std::to_string(revision));
   batch.Insert(Family::kViews, name, record.SerializeAsString());
   batch.Insert(Family::kClouds, CloudKeyOf(record), view.packed_cloud);
   added.emplace(name, record.content_digest());
@@ -63,9 +62,8 @@ absl::StatusOr<PutViewOutcome> AddView(const Database& database, const NewView& 
 }  // namespace
 
 absl::StatusOr<PutViewOutcome> Catalogue::PutView(const NewView& view) {
-  const auto outcomes = PutViews(std::span(&view, 1));
-  if (!outcomes.ok()) return outcomes.status();
-  return outcomes->front();
+  ASSIGN_OR_RETURN(const auto outcomes, PutViews(std::span(&view, 1)));
+  return outcomes.front();
 }
 
 absl::StatusOr<std::vector<PutViewOutcome>> Catalogue::PutViews(std::span<const NewView> views) {
@@ -73,9 +71,8 @@ absl::StatusOr<std::vector<PutViewOutcome>> Catalogue::PutViews(std::span<const 
   const absl::Status stored = log_->Mutate([&](ChangeBatch& batch) -> absl::Status {
     AddedDigests added;
     for (const NewView& view : views) {
-      const auto outcome = AddView(*database_, view, added, batch);
-      if (!outcome.ok()) return outcome.status();
-      outcomes.push_back(*outcome);
+      ASSIGN_OR_RETURN(const auto outcome, AddView(*database_, view, added, batch));
+      outcomes.push_back(outcome);
     }
     return absl::OkStatus();
   });
@@ -88,32 +85,29 @@ absl::StatusOr<ViewRecord> Catalogue::GetView(std::string_view name) const {
 }
 
 absl::StatusOr<std::string> Catalogue::GetPackedCloud(std::string_view name) const {
-  const auto view = GetView(name);
-  if (!view.ok()) return view.status();
-  auto cloud = database_->Get(Family::kClouds, CloudKeyOf(*view));
+  ASSIGN_OR_RETURN(const auto view, GetView(name));
+  auto cloud = database_->Get(Family::kClouds, CloudKeyOf(view));
   if (!absl::IsNotFound(cloud.status())) return cloud;
   // Every view has a cloud, but it may have been deleted between the two reads.
-  const auto again = GetView(name);
-  if (!again.ok()) return again.status();
-  return again->content_digest() == view->content_digest() ? DamagedRecord(name)
-                                                           : GetPackedCloud(name);
+  ASSIGN_OR_RETURN(const auto again, GetView(name));
+  return again.content_digest() == view.content_digest() ? DamagedRecord(name)
+                                                         : GetPackedCloud(name);
 }
 
 absl::StatusOr<Page<ViewRecord>> Catalogue::ListViews(std::string_view stable_pose_name,
                                                       std::size_t page_size,
                                                       std::string_view after_name) const {
-  if (auto parent = GetStablePose(stable_pose_name); !parent.ok()) return parent.status();
+  RETURN_IF_ERROR(GetStablePose(stable_pose_name).status());
   return ListRecords<ViewRecord>(*database_, stable_pose_name, page_size, after_name);
 }
 
 absl::Status Catalogue::DeleteView(std::string_view name) {
   return log_->Mutate(
       [&](ChangeBatch& batch) -> absl::Status {
-        const auto record = ReadRecord<ViewRecord>(*database_, name);
-        if (!record.ok()) return record.status();
+        ASSIGN_OR_RETURN(const auto record, ReadRecord<ViewRecord>(*database_, name));
         batch.Begin();
-        batch.Remove(Family::kViews, name, record->SerializeAsString());
-        batch.NoteRemovedCloud(CloudKeyOf(*record));
+        batch.Remove(Family::kViews, name, record.SerializeAsString());
+        batch.NoteRemovedCloud(CloudKeyOf(record));
         return absl::OkStatus();
       },
       WritePurpose::kFree);

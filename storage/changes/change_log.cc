@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "storage/base/restore_advice.h"
 #include "storage/changes/schema.h"
@@ -27,13 +28,13 @@ ChangeLog::ChangeLog(Database& database, MetaRecord meta, std::int64_t keep, Clo
 
 absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fill,
                                WritePurpose purpose) {
-  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  RETURN_IF_ERROR(CheckNotInListener());
   absl::MutexLock lock(&writer_mutex_);
-  if (auto settled = Settle(); !settled.ok()) return settled;
+  RETURN_IF_ERROR(Settle());
   ChangeBatch batch(
       database_, meta(),
       google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(clock_())));
-  if (auto filled = fill(batch); !filled.ok()) return filled;
+  RETURN_IF_ERROR(fill(batch));
   if (batch.changes().empty()) return absl::OkStatus();
   return Commit(batch, purpose);
 }
@@ -43,17 +44,16 @@ absl::Status ChangeLog::Mutate(absl::FunctionRef<absl::Status(ChangeBatch&)> fil
 // revision; followers see that they missed one.
 absl::Status ChangeLog::Settle() {
   if (!is_uncertain_) return absl::OkStatus();
-  if (auto recovered = database_.Recover(); !recovered.ok()) return recovered;
-  auto stored = ReadMeta(database_);
-  if (!stored.ok()) return stored.status();
+  RETURN_IF_ERROR(database_.Recover());
+  ASSIGN_OR_RETURN(auto stored, ReadMeta(database_));
   absl::MutexLock lock(&meta_mutex_);
-  meta_ = *std::move(stored);
+  meta_ = std::move(stored);
   is_uncertain_ = false;
   return absl::OkStatus();
 }
 
 absl::Status ChangeLog::Commit(ChangeBatch& batch, WritePurpose purpose) {
-  if (auto finished = batch.Finish(keep_); !finished.ok()) return finished;
+  RETURN_IF_ERROR(batch.Finish(keep_));
   if (auto written = database_.Write(batch.rocks(), purpose); !written.ok()) {
     is_uncertain_ = is_uncertain_ || !absl::IsResourceExhausted(written);
     return written;
@@ -95,16 +95,16 @@ absl::Status ChangeLog::CheckNotInListener() const {
 
 absl::Status ChangeLog::PauseChanges(
     absl::FunctionRef<absl::Status(const MetaRecord&, absl::FunctionRef<void()>)> work) {
-  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  RETURN_IF_ERROR(CheckNotInListener());
   absl::ReleasableMutexLock lock(&writer_mutex_);
-  if (auto settled = Settle(); !settled.ok()) return settled;
+  RETURN_IF_ERROR(Settle());
   // The log may have a change that was reported as failed.
-  if (auto recovered = database_.Recover(); !recovered.ok()) return recovered;
+  RETURN_IF_ERROR(database_.Recover());
   return work(meta(), [&lock] { lock.Release(); });
 }
 
 absl::StatusOr<std::int64_t> ChangeLog::Subscribe(Listener listener) {
-  if (auto allowed = CheckNotInListener(); !allowed.ok()) return allowed;
+  RETURN_IF_ERROR(CheckNotInListener());
   absl::MutexLock lock(&writer_mutex_);
   listener_ = std::move(listener);
   return meta().revision();
@@ -124,11 +124,9 @@ absl::StatusOr<std::vector<ChangeRecord>> ChangeLog::Read(std::int64_t after_rev
   }
   // A snapshot: old change records may be deleted meanwhile.
   const Database::Snapshot snapshot = database_.TakeSnapshot();
-  const auto meta = ReadMeta(database_, snapshot.get());
-  if (!meta.ok()) return meta.status();
-  if (after_revision < meta->change_horizon()) {
-    return absl::OutOfRangeError("changes up to revision " +
-                                 std::to_string(meta->change_horizon()) +
+  ASSIGN_OR_RETURN(const auto meta, ReadMeta(database_, snapshot.get()));
+  if (after_revision < meta.change_horizon()) {
+    return absl::OutOfRangeError("changes up to revision " + std::to_string(meta.change_horizon()) +
                                  " are no longer kept; read all records and continue from their "
                                  "revision, or keep more changes");
   }

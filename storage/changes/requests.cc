@@ -1,5 +1,6 @@
 #include "storage/changes/requests.h"
 
+#include "base/status_macros.h"
 #include "storage/database/family.h"
 #include "storage/records/record_kind.h"
 
@@ -42,12 +43,11 @@ absl::StatusOr<bool> ForgetOldestRequest(const Database& database, const Timesta
   const auto id = database.Get(Family::kMeta, KeyOfNumber(number));
   if (!id.ok() && !absl::IsNotFound(id.status())) return id.status();
   if (id.ok()) {
-    const auto record = ReadRequest(database, *id);
-    if (!record.ok()) return record.status();
+    ASSIGN_OR_RETURN(const auto record, ReadRequest(database, *id));
     // Another number: the id was used again after it was forgotten.
-    const bool has_record = record->has_value() && (*record)->number() == number;
+    const bool has_record = record.has_value() && record->number() == number;
     const bool is_kept = has_record && meta.request_count() - number < kKeptRequests &&
-                         !IsOldRequest((*record)->time(), now);
+                         !IsOldRequest(record->time(), now);
     if (is_kept) return false;
     absl::Status status = database.Delete(Family::kMeta, KeyOfNumber(number), batch);
     if (has_record) status.Update(database.Delete(Family::kMeta, KeyOfRequest(*id), batch));
@@ -76,9 +76,8 @@ absl::Status KeepRequest(const Database& database, RequestRecord record, const T
                          MetaRecord& meta, rocksdb::WriteBatch& batch) {
   meta.set_request_count(meta.request_count() + 1);
   for (int i = 0; i < kForgottenAtOnce && meta.request_horizon() + 1 < meta.request_count(); ++i) {
-    const auto forgotten = ForgetOldestRequest(database, now, meta, batch);
-    if (!forgotten.ok()) return forgotten.status();
-    if (!*forgotten) break;
+    ASSIGN_OR_RETURN(const auto forgotten, ForgetOldestRequest(database, now, meta, batch));
+    if (!forgotten) break;
   }
   record.set_number(meta.request_count());
   *record.mutable_time() = now;

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "base/status_macros.h"
 #include "storage/changes/change_log.h"
 #include "storage/records/record_kind.h"
 
@@ -21,13 +22,11 @@ absl::Status CheckEtag(std::string_view name, std::string_view expected, std::st
 
 template <typename Record>
 absl::StatusOr<Record> CreateRecord(const Database& database, ChangeLog& log, Record record) {
-  const auto parent = Kind<Record>::ParentOf(record.name());
-  if (!parent.ok()) return parent.status();
+  ASSIGN_OR_RETURN(const auto parent, Kind<Record>::ParentOf(record.name()));
   const absl::Status created = log.Mutate([&](ChangeBatch& batch) -> absl::Status {
-    if (auto there = CheckParent(database, *parent); !there.ok()) return there;
-    const auto taken = database.Contains(Kind<Record>::kFamily, record.name());
-    if (!taken.ok()) return taken.status();
-    if (*taken) return AlreadyExists(Kind<Record>::kWord, record.name());
+    RETURN_IF_ERROR(CheckParent(database, parent));
+    ASSIGN_OR_RETURN(const auto taken, database.Contains(Kind<Record>::kFamily, record.name()));
+    if (taken) return AlreadyExists(Kind<Record>::kWord, record.name());
     record.set_etag(MakeEtag(batch.Begin()));
     *record.mutable_create_time() = batch.time();
     *record.mutable_update_time() = batch.time();
@@ -52,18 +51,17 @@ absl::StatusOr<Record> UpdateRecord(const Database& database, ChangeLog& log, st
                                     const AlsoChanged<Record>& also = {}) {
   Record updated;
   const absl::Status status = log.Mutate([&](ChangeBatch& batch) -> absl::Status {
-    auto before = ReadRecord<Record>(database, name);
-    if (!before.ok()) return before.status();
-    if (auto matches = CheckEtag(name, etag, before->etag()); !matches.ok()) return matches;
-    updated = *before;
-    if (auto changed = change(updated); !changed.ok()) return changed;
+    ASSIGN_OR_RETURN(auto before, ReadRecord<Record>(database, name));
+    RETURN_IF_ERROR(CheckEtag(name, etag, before.etag()));
+    updated = before;
+    RETURN_IF_ERROR(change(updated));
     updated.set_name(std::string(name));
-    *updated.mutable_create_time() = before->create_time();
+    *updated.mutable_create_time() = before.create_time();
     *updated.mutable_update_time() = batch.time();
     updated.set_etag(MakeEtag(batch.Begin()));
-    batch.Replace(Kind<Record>::kFamily, name, before->SerializeAsString(),
-                  updated.SerializeAsString(), ChangedFields(*before, updated));
-    return also ? also(batch, *before, updated) : absl::OkStatus();
+    batch.Replace(Kind<Record>::kFamily, name, before.SerializeAsString(),
+                  updated.SerializeAsString(), ChangedFields(before, updated));
+    return also ? also(batch, before, updated) : absl::OkStatus();
   });
   if (!status.ok()) return status;
   return updated;
@@ -73,11 +71,10 @@ absl::StatusOr<Record> UpdateRecord(const Database& database, ChangeLog& log, st
 template <typename Record>
 absl::Status RemoveRecord(const Database& database, ChangeBatch& batch, std::string_view name,
                           std::string_view etag) {
-  const auto record = ReadRecord<Record>(database, name);
-  if (!record.ok()) return record.status();
-  if (auto matches = CheckEtag(name, etag, record->etag()); !matches.ok()) return matches;
+  ASSIGN_OR_RETURN(const auto record, ReadRecord<Record>(database, name));
+  RETURN_IF_ERROR(CheckEtag(name, etag, record.etag()));
   batch.Begin();
-  batch.Remove(Kind<Record>::kFamily, name, record->SerializeAsString());
+  batch.Remove(Kind<Record>::kFamily, name, record.SerializeAsString());
   return absl::OkStatus();
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "program/uuid.h"
 #include "storage/base/restore_advice.h"
@@ -24,12 +25,12 @@ absl::Status Damaged(const Database& database, std::string_view what) {
 }
 
 absl::Status WriteMeta(Database& database, const MetaRecord& meta, rocksdb::WriteBatch& batch) {
-  const absl::Status added = database.Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch);
-  return added.ok() ? database.Write(batch, WritePurpose::kFree) : added;
+  RETURN_IF_ERROR(database.Put(Family::kMeta, kMetaKey, meta.SerializeAsString(), batch));
+  return database.Write(batch, WritePurpose::kFree);
 }
 
 absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {
-  if (auto created = database.CreateMissingFamilies(); !created.ok()) return created;
+  RETURN_IF_ERROR(database.CreateMissingFamilies());
   MetaRecord meta;
   meta.set_format(std::string(kFormat));
   meta.set_schema_version(kSchemaVersion);
@@ -37,7 +38,7 @@ absl::StatusOr<MetaRecord> Initialize(Database& database, absl::Time now) {
   *meta.mutable_create_time() =
       google::protobuf::util::TimeUtil::NanosecondsToTimestamp(absl::ToUnixNanos(now));
   rocksdb::WriteBatch batch;
-  if (auto written = WriteMeta(database, meta, batch); !written.ok()) return written;
+  RETURN_IF_ERROR(WriteMeta(database, meta, batch));
   return meta;
 }
 
@@ -70,15 +71,14 @@ absl::Status CheckRevision(const Database& database, const MetaRecord& meta,
     return Damaged(database, "changes after revision " + std::to_string(meta.revision()) +
                                  " are lost; the last one was " + std::to_string(*floor));
   }
-  const auto key = database.LastKey(Family::kChanges);
-  if (!key.ok()) return key.status();
+  ASSIGN_OR_RETURN(const auto key, database.LastKey(Family::kChanges));
   const std::string expected = meta.revision() == 0 ? "" : ChangeKey(meta.revision());
   // They are written together, so they can only differ when one of them was lost.
-  if (*key != expected) return Damaged(database, "last change record and revision differ");
+  if (key != expected) return Damaged(database, "last change record and revision differ");
   if (meta.revision() == 0) return absl::OkStatus();
-  const auto oldest = database.Contains(Family::kChanges, ChangeKey(meta.change_horizon() + 1));
-  if (!oldest.ok()) return oldest.status();
-  return *oldest ? absl::OkStatus() : Damaged(database, "the oldest change record is missing");
+  ASSIGN_OR_RETURN(const auto oldest,
+                   database.Contains(Family::kChanges, ChangeKey(meta.change_horizon() + 1)));
+  return oldest ? absl::OkStatus() : Damaged(database, "the oldest change record is missing");
 }
 
 // A step to a version that has further families, empty at first. They may exist already, if the
@@ -96,17 +96,16 @@ Migration AddFamiliesAfter(int from_version, std::size_t count) {
 
 // The history begins with the current revision.
 absl::Status BeginHistory(Database& database, rocksdb::WriteBatch& batch) {
-  const auto meta = ReadMeta(database);
-  if (!meta.ok()) return meta.status();
+  ASSIGN_OR_RETURN(const auto meta, ReadMeta(database));
   HistoryRecord horizon;
-  horizon.set_revision(meta->revision());
+  horizon.set_revision(meta.revision());
   return database.Put(Family::kHistory, kHorizonKey, horizon.SerializeAsString(), batch);
 }
 
 Migration AddHistory() {
   return {3, [](Database& database, rocksdb::WriteBatch& batch) {
-            absl::Status added = AddFamiliesAfter(3, 10).apply(database, batch);
-            return added.ok() ? BeginHistory(database, batch) : added;
+            RETURN_IF_ERROR(AddFamiliesAfter(3, 10).apply(database, batch));
+            return BeginHistory(database, batch);
           }};
 }
 
@@ -120,10 +119,9 @@ std::span<const Migration> Migrations() {
 }
 
 absl::StatusOr<MetaRecord> ReadMeta(const Database& database, const rocksdb::Snapshot* snapshot) {
-  const auto bytes = database.Get(Family::kMeta, kMetaKey, snapshot);
-  if (!bytes.ok()) return bytes.status();
+  ASSIGN_OR_RETURN(const auto bytes, database.Get(Family::kMeta, kMetaKey, snapshot));
   MetaRecord meta;
-  if (!meta.ParseFromString(*bytes) || meta.format() != kFormat) {
+  if (!meta.ParseFromString(bytes) || meta.format() != kFormat) {
     return Damaged(database, "its meta record cannot be read");
   }
   return meta;
@@ -131,17 +129,16 @@ absl::StatusOr<MetaRecord> ReadMeta(const Database& database, const rocksdb::Sna
 
 absl::Status Migrate(Database& database, MetaRecord& meta, std::span<const Migration> steps,
                      int target) {
-  absl::Status migratable = CheckMigratable(database, meta.schema_version(), steps, target);
-  if (!migratable.ok()) return migratable;
+  RETURN_IF_ERROR(CheckMigratable(database, meta.schema_version(), steps, target));
   while (meta.schema_version() < target) {
     const auto step = std::find_if(steps.begin(), steps.end(), [&meta](const Migration& candidate) {
       return candidate.from_version == meta.schema_version();
     });
     rocksdb::WriteBatch batch;
-    if (auto applied = step->apply(database, batch); !applied.ok()) return applied;
+    RETURN_IF_ERROR(step->apply(database, batch));
     MetaRecord next = meta;
     next.set_schema_version(meta.schema_version() + 1);
-    if (auto written = WriteMeta(database, next, batch); !written.ok()) return written;
+    RETURN_IF_ERROR(WriteMeta(database, next, batch));
     meta = next;
   }
   return absl::OkStatus();
@@ -151,7 +148,7 @@ absl::Status RenewCatalogId(Database& database, MetaRecord& meta) {
   MetaRecord next = meta;
   next.set_catalog_id(MakeUuid4());
   rocksdb::WriteBatch batch;
-  if (auto written = WriteMeta(database, next, batch); !written.ok()) return written;
+  RETURN_IF_ERROR(WriteMeta(database, next, batch));
   meta = std::move(next);
   return absl::OkStatus();
 }
@@ -169,13 +166,11 @@ absl::StatusOr<MetaRecord> PrepareSchema(Database& database, std::optional<std::
         "directory or another --db");
   }
   if (!meta.ok()) return meta.status();
-  const absl::Status migrated = Migrate(database, *meta, Migrations(), kSchemaVersion);
-  if (!migrated.ok()) return migrated;
+  RETURN_IF_ERROR(Migrate(database, *meta, Migrations(), kSchemaVersion));
   if (!database.HasAllFamilies()) return Damaged(database, "a column family is missing");
-  const absl::Status consistent = CheckRevision(database, *meta, floor);
-  if (!consistent.ok()) return consistent;
+  RETURN_IF_ERROR(CheckRevision(database, *meta, floor));
   if (meta->catalog_id().empty()) {  // of an earlier program
-    if (auto renewed = RenewCatalogId(database, *meta); !renewed.ok()) return renewed;
+    RETURN_IF_ERROR(RenewCatalogId(database, *meta));
   }
   return meta;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/escaping.h"
+#include "base/status_macros.h"
 #include "rocksdb/cache.h"
 #include "storage/database/rocksdb_options.h"
 #include "storage/database/rocksdb_status.h"
@@ -121,9 +122,8 @@ absl::Status Database::Scan(Family family, std::string_view prefix, std::string_
   row->Seek(start);
   if (!after.empty() && row->Valid() && ToView(row->key()) == after) row->Next();
   for (; row->Valid(); row->Next()) {
-    const absl::StatusOr<bool> go_on = visit(ToView(row->key()), ToView(row->value()));
-    if (!go_on.ok()) return go_on.status();
-    if (!*go_on) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const bool go_on, visit(ToView(row->key()), ToView(row->value())));
+    if (!go_on) return absl::OkStatus();
   }
   return FromRocksDb(row->status(), "scan the family " + std::string(FamilyName(family)));
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "rocksdb/env.h"
 #include "storage/database/database.h"
 #include "storage/database/database_directory.h"
@@ -16,9 +17,8 @@ namespace {
 
 // Checks an existing database, or makes an empty directory for a new one.
 absl::Status PrepareDirectory(const std::string& directory, bool create_if_missing) {
-  const auto content = InspectDirectory(directory);
-  if (!content.ok()) return content.status();
-  if (*content == DirectoryContent::kDatabase) return CheckLogs(directory);
+  ASSIGN_OR_RETURN(const auto content, InspectDirectory(directory));
+  if (content == DirectoryContent::kDatabase) return CheckLogs(directory);
   if (!create_if_missing) {
     return absl::NotFoundError("there is no database at " + directory + "; choose another --db");
   }
@@ -46,9 +46,8 @@ absl::StatusOr<std::vector<std::string>> ListFamilies(const rocksdb::DBOptions& 
 // The families on disk; only the default one when there is no database yet.
 absl::StatusOr<std::vector<std::string>> FamiliesToOpen(const rocksdb::DBOptions& options,
                                                         const std::string& directory) {
-  const auto content = InspectDirectory(directory);
-  if (!content.ok()) return content.status();
-  if (*content == DirectoryContent::kDatabase) return ListFamilies(options, directory);
+  ASSIGN_OR_RETURN(const auto content, InspectDirectory(directory));
+  if (content == DirectoryContent::kDatabase) return ListFamilies(options, directory);
   return std::vector<std::string>{std::string(FamilyName(Family::kMeta))};
 }
 
@@ -73,13 +72,10 @@ class NoLog : public rocksdb::Logger {
 
 absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& directory,
                                                          const Options& options) {
-  if (auto prepared = PrepareDirectory(directory, options.create_if_missing); !prepared.ok()) {
-    return prepared;
-  }
+  RETURN_IF_ERROR(PrepareDirectory(directory, options.create_if_missing));
   rocksdb::DBOptions db_options = MakeDbOptions(options.env);
-  const auto names = FamiliesToOpen(db_options, directory);
-  if (!names.ok()) return names.status();
-  if (auto unlocked = CheckLock(*db_options.env, directory); !unlocked.ok()) return unlocked;
+  ASSIGN_OR_RETURN(const auto names, FamiliesToOpen(db_options, directory));
+  RETURN_IF_ERROR(CheckLock(*db_options.env, directory));
   db_options.info_log = OpenTextLog(directory);
 
   std::unique_ptr<Database> database(new Database(directory, options));
@@ -87,7 +83,7 @@ absl::StatusOr<std::unique_ptr<Database>> Database::Open(const std::string& dire
   rocksdb::DB* db = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
   const rocksdb::Status opened =
-      rocksdb::DB::Open(db_options, directory, database->Describe(*names), &handles, &db);
+      rocksdb::DB::Open(db_options, directory, database->Describe(names), &handles, &db);
   if (!opened.ok()) return FromRocksDbOpen(opened, directory);
   database->db_.reset(db);
   database->Adopt(handles);
@@ -102,14 +98,13 @@ absl::StatusOr<std::unique_ptr<Database>> Database::OpenReadOnly(const std::stri
   rocksdb::DBOptions db_options = MakeDbOptions(env);
   db_options.create_if_missing = false;
   db_options.info_log = std::make_shared<NoLog>();
-  const auto names = ListFamilies(db_options, directory);
-  if (!names.ok()) return names.status();
+  ASSIGN_OR_RETURN(const auto names, ListFamilies(db_options, directory));
   std::unique_ptr<Database> database(new Database(directory, Options()));
   database->is_read_only_ = true;
   rocksdb::DB* db = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
-  const rocksdb::Status opened = rocksdb::DB::OpenForReadOnly(
-      db_options, directory, database->Describe(*names), &handles, &db);
+  const rocksdb::Status opened =
+      rocksdb::DB::OpenForReadOnly(db_options, directory, database->Describe(names), &handles, &db);
   if (!opened.ok()) return FromRocksDbOpen(opened, directory);
   database->db_.reset(db);
   database->Adopt(handles);

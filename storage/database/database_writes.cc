@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "rocksdb/file_system.h"
 #include "storage/database/database.h"
 #include "storage/database/rocksdb_status.h"
@@ -74,7 +75,7 @@ absl::Status Database::Flush() {
 
 absl::Status Database::FlushPrepared() {
   // RocksDB ends all writing when it flushes with a torn log and does not recover.
-  if (auto recovered = Recover(); !recovered.ok()) return recovered;
+  RETURN_IF_ERROR(Recover());
   absl::ReaderMutexLock lock(&log_mutex_);  // nothing recovers meanwhile
   rocksdb::Status flushed = ProbeFlush();
   if (flushed.ok()) flushed = db_->Flush(rocksdb::FlushOptions(), handles_);
@@ -84,10 +85,10 @@ absl::Status Database::FlushPrepared() {
 absl::Status Database::Write(rocksdb::WriteBatch& batch, WritePurpose purpose) {
   if (purpose == WritePurpose::kFree) {
     PrepareToFree(batch.GetDataSize());
-  } else if (auto room = CheckRoomToAdd(); !room.ok()) {
-    return room;
+  } else {
+    RETURN_IF_ERROR(CheckRoomToAdd());
   }
-  if (auto recovered = Recover(); !recovered.ok()) return recovered;
+  RETURN_IF_ERROR(Recover());
   absl::ReaderMutexLock lock(&log_mutex_);
   rocksdb::Status written = ReplaceFullMemtables();
   if (written.ok()) written = WriteToLog(batch);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "rocksdb/iterator.h"
 #include "storage/changes/change_log.h"
@@ -28,9 +29,7 @@ absl::StatusOr<std::optional<HistoryRecord>> NextRow(const Database& database,
   const absl::Status scanned =
       database.Scan(Family::kHistory, HistoryPrefix(object), after,
                     [&](std::string_view key, std::string_view bytes) -> absl::StatusOr<bool> {
-                      auto row = ParseRow(key, bytes);
-                      if (!row.ok()) return row.status();
-                      out = *std::move(row);
+                      ASSIGN_OR_RETURN(out, ParseRow(key, bytes));
                       return false;
                     });
   if (!scanned.ok()) return scanned;
@@ -45,9 +44,8 @@ absl::StatusOr<std::vector<std::string>> ObjectsOlderThan(const Database& databa
   for (rows->SeekToLast(); rows->Valid();) {
     const std::string key = rows->key().ToString();
     if (key == kHorizonKey) break;
-    const auto row = ParseRow(key, rows->value().ToString());
-    if (!row.ok()) return row.status();
-    if (TimeOf(*row) < limit) out.emplace_back(ObjectOf(key));
+    ASSIGN_OR_RETURN(const auto row, ParseRow(key, rows->value().ToString()));
+    if (TimeOf(row) < limit) out.emplace_back(ObjectOf(key));
     rows->SeekForPrev(HistoryPrefix(ObjectOf(key)));
   }
   if (!rows->status().ok()) return FromRocksDb(rows->status(), "read the history");
@@ -68,33 +66,28 @@ absl::StatusOr<DeletedObjectRecord> History::GetDeleted(std::string_view name) c
 absl::StatusOr<Page<HistoryRecord>> History::List(std::string_view object_name,
                                                   std::size_t page_size,
                                                   std::int64_t before_revision) const {
-  if (auto valid = Kind<v1::Object>::ParentOf(object_name); !valid.ok()) return valid.status();
+  RETURN_IF_ERROR(Kind<v1::Object>::ParentOf(object_name).status());
   Page<HistoryRecord> page;
   std::string after =
       before_revision == 0 ? "" : HistoryKey(object_name, before_revision, kLastPart);
   for (std::size_t bytes = 0;;) {
-    auto row = NextRow(database_, object_name, after);
-    if (!row.ok()) return row.status();
-    if (!*row) break;
-    bytes += (*row)->ByteSizeLong();
+    ASSIGN_OR_RETURN(auto row, NextRow(database_, object_name, after));
+    if (!row) break;
+    bytes += row->ByteSizeLong();
     if (EndsPage(page_size, bytes, &page)) break;
-    after = HistoryKey(object_name, (*row)->revision(), kLastPart);
-    page.records.push_back(**std::move(row));
+    after = HistoryKey(object_name, row->revision(), kLastPart);
+    page.records.push_back(*std::move(row));
   }
   if (!page.records.empty() || before_revision != 0) return page;
   // An object of before the history has no rows.
-  if (auto object = ReadRecord<v1::Object>(database_, object_name); !object.ok()) {
-    return object.status();
-  }
+  RETURN_IF_ERROR(ReadRecord<v1::Object>(database_, object_name).status());
   return page;
 }
 
 absl::StatusOr<v1::Object> History::RestoreIn(std::string_view name, std::int64_t revision,
                                               ChangeBatch& batch) {
-  absl::Status restored = ObjectRestorer(database_, batch).Restore(name, revision);
-  if (!restored.ok()) return restored;
-  restored = database_.Delete(Family::kDeletedObjects, name, batch.rocks());
-  if (!restored.ok()) return restored;
+  RETURN_IF_ERROR(ObjectRestorer(database_, batch).Restore(name, revision));
+  RETURN_IF_ERROR(database_.Delete(Family::kDeletedObjects, name, batch.rocks()));
   if (!batch.changes().empty()) {
     for (const Mutation& mutation : batch.changes().back().mutations()) {
       if (mutation.column_family() != FamilyName(Family::kObjects)) continue;
@@ -107,9 +100,8 @@ absl::StatusOr<v1::Object> History::RestoreIn(std::string_view name, std::int64_
 absl::StatusOr<v1::Object> History::Undelete(std::string_view name) {
   absl::StatusOr<v1::Object> object;
   const absl::Status status = log_.Mutate([&](ChangeBatch& batch) -> absl::Status {
-    const auto deleted = GetDeleted(name);
-    if (!deleted.ok()) return deleted.status();
-    object = RestoreIn(name, deleted->revision() - 1, batch);
+    ASSIGN_OR_RETURN(const auto deleted, GetDeleted(name));
+    object = RestoreIn(name, deleted.revision() - 1, batch);
     return object.status();
   });
   if (!status.ok()) return status;
@@ -118,21 +110,19 @@ absl::StatusOr<v1::Object> History::Undelete(std::string_view name) {
 
 absl::StatusOr<v1::Object> History::Restore(std::string_view name, std::int64_t revision,
                                             std::string_view etag) {
-  if (auto valid = Kind<v1::Object>::ParentOf(name); !valid.ok()) return valid.status();
+  RETURN_IF_ERROR(Kind<v1::Object>::ParentOf(name).status());
   absl::StatusOr<v1::Object> object;
   const absl::Status status = log_.Mutate([&](ChangeBatch& batch) -> absl::Status {
-    const auto horizon = ReadHorizon(database_);
-    if (!horizon.ok()) return horizon.status();
-    if (revision < *horizon || revision > batch.meta().revision()) {
+    ASSIGN_OR_RETURN(const auto horizon, ReadHorizon(database_));
+    if (revision < horizon || revision > batch.meta().revision()) {
       // After revision 0 there was no object.
       return absl::OutOfRangeError(
-          "revisions " + std::to_string(std::max(*horizon, kFirstRevision)) + " to " +
+          "revisions " + std::to_string(std::max(horizon, kFirstRevision)) + " to " +
           std::to_string(batch.meta().revision()) + " are kept; choose one of them");
     }
     const auto now = ReadRecord<v1::Object>(database_, name);
     if (!now.ok() && !absl::IsNotFound(now.status())) return now.status();
-    auto matches = CheckEtag(name, etag, now.ok() ? now->etag() : "");
-    if (!matches.ok()) return matches;
+    RETURN_IF_ERROR(CheckEtag(name, etag, now.ok() ? now->etag() : ""));
     object = RestoreIn(name, revision, batch);
     return object.status();
   });
@@ -143,29 +133,26 @@ absl::StatusOr<v1::Object> History::Restore(std::string_view name, std::int64_t 
 absl::Status History::Purge(std::string_view name) {
   database_.PrepareToFree(0);
   return log_.PauseChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
-    const auto deleted = GetDeleted(name);
-    if (!deleted.ok()) return deleted.status();
+    ASSIGN_OR_RETURN(const auto deleted, GetDeleted(name));
     rocksdb::WriteBatch batch;
-    absl::Status status = AddPurge(database_, name, deleted->revision(), batch);
-    status.Update(database_.Delete(Family::kDeletedObjects, name, batch));
-    return status.ok() ? database_.Write(batch, WritePurpose::kFree) : status;
+    RETURN_IF_ERROR(AddPurge(database_, name, deleted.revision(), batch));
+    RETURN_IF_ERROR(database_.Delete(Family::kDeletedObjects, name, batch));
+    return database_.Write(batch, WritePurpose::kFree);
   });
 }
 
 absl::StatusOr<std::vector<std::string>> History::PurgeOlderThan(absl::Time limit) {
-  const auto objects = ObjectsOlderThan(database_, limit);
-  if (!objects.ok()) return objects.status();
+  ASSIGN_OR_RETURN(const auto objects, ObjectsOlderThan(database_, limit));
   std::vector<std::string> purged;
-  if (!objects->empty()) database_.PrepareToFree(0);
-  for (const std::string& name : *objects) {
+  if (!objects.empty()) database_.PrepareToFree(0);
+  for (const std::string& name : objects) {
     // One after the other: writers wait for one object.
     const absl::Status status =
         log_.PauseChanges([&](const MetaRecord&, absl::FunctionRef<void()>) -> absl::Status {
           rocksdb::WriteBatch batch;
-          const auto gone = AddPurgeOlderThan(database_, name, limit, batch);
-          if (!gone.ok()) return gone.status();
+          ASSIGN_OR_RETURN(const auto gone, AddPurgeOlderThan(database_, name, limit, batch));
           absl::Status written = database_.Write(batch, WritePurpose::kFree);
-          if (written.ok() && *gone) purged.push_back(name);
+          if (written.ok() && gone) purged.push_back(name);
           return written;
         });
     if (!status.ok()) return status;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/functional/function_ref.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "storage/changes/history_rows.h"
 #include "storage/records/record_kind.h"
@@ -17,9 +18,8 @@ absl::Status VisitRows(
     absl::FunctionRef<absl::StatusOr<bool>(std::string_view key, const HistoryRecord& row)> visit) {
   return database.Scan(Family::kHistory, HistoryPrefix(object), "",
                        [&](std::string_view key, std::string_view bytes) -> absl::StatusOr<bool> {
-                         const auto row = ParseRow(key, bytes);
-                         if (!row.ok()) return row.status();
-                         return visit(key, *row);
+                         ASSIGN_OR_RETURN(const auto row, ParseRow(key, bytes));
+                         return visit(key, row);
                        });
 }
 
@@ -27,9 +27,8 @@ absl::Status VisitRows(
 absl::Status AddClouds(const HistoryRecord& row, std::map<std::string, std::string>* clouds) {
   for (const PreviousRecord& previous : row.previous()) {
     if (previous.column_family() != FamilyName(Family::kViews) || !previous.has_value()) continue;
-    const auto view = ParseRecord<ViewRecord>(previous.key(), previous.value());
-    if (!view.ok()) return view.status();
-    clouds->emplace(CloudKeyOf(*view), view->name());
+    ASSIGN_OR_RETURN(const auto view, ParseRecord<ViewRecord>(previous.key(), previous.value()));
+    clouds->emplace(CloudKeyOf(view), view.name());
   }
   return absl::OkStatus();
 }
@@ -60,14 +59,13 @@ absl::Status AddPurge(const Database& database, std::string_view object, std::in
     if (!status.ok()) return status;
     return true;
   };
-  if (absl::Status read = VisitRows(database, object, add); !read.ok()) return read;
+  RETURN_IF_ERROR(VisitRows(database, object, add));
   for (const auto& [cloud, view_name] : unused) {
     if (kept.contains(cloud)) continue;
     const auto view = ReadRecord<ViewRecord>(database, view_name);
     if (!view.ok() && !absl::IsNotFound(view.status())) return view.status();
     if (view.ok() && CloudKeyOf(*view) == cloud) continue;
-    absl::Status removed = database.Delete(Family::kClouds, cloud, batch);
-    if (!removed.ok()) return removed;
+    RETURN_IF_ERROR(database.Delete(Family::kClouds, cloud, batch));
   }
   return absl::OkStatus();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/status_macros.h"
 #include "storage/changes/grasp_outcomes.h"
 #include "storage/changes/history_rows.h"
 #include "storage/changes/resource_writer.h"
@@ -19,16 +20,15 @@ std::optional<Family> FamilyNamed(std::string_view name) {
 }  // namespace
 
 absl::Status ObjectRestorer::Restore(std::string_view name, std::int64_t revision) {
-  if (absl::Status read = ReadEarlier(name, revision); !read.ok()) return read;
+  RETURN_IF_ERROR(ReadEarlier(name, revision));
   const auto own = earlier_.find({Family::kObjects, std::string(name)});
-  const auto exists = database_.Contains(Family::kObjects, name);
-  if (!exists.ok()) return exists.status();
-  if (own == earlier_.end() ? !*exists : !own->second.value) {
+  ASSIGN_OR_RETURN(const auto exists, database_.Contains(Family::kObjects, name));
+  if (own == earlier_.end() ? !exists : !own->second.value) {
     return absl::NotFoundError("there was no object " + std::string(name) + " at revision " +
                                std::to_string(revision) + "; list its revisions");
   }
   for (const auto& [key, earlier] : earlier_) {
-    if (absl::Status applied = Apply(key, earlier); !applied.ok()) return applied;
+    RETURN_IF_ERROR(Apply(key, earlier));
   }
   return absl::OkStatus();
 }
@@ -37,14 +37,13 @@ absl::Status ObjectRestorer::Restore(std::string_view name, std::int64_t revisio
 absl::Status ObjectRestorer::ReadEarlier(std::string_view name, std::int64_t revision) {
   return database_.Scan(Family::kHistory, HistoryPrefix(name), "",
                         [&](std::string_view key, std::string_view bytes) -> absl::StatusOr<bool> {
-                          auto row = ParseRow(key, bytes);
-                          if (!row.ok()) return row.status();
-                          if (row->revision() <= revision) return false;
-                          for (PreviousRecord& previous : *row->mutable_previous()) {
+                          ASSIGN_OR_RETURN(auto row, ParseRow(key, bytes));
+                          if (row.revision() <= revision) return false;
+                          for (PreviousRecord& previous : *row.mutable_previous()) {
                             const auto family = FamilyNamed(previous.column_family());
                             if (!family) return DamagedRecord(ObjectOf(key));
                             Earlier& earlier = earlier_[{*family, previous.key()}];
-                            earlier.revision = row->revision();
+                            earlier.revision = row.revision();
                             earlier.value.reset();
                             if (previous.has_value())
                               earlier.value = std::move(*previous.mutable_value());
@@ -78,20 +77,19 @@ absl::Status ObjectRestorer::ApplyResource(const std::string& name, const Earlie
     batch_.Remove(kFamily, name, now->SerializeAsString());
     return kIsPose ? RemoveGraspOutcomes(database_, batch_, name) : absl::OkStatus();
   }
-  auto then = ParseRecord<Record>(name, *earlier.value);
-  if (!then.ok()) return then.status();
+  ASSIGN_OR_RETURN(auto then, ParseRecord<Record>(name, *earlier.value));
   std::vector<std::string> fields;
-  if (now.ok()) fields = ChangedFields(*now, *then);
+  if (now.ok()) fields = ChangedFields(*now, then);
   if (now.ok() && fields.empty()) return absl::OkStatus();
   Begin();
-  then->set_etag(MakeEtag(batch_.meta().revision()));
-  *then->mutable_update_time() = batch_.time();
+  then.set_etag(MakeEtag(batch_.meta().revision()));
+  *then.mutable_update_time() = batch_.time();
   if (!now.ok()) {
-    batch_.Insert(kFamily, name, then->SerializeAsString());
+    batch_.Insert(kFamily, name, then.SerializeAsString());
     return absl::OkStatus();
   }
-  batch_.Replace(kFamily, name, now->SerializeAsString(), then->SerializeAsString(), fields);
-  if constexpr (kIsPose) return ForgetChangedGrasps(database_, batch_, *now, *then);
+  batch_.Replace(kFamily, name, now->SerializeAsString(), then.SerializeAsString(), fields);
+  if constexpr (kIsPose) return ForgetChangedGrasps(database_, batch_, *now, then);
   return absl::OkStatus();
 }
 
@@ -105,10 +103,9 @@ absl::Status ObjectRestorer::ApplyView(const std::string& name, const Earlier& e
     batch_.NoteRemovedCloud(CloudKeyOf(*now));
     return absl::OkStatus();
   }
-  const auto then = ParseRecord<ViewRecord>(name, *earlier.value);
-  if (!then.ok()) return then.status();
+  ASSIGN_OR_RETURN(const auto then, ParseRecord<ViewRecord>(name, *earlier.value));
   // Descriptors may have been computed again since; content does not change.
-  if (now.ok() && CloudKeyOf(*now) == CloudKeyOf(*then)) return absl::OkStatus();
+  if (now.ok() && CloudKeyOf(*now) == CloudKeyOf(then)) return absl::OkStatus();
   Begin();
   if (now.ok()) {
     batch_.NoteRemovedCloud(CloudKeyOf(*now));
@@ -116,7 +113,7 @@ absl::Status ObjectRestorer::ApplyView(const std::string& name, const Earlier& e
   } else {
     batch_.Insert(Family::kViews, name, *earlier.value);
   }
-  batch_.NoteStoredCloud(CloudKeyOf(*then));
+  batch_.NoteStoredCloud(CloudKeyOf(then));
   return absl::OkStatus();
 }
 
@@ -125,9 +122,8 @@ absl::Status ObjectRestorer::ApplyView(const std::string& name, const Earlier& e
 absl::Status ObjectRestorer::ApplyOutcomes(const std::string& name, const Earlier& earlier) {
   const auto pose = earlier_.find({Family::kStablePoses, name});
   if (!earlier.value || pose == earlier_.end() || !pose->second.value) return absl::OkStatus();
-  const auto exists = database_.Contains(Family::kStablePoses, name);
-  if (!exists.ok()) return exists.status();
-  if (*exists || pose->second.revision != earlier.revision) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto exists, database_.Contains(Family::kStablePoses, name));
+  if (exists || pose->second.revision != earlier.revision) return absl::OkStatus();
   Begin();
   batch_.Overwrite(Family::kGraspOutcomes, name, *earlier.value);
   return absl::OkStatus();

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "absl/status/status.h"
+#include "base/status_macros.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 #include "storage/base/restore_advice.h"
@@ -157,14 +158,12 @@ absl::StatusOr<std::string> PackCloud(std::span<const CloudPoint> points,
     return absl::InvalidArgumentError(
         "the cloud has more than 10 million points; give the region of interest only");
   }
-  auto raw = EncodePlanes(points, unpacked);
-  if (!raw.ok()) return raw.status();
-  auto frame = Compress(*raw);
-  if (!frame.ok()) return frame.status();
+  ASSIGN_OR_RETURN(auto raw, EncodePlanes(points, unpacked));
+  ASSIGN_OR_RETURN(auto frame, Compress(raw));
   std::string packed(kCloudMagic);
   packed += ToLittleEndian(static_cast<std::uint32_t>(points.size()));
-  packed += ToLittleEndian(Crc32c(*frame, Crc32c(packed)));
-  return packed + *frame;
+  packed += ToLittleEndian(Crc32c(frame, Crc32c(packed)));
+  return packed + frame;
 }
 
 absl::StatusOr<std::vector<CloudPoint>> UnpackCloud(std::string_view packed) {

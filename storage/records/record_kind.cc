@@ -1,12 +1,13 @@
 #include "storage/records/record_kind.h"
 
+#include "base/status_macros.h"
 #include "storage/base/restore_advice.h"
 #include "storage/records/resource_name.h"
 
 namespace graspdb::storage {
 
 absl::StatusOr<Parent> Kind<v1::Object>::ParentOf(std::string_view name) {
-  if (auto parsed = ParseObjectName(name); !parsed.ok()) return parsed.status();
+  RETURN_IF_ERROR(ParseObjectName(name).status());
   return Parent{};
 }
 
@@ -15,30 +16,27 @@ absl::StatusOr<Parent> Kind<DeletedObjectRecord>::ParentOf(std::string_view name
 }
 
 absl::StatusOr<Parent> Kind<v1::StablePose>::ParentOf(std::string_view name) {
-  const auto parsed = ParseStablePoseName(name);
-  if (!parsed.ok()) return parsed.status();
-  return Parent{Family::kObjects, MakeObjectName(parsed->object_id)};
+  ASSIGN_OR_RETURN(const auto parsed, ParseStablePoseName(name));
+  return Parent{Family::kObjects, MakeObjectName(parsed.object_id)};
 }
 
 absl::StatusOr<Parent> Kind<ViewRecord>::ParentOf(std::string_view name) {
-  const auto parsed = ParseViewName(name);
-  if (!parsed.ok()) return parsed.status();
-  return Parent{Family::kStablePoses,
-                MakeStablePoseName(parsed->object_id, parsed->stable_pose_id)};
+  ASSIGN_OR_RETURN(const auto parsed, ParseViewName(name));
+  return Parent{Family::kStablePoses, MakeStablePoseName(parsed.object_id, parsed.stable_pose_id)};
 }
 
 absl::StatusOr<Parent> Kind<GraspOutcomesRecord>::ParentOf(std::string_view name) {
-  if (auto parsed = ParseStablePoseName(name); !parsed.ok()) return parsed.status();
+  RETURN_IF_ERROR(ParseStablePoseName(name).status());
   return Parent{Family::kStablePoses, std::string(name)};
 }
 
 absl::StatusOr<Parent> Kind<v1::Cell>::ParentOf(std::string_view name) {
-  if (auto status = CheckCellName(name); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckCellName(name));
   return Parent{};
 }
 
 absl::StatusOr<Parent> Kind<UploadRecord>::ParentOf(std::string_view name) {
-  if (auto status = CheckUploadName(name); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckUploadName(name));
   return Parent{};
 }
 
@@ -59,9 +57,8 @@ absl::Status DamagedRecord(std::string_view name) {
 
 absl::Status CheckParent(const Database& database, const Parent& parent) {
   if (parent.family == Family::kMeta) return absl::OkStatus();
-  const auto there = database.Contains(parent.family, parent.name);
-  if (!there.ok()) return there.status();
-  if (*there) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto there, database.Contains(parent.family, parent.name));
+  if (there) return absl::OkStatus();
   const bool is_object = parent.family == Family::kObjects;
   return is_object ? NotFound<v1::Object>(parent.name) : NotFound<v1::StablePose>(parent.name);
 }

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "base/status_macros.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/cell.pb.h"
 #include "storage/database/database.h"
@@ -113,7 +114,7 @@ absl::StatusOr<Record> ParseRecord(std::string_view name, std::string_view bytes
 // The record of that name. INVALID_ARGUMENT for an invalid name, NOT_FOUND without a record.
 template <typename Record>
 absl::StatusOr<Record> ReadRecord(const Database& database, std::string_view name) {
-  if (auto parent = Kind<Record>::ParentOf(name); !parent.ok()) return parent.status();
+  RETURN_IF_ERROR(Kind<Record>::ParentOf(name).status());
   const auto bytes = database.Get(Kind<Record>::kFamily, name);
   if (absl::IsNotFound(bytes.status())) return NotFound<Record>(name);
   if (!bytes.ok()) return bytes.status();

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "base/status_macros.h"
 #include "storage/database/database.h"
 #include "storage/records/record_kind.h"
 #include "storage/records/record_types.h"
@@ -38,7 +39,7 @@ absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_v
                                          std::size_t page_size, std::string_view after_name) {
   // It ends in '/', so objects/a does not match objects/ab.
   const std::string prefix = std::string(parent_name) + std::string(Kind<Record>::kCollection);
-  if (auto valid = CheckPage(page_size, prefix, after_name); !valid.ok()) return valid;
+  RETURN_IF_ERROR(CheckPage(page_size, prefix, after_name));
   Page<Record> page;
   std::size_t bytes = 0;
   const absl::Status scanned =
@@ -46,9 +47,8 @@ absl::StatusOr<Page<Record>> ListRecords(const Database& database, std::string_v
                     [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
                       bytes += value.size();
                       if (EndsPage(page_size, bytes, &page)) return false;
-                      auto record = ParseRecord<Record>(key, value);
-                      if (!record.ok()) return record.status();
-                      page.records.push_back(*std::move(record));
+                      ASSIGN_OR_RETURN(auto record, ParseRecord<Record>(key, value));
+                      page.records.push_back(std::move(record));
                       return true;
                     });
   if (!scanned.ok()) return scanned;
@@ -63,9 +63,8 @@ absl::Status VisitRecords(const Database& database, const rocksdb::Snapshot* sna
   return database.Scan(
       Kind<Record>::kFamily, "", "",
       [&visit](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-        const auto record = ParseRecord<Record>(key, value);
-        if (!record.ok()) return record.status();
-        if (auto visited = visit(*record); !visited.ok()) return visited;
+        ASSIGN_OR_RETURN(const auto record, ParseRecord<Record>(key, value));
+        RETURN_IF_ERROR(visit(record));
         return true;
       },
       snapshot);

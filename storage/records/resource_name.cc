@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/status_macros.h"
+
 namespace graspdb::storage {
 namespace {
 
@@ -73,23 +75,21 @@ absl::Status ValidateResourceId(std::string_view id) {
 }
 
 absl::StatusOr<ObjectName> ParseObjectName(std::string_view name) {
-  auto ids = ParseName<1>(name, {kObjects}, "objects/{object}");
-  if (!ids.ok()) return ids.status();
-  return ObjectName{(*ids)[0]};
+  ASSIGN_OR_RETURN(auto ids, ParseName<1>(name, {kObjects}, "objects/{object}"));
+  return ObjectName{ids[0]};
 }
 
 absl::StatusOr<StablePoseName> ParseStablePoseName(std::string_view name) {
-  auto ids =
-      ParseName<2>(name, {kObjects, kStablePoses}, "objects/{object}/stablePoses/{stable_pose}");
-  if (!ids.ok()) return ids.status();
-  return StablePoseName{(*ids)[0], (*ids)[1]};
+  ASSIGN_OR_RETURN(auto ids, ParseName<2>(name, {kObjects, kStablePoses},
+                                          "objects/{object}/stablePoses/{stable_pose}"));
+  return StablePoseName{ids[0], ids[1]};
 }
 
 absl::StatusOr<ViewName> ParseViewName(std::string_view name) {
-  auto ids = ParseName<3>(name, {kObjects, kStablePoses, kViews},
-                          "objects/{object}/stablePoses/{stable_pose}/views/{view}");
-  if (!ids.ok()) return ids.status();
-  return ViewName{(*ids)[0], (*ids)[1], (*ids)[2]};
+  ASSIGN_OR_RETURN(auto ids,
+                   ParseName<3>(name, {kObjects, kStablePoses, kViews},
+                                "objects/{object}/stablePoses/{stable_pose}/views/{view}"));
+  return ViewName{ids[0], ids[1], ids[2]};
 }
 
 absl::Status CheckCellName(std::string_view name) {

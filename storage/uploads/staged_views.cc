@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "storage/database/database.h"
 #include "storage/records/record_kind.h"
 #include "storage/uploads/open_upload.h"
@@ -32,10 +33,9 @@ absl::StatusOr<StagedViewRecord> ReadStaged(const Database& database, const Uplo
 
 absl::StatusOr<std::string> Uploads::DigestOf(const UploadRecord& upload,
                                               std::string_view view_name) {
-  const auto open = OpenOf(upload);
-  if (!open.ok()) return open.status();
-  absl::MutexLock lock(&(*open)->names);
-  const Open::View* view = (*open)->Find(view_name);
+  ASSIGN_OR_RETURN(const auto open, OpenOf(upload));
+  absl::MutexLock lock(&open->names);
+  const Open::View* view = open->Find(view_name);
   if (view != nullptr && view->is_stored) return view->digest;
   return NotStaged(view_name);
 }
@@ -50,7 +50,7 @@ absl::Status Uploads::ForEachView(
           return DamagedRecord(key);
         }
         if (!staged.has_view()) return true;
-        if (auto visited = visit(staged.view()); !visited.ok()) return visited;
+        RETURN_IF_ERROR(visit(staged.view()));
         return true;
       });
 }
@@ -73,38 +73,33 @@ absl::Status Uploads::CheckNoErrors(const UploadRecord& upload) {
 
 absl::StatusOr<NewView> Uploads::GetStaged(const UploadRecord& upload,
                                            std::string_view view_name) const {
-  auto staged = ReadStaged(database_, upload, view_name);
-  if (!staged.ok()) return staged.status();
+  ASSIGN_OR_RETURN(auto staged, ReadStaged(database_, upload, view_name));
   const std::string key = StagedKey(upload, view_name);
   auto cloud = database_.Get(Family::kClouds, key);
   if (absl::IsNotFound(cloud.status())) {
     // Every staged view has a cloud, but the upload may have ended between the two reads.
-    const auto again = database_.Contains(Family::kStagedViews, key);
-    if (!again.ok()) return again.status();
-    return *again ? DamagedRecord(key) : NotStaged(view_name);
+    ASSIGN_OR_RETURN(const auto again, database_.Contains(Family::kStagedViews, key));
+    return again ? DamagedRecord(key) : NotStaged(view_name);
   }
   if (!cloud.ok()) return cloud.status();
-  return NewView{std::move(*staged->mutable_view()), *std::move(cloud)};
+  return NewView{std::move(*staged.mutable_view()), *std::move(cloud)};
 }
 
 absl::Status Uploads::ReplaceDescriptors(const UploadRecord& upload,
                                          std::span<const DescriptorUpdate> updates) {
   if (updates.empty()) return absl::OkStatus();
-  const auto found = OpenOf(upload);
-  if (!found.ok()) return found.status();
-  Open& open = **found;
+  ASSIGN_OR_RETURN(const auto found, OpenOf(upload));
+  Open& open = *found;
   // A view that is staged changes nowhere else, and nothing removes it meanwhile.
   absl::ReaderMutexLock use(&open.in_use);
   if (!open.end.ok()) return open.end;
   rocksdb::WriteBatch batch;
   for (const DescriptorUpdate& update : updates) {
-    auto staged = ReadStaged(database_, upload, update.view_name);
-    if (!staged.ok()) return staged.status();
-    staged->mutable_view()->mutable_descriptors()->Assign(update.descriptors.begin(),
-                                                          update.descriptors.end());
-    absl::Status added = database_.Put(Family::kStagedViews, StagedKey(upload, update.view_name),
-                                       staged->SerializeAsString(), batch);
-    if (!added.ok()) return added;
+    ASSIGN_OR_RETURN(auto staged, ReadStaged(database_, upload, update.view_name));
+    staged.mutable_view()->mutable_descriptors()->Assign(update.descriptors.begin(),
+                                                         update.descriptors.end());
+    RETURN_IF_ERROR(database_.Put(Family::kStagedViews, StagedKey(upload, update.view_name),
+                                  staged.SerializeAsString(), batch));
   }
   return database_.Write(batch);
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "storage/records/record_kind.h"
 
@@ -31,18 +32,15 @@ class Commit {
         Family::kStagedViews, prefix, "",
         [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
           if (visited_++ % kViewsPerPoll == 0) {
-            if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;
+            RETURN_IF_ERROR(CheckNotCancelled());
           }
           const std::string name(key.substr(prefix.size()));
-          if (absl::Status added = Add(name, value); !added.ok()) return added;
-          if (auto removed = database_.Delete(Family::kStagedViews, key, batch_.rocks());
-              !removed.ok()) {
-            return removed;
-          }
+          RETURN_IF_ERROR(Add(name, value));
+          RETURN_IF_ERROR(database_.Delete(Family::kStagedViews, key, batch_.rocks()));
           return true;
         });
     if (!scanned.ok()) return scanned;
-    if (auto go_on = CheckNotCancelled(); !go_on.ok()) return go_on;  // for the last time
+    RETURN_IF_ERROR(CheckNotCancelled());  // for the last time
     upload_.set_commit_revision(batch_.meta().revision());
     *upload_.mutable_commit_time() = batch_.time();
     return database_.Put(Family::kUploads, upload_.name(), upload_.SerializeAsString(),
@@ -63,10 +61,9 @@ class Commit {
     }
     if (staged.has_error()) return Fail(name, staged.error().message());
     ViewRecord& view = *staged.mutable_view();
-    const auto parent = ParentOf(name);
-    if (!parent.ok()) return parent.status();
-    if (!*parent) return Drop(name, "its stable pose does not exist any more");
-    if (IsOfAnother(**parent, staged)) {
+    ASSIGN_OR_RETURN(const auto parent, ParentOf(name));
+    if (!parent) return Drop(name, "its stable pose does not exist any more");
+    if (IsOfAnother(*parent, staged)) {
       return Drop(name,
                   "its stable pose was deleted and created again since the view was sent; delete "
                   "this upload, and send the views again");
@@ -104,11 +101,10 @@ class Commit {
   using Parent = std::optional<google::protobuf::Timestamp>;
 
   absl::StatusOr<Parent> ParentOf(const std::string& name) {
-    const auto parent = Kind<ViewRecord>::ParentOf(name);
-    if (!parent.ok()) return parent.status();
-    const auto [at, is_new] = parents_.try_emplace(parent->name);
+    ASSIGN_OR_RETURN(const auto parent, Kind<ViewRecord>::ParentOf(name));
+    const auto [at, is_new] = parents_.try_emplace(parent.name);
     if (is_new) {
-      const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+      const auto pose = ReadRecord<v1::StablePose>(database_, parent.name);
       if (!pose.ok() && !absl::IsNotFound(pose.status())) return pose.status();
       if (pose.ok()) at->second = pose->create_time();
     }
@@ -123,8 +119,8 @@ class Commit {
 
   // Leaves out a view that is staged.
   absl::Status Drop(const std::string& name, const std::string& why) {
-    absl::Status failed = Fail(name, why);
-    return failed.ok() ? RemoveCloud(name) : failed;
+    RETURN_IF_ERROR(Fail(name, why));
+    return RemoveCloud(name);
   }
 
   absl::Status Fail(const std::string& name, const std::string& why) {

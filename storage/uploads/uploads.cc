@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "storage/changes/change_log.h"
 #include "storage/database/database.h"
@@ -30,11 +31,10 @@ absl::Status DeletedUpload(std::string_view name) {
 }
 
 absl::StatusOr<UploadRecord> Uploads::Create(const UploadRecord& wanted, absl::Time now) {
-  if (auto valid = Kind<UploadRecord>::ParentOf(wanted.name()); !valid.ok()) return valid.status();
+  RETURN_IF_ERROR(Kind<UploadRecord>::ParentOf(wanted.name()).status());
   absl::MutexLock lock(&mutex_);
-  const auto taken = database_.Contains(Family::kUploads, wanted.name());
-  if (!taken.ok()) return taken.status();
-  if (*taken) return AlreadyExists(Kind<UploadRecord>::kWord, wanted.name());
+  ASSIGN_OR_RETURN(const auto taken, database_.Contains(Family::kUploads, wanted.name()));
+  if (taken) return AlreadyExists(Kind<UploadRecord>::kWord, wanted.name());
   std::size_t open = 0;
   const absl::Status counted =
       VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& other) {
@@ -56,10 +56,9 @@ absl::StatusOr<UploadRecord> Uploads::Create(const UploadRecord& wanted, absl::T
   const auto number = (static_cast<std::uint64_t>(random()) << 32U) | random();
   record.set_staging_prefix(absl::StrCat("uploads/", absl::Hex(number, absl::kZeroPad16)));
   rocksdb::WriteBatch batch;
-  absl::Status written =
-      database_.Put(Family::kUploads, record.name(), record.SerializeAsString(), batch);
-  if (written.ok()) written = database_.Write(batch);
-  if (!written.ok()) return written;
+  RETURN_IF_ERROR(
+      database_.Put(Family::kUploads, record.name(), record.SerializeAsString(), batch));
+  RETURN_IF_ERROR(database_.Write(batch));
   return record;
 }
 
@@ -87,7 +86,7 @@ absl::StatusOr<Page<StagedItem>> Uploads::ListItems(const UploadRecord& upload,
                                                     std::string_view after_name) const {
   const std::string prefix = StagedKey(upload, "");
   const std::string after = after_name.empty() ? "" : StagedKey(upload, after_name);
-  if (auto valid = CheckPage(page_size, prefix, after); !valid.ok()) return valid;
+  RETURN_IF_ERROR(CheckPage(page_size, prefix, after));
   Page<StagedItem> page;
   std::size_t bytes = 0;
   const absl::Status scanned = database_.Scan(
@@ -111,11 +110,10 @@ absl::StatusOr<Page<StagedItem>> Uploads::ListItems(const UploadRecord& upload,
 absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
   absl::MutexLock lock(&mutex_);
   if (const auto found = open_.find(name); found != open_.end()) return found->second;
-  auto record = Get(name);
-  if (!record.ok()) return record.status();
-  if (record->has_commit_time()) return CommittedUpload(name);
+  ASSIGN_OR_RETURN(auto record, Get(name));
+  if (record.has_commit_time()) return CommittedUpload(name);
   auto open = std::make_shared<Open>();
-  open->record = *std::move(record);
+  open->record = std::move(record);
   const std::string prefix = StagedKey(open->record, "");
   absl::MutexLock names_lock(&open->names);
   const absl::Status scanned =
@@ -172,22 +170,19 @@ absl::Status Uploads::CountNew(const Open& open) {
 }
 
 absl::StatusOr<UploadRecord> Uploads::GetOpen(std::string_view name) {
-  const auto open = OpenOf(name);
-  if (!open.ok()) return open.status();
-  return (*open)->record;
+  ASSIGN_OR_RETURN(const auto open, OpenOf(name));
+  return open->record;
 }
 
 absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const NewView& view) {
   const std::string& name = view.record.name();
-  const auto parent = Kind<ViewRecord>::ParentOf(name);
-  if (!parent.ok()) return parent.status();
+  ASSIGN_OR_RETURN(const auto parent, Kind<ViewRecord>::ParentOf(name));
   if (view.record.content_digest().empty() || view.packed_cloud.empty()) {
     return absl::InvalidArgumentError(name + " has no digest or no cloud; give both");
   }
-  if (auto counted = CountAll(); !counted.ok()) return counted;
-  const auto found = OpenOf(upload);
-  if (!found.ok()) return found.status();
-  Open& open = **found;
+  RETURN_IF_ERROR(CountAll());
+  ASSIGN_OR_RETURN(const auto found, OpenOf(upload));
+  Open& open = *found;
   absl::ReaderMutexLock use(&open.in_use);
   if (!open.end.ok()) return open.end;
   {
@@ -201,7 +196,7 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
                                       "id");
     }
     if (known == nullptr) {
-      if (auto counted = CountNew(open); !counted.ok()) return counted;
+      RETURN_IF_ERROR(CountNew(open));
     } else {
       --open.stored.errors;
     }
@@ -209,21 +204,18 @@ absl::StatusOr<PutViewOutcome> Uploads::Stage(const UploadRecord& upload, const 
   }
   StagedViewRecord staged;
   *staged.mutable_view() = view.record;
-  const auto pose = ReadRecord<v1::StablePose>(database_, parent->name);
+  const auto pose = ReadRecord<v1::StablePose>(database_, parent.name);
   if (pose.ok()) *staged.mutable_stable_pose_create_time() = pose->create_time();
-  if (absl::Status written = Write(open, name, staged, &view.packed_cloud); !written.ok()) {
-    return written;
-  }
+  RETURN_IF_ERROR(Write(open, name, staged, &view.packed_cloud));
   return PutViewOutcome::kCreated;
 }
 
 absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view view_name,
                                  const absl::Status& error) {
-  if (auto parent = Kind<ViewRecord>::ParentOf(view_name); !parent.ok()) return parent.status();
-  if (auto counted = CountAll(); !counted.ok()) return counted;
-  const auto found = OpenOf(upload);
-  if (!found.ok()) return found.status();
-  Open& open = **found;
+  RETURN_IF_ERROR(Kind<ViewRecord>::ParentOf(view_name).status());
+  RETURN_IF_ERROR(CountAll());
+  ASSIGN_OR_RETURN(const auto found, OpenOf(upload));
+  Open& open = *found;
   absl::ReaderMutexLock use(&open.in_use);
   if (!open.end.ok()) return open.end;
   const std::string name(view_name);
@@ -231,7 +223,7 @@ absl::Status Uploads::StageError(const UploadRecord& upload, std::string_view vi
     absl::MutexLock lock(&open.names);
     open.AwaitStored(name);
     if (open.Find(name) != nullptr || open.views.size() >= kMaxStagedViews) return absl::OkStatus();
-    if (auto counted = CountNew(open); !counted.ok()) return counted;
+    RETURN_IF_ERROR(CountNew(open));
     open.views[name] = {"", false};
   }
   StagedViewRecord staged;

@@ -1,6 +1,7 @@
 // The end of an upload: its views become part of the catalogue, or are deleted.
 #include <utility>
 
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "storage/changes/change_log.h"
 #include "storage/database/database.h"
@@ -42,13 +43,10 @@ absl::StatusOr<UploadRecord> Uploads::Commit(const UploadRecord& upload, bool sk
 }
 
 absl::Status Uploads::Delete(std::string_view name) {
-  auto record = Get(name);
-  if (!record.ok()) return record.status();
+  ASSIGN_OR_RETURN(auto record, Get(name));
   OpenUpload open;
-  if (!record->has_commit_time()) {
-    auto found = OpenOf(name);
-    if (!found.ok()) return found.status();
-    open = *std::move(found);
+  if (!record.has_commit_time()) {
+    ASSIGN_OR_RETURN(open, OpenOf(name));
   }
   rocksdb::WriteBatch batch;
   absl::Status status = database_.Delete(Family::kUploads, name, batch);
@@ -77,7 +75,7 @@ void Uploads::End(std::string_view name, Open& open, absl::Status why) {
 absl::StatusOr<std::vector<std::string>> Uploads::DeleteOlderThan(absl::Time open_limit,
                                                                   absl::Time committed_limit) {
   std::vector<UploadRecord> old;
-  absl::Status status =
+  const absl::Status status =
       VisitRecords<UploadRecord>(database_, nullptr, [&](const UploadRecord& upload) {
         const bool is_committed = upload.has_commit_time();
         const absl::Time begin =
@@ -91,7 +89,7 @@ absl::StatusOr<std::vector<std::string>> Uploads::DeleteOlderThan(absl::Time ope
   if (!status.ok()) return status;
   std::vector<std::string> abandoned;
   for (const UploadRecord& upload : old) {
-    if (status = Delete(upload.name()); !status.ok()) return status;
+    RETURN_IF_ERROR(Delete(upload.name()));
     if (!upload.has_commit_time()) abandoned.push_back(upload.name());
   }
   return abandoned;
