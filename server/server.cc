@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "program/connection_acceptor.h"
 #include "program/listen_address.h"
 #include "program/metrics/metrics_server.h"
@@ -198,52 +199,46 @@ Server::~Server() { Stop(); }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     const ServerOptions& options, const recognition::IsCancelled& is_cancelled) {
-  if (absl::Status status = CheckListenAddress(options); !status.ok()) return status;
-  if (absl::Status status = CheckTlsFiles(options.tls); !status.ok()) return status;
-  absl::StatusOr<AccessRules> access = OpenAccessRules(options);
-  if (!access.ok()) return access.status();
-  absl::StatusOr<std::unique_ptr<storage::Catalogue>> catalogue =
-      storage::Catalogue::Open(options.database, CatalogueOptionsOf(options));
-  if (!catalogue.ok()) return catalogue.status();
-  absl::StatusOr<std::unique_ptr<LiveCatalogue>> live =
-      LiveCatalogue::Follow(**catalogue, ParametersOf(options).descriptor, is_cancelled);
-  if (!live.ok()) return live.status();
-  absl::StatusOr<std::unique_ptr<CatalogueBackups>> backups = OpenBackups(options, **catalogue);
-  if (!backups.ok()) return backups.status();
+  RETURN_IF_ERROR(CheckListenAddress(options));
+  RETURN_IF_ERROR(CheckTlsFiles(options.tls));
+  ASSIGN_OR_RETURN(AccessRules access, OpenAccessRules(options));
+  ASSIGN_OR_RETURN(std::unique_ptr<storage::Catalogue> catalogue,
+                   storage::Catalogue::Open(options.database, CatalogueOptionsOf(options)));
+  ASSIGN_OR_RETURN(
+      std::unique_ptr<LiveCatalogue> live,
+      LiveCatalogue::Follow(*catalogue, ParametersOf(options).descriptor, is_cancelled));
+  ASSIGN_OR_RETURN(std::unique_ptr<CatalogueBackups> backups, OpenBackups(options, *catalogue));
   const MemoryShares memory = ShareMemory(options.memory_mib, options.cache_mib);
   std::unique_ptr<Server> out(new Server(std::make_unique<Parts>(
-      options, memory, *std::move(catalogue), *std::move(live), *std::move(backups))));
+      options, memory, std::move(catalogue), std::move(live), std::move(backups))));
   out->drain_time_ = std::chrono::duration<double>(options.drain_s);
-  out->parts_->access = *std::move(access);
+  out->parts_->access = std::move(access);
   out->parts_->access.places = std::make_unique<CallPlaces>(PlacesFor(options));
   out->parts_->access.connections = WatchConnections(memory, options);
   out->parts_->access.revision = [parts = out->parts_.get()] {
     return parts->catalogue->revision();
   };
   out->parts_->tls_files = WatchTlsFiles(options.tls, out->parts_->tls_state);
-  if (absl::Status status = out->Listen(options); !status.ok()) return status;
-  auto metrics = ServeMetrics(options.metrics, out->parts_->StatusSourcesOf(options, memory),
-                              out->parts_->access.metrics.get());
-  if (!metrics.ok()) return metrics.status();
-  out->parts_->metrics = *std::move(metrics);
+  RETURN_IF_ERROR(out->Listen(options));
+  ASSIGN_OR_RETURN(out->parts_->metrics,
+                   ServeMetrics(options.metrics, out->parts_->StatusSourcesOf(options, memory),
+                                out->parts_->access.metrics.get()));
   WarnIfOpen(options);
 
-  if (absl::Status status = out->Serve(options, memory); !status.ok()) return status;
+  RETURN_IF_ERROR(out->Serve(options, memory));
   return out;
 }
 
 absl::Status Server::Listen(const ServerOptions& options) {
-  const absl::StatusOr<ListenAddress> listen = ParseListenAddress("--listen", options.listen);
-  if (!listen.ok()) return listen.status();
-  absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
-      ConnectionAcceptor::Listen(*listen);
+  ASSIGN_OR_RETURN(const ListenAddress listen, ParseListenAddress("--listen", options.listen));
+  absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor = ConnectionAcceptor::Listen(listen);
   if (!acceptor.ok()) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen, " (",
                                                acceptor.status().message(),
                                                "); is the port in use? Choose another --listen"));
   }
   parts_->acceptor = *std::move(acceptor);
-  address_ = absl::StrCat(listen->host, ":", parts_->acceptor->port());
+  address_ = absl::StrCat(listen.host, ":", parts_->acceptor->port());
   return absl::OkStatus();
 }
 

@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 #include "program/json_keys.h"
 #include "server/access/tokens.h"
 #include "storage/records/resource_name.h"
@@ -63,7 +64,7 @@ absl::StatusOr<v1::Identity> ParseLine(absl::string_view line) {
   if (!CheckJsonKeys(line).ok()) {  // its error has the key, which may be a token in a wrong place
     return absl::InvalidArgumentError("has a key twice, whose values would be added; delete one");
   }
-  if (absl::Status status = CheckIdentity(identity); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckIdentity(identity));
   return identity;
 }
 
@@ -74,10 +75,10 @@ absl::Status CheckIdentity(const v1::Identity& identity) {
     return absl::InvalidArgumentError(absl::StrCat("name: ", named.message()));
   }
   if (!identity.cell().empty()) {
-    if (auto cell = storage::CheckCellName(identity.cell()); !cell.ok()) return cell;
+    RETURN_IF_ERROR(storage::CheckCellName(identity.cell()));
   }
-  absl::Status status = CheckRoles(identity);
-  return status.ok() ? CheckCredentials(identity) : status;
+  RETURN_IF_ERROR(CheckRoles(identity));
+  return CheckCredentials(identity);
 }
 
 absl::Status Identities::Add(v1::Identity identity, std::set<std::string>* seen) {

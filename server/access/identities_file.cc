@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "program/text_encoding.h"
 
@@ -35,7 +36,7 @@ IdentitiesFile::IdentitiesFile(const std::string& path) : path_(path), file_({pa
 
 absl::StatusOr<std::unique_ptr<IdentitiesFile>> IdentitiesFile::Open(const std::string& path) {
   std::unique_ptr<IdentitiesFile> out(new IdentitiesFile(path));
-  if (absl::Status status = out->Load(); !status.ok()) return status;
+  RETURN_IF_ERROR(out->Load());
   out->file_.Start([file = out.get(), last_error = std::string()]() mutable {
     const absl::Status status = file->Load();
     file->state_.Note(status);
@@ -59,12 +60,11 @@ std::shared_ptr<const Identities> IdentitiesFile::Get() const {
 }
 
 absl::Status IdentitiesFile::Load() {
-  absl::StatusOr<std::string> text = ReadBounded(path_);
-  if (!text.ok()) return text.status();
-  if (absl::Status taken = TakeUtf8(absl::StrCat("--identities ", path_), &*text); !taken.ok()) {
+  ASSIGN_OR_RETURN(std::string text, ReadBounded(path_));
+  if (absl::Status taken = TakeUtf8(absl::StrCat("--identities ", path_), &text); !taken.ok()) {
     return absl::FailedPreconditionError(taken.message());
   }
-  absl::StatusOr<Identities> parsed = Identities::Parse(*text);
+  absl::StatusOr<Identities> parsed = Identities::Parse(text);
   if (!parsed.ok()) {
     return absl::FailedPreconditionError(
         absl::StrCat("--identities ", path_, ": ", parsed.status().message()));

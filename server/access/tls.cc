@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "program/pem_files.h"
 #include "program/tls_file_set.h"
@@ -46,7 +47,7 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeServerCredentials(
     const TlsFiles& files, std::function<void(const absl::Status&)> on_refused) {
   if (files.cert.empty()) return grpc::InsecureServerCredentials();
   TlsFileSet& set = FileSetOf(files);
-  if (absl::Status status = set.Refresh(); !status.ok()) return status;
+  RETURN_IF_ERROR(set.Refresh());
   grpc::experimental::TlsServerCredentialsOptions options(set.MakeProvider());
   options.watch_identity_key_cert_pairs();
   if (!files.client_ca.empty()) {

@@ -15,6 +15,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/settings_file.h"
 #include "server/access/identities.h"
 #include "server/access/method_role.h"
@@ -75,15 +76,15 @@ absl::Status MakeToken(v1::Identity identity, const std::string& out) {
   const std::string token = NewToken();
   if (token.empty()) return absl::InternalError("the system has no random numbers");
   identity.add_token_sha256(HashToken(token));
-  if (absl::Status status = CheckIdentity(identity); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckIdentity(identity));
   std::string line;
   if (!google::protobuf::util::MessageToJsonString(identity, &line).ok()) {
     return absl::InternalError("the identity has no JSON");
   }
   if (out.empty()) {
     std::printf("%s\n", token.c_str());
-  } else if (absl::Status written = WriteSecret(out, token + "\n"); !written.ok()) {
-    return written;
+  } else {
+    RETURN_IF_ERROR(WriteSecret(out, token + "\n"));
   }
   std::printf("%s\n", line.c_str());
   return absl::OkStatus();

@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "program/printable_text.h"
 #include "program/settings_file.h"
@@ -67,28 +68,25 @@ storage::BackupProgress OnTerminal() {
 absl::StatusOr<storage::BackupId> ChooseId(const storage::Backups& backups,
                                            const BackupProgramOptions& options) {
   if (options.id) return *options.id;
-  const auto listed = backups.List();
-  if (!listed.ok()) return listed.status();
-  if (!listed->empty()) return listed->back().id;
+  ASSIGN_OR_RETURN(const auto listed, backups.List());
+  if (!listed.empty()) return listed.back().id;
   return absl::NotFoundError(absl::StrCat("there are no backups in ", options.from));
 }
 
 absl::Status ListAll(const BackupProgramOptions& options) {
-  const auto listed = storage::Backups(options.from).List();
-  if (!listed.ok()) return listed.status();
-  for (const storage::Backup& backup : *listed) {
-    if (auto printed = Print(backup, options.json); !printed.ok()) return printed;
+  ASSIGN_OR_RETURN(const auto listed, storage::Backups(options.from).List());
+  for (const storage::Backup& backup : listed) {
+    RETURN_IF_ERROR(Print(backup, options.json));
   }
-  if (listed->empty() && !options.json) std::printf("no backups in %s\n", options.from.c_str());
+  if (listed.empty() && !options.json) std::printf("no backups in %s\n", options.from.c_str());
   return absl::OkStatus();
 }
 
 absl::Status VerifyOne(const BackupProgramOptions& options) {
   const storage::Backups backups(options.from);
-  const auto id = ChooseId(backups, options);
-  if (!id.ok()) return id.status();
-  const auto verified = backups.Verify(*id, OnTerminal());
-  return verified.ok() ? Print(*verified, options.json, "intact: ") : verified.status();
+  ASSIGN_OR_RETURN(const auto id, ChooseId(backups, options));
+  ASSIGN_OR_RETURN(const auto verified, backups.Verify(id, OnTerminal()));
+  return Print(verified, options.json, "intact: ");
 }
 
 // Whether a restore to `folder` would find nothing there.
@@ -119,29 +117,26 @@ absl::Status DryRun(const BackupProgramOptions& options, const storage::Backups&
     std::printf("%c %s\n", kSigns[kind], difference.name.c_str());
     return absl::OkStatus();
   };
-  const auto compared = backups.Compare(id, options.to, {}, print);
-  if (!compared.ok()) return compared.status();
+  ASSIGN_OR_RETURN(const auto compared, backups.Compare(id, options.to, {}, print));
   if (options.json) return absl::OkStatus();
   std::printf(
       "%s\nwould add %d records, change %d and remove %d of %s, which is not empty: restore "
       "to a new folder, or move it away first\n",
-      TextOf(*compared).c_str(), counts[0], counts[1], counts[2], options.to.c_str());
+      TextOf(compared).c_str(), counts[0], counts[1], counts[2], options.to.c_str());
   return absl::OkStatus();
 }
 
 absl::Status RestoreOne(const BackupProgramOptions& options) {
   const storage::Backups backups(options.from);
-  const auto id = ChooseId(backups, options);
-  if (!id.ok()) return id.status();
+  ASSIGN_OR_RETURN(const auto id, ChooseId(backups, options));
   if (options.dry_run) {
-    const absl::StatusOr<bool> is_new = IsMissingOrEmpty(options.to);
-    if (!is_new.ok()) return is_new.status();
-    if (!*is_new) return DryRun(options, backups, *id);
-    const auto verified = backups.Verify(*id, OnTerminal());
-    return verified.ok() ? Print(*verified, options.json, "would restore ") : verified.status();
+    ASSIGN_OR_RETURN(const bool is_new, IsMissingOrEmpty(options.to));
+    if (!is_new) return DryRun(options, backups, id);
+    ASSIGN_OR_RETURN(const auto verified, backups.Verify(id, OnTerminal()));
+    return Print(verified, options.json, "would restore ");
   }
-  const auto restored = backups.Restore(*id, options.to, OnTerminal());
-  return restored.ok() ? Print(*restored, options.json, "restored ") : restored.status();
+  ASSIGN_OR_RETURN(const auto restored, backups.Restore(id, options.to, OnTerminal()));
+  return Print(restored, options.json, "restored ");
 }
 
 // "7" for "backups/7", the name in lists.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <future>
 
+#include "base/status_macros.h"
 #include "server/backups/backup_messages.h"
 #include "server/base/background.h"
 #include "server/calls/call_guard.h"
@@ -39,10 +40,9 @@ absl::Status RunReported(const grpc::ServerContext& context, grpc::ServerWriter<
     response.set_done_byte_count(bytes);
     if (IsAbandoned(context) || !stream->Write(response)) is_cancelled = true;
   }
-  const absl::StatusOr<storage::Backup> backup = result.get();
-  if (!backup.ok()) return backup.status();
+  ASSIGN_OR_RETURN(const storage::Backup backup, result.get());
   response.set_done_byte_count(bytes);
-  *response.mutable_backup() = BackupToProto(*backup);
+  *response.mutable_backup() = BackupToProto(backup);
   // No request has the name of a new one.
   if (CallGuard* guard = CallGuard::Of(context)) guard->NoteResource(response.backup().name());
   return stream->Write(response) ? absl::OkStatus()
@@ -61,11 +61,10 @@ grpc::Status BackupService::CreateBackup(grpc::ServerContext* context,
                                          const v1::CreateBackupRequest* request,
                                          grpc::ServerWriter<v1::CreateBackupResponse>* stream) {
   return Handle(*context, "CreateBackup", *request, [&]() -> absl::Status {
-    if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
-    const auto id = WriteIdFromProto(request->request_id());
-    if (!id.ok()) return id.status();
+    RETURN_IF_ERROR(CheckEnabled());
+    ASSIGN_OR_RETURN(const auto id, WriteIdFromProto(request->request_id()));
     return RunReported(*context, stream,
-                       [&](const auto& progress) { return backups_->Create(progress, *id); });
+                       [&](const auto& progress) { return backups_->Create(progress, id); });
   });
 }
 
@@ -73,22 +72,17 @@ grpc::Status BackupService::ListBackups(grpc::ServerContext* context,
                                         const v1::ListBackupsRequest* request,
                                         v1::ListBackupsResponse* response) {
   return Handle(*context, "ListBackups", *request, [&]() -> absl::Status {
-    if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
-    const auto size = PageSize(request->page_size());
-    if (!size.ok()) return size.status();
-    const auto after = NameFromPageToken(request->page_token(), "backups/");
-    if (!after.ok()) return after.status();
+    RETURN_IF_ERROR(CheckEnabled());
+    ASSIGN_OR_RETURN(const auto size, PageSize(request->page_size()));
+    ASSIGN_OR_RETURN(const auto after, NameFromPageToken(request->page_token(), "backups/"));
     storage::BackupId after_id = 0;
-    if (!after->empty()) {
-      const auto id = ParseBackupName(*after, "page_token");
-      if (!id.ok()) return id.status();
-      after_id = *id;
+    if (!after.empty()) {
+      ASSIGN_OR_RETURN(after_id, ParseBackupName(after, "page_token"));
     }
-    const auto backups = backups_->List();
-    if (!backups.ok()) return backups.status();
-    for (const storage::Backup& backup : *backups) {
+    ASSIGN_OR_RETURN(const auto backups, backups_->List());
+    for (const storage::Backup& backup : backups) {
       if (backup.id <= after_id) continue;
-      if (static_cast<std::size_t>(response->backups_size()) == *size) {
+      if (static_cast<std::size_t>(response->backups_size()) == size) {
         response->set_next_page_token(PageTokenAfter(response->backups().rbegin()->name()));
         break;
       }
@@ -102,11 +96,10 @@ grpc::Status BackupService::VerifyBackup(grpc::ServerContext* context,
                                          const v1::VerifyBackupRequest* request,
                                          grpc::ServerWriter<v1::VerifyBackupResponse>* stream) {
   return Handle(*context, "VerifyBackup", *request, [&]() -> absl::Status {
-    if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
-    const auto id = ParseBackupName(request->name(), "name");
-    if (!id.ok()) return id.status();
+    RETURN_IF_ERROR(CheckEnabled());
+    ASSIGN_OR_RETURN(const auto id, ParseBackupName(request->name(), "name"));
     return RunReported(*context, stream,
-                       [&](const auto& progress) { return backups_->Verify(*id, progress); });
+                       [&](const auto& progress) { return backups_->Verify(id, progress); });
   });
 }
 
@@ -114,9 +107,9 @@ grpc::Status BackupService::DeleteBackup(grpc::ServerContext* context,
                                          const v1::DeleteBackupRequest* request,
                                          google::protobuf::Empty* /*response*/) {
   return Handle(*context, "DeleteBackup", *request, [&]() -> absl::Status {
-    if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
-    const auto id = ParseBackupName(request->name(), "name");
-    return id.ok() ? backups_->Delete(*id) : id.status();
+    RETURN_IF_ERROR(CheckEnabled());
+    ASSIGN_OR_RETURN(const auto id, ParseBackupName(request->name(), "name"));
+    return backups_->Delete(id);
   });
 }
 
@@ -124,9 +117,8 @@ grpc::Status BackupService::CompareBackup(grpc::ServerContext* context,
                                           const v1::CompareBackupRequest* request,
                                           grpc::ServerWriter<v1::CompareBackupResponse>* stream) {
   return Handle(*context, "CompareBackup", *request, [&]() -> absl::Status {
-    if (auto enabled = CheckEnabled(); !enabled.ok()) return enabled;
-    const auto id = ParseBackupName(request->name(), "name");
-    if (!id.ok()) return id.status();
+    RETURN_IF_ERROR(CheckEnabled());
+    ASSIGN_OR_RETURN(const auto id, ParseBackupName(request->name(), "name"));
     return InBackground([&]() -> absl::Status {
       absl::Status cancelled = absl::CancelledError("the stream was cancelled");
       AbandonedWatch watch(*context);
@@ -140,9 +132,8 @@ grpc::Status BackupService::CompareBackup(grpc::ServerContext* context,
         response.clear_differences();
         return absl::OkStatus();
       };
-      const auto backup = backups_->Compare(*id, progress, send);
-      if (!backup.ok()) return backup.status();
-      *response.mutable_backup() = BackupToProto(*backup);
+      ASSIGN_OR_RETURN(const auto backup, backups_->Compare(id, progress, send));
+      *response.mutable_backup() = BackupToProto(backup);
       return stream->Write(response) ? absl::OkStatus() : cancelled;
     });
   });

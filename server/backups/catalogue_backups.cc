@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
 #include "program/log_field.h"
 #include "server/backups/backup_messages.h"
@@ -114,11 +115,10 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Verify(storage::BackupId id,
 }
 
 absl::StatusOr<std::vector<storage::Backup>> CatalogueBackups::List() {
-  if (auto claimed = backups_.Claim(); !claimed.ok()) return claimed;
-  absl::StatusOr<std::vector<storage::Backup>> listed = backups_.List();
-  if (!listed.ok()) return listed;
+  RETURN_IF_ERROR(backups_.Claim());
+  ASSIGN_OR_RETURN(std::vector<storage::Backup> listed, backups_.List());
   absl::MutexLock lock(&mutex_);
-  for (storage::Backup& backup : *listed) {
+  for (storage::Backup& backup : listed) {
     const auto damage = damaged_.find(backup.id);
     if (backup.state.ok() && damage != damaged_.end()) backup.state = damage->second;
   }

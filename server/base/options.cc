@@ -6,6 +6,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/listen_address.h"
 #include "program/loopback.h"
 #include "program/metrics/metrics_flags.h"
@@ -154,10 +155,9 @@ ParsedOptions ParseOptions(int argc, char** argv) {
 }
 
 absl::Status CheckListenAddress(const ServerOptions& options) {
-  const absl::StatusOr<ListenAddress> listen = ParseListenAddress("--listen", options.listen);
-  if (!listen.ok()) return listen.status();
+  ASSIGN_OR_RETURN(const ListenAddress listen, ParseListenAddress("--listen", options.listen));
   const bool is_encrypted = !options.tls.cert.empty();
-  if (!is_encrypted && !options.allow_remote_without_tls && !IsLoopback(listen->host)) {
+  if (!is_encrypted && !options.allow_remote_without_tls && !IsLoopback(listen.host)) {
     return absl::FailedPreconditionError(absl::StrCat(
         "--listen ", options.listen,
         " can be reached from other machines without encryption; "

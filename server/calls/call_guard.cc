@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "program/peer_address.h"
 #include "program/request_id.h"
@@ -98,15 +99,12 @@ std::vector<CertificateName> CertificateNames(const grpc::ServerContextBase& con
 absl::StatusOr<AccessRules> OpenAccessRules(const ServerOptions& options) {
   AccessRules out;
   if (!options.identities.empty()) {
-    auto identities = IdentitiesFile::Open(options.identities);
-    if (!identities.ok()) return identities.status();
-    out.identities = *std::move(identities);
+    ASSIGN_OR_RETURN(out.identities, IdentitiesFile::Open(options.identities));
   }
   if (!options.audit_log.empty()) {
-    auto audit =
-        AuditLog::Open(options.audit_log, static_cast<std::size_t>(options.audit_log_mib) << 20U);
-    if (!audit.ok()) return audit.status();
-    out.audit = *std::move(audit);
+    ASSIGN_OR_RETURN(
+        out.audit,
+        AuditLog::Open(options.audit_log, static_cast<std::size_t>(options.audit_log_mib) << 20U));
   }
   if (!options.metrics.listen.empty()) out.metrics = std::make_unique<CallMetrics>();
   return out;
@@ -214,14 +212,13 @@ absl::Status CallGuard::Authorize() {
   operates_ = rules_.identities == nullptr;
   if (operates_) return absl::OkStatus();
   const std::shared_ptr<const Identities> identities = rules_.identities->Get();
-  const absl::StatusOr<const v1::Identity*> identity = Identify(*identities);
-  if (!identity.ok()) return identity.status();
-  identity_ = (*identity)->name();
-  cell_ = (*identity)->cell();
-  operates_ = HasRole(**identity, v1::ROLE_OPERATE);
+  ASSIGN_OR_RETURN(const v1::Identity* identity, Identify(*identities));
+  identity_ = identity->name();
+  cell_ = identity->cell();
+  operates_ = HasRole(*identity, v1::ROLE_OPERATE);
   const v1::Role role = method_ == nullptr ? v1::ROLE_UNSPECIFIED : RoleOf(*method_);
   if (role == v1::ROLE_UNSPECIFIED) return absl::PermissionDeniedError("the method has no role");
-  if (HasRole(**identity, role)) return absl::OkStatus();
+  if (HasRole(*identity, role)) return absl::OkStatus();
   return absl::PermissionDeniedError(absl::StrCat(
       "identity ", identity_, " lacks the role ", RoleName(role), ", which ", method_->name(),
       " takes; add it in the server's file of --identities, or use another identity"));
@@ -247,11 +244,11 @@ absl::Status CallGuard::TakePlace() {
   const bool is_stream = method_->client_streaming() || method_->server_streaming();
   CallPlaces::Caller caller = {identity_, !identity_.empty()};
   if (!caller.is_identified) caller.name = NetworkOfPeer(context_.peer());
-  absl::StatusOr<CallPlaces::Place> place =
+  ASSIGN_OR_RETURN(
+      CallPlaces::Place place,
       rules_.places->Take(is_stream ? CallPlaces::Kind::kStream : CallPlaces::Kind::kUnary,
-                          std::move(caller), method_->client_streaming() ? &context_ : nullptr);
-  if (!place.ok()) return place.status();
-  place_.emplace(*std::move(place));
+                          std::move(caller), method_->client_streaming() ? &context_ : nullptr));
+  place_.emplace(std::move(place));
   return absl::OkStatus();
 }
 

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "server/base/errors.h"
 #include "server/calls/call_guard.h"
@@ -95,9 +96,9 @@ grpc::Status Handle(const grpc::ServerContextBase& context, std::string_view met
                     const std::function<absl::Status()>& work) {
   if (CallGuard* guard = CallGuard::Of(context)) guard->NoteRequest(request);
   return Handle(context, method, [&] {
-    absl::Status status = CallGuard::Of(context)->AuthorizeRequest(request);
-    if (status.ok()) status = CheckLimits(request);
-    return status.ok() ? work() : status;
+    RETURN_IF_ERROR(CallGuard::Of(context)->AuthorizeRequest(request));
+    RETURN_IF_ERROR(CheckLimits(request));
+    return work();
   });
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"
 #include "server/catalogue/grasp_outcomes.h"
@@ -23,15 +24,13 @@ constexpr std::array<std::string_view, 6> kStablePoseFields = {
     "display_name", "symmetry_order", "grasps", "min_score", "mesh_pose", "release"};
 
 absl::Status CheckObject(const v1::Object& object) {
-  absl::Status status = CheckLabels(object.labels(), "object.labels");
-  status.Update(CheckRelease(object.release(), "object.release"));
-  return status;
+  RETURN_IF_ERROR(CheckLabels(object.labels(), "object.labels"));
+  return CheckRelease(object.release(), "object.release");
 }
 
 absl::Status CheckStablePose(const v1::StablePose& pose) {
-  absl::Status status = StablePoseFromProto(pose).status();
-  status.Update(CheckRelease(pose.release(), "stable_pose.release"));
-  return status;
+  RETURN_IF_ERROR(StablePoseFromProto(pose).status());
+  return CheckRelease(pose.release(), "stable_pose.release");
 }
 
 v1::View ViewToProto(const storage::ViewRecord& record) {
@@ -55,9 +54,8 @@ grpc::Status CatalogService::CreateObject(grpc::ServerContext* context,
                                           const v1::CreateObjectRequest* request,
                                           v1::Object* response) {
   return Handle(*context, "CreateObject", *request, [&]() -> absl::Status {
-    absl::Status status = AtField("object_id", storage::ValidateResourceId(request->object_id()));
-    status.Update(CheckObject(request->object()));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(AtField("object_id", storage::ValidateResourceId(request->object_id())));
+    RETURN_IF_ERROR(CheckObject(request->object()));
     v1::Object object = request->object();
     object.DiscardUnknownFields();
     object.set_name(storage::MakeObjectName(request->object_id()));
@@ -90,15 +88,12 @@ grpc::Status CatalogService::UpdateObject(grpc::ServerContext* context,
                                           v1::Object* response) {
   return Handle(*context, "UpdateObject", *request, [&] {
     const v1::Object& update = request->object();
+    const auto change = [&](v1::Object& object) {
+      RETURN_IF_ERROR(ApplyReleasedUpdate(update, request->update_mask(), kObjectFields, &object));
+      return CheckObject(object);
+    };
     return Respond("object.name",
-                   context_.catalogue.UpdateObject(
-                       update.name(), update.etag(),
-                       [&](v1::Object& object) {
-                         absl::Status status = ApplyReleasedUpdate(update, request->update_mask(),
-                                                                   kObjectFields, &object);
-                         return status.ok() ? CheckObject(object) : status;
-                       }),
-                   response);
+                   context_.catalogue.UpdateObject(update.name(), update.etag(), change), response);
   });
 }
 
@@ -117,13 +112,12 @@ grpc::Status CatalogService::CreateStablePose(grpc::ServerContext* context,
   return Handle(*context, "CreateStablePose", *request, [&]() -> absl::Status {
     absl::StatusOr<storage::ObjectName> parent = storage::ParseObjectName(request->parent());
     if (!parent.ok()) return AtField("parent", parent.status());
-    absl::Status status =
-        AtField("stable_pose_id", storage::ValidateResourceId(request->stable_pose_id()));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(
+        AtField("stable_pose_id", storage::ValidateResourceId(request->stable_pose_id())));
     v1::StablePose pose = request->stable_pose();
     pose.DiscardUnknownFields();
     pose.set_name(storage::MakeStablePoseName(parent->object_id, request->stable_pose_id()));
-    if (status = CheckStablePose(pose); !status.ok()) return status;
+    RETURN_IF_ERROR(CheckStablePose(pose));
     return Respond("parent", context_.catalogue.CreateStablePose(std::move(pose)), response);
   });
 }
@@ -132,9 +126,8 @@ grpc::Status CatalogService::GetStablePose(grpc::ServerContext* context,
                                            const v1::GetStablePoseRequest* request,
                                            v1::StablePose* response) {
   return Handle(*context, "GetStablePose", *request, [&] {
-    const absl::Status status =
-        Respond("name", context_.catalogue.GetStablePose(request->name()), response);
-    return status.ok() ? AddGraspOutcomes(context_.catalogue, response) : status;
+    RETURN_IF_ERROR(Respond("name", context_.catalogue.GetStablePose(request->name()), response));
+    return AddGraspOutcomes(context_.catalogue, response);
   });
 }
 
@@ -150,8 +143,7 @@ grpc::Status CatalogService::ListStablePoses(grpc::ServerContext* context,
         [&](v1::StablePose pose) { *response->add_stable_poses() = std::move(pose); }, response);
     if (!status.ok()) return status;
     for (v1::StablePose& pose : *response->mutable_stable_poses()) {
-      absl::Status added = AddGraspOutcomes(context_.catalogue, &pose);
-      if (!added.ok()) return added;
+      RETURN_IF_ERROR(AddGraspOutcomes(context_.catalogue, &pose));
     }
     return absl::OkStatus();
   });
@@ -163,9 +155,9 @@ grpc::Status CatalogService::UpdateStablePose(grpc::ServerContext* context,
   return Handle(*context, "UpdateStablePose", *request, [&] {
     const v1::StablePose& update = request->stable_pose();
     const auto change = [&](v1::StablePose& pose) {
-      absl::Status status =
-          ApplyReleasedUpdate(update, request->update_mask(), kStablePoseFields, &pose);
-      return status.ok() ? CheckStablePose(pose) : status;
+      RETURN_IF_ERROR(
+          ApplyReleasedUpdate(update, request->update_mask(), kStablePoseFields, &pose));
+      return CheckStablePose(pose);
     };
     return Respond("stable_pose.name",
                    context_.catalogue.UpdateStablePose(update.name(), update.etag(), change),
@@ -189,11 +181,9 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
     if (!record.ok()) return AtField("name", record.status());
     *response = ViewToProto(*record);
     if (request->detail() != v1::VIEW_DETAIL_FULL) return absl::OkStatus();
-    absl::StatusOr<std::string> packed = context_.catalogue.GetPackedCloud(request->name());
-    if (!packed.ok()) return packed.status();
-    absl::StatusOr<recognition::Points> points = PointsFromPacked(*packed);
-    if (!points.ok()) return points.status();
-    *response->mutable_cloud() = PointsToProto(*points);
+    ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
+    ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
+    *response->mutable_cloud() = PointsToProto(points);
     return absl::OkStatus();
   });
 }
@@ -227,11 +217,10 @@ grpc::Status CatalogService::ReportGraspOutcome(grpc::ServerContext* context,
       const auto cell = context_.catalogue.GetCell(request->cell());
       if (!cell.ok()) return AtField("cell", cell.status());
     }
-    const absl::StatusOr<bool> counted =
-        server::ReportGraspOutcome(*request, context_.catalogue, response);
-    if (!counted.ok()) return counted.status();
+    ASSIGN_OR_RETURN(const bool counted,
+                     server::ReportGraspOutcome(*request, context_.catalogue, response));
     const CallGuard& guard = *CallGuard::Of(*context);
-    if (*counted && guard.metrics() != nullptr) {
+    if (counted && guard.metrics() != nullptr) {
       guard.metrics()->CountPicks(request->has_cell() ? request->cell() : guard.cell(), *request);
     }
     return absl::OkStatus();

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"
 #include "server/requests/convert.h"
@@ -53,7 +54,7 @@ grpc::Status CellService::CreateCell(grpc::ServerContext* context,
     v1::Cell cell = request->cell();
     cell.DiscardUnknownFields();
     cell.set_name(storage::MakeCellName(request->cell_id()));
-    if (absl::Status status = ValidateCell(cell); !status.ok()) return status;
+    RETURN_IF_ERROR(ValidateCell(cell));
     return Respond("cell_id", catalogue_.CreateCell(std::move(cell)), response);
   });
 }
@@ -82,8 +83,8 @@ grpc::Status CellService::UpdateCell(grpc::ServerContext* context,
   return Handle(*context, "UpdateCell", *request, [&] {
     const v1::Cell& update = request->cell();
     const auto change = [&](v1::Cell& cell) {
-      absl::Status status = ApplyUpdate(update, request->update_mask(), kFields, &cell);
-      return status.ok() ? ValidateCell(cell) : status;
+      RETURN_IF_ERROR(ApplyUpdate(update, request->update_mask(), kFields, &cell));
+      return ValidateCell(cell);
     };
     return Respond("cell.name", catalogue_.UpdateCell(update.name(), update.etag(), change),
                    response);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/requests/write_id.h"
 
@@ -35,12 +36,11 @@ absl::StatusOr<v1::GraspOutcomeCounts> CountsFromProto(
 }
 
 absl::StatusOr<storage::RequestKey> KeyFromProto(v1::ReportGraspOutcomeRequest request) {
-  absl::StatusOr<std::string> id = WriteIdFromProto(request.request_id());
-  if (!id.ok()) return id.status();
-  if (id->empty()) return storage::RequestKey();
+  ASSIGN_OR_RETURN(std::string id, WriteIdFromProto(request.request_id()));
+  if (id.empty()) return storage::RequestKey();
   request.clear_request_id();
   request.DiscardUnknownFields();
-  return storage::RequestKey{*std::move(id), Sha256(request.SerializeAsString())};
+  return storage::RequestKey{std::move(id), Sha256(request.SerializeAsString())};
 }
 
 }  // namespace
@@ -48,12 +48,10 @@ absl::StatusOr<storage::RequestKey> KeyFromProto(v1::ReportGraspOutcomeRequest r
 absl::StatusOr<bool> ReportGraspOutcome(const v1::ReportGraspOutcomeRequest& request,
                                         storage::Catalogue& catalogue,
                                         v1::ReportGraspOutcomeResponse* response) {
-  const absl::StatusOr<v1::GraspOutcomeCounts> added = CountsFromProto(request);
-  if (!added.ok()) return added.status();
-  const absl::StatusOr<storage::RequestKey> key = KeyFromProto(request);
-  if (!key.ok()) return key.status();
+  ASSIGN_OR_RETURN(const v1::GraspOutcomeCounts added, CountsFromProto(request));
+  ASSIGN_OR_RETURN(const storage::RequestKey key, KeyFromProto(request));
   absl::StatusOr<storage::AddedOutcomes> counted =
-      catalogue.AddGraspOutcomes(request.name(), *added, *key);
+      catalogue.AddGraspOutcomes(request.name(), added, key);
   if (absl::IsAlreadyExists(counted.status())) {
     return WithReason(counted.status(), "REQUEST_ID_REUSED");
   }

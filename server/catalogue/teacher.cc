@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/points/median_point.h"
 #include "recognition/segmentation/segmentation.h"
 #include "recognition/segmentation/segmented_points.h"
@@ -38,23 +39,17 @@ absl::StatusOr<Capture> CaptureFromProto(const v1::UploadViewsRequest& request,
                                          std::size_t max_points) {
   Capture out;
   const v1::View& view = request.view();
-  if (absl::Status status = ReadScan(view, max_points, &out.scan); !status.ok()) return status;
+  RETURN_IF_ERROR(ReadScan(view, max_points, &out.scan));
   out.scan.segmented = view.segmented();
   if (view.has_sensor_pose()) {
-    absl::StatusOr<Pose> pose = PoseFromProto(view.sensor_pose(), "view.sensor_pose");
-    if (!pose.ok()) return pose.status();
-    out.scan.world_sensor = *pose;
+    ASSIGN_OR_RETURN(out.scan.world_sensor, PoseFromProto(view.sensor_pose(), "view.sensor_pose"));
   }
   if (view.has_object_pose()) {
-    absl::StatusOr<Pose> pose = PoseFromProto(view.object_pose(), "view.object_pose");
-    if (!pose.ok()) return pose.status();
-    out.object_pose = *pose;
+    ASSIGN_OR_RETURN(out.object_pose, PoseFromProto(view.object_pose(), "view.object_pose"));
   }
   if (request.has_region_of_interest()) {
-    absl::StatusOr<recognition::Box> box =
-        BoxFromProto(request.region_of_interest(), "region_of_interest");
-    if (!box.ok()) return box.status();
-    out.scan.region = *box;
+    ASSIGN_OR_RETURN(out.scan.region,
+                     BoxFromProto(request.region_of_interest(), "region_of_interest"));
   }
   return out;
 }
@@ -140,19 +135,17 @@ absl::StatusOr<SeenObject> FindObject(const Capture& capture,
   // The normals that count are those of the points as they are stored.
   recognition::DescriptorParameters without_normals = parameters.descriptor;
   without_normals.normal_radius_m = 0;
-  absl::StatusOr<Segmentation> segmentation = recognition::SegmentScan(
-      capture.scan, parameters.segmentation, without_normals, is_cancelled, &log);
-  if (!segmentation.ok()) return segmentation.status();
-  absl::StatusOr<const Segment*> segment =
-      ChooseSegment(capture.scan, *segmentation, capture.object_pose);
-  if (!segment.ok()) return segment.status();
+  ASSIGN_OR_RETURN(Segmentation segmentation,
+                   recognition::SegmentScan(capture.scan, parameters.segmentation, without_normals,
+                                            is_cancelled, &log));
+  ASSIGN_OR_RETURN(const Segment* segment,
+                   ChooseSegment(capture.scan, segmentation, capture.object_pose));
   const double max_size_m = parameters.segmentation.max_object_size_m;
-  absl::Status status = CheckExtent(capture.scan, *segmentation, **segment, max_size_m);
-  if (!status.ok()) return status;
-  return SeenObject{segmentation->world_sensor,
+  RETURN_IF_ERROR(CheckExtent(capture.scan, segmentation, *segment, max_size_m));
+  return SeenObject{segmentation.world_sensor,
                     capture.object_pose.value_or(
-                        recognition::DefaultObjectPose(segmentation->world_frame, **segment)),
-                    (*segment)->indices};
+                        recognition::DefaultObjectPose(segmentation.world_frame, *segment)),
+                    segment->indices};
 }
 
 absl::Status CheckChecksum(const v1::UploadViewsRequest& request) {
@@ -180,36 +173,31 @@ absl::StatusOr<storage::NewView> MakeView(const v1::UploadViewsRequest& request,
                                           const recognition::RecognitionParameters& parameters,
                                           const TeachLimits& limits,
                                           const recognition::IsCancelled& is_cancelled) {
-  if (absl::Status status = CheckChecksum(request); !status.ok()) return status;
-  absl::StatusOr<Capture> capture = CaptureFromProto(request, limits.max_points);
-  if (!capture.ok()) return capture.status();
-  const absl::StatusOr<SeenObject> object = FindObject(*capture, parameters, is_cancelled);
-  if (!object.ok()) return object.status();
+  RETURN_IF_ERROR(CheckChecksum(request));
+  ASSIGN_OR_RETURN(Capture capture, CaptureFromProto(request, limits.max_points));
+  ASSIGN_OR_RETURN(const SeenObject object, FindObject(capture, parameters, is_cancelled));
 
   storage::NewView out;
   std::vector<storage::CloudPoint> stored;
-  absl::StatusOr<std::string> packed = PackPoints(capture->scan, object->indices, &stored);
-  if (!packed.ok()) return packed.status();
-  out.packed_cloud = *std::move(packed);
+  ASSIGN_OR_RETURN(out.packed_cloud, PackPoints(capture.scan, object.indices, &stored));
   const v1::View& view = request.view();
   const v1::Pose stored_sensor = view.has_sensor_pose()
-                                     ? StoredPose(view.sensor_pose(), object->world_sensor)
-                                     : PoseToProto(object->world_sensor);
+                                     ? StoredPose(view.sensor_pose(), object.world_sensor)
+                                     : PoseToProto(object.world_sensor);
   // As it will be read, as the points are.
-  absl::StatusOr<Pose> sensor = PoseFromProto(stored_sensor, "view.sensor_pose");
-  if (!sensor.ok()) return sensor.status();
-  absl::StatusOr<storage::DescriptorRecord> descriptor =
-      MakeDescriptorRecord(CloudFromUnpacked(std::move(stored), *sensor, parameters.descriptor),
-                           *sensor, parameters.descriptor);
-  if (!descriptor.ok()) return descriptor.status();
+  ASSIGN_OR_RETURN(Pose sensor, PoseFromProto(stored_sensor, "view.sensor_pose"));
+  ASSIGN_OR_RETURN(
+      storage::DescriptorRecord descriptor,
+      MakeDescriptorRecord(CloudFromUnpacked(std::move(stored), sensor, parameters.descriptor),
+                           sensor, parameters.descriptor));
 
   *out.record.mutable_sensor_pose() = stored_sensor;
-  *out.record.mutable_object_pose() = capture->object_pose
-                                          ? StoredPose(view.object_pose(), object->world_object)
-                                          : PoseToProto(object->world_object);
+  *out.record.mutable_object_pose() = capture.object_pose
+                                          ? StoredPose(view.object_pose(), object.world_object)
+                                          : PoseToProto(object.world_object);
   out.record.set_object_pose_given(view.has_object_pose() && !view.object_pose_estimated());
-  out.record.set_point_count(static_cast<int>(object->indices.size()));
-  *out.record.add_descriptors() = *std::move(descriptor);
+  out.record.set_point_count(static_cast<int>(object.indices.size()));
+  *out.record.add_descriptors() = std::move(descriptor);
   return out;
 }
 

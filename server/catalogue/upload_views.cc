@@ -2,6 +2,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/background.h"
 #include "server/base/bounded_text.h"
 #include "server/base/errors.h"
@@ -16,11 +17,10 @@ namespace graspdb::server {
 absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
                                        const recognition::IsCancelled& is_cancelled,
                                        v1::UploadViewsResponse* response) {
-  if (absl::Status status = CheckLimits(request); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckLimits(request));
   absl::StatusOr<storage::StablePoseName> parent = storage::ParseStablePoseName(request.parent());
   if (!parent.ok()) return AtField("parent", parent.status());
-  absl::Status status = AtField("view_id", storage::ValidateResourceId(request.view_id()));
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(AtField("view_id", storage::ValidateResourceId(request.view_id())));
   const std::string name =
       storage::MakeViewName(parent->object_id, parent->stable_pose_id, request.view_id());
 
@@ -31,22 +31,17 @@ absl::Status CatalogService::UploadOne(const v1::UploadViewsRequest& request,
     response->set_existing_count(response->existing_count() + 1);
     return absl::OkStatus();
   }
-  if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
-    return pose.status();
-  }
-  const auto memory =
-      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
-  if (!memory.ok()) return memory.status();
-  absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
-  if (!ticket.ok()) return ticket.status();
-  absl::StatusOr<storage::NewView> view =
-      MakeView(request, context_.parameters, context_.limits, is_cancelled);
-  if (!view.ok()) return view.status();
-  view->record.set_name(name);
-  view->record.set_content_digest(digest);
-  absl::StatusOr<storage::PutViewOutcome> outcome = context_.catalogue.PutView(*view);
-  if (!outcome.ok()) return outcome.status();
-  if (*outcome == storage::PutViewOutcome::kCreated) {
+  RETURN_IF_ERROR(context_.catalogue.GetStablePose(request.parent()).status());
+  ASSIGN_OR_RETURN(
+      const auto memory,
+      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong()));
+  ASSIGN_OR_RETURN(Admission::Ticket ticket, context_.teaching.Enter(is_cancelled));
+  ASSIGN_OR_RETURN(storage::NewView view,
+                   MakeView(request, context_.parameters, context_.limits, is_cancelled));
+  view.record.set_name(name);
+  view.record.set_content_digest(digest);
+  ASSIGN_OR_RETURN(storage::PutViewOutcome outcome, context_.catalogue.PutView(view));
+  if (outcome == storage::PutViewOutcome::kCreated) {
     response->set_created_count(response->created_count() + 1);
   } else {
     response->set_existing_count(response->existing_count() + 1);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"
 #include "storage/database/family.h"
@@ -116,10 +117,9 @@ absl::Status CheckBegin(const storage::Catalogue& catalogue, const std::string& 
 
 absl::Status ChangeService::SendChanges(bool include_records, std::int64_t* revision,
                                         Writer& writer) const {
-  const auto changes = catalogue_.ReadChanges(*revision, kChangesAtOnce);
-  if (!changes.ok()) return changes.status();
+  ASSIGN_OR_RETURN(const auto changes, catalogue_.ReadChanges(*revision, kChangesAtOnce));
   const std::string id = catalogue_.id();
-  for (const storage::ChangeRecord& change : *changes) {
+  for (const storage::ChangeRecord& change : changes) {
     for (const v1::WatchCatalogResponse& response : ResponsesTo(change, id, include_records)) {
       if (!writer.Write(response)) return absl::CancelledError("the watcher is gone");
     }
@@ -130,12 +130,10 @@ absl::Status ChangeService::SendChanges(bool include_records, std::int64_t* revi
 
 absl::Status ChangeService::Watch(const grpc::ServerContext& context,
                                   const v1::WatchCatalogRequest& request, Writer& writer) const {
-  const auto heartbeat = HeartbeatOf(request);
-  if (!heartbeat.ok()) return heartbeat.status();
+  ASSIGN_OR_RETURN(const auto heartbeat, HeartbeatOf(request));
   std::int64_t revision =
       request.has_after_revision() ? request.after_revision() : catalogue_.revision();
-  absl::Status begins = CheckBegin(catalogue_, request.catalog_id(), revision);
-  if (!begins.ok()) return begins;
+  RETURN_IF_ERROR(CheckBegin(catalogue_, request.catalog_id(), revision));
   // The first one at once: the caller then knows that it watches.
   Clock::time_point next_heartbeat = Clock::now();
   while (!IsAbandoned(context)) {
@@ -144,8 +142,7 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
           absl::StrCat("the server shuts down; watch again after revision ", revision)));
     }
     if (revision < catalogue_.revision()) {
-      absl::Status sent = SendChanges(request.include_records(), &revision, writer);
-      if (!sent.ok()) return sent;
+      RETURN_IF_ERROR(SendChanges(request.include_records(), &revision, writer));
       continue;
     }
     const Clock::time_point now = Clock::now();
@@ -154,7 +151,7 @@ absl::Status ChangeService::Watch(const grpc::ServerContext& context,
       alive.set_catalog_id(catalogue_.id());
       alive.set_catalog_revision(revision);
       if (!writer.Write(alive)) break;
-      next_heartbeat = now + *heartbeat;
+      next_heartbeat = now + heartbeat;
     }
     live_.AwaitRevisionAfter(revision,
                              std::min<Clock::duration>(next_heartbeat - now, kCancelNoticed));

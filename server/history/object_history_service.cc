@@ -8,6 +8,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "server/base/background.h"
 #include "server/base/errors.h"
@@ -126,13 +127,11 @@ grpc::Status ObjectHistoryService::ListObjectRevisions(
     const auto list =
         [&](std::size_t size,
             const std::string& after) -> absl::StatusOr<storage::Page<v1::ObjectRevision>> {
-      const auto before = RevisionAfter(after, prefix);
-      if (!before.ok()) return before.status();
-      const auto rows = catalogue_.history().List(request->parent(), size, *before);
-      if (!rows.ok()) return rows.status();
-      storage::Page<v1::ObjectRevision> page = {{}, rows->more};
-      page.records.reserve(rows->records.size());
-      for (const auto& row : rows->records) page.records.push_back(RevisionToProto(prefix, row));
+      ASSIGN_OR_RETURN(const auto before, RevisionAfter(after, prefix));
+      ASSIGN_OR_RETURN(const auto rows, catalogue_.history().List(request->parent(), size, before));
+      storage::Page<v1::ObjectRevision> page = {{}, rows.more};
+      page.records.reserve(rows.records.size());
+      for (const auto& row : rows.records) page.records.push_back(RevisionToProto(prefix, row));
       return page;
     };
     return RespondPage(

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "recognition/index/recall.h"
 #include "storage/database/approximate_file.h"
@@ -65,49 +66,46 @@ ApproximateIndexBuilder::ApproximateIndexBuilder(
 }
 
 absl::Status ApproximateIndexBuilder::Load() {
-  absl::StatusOr<storage::ApproximateIndexRecord> record =
-      storage::ReadApproximateFile(catalogue_.directory());
-  if (!record.ok()) return record.status();
-  if (record->parameters() != parameters_.Fingerprint() ||
-      record->content_digests_size() != record->names_size()) {
+  ASSIGN_OR_RETURN(storage::ApproximateIndexRecord record,
+                   storage::ReadApproximateFile(catalogue_.directory()));
+  if (record.parameters() != parameters_.Fingerprint() ||
+      record.content_digests_size() != record.names_size()) {
     return absl::FailedPreconditionError("it was built with other parameters");
   }
   const auto snapshot = live_.snapshot();
   const auto chunks = snapshot->index.chunks();
   ApproximateIndex::Saved saved;
-  saved.library = record->library();
-  saved.projection.means.assign(record->means().begin(), record->means().end());
-  saved.projection.axes.assign(record->axes().begin(), record->axes().end());
-  saved.tree = std::move(*record->mutable_tree());
-  saved.view_count = static_cast<std::size_t>(record->names_size());
-  saved.search = {record->checks(), record->candidates()};
-  saved.recall_at_10 = record->recall_at_10();
-  auto loaded = ApproximateIndex::Load(saved, PlacesOf(*record, snapshot->index),
-                                       {chunks.begin(), chunks.end()});
-  if (!loaded.ok()) return loaded.status();
-  live_.UseApproximate(*loaded);
+  saved.library = record.library();
+  saved.projection.means.assign(record.means().begin(), record.means().end());
+  saved.projection.axes.assign(record.axes().begin(), record.axes().end());
+  saved.tree = std::move(*record.mutable_tree());
+  saved.view_count = static_cast<std::size_t>(record.names_size());
+  saved.search = {record.checks(), record.candidates()};
+  saved.recall_at_10 = record.recall_at_10();
+  ASSIGN_OR_RETURN(auto loaded, ApproximateIndex::Load(saved, PlacesOf(record, snapshot->index),
+                                                       {chunks.begin(), chunks.end()}));
+  live_.UseApproximate(loaded);
   on_file_ = true;
   return absl::OkStatus();
 }
 
 absl::Status ApproximateIndexBuilder::Write(const ApproximateIndex& index) {
-  absl::StatusOr<ApproximateIndex::Saved> saved = index.Save();
-  if (!saved.ok()) return saved.status();
+  ASSIGN_OR_RETURN(ApproximateIndex::Saved saved, index.Save());
   storage::ApproximateIndexRecord record;
-  record.set_library(saved->library);
+  record.set_library(saved.library);
   record.set_parameters(parameters_.Fingerprint());
   for (const ApproximateIndex::Place& place : index.places()) {
     const recognition::TaughtView& view = *place.chunk->views()[place.row];
     record.add_names(view.name);
     record.add_content_digests(view.content);
   }
-  const recognition::RootProjection::Numbers& projection = saved->projection;
+  const recognition::RootProjection::Numbers& projection = saved.projection;
   record.mutable_means()->Add(projection.means.begin(), projection.means.end());
   record.mutable_axes()->Add(projection.axes.begin(), projection.axes.end());
-  record.set_tree(std::move(saved->tree));
-  record.set_checks(saved->search.checks);
-  record.set_candidates(saved->search.candidates);
-  record.set_recall_at_10(saved->recall_at_10);
+  record.set_tree(std::move(saved.tree));
+  record.set_checks(saved.search.checks);
+  record.set_candidates(saved.search.candidates);
+  record.set_recall_at_10(saved.recall_at_10);
   return storage::WriteApproximateFile(catalogue_.directory(), record);
 }
 

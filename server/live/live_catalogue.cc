@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "server/base/background.h"
 #include "server/live/change_effects.h"
@@ -38,11 +39,12 @@ absl::StatusOr<std::unique_ptr<LiveCatalogue>> LiveCatalogue::Follow(
     storage::Catalogue& catalogue, const recognition::DescriptorParameters& parameters,
     const recognition::IsCancelled& is_cancelled) {
   std::unique_ptr<LiveCatalogue> out(new LiveCatalogue(catalogue, parameters));
-  if (absl::Status status = out->Load(is_cancelled); !status.ok()) return status;
-  absl::StatusOr<std::int64_t> from = catalogue.Subscribe(
-      [live = out.get()](const storage::ChangeRecord& change) { live->Apply(change); });
-  if (!from.ok()) return from.status();
-  if (*from != out->snapshot()->revision) {
+  RETURN_IF_ERROR(out->Load(is_cancelled));
+  ASSIGN_OR_RETURN(std::int64_t from,
+                   catalogue.Subscribe([live = out.get()](const storage::ChangeRecord& change) {
+                     live->Apply(change);
+                   }));
+  if (from != out->snapshot()->revision) {
     return absl::InternalError("the catalogue changed while it was loaded");
   }
   return out;
@@ -55,8 +57,8 @@ absl::Status LiveCatalogue::Load(const recognition::IsCancelled& is_cancelled) {
   };
   const absl::StatusOr<std::vector<std::string>> undescribed = reload();
   if (!undescribed.ok() || undescribed->empty()) return undescribed.status();
-  const absl::Status described = Redescribe(catalogue_, *undescribed, parameters_, is_cancelled);
-  return described.ok() ? reload().status() : described;
+  RETURN_IF_ERROR(Redescribe(catalogue_, *undescribed, parameters_, is_cancelled));
+  return reload().status();
 }
 
 void LiveCatalogue::UseApproximate(
@@ -74,14 +76,13 @@ absl::StatusOr<std::vector<std::string>> LiveCatalogue::Reload() {
   storage::RecordVisitor others = StablePoseVisitor(&poses, &left_out);
   ReleaseGates gates;
   ReleaseGates::AddTo(&others, &gates);
-  absl::StatusOr<LoadedViews> loaded =
-      ReadViews(catalogue_, parameters_, std::move(others), &undescribed);
-  if (!loaded.ok()) return loaded.status();
-  poses.added_views = std::move(loaded->views);
+  ASSIGN_OR_RETURN(LoadedViews loaded,
+                   ReadViews(catalogue_, parameters_, std::move(others), &undescribed));
+  poses.added_views = std::move(loaded.views);
   std::set<std::string> all_left_out(left_out.begin(), left_out.end());
-  all_left_out.insert(loaded->left_out.begin(), loaded->left_out.end());
+  all_left_out.insert(loaded.left_out.begin(), loaded.left_out.end());
   all_left_out.insert(undescribed.begin(), undescribed.end());
-  Publish({{loaded->revision, std::move(loaded->index),
+  Publish({{loaded.revision, std::move(loaded.index),
             std::make_shared<const TaughtPoses>(Changed({}, poses))},
            std::make_shared<const ReleaseGates>(std::move(gates))});
   SetLeftOut(std::move(all_left_out));

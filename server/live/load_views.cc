@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 #include "server/live/change_effects.h"
 #include "server/live/records.h"
@@ -39,9 +40,8 @@ absl::Status CannotDescribe(const std::string& name, const absl::Status& status)
 // DATA_LOSS if the record or cloud cannot be used; other errors if it cannot be described.
 absl::StatusOr<storage::DescriptorRecord> DescribeAgain(
     const storage::NewView& stored, const recognition::DescriptorParameters& parameters) {
-  const auto view = ViewFromRecord(stored.record);
-  if (!view.ok()) return view.status();
-  const recognition::Pose& sensor = (*view)->world_sensor;
+  ASSIGN_OR_RETURN(const auto view, ViewFromRecord(stored.record));
+  const recognition::Pose& sensor = view->world_sensor;
   const absl::StatusOr<recognition::OrientedCloud> cloud =
       CloudFromPacked(stored.packed_cloud, sensor, parameters);
   if (!cloud.ok()) return absl::DataLossError(cloud.status().message());
@@ -60,11 +60,9 @@ struct ViewStore {
 
 ViewStore StoreOf(storage::Catalogue& catalogue) {
   return {.get = [&catalogue](const std::string& name) -> absl::StatusOr<storage::NewView> {
-            absl::StatusOr<storage::ViewRecord> record = catalogue.GetView(name);
-            if (!record.ok()) return record.status();
-            absl::StatusOr<std::string> packed = catalogue.GetPackedCloud(name);
-            if (!packed.ok()) return packed.status();
-            return storage::NewView{*std::move(record), *std::move(packed)};
+            ASSIGN_OR_RETURN(storage::ViewRecord record, catalogue.GetView(name));
+            ASSIGN_OR_RETURN(std::string packed, catalogue.GetPackedCloud(name));
+            return storage::NewView{std::move(record), std::move(packed)};
           },
           .replace =
               [&catalogue](std::span<const storage::DescriptorUpdate> updates) {
@@ -96,8 +94,8 @@ absl::Status RedescribeAll(const ViewStore& views, const std::vector<std::string
   };
   for (const std::string& name : names) {
     if (is_cancelled && is_cancelled()) {
-      absl::Status stored = store();
-      return stored.ok() ? absl::CancelledError(std::string(views.when_cancelled)) : stored;
+      RETURN_IF_ERROR(store());
+      return absl::CancelledError(std::string(views.when_cancelled));
     }
     const absl::StatusOr<storage::NewView> view = views.get(name);
     if (absl::IsNotFound(view.status())) continue;  // deleted meanwhile
@@ -116,7 +114,7 @@ absl::Status RedescribeAll(const ViewStore& views, const std::vector<std::string
     }
     updates.push_back({name, view->record.content_digest(), {*std::move(descriptor)}});
     if (updates.size() < kRedescribeBatch) continue;
-    if (absl::Status status = store(); !status.ok()) return status;
+    RETURN_IF_ERROR(store());
   }
   return store();
 }
@@ -164,25 +162,23 @@ absl::Status DescribeObject(storage::Catalogue& catalogue, const std::string& ob
   const auto add_from = [&](const std::string& pose) -> absl::Status {
     std::string after;
     for (bool more = true; more;) {
-      const auto views = catalogue.ListViews(pose, kRedescribeBatch, after);
-      if (!views.ok()) return views.status();
-      for (const storage::ViewRecord& view : views->records) {
+      ASSIGN_OR_RETURN(const auto views, catalogue.ListViews(pose, kRedescribeBatch, after));
+      for (const storage::ViewRecord& view : views.records) {
         if (FindDescriptor(view, parameters) == nullptr) undescribed.push_back(view.name());
         after = view.name();
       }
-      more = views->more;
+      more = views.more;
     }
     return absl::OkStatus();
   };
   std::string after;
   for (bool more = true; more;) {
-    const auto poses = catalogue.ListStablePoses(object, kRedescribeBatch, after);
-    if (!poses.ok()) return poses.status();
-    for (const v1::StablePose& pose : poses->records) {
-      if (absl::Status added = add_from(pose.name()); !added.ok()) return added;
+    ASSIGN_OR_RETURN(const auto poses, catalogue.ListStablePoses(object, kRedescribeBatch, after));
+    for (const v1::StablePose& pose : poses.records) {
+      RETURN_IF_ERROR(add_from(pose.name()));
       after = pose.name();
     }
-    more = poses->more;
+    more = poses.more;
   }
   if (undescribed.empty()) return absl::OkStatus();
   return RedescribeAll(StoreOf(catalogue), undescribed, parameters, Undescribable::kIsLeftOut, {});
@@ -226,9 +222,8 @@ absl::StatusOr<LoadedViews> ReadViews(const storage::Catalogue& catalogue,
     }
     return absl::OkStatus();
   };
-  const absl::StatusOr<std::int64_t> revision = catalogue.ForEach(others);
-  if (!revision.ok()) return revision.status();
-  LoadedViews out = collector.Finish(*revision);
+  ASSIGN_OR_RETURN(const std::int64_t revision, catalogue.ForEach(others));
+  LoadedViews out = collector.Finish(revision);
   out.left_out = std::move(left_out);
   return out;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/segmentation/segmentation.h"
 #include "server/requests/convert.h"
 #include "storage/base/restore_advice.h"
@@ -82,28 +83,25 @@ bool IsUndescribable(const storage::ViewRecord& record,
 
 absl::StatusOr<recognition::IndexedView> IndexedViewFromRecord(
     const storage::ViewRecord& record, const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<std::shared_ptr<const recognition::TaughtView>> view = ViewFromRecord(record);
-  if (!view.ok()) return view.status();
+  ASSIGN_OR_RETURN(std::shared_ptr<const recognition::TaughtView> view, ViewFromRecord(record));
   const storage::DescriptorRecord* descriptor = FindDescriptor(record, parameters);
   if (descriptor == nullptr) {
     return absl::InternalError(absl::StrCat("view ", record.name(), " has no descriptor"));
   }
-  return recognition::IndexedView{*std::move(view),
+  return recognition::IndexedView{std::move(view),
                                   {descriptor->bins().begin(), descriptor->bins().end()}};
 }
 
 absl::StatusOr<recognition::Points> PointsFromPacked(std::string_view packed) {
-  absl::StatusOr<std::vector<storage::CloudPoint>> unpacked = storage::UnpackCloud(packed);
-  if (!unpacked.ok()) return unpacked.status();
-  return PointsOf(*unpacked);
+  ASSIGN_OR_RETURN(std::vector<storage::CloudPoint> unpacked, storage::UnpackCloud(packed));
+  return PointsOf(unpacked);
 }
 
 absl::StatusOr<recognition::OrientedCloud> CloudFromPacked(
     std::string_view packed, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<recognition::Points> points = PointsFromPacked(packed);
-  if (!points.ok()) return points.status();
-  return CloudFromPoints(*std::move(points), world_sensor, parameters);
+  ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
+  return CloudFromPoints(std::move(points), world_sensor, parameters);
 }
 
 recognition::OrientedCloud CloudFromUnpacked(std::vector<storage::CloudPoint> unpacked,
@@ -117,11 +115,10 @@ recognition::OrientedCloud CloudFromUnpacked(std::vector<storage::CloudPoint> un
 absl::StatusOr<storage::DescriptorRecord> MakeDescriptorRecord(
     const recognition::OrientedCloud& cloud, const recognition::Pose& world_sensor,
     const recognition::DescriptorParameters& parameters) {
-  absl::StatusOr<recognition::Descriptor> bins =
-      recognition::Describe(cloud, world_sensor, parameters.kind);
-  if (!bins.ok()) return bins.status();
+  ASSIGN_OR_RETURN(recognition::Descriptor bins,
+                   recognition::Describe(cloud, world_sensor, parameters.kind));
   storage::DescriptorRecord record = NoDescriptor(parameters);
-  record.mutable_bins()->Assign(bins->begin(), bins->end());
+  record.mutable_bins()->Assign(bins.begin(), bins.end());
   return record;
 }
 

@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/live/records.h"
 #include "server/requests/write_id.h"
 
@@ -70,9 +71,8 @@ absl::StatusOr<std::size_t> ViewCloudCache::Preload(
     const recognition::TaughtView& view, const recognition::TaughtStablePose& stable_pose) {
   const std::string key = KeyOfModel(view, stable_pose);
   if (models_.Contains(key)) return 0;
-  const auto model = Fuse(key, view, stable_pose);
-  if (!model.ok()) return model.status();
-  return *model ? (*model)->bytes() : 0;
+  ASSIGN_OR_RETURN(const auto model, Fuse(key, view, stable_pose));
+  return model ? model->bytes() : 0;
 }
 
 absl::StatusOr<std::shared_ptr<const recognition::PairModel>> ViewCloudCache::LoadPairModel(
@@ -86,9 +86,8 @@ absl::StatusOr<std::size_t> ViewCloudCache::PreloadPairModel(
     const recognition::StablePoses& stable_poses) {
   const std::string key = KeyOfPairModel(stable_poses);
   if (pair_models_.Contains(key)) return 0;
-  const auto model = MakePairs(key, stable_poses);
-  if (!model.ok()) return model.status();
-  return *model ? (*model)->bytes() : 0;
+  ASSIGN_OR_RETURN(const auto model, MakePairs(key, stable_poses));
+  return model ? model->bytes() : 0;
 }
 
 absl::StatusOr<std::shared_ptr<const recognition::PairModel>> ViewCloudCache::MakePairs(
@@ -108,20 +107,17 @@ absl::StatusOr<std::shared_ptr<const recognition::SurfaceModel>> ViewCloudCache:
 
 absl::StatusOr<ViewCloudCache::Cloud> ViewCloudCache::Read(
     const recognition::TaughtView& view) const {
-  absl::StatusOr<std::string> packed = catalogue_.GetPackedCloud(view.name);
-  if (!packed.ok()) return packed.status();
-  absl::StatusOr<storage::ViewRecord> record = catalogue_.GetView(view.name);
-  if (!record.ok()) return record.status();
-  if (record->content_digest() != view.content) {
+  ASSIGN_OR_RETURN(std::string packed, catalogue_.GetPackedCloud(view.name));
+  ASSIGN_OR_RETURN(storage::ViewRecord record, catalogue_.GetView(view.name));
+  if (record.content_digest() != view.content) {
     return absl::NotFoundError(absl::StrCat(view.name, " was replaced"));
   }
-  absl::StatusOr<recognition::OrientedCloud> cloud =
-      CloudFromPacked(*packed, view.world_sensor, parameters_);
-  if (!cloud.ok()) return cloud.status();
+  ASSIGN_OR_RETURN(recognition::OrientedCloud cloud,
+                   CloudFromPacked(packed, view.world_sensor, parameters_));
   // Their capacity is still that of all points before the voxel grid, several times theirs.
-  cloud->points.shrink_to_fit();
-  cloud->normals.shrink_to_fit();
-  return std::make_shared<const recognition::OrientedCloud>(*std::move(cloud));
+  cloud.points.shrink_to_fit();
+  cloud.normals.shrink_to_fit();
+  return std::make_shared<const recognition::OrientedCloud>(std::move(cloud));
 }
 
 }  // namespace graspdb::server

@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/look_alikes.h"
 #include "server/requests/convert.h"
 
@@ -68,12 +69,10 @@ absl::StatusOr<v1::FindLookAlikesResponse> CatalogueCheck::FindLookAlikes(
     const v1::FindLookAlikesRequest& request, const recognition::IsCancelled& is_cancelled) {
   using Response = absl::StatusOr<v1::FindLookAlikesResponse>;
   return live_.WithSnapshot([&](const recognition::CatalogueSnapshot& snapshot) -> Response {
-    absl::Status there = HasStablePoses(snapshot, request.object());
-    if (!there.ok()) return there;
-    const auto found =
-        recognition::FindLookAlikes(snapshot, clouds_, request.object(), is_cancelled);
-    if (!found.ok()) return found.status();
-    return ToProto(*found, snapshot.revision);
+    RETURN_IF_ERROR(HasStablePoses(snapshot, request.object()));
+    ASSIGN_OR_RETURN(const auto found, recognition::FindLookAlikes(snapshot, clouds_,
+                                                                   request.object(), is_cancelled));
+    return ToProto(found, snapshot.revision);
   });
 }
 
@@ -82,8 +81,7 @@ absl::StatusOr<v1::ProposeThresholdsResponse> CatalogueCheck::ProposeThresholds(
     const recognition::ThresholdProgress& progress) {
   // Not retried when the catalogue changes, unlike calls that take milliseconds.
   const std::shared_ptr<const recognition::CatalogueSnapshot> snapshot = live_.snapshot();
-  absl::Status there = HasStablePoses(*snapshot, request.object());
-  if (!there.ok()) return there;
+  RETURN_IF_ERROR(HasStablePoses(*snapshot, request.object()));
   v1::ProposeThresholdsResponse out;
   out.set_catalog_revision(snapshot->revision);
   const auto proposals =

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "absl/status/status.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/recognition/answer.h"
 #include "server/requests/convert.h"
@@ -30,16 +31,12 @@ struct Job {
 template <typename Source>
 absl::Status ApplySettings(const Source& source, const std::string& path, Job* job) {
   if (source.has_sensor_pose()) {
-    absl::StatusOr<recognition::Pose> pose =
-        PoseFromProto(source.sensor_pose(), path + "sensor_pose");
-    if (!pose.ok()) return pose.status();
-    job->scan.world_sensor = *pose;
+    ASSIGN_OR_RETURN(job->scan.world_sensor,
+                     PoseFromProto(source.sensor_pose(), path + "sensor_pose"));
   }
   if (source.has_region_of_interest()) {
-    absl::StatusOr<recognition::Box> box =
-        BoxFromProto(source.region_of_interest(), path + "region_of_interest");
-    if (!box.ok()) return box.status();
-    job->scan.region = *box;
+    ASSIGN_OR_RETURN(job->scan.region,
+                     BoxFromProto(source.region_of_interest(), path + "region_of_interest"));
   }
   return ApplyPipeline(source.pipeline(), path + "pipeline", &job->parameters);
 }
@@ -48,13 +45,11 @@ absl::Status ApplyCell(const storage::Catalogue& catalogue, const std::string& n
   if (name.empty()) return absl::OkStatus();
   absl::StatusOr<v1::Cell> cell = catalogue.GetCell(name);
   if (!cell.ok()) return AtField("cell", cell.status());
-  if (absl::Status status = ApplySettings(*cell, "cell.", job); !status.ok()) return status;
+  RETURN_IF_ERROR(ApplySettings(*cell, "cell.", job));
   job->sensor_pose_from_cell = cell->has_sensor_pose();
   job->visibility = {cell->include_drafts(), {cell->labels().begin(), cell->labels().end()}};
   if (cell->has_workspace()) {
-    absl::StatusOr<recognition::Box> box = BoxFromProto(cell->workspace(), "cell.workspace");
-    if (!box.ok()) return box.status();
-    job->parameters.workspace = *box;
+    ASSIGN_OR_RETURN(job->parameters.workspace, BoxFromProto(cell->workspace(), "cell.workspace"));
   }
   return absl::OkStatus();
 }
@@ -76,13 +71,11 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   const Clock::time_point start = Clock::now();
   Job job;
   job.parameters = parameters_;
-  if (absl::Status status = ApplyCell(catalogue_, request.cell(), &job); !status.ok()) {
-    return status;
-  }
-  if (absl::Status status = ApplySettings(request, "", &job); !status.ok()) return status;
+  RETURN_IF_ERROR(ApplyCell(catalogue_, request.cell(), &job));
+  RETURN_IF_ERROR(ApplySettings(request, "", &job));
   job.parameters.matching.use_own_min_scores = !request.pipeline().has_min_score();
   job.scan.segmented = request.segmented();
-  if (absl::Status status = ReadScan(request, max_points_, &job.scan); !status.ok()) return status;
+  RETURN_IF_ERROR(ReadScan(request, max_points_, &job.scan));
 
   AnswerContext context;
   context.catalog_id = catalogue_.id();
@@ -90,11 +83,10 @@ absl::StatusOr<v1::RecognizeResponse> FrameRecognizer::Answer(
   context.decode_ms = MillisecondsSince(start);
   using Response = absl::StatusOr<v1::RecognizeResponse>;
   const auto recognize = [&](const recognition::CatalogueSnapshot& snapshot) -> Response {
-    const auto result =
-        recognition::Recognize(job.scan, snapshot, clouds_, job.parameters, is_cancelled);
-    if (!result.ok()) return result.status();
+    ASSIGN_OR_RETURN(const auto result, recognition::Recognize(job.scan, snapshot, clouds_,
+                                                               job.parameters, is_cancelled));
     context.total_ms = MillisecondsSince(start);
-    return MakeAnswer(*result, snapshot, context);
+    return MakeAnswer(result, snapshot, context);
   };
   return live_.WithSnapshot(job.visibility, recognize);
 }

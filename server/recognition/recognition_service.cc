@@ -6,6 +6,7 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "server/base/bounded_text.h"
 #include "server/calls/call_guard.h"
 #include "server/calls/handle.h"
@@ -25,11 +26,9 @@ absl::Status Admitted(const grpc::ServerContext& context, Admission& admission, 
                       Response* response) {
   AbandonedWatch watch(context);
   const auto is_cancelled = [&] { return watch.IsAbandoned(); };
-  absl::StatusOr<Admission::Ticket> ticket = admission.Enter(is_cancelled);
-  if (!ticket.ok()) return ticket.status();
-  absl::StatusOr<Response> answer = work(is_cancelled);
-  if (!answer.ok()) return answer.status();
-  *response = *std::move(answer);
+  ASSIGN_OR_RETURN(Admission::Ticket ticket, admission.Enter(is_cancelled));
+  ASSIGN_OR_RETURN(Response answer, work(is_cancelled));
+  *response = std::move(answer);
   return absl::OkStatus();
 }
 
@@ -61,19 +60,18 @@ void Note(const std::string& cell, const v1::RecognizeResponse& response, absl::
 absl::Status RecognitionService::RecognizeOne(const grpc::ServerContext& context,
                                               const v1::RecognizeRequest& request,
                                               v1::RecognizeResponse* response) {
-  const auto memory = memory_.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
-  if (!memory.ok()) return memory.status();
+  ASSIGN_OR_RETURN(const auto memory,
+                   memory_.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong()));
   const absl::Time arrival = absl::Now();
   absl::Duration waited;
   const auto answer = [&](const auto& is_cancelled) {
     waited = absl::Now() - arrival;
     return recognizer_.Answer(request, is_cancelled);
   };
-  absl::Status status = Admitted(context, admission_, answer, response);
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(Admitted(context, admission_, answer, response));
   Note(request.cell(), *response, waited, *CallGuard::Of(context));
   if (request.omit_timings()) LeaveOutTimings(response);
-  return status;
+  return absl::OkStatus();
 }
 
 grpc::Status RecognitionService::Recognize(grpc::ServerContext* context,
@@ -110,11 +108,10 @@ grpc::Status RecognitionService::ProposeThresholds(
       if (!stream->Write(message)) return absl::CancelledError("the stream was cancelled");
       return EnterWithRetries(admission_, is_cancelled, &ticket);
     };
-    const auto answer = check_.ProposeThresholds(*request, is_cancelled, progress);
-    if (!answer.ok()) return answer.status();
+    ASSIGN_OR_RETURN(const auto answer, check_.ProposeThresholds(*request, is_cancelled, progress));
     ticket.reset();
-    return stream->Write(*answer) ? absl::OkStatus()
-                                  : absl::CancelledError("the stream was cancelled");
+    return stream->Write(answer) ? absl::OkStatus()
+                                 : absl::CancelledError("the stream was cancelled");
   });
 }
 
@@ -128,8 +125,7 @@ grpc::Status RecognitionService::RecognizeStream(
       if (!stream->Read(&frame)) break;
       v1::RecognizeStreamResponse answer;
       const grpc::Status status = Handle(*context, "RecognizeStream.frame", frame.request(), [&] {
-        absl::Status named = CheckLength(frame.frame_id(), "frame_id");
-        if (!named.ok()) return named;
+        RETURN_IF_ERROR(CheckLength(frame.frame_id(), "frame_id"));
         CallGuard::Of(*context)->NoteForLog("frame_id", frame.frame_id());
         return RecognizeOne(*context, frame.request(), answer.mutable_response());
       });

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 #include "server/requests/request_limits.h"
 #include "storage/records/resource_name.h"
@@ -45,12 +46,11 @@ absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
   status.Update(CheckLength(grasp.gripper_opening_m(), path, "gripper_opening_m"));
   status.Update(CheckLength(grasp.retreat_distance_m(), path, "retreat_distance_m"));
   if (!status.ok()) return status;
-  absl::StatusOr<recognition::Pose> tcp =
-      PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose"));
-  if (!tcp.ok()) return tcp.status();
+  ASSIGN_OR_RETURN(recognition::Pose tcp,
+                   PoseFromProto(grasp.tcp_pose(), FieldPath(path, "tcp_pose")));
   recognition::TaughtGrasp out;
   out.id = grasp.grasp_id();
-  out.object_tcp = *tcp;
+  out.object_tcp = tcp;
   out.approach_distance_m = grasp.approach_distance_m();
   out.gripper_opening_m = grasp.gripper_opening_m();
   out.retreat_distance_m = grasp.retreat_distance_m();
@@ -176,10 +176,7 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
     out.min_score = pose.min_score();
   }
   if (pose.has_mesh_pose()) {
-    absl::StatusOr<recognition::Pose> mesh =
-        PoseFromProto(pose.mesh_pose(), "stable_pose.mesh_pose");
-    if (!mesh.ok()) return mesh.status();
-    out.object_mesh = *mesh;
+    ASSIGN_OR_RETURN(out.object_mesh, PoseFromProto(pose.mesh_pose(), "stable_pose.mesh_pose"));
   }
   if (pose.grasps_size() > kMaxGrasps) {
     return InvalidField("stable_pose.grasps",
@@ -188,12 +185,11 @@ absl::StatusOr<recognition::TaughtStablePose> StablePoseFromProto(const v1::Stab
   std::set<std::string> ids;
   for (int i = 0; i < pose.grasps_size(); ++i) {
     const std::string path = absl::StrCat("stable_pose.grasps[", i, "]");
-    absl::StatusOr<recognition::TaughtGrasp> grasp = GraspFromProto(pose.grasps(i), path);
-    if (!grasp.ok()) return grasp.status();
-    if (!ids.insert(grasp->id).second) {
+    ASSIGN_OR_RETURN(recognition::TaughtGrasp grasp, GraspFromProto(pose.grasps(i), path));
+    if (!ids.insert(grasp.id).second) {
       return InvalidField(FieldPath(path, "grasp_id"), "must be unique within the stable pose");
     }
-    out.grasps.push_back(*std::move(grasp));
+    out.grasps.push_back(std::move(grasp));
   }
   return out;
 }

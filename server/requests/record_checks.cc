@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "base/status_macros.h"
 #include "storage/records/resource_name.h"
 
 namespace graspdb::server {
@@ -11,8 +12,7 @@ absl::Status CheckLabels(const google::protobuf::RepeatedPtrField<std::string>& 
   std::set<std::string_view> known;
   for (int i = 0; i < labels.size(); ++i) {
     const std::string at = absl::StrCat(std::string(path), "[", i, "]");
-    absl::Status status = AtField(at, storage::ValidateResourceId(labels[i]));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(AtField(at, storage::ValidateResourceId(labels[i])));
     if (!known.insert(labels[i]).second) return InvalidField(at, "is given twice");
   }
   return absl::OkStatus();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {
@@ -92,8 +93,7 @@ absl::Status CheckField(const Message& message, const FieldDescriptor& field,
         path, absl::StrCat("has ", count, " elements; send at most ", MaxElementsOf(field)));
   }
   for (int i = 0; i < count; ++i) {
-    absl::Status status = CheckValue(message, field, i, absl::StrCat(path, "[", i, "]"));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(CheckValue(message, field, i, absl::StrCat(path, "[", i, "]")));
   }
   return absl::OkStatus();
 }
@@ -106,9 +106,8 @@ absl::Status CheckMessage(const Message& message, const std::string& path) {
                             field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ||
                             field->is_repeated();
     if (!is_bounded) continue;
-    absl::Status status =
-        CheckField(message, *field, absl::StrCat(path, path.empty() ? "" : ".", field->name()));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(
+        CheckField(message, *field, absl::StrCat(path, path.empty() ? "" : ".", field->name())));
   }
   return absl::OkStatus();
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "base/status_macros.h"
 #include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 #include "server/requests/paging.h"
@@ -41,11 +42,9 @@ absl::Status Respond(std::string_view path, absl::StatusOr<T> result, T* respons
 template <typename Request, typename Response, typename List, typename Add>
 absl::Status RespondPage(const Request& request, const std::string& prefix, List&& list, Add&& add,
                          Response* response) {
-  absl::StatusOr<std::size_t> size = PageSize(request.page_size());
-  if (!size.ok()) return size.status();
-  absl::StatusOr<std::string> after = NameFromPageToken(request.page_token(), prefix);
-  if (!after.ok()) return after.status();
-  auto page = list(*size, *after);
+  ASSIGN_OR_RETURN(std::size_t size, PageSize(request.page_size()));
+  ASSIGN_OR_RETURN(std::string after, NameFromPageToken(request.page_token(), prefix));
+  auto page = list(size, after);
   if (!page.ok()) return AtField("parent", page.status());
   if (page->more) response->set_next_page_token(PageTokenAfter(page->records.back().name()));
   for (auto& record : page->records) add(Answerable(std::move(record)));

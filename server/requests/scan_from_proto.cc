@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {
@@ -152,9 +153,8 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
   std::array<const Field*, 3> fields{};
   constexpr std::array<std::string_view, 3> kNames = {"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    absl::StatusOr<const Field*> field = FindField(cloud, kNames[axis], path);
-    if (!field.ok()) return field.status();
-    fields[axis] = *field;
+    ASSIGN_OR_RETURN(const Field* field, FindField(cloud, kNames[axis], path));
+    fields[axis] = field;
   }
   scan->points.resize(count);
   scan->width = cloud.width();
@@ -169,15 +169,14 @@ absl::Status ReadCloud(const v1::PointCloud& cloud, std::size_t max_points, std:
 
 absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
                             std::string_view path, recognition::Scan* scan) {
-  absl::StatusOr<recognition::CameraIntrinsics> camera =
-      CameraFromProto(image.intrinsics(), max_points, FieldPath(path, "intrinsics"));
-  if (!camera.ok()) return camera.status();
+  ASSIGN_OR_RETURN(recognition::CameraIntrinsics camera,
+                   CameraFromProto(image.intrinsics(), max_points, FieldPath(path, "intrinsics")));
   const std::size_t count =
-      static_cast<std::size_t>(camera->width) * static_cast<std::size_t>(camera->height);
+      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   if (image.data().size() != 2 * count) {
     return InvalidField(FieldPath(path, "data"),
-                        absl::StrCat("has ", image.data().size(), " bytes; ", camera->width, " x ",
-                                     camera->height, " pixels need ", 2 * count));
+                        absl::StrCat("has ", image.data().size(), " bytes; ", camera.width, " x ",
+                                     camera.height, " pixels need ", 2 * count));
   }
   const double unit = image.depth_unit_m() == 0 ? 0.001 : image.depth_unit_m();
   if (!(unit > 0 && unit <= 0.1)) {
@@ -186,7 +185,7 @@ absl::Status ReadDepthImage(const v1::DepthImage& image, std::size_t max_points,
   std::vector<std::uint16_t> depth(count);
   std::memcpy(depth.data(), image.data().data(), image.data().size());
   std::ranges::replace(depth, kNoCount, std::uint16_t{0});
-  scan->depth_image = {std::move(depth), *camera, unit};
+  scan->depth_image = {std::move(depth), camera, unit};
   return CheckMeasurements(*scan, path);
 }
 

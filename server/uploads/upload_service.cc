@@ -5,6 +5,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "program/monotonic_time.h"
 #include "server/base/background.h"
 #include "server/base/errors.h"
@@ -37,15 +38,14 @@ absl::StatusOr<v1::Upload> UploadService::ToProto(const storage::UploadRecord& r
     out.set_failed_view_count(record.failed_count());
     return out;
   }
-  const auto counts = uploads().CountsOf(record);
-  if (!counts.ok()) return counts.status();
-  out.set_staged_view_count(counts->views);
-  out.set_failed_view_count(counts->errors);
+  ASSIGN_OR_RETURN(const auto counts, uploads().CountsOf(record));
+  out.set_staged_view_count(counts.views);
+  out.set_failed_view_count(counts.errors);
   absl::MutexLock lock(&mutex_);
   const auto rate = rates_.find(record.name());
   if (rate == rates_.end()) return out;
   out.set_views_per_second(rate->second.PerSecond(UploadRate::Clock::now()));
-  const std::int64_t left = record.expected_view_count() - counts->views - counts->errors;
+  const std::int64_t left = record.expected_view_count() - counts.views - counts.errors;
   if (left >= 0 && record.expected_view_count() > 0 && out.views_per_second() > 0) {
     out.set_time_left_s(static_cast<double>(left) / out.views_per_second());
   }
@@ -56,8 +56,7 @@ grpc::Status UploadService::CreateUpload(grpc::ServerContext* context,
                                          const v1::CreateUploadRequest* request,
                                          v1::Upload* response) {
   return Handle(*context, "CreateUpload", *request, [&]() -> absl::Status {
-    absl::Status status = AtField("upload_id", storage::ValidateResourceId(request->upload_id()));
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(AtField("upload_id", storage::ValidateResourceId(request->upload_id())));
     if (request->upload().expected_view_count() < 0) {
       return InvalidField("upload.expected_view_count", "is negative");
     }
@@ -65,9 +64,8 @@ grpc::Status UploadService::CreateUpload(grpc::ServerContext* context,
     wanted.set_name(storage::MakeUploadName(request->upload_id()));
     wanted.set_replace(request->upload().replace());
     wanted.set_expected_view_count(request->upload().expected_view_count());
-    const auto created = uploads().Create(wanted, absl::Now());
-    if (!created.ok()) return created.status();
-    return Respond("upload_id", ToProto(*created), response);
+    ASSIGN_OR_RETURN(const auto created, uploads().Create(wanted, absl::Now()));
+    return Respond("upload_id", ToProto(created), response);
   });
 }
 
@@ -141,7 +139,7 @@ absl::StatusOr<storage::UploadRecord> UploadService::Commit(
   auto upload = uploads().Get(request.name());
   if (!upload.ok() || upload->has_commit_time()) return upload;
   if (!request.skip_failed()) {
-    if (auto whole = uploads().CheckNoErrors(*upload); !whole.ok()) return whole;
+    RETURN_IF_ERROR(uploads().CheckNoErrors(*upload));
   }
   // Before the commit, as it may take minutes: so it can be interrupted, and all views are
   // recognised from the same revision on. Views that are staged meanwhile have the descriptor.

@@ -2,6 +2,7 @@
 #include <iterator>
 #include <string>
 
+#include "base/status_macros.h"
 #include "server/base/background.h"
 #include "server/base/errors.h"
 #include "server/calls/call_guard.h"
@@ -31,18 +32,15 @@ std::string NameOf(const v1::UploadViewsRequest& request) {
 // Errors as UploadViews.
 absl::StatusOr<storage::NewView> UploadService::MakeViewOf(
     const v1::UploadViewsRequest& request, const recognition::IsCancelled& is_cancelled) {
-  if (absl::Status bounded = CheckLimits(request); !bounded.ok()) return bounded;
+  RETURN_IF_ERROR(CheckLimits(request));
   absl::Status status = AtField("parent", storage::ParseStablePoseName(request.parent()).status());
   status.Update(AtField("view_id", storage::ValidateResourceId(request.view_id())));
   if (!status.ok()) return status;
-  if (auto pose = context_.catalogue.GetStablePose(request.parent()); !pose.ok()) {
-    return pose.status();
-  }
-  const auto memory =
-      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong());
-  if (!memory.ok()) return memory.status();
-  const absl::StatusOr<Admission::Ticket> ticket = context_.teaching.Enter(is_cancelled);
-  if (!ticket.ok()) return ticket.status();
+  RETURN_IF_ERROR(context_.catalogue.GetStablePose(request.parent()).status());
+  ASSIGN_OR_RETURN(
+      const auto memory,
+      context_.request_memory.Reserve(RequestMemory::kBytesPerWireByte * request.ByteSizeLong()));
+  ASSIGN_OR_RETURN(const Admission::Ticket ticket, context_.teaching.Enter(is_cancelled));
   return MakeView(request, context_.parameters, context_.limits, is_cancelled);
 }
 
@@ -50,8 +48,7 @@ absl::Status UploadService::Write(const v1::WriteUploadViewsRequest& request, St
                                   const recognition::IsCancelled& is_cancelled,
                                   v1::WriteUploadViewsResponse* response) {
   // A view beyond its limits does not end the stream.
-  absl::Status bounded = CheckLength(request.upload(), "upload");
-  if (!bounded.ok()) return bounded;
+  RETURN_IF_ERROR(CheckLength(request.upload(), "upload"));
   const auto open = uploads().GetOpen(request.upload());
   if (!open.ok()) return AtField("upload", open.status());
   const storage::UploadRecord& upload = known.try_emplace(request.upload(), *open).first->second;
@@ -118,8 +115,7 @@ grpc::Status UploadService::WriteUploadViews(grpc::ServerContext* context, Strea
         guard.NoteMessage();
         guard.NoteResource(request.upload());
         v1::WriteUploadViewsResponse response;
-        absl::Status status = Write(request, known, is_cancelled, &response);
-        if (!status.ok()) return status;
+        RETURN_IF_ERROR(Write(request, known, is_cancelled, &response));
         if (!stream->Write(response)) break;
       }
       // Not by the watch, which misses a cancellation of the last milliseconds.
