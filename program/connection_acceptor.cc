@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "program/descriptor_limit.h"
 #include "program/log_field.h"
 #include "program/peer_address.h"
@@ -58,12 +59,11 @@ FileDescriptor AcceptFrom(int listener) {
 
 absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> ConnectionAcceptor::Listen(
     const ListenAddress& address) {
-  absl::StatusOr<ListeningSockets> listening = ListenAt(address);
-  if (!listening.ok()) return listening.status();
+  ASSIGN_OR_RETURN(ListeningSockets listening, ListenAt(address));
   FileDescriptor stop(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!stop.is_open()) return absl::UnavailableError(std::generic_category().message(errno));
   return std::unique_ptr<ConnectionAcceptor>(
-      new ConnectionAcceptor(*std::move(listening), std::move(stop)));
+      new ConnectionAcceptor(std::move(listening), std::move(stop)));
 }
 
 // The system takes the lowest free number for a descriptor, so that the number of a new connection

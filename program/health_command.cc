@@ -15,6 +15,7 @@
 #include "absl/strings/match.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "program/pem_files.h"
 #include "program/proxy.h"
 #include "program/settings_file.h"
@@ -68,11 +69,10 @@ std::string ReasonOf(const std::string& text, const TlsFiles& files) {
 }
 
 absl::Status Check(const std::string& address, const TlsFiles& files, absl::Duration timeout) {
-  const auto credentials = CredentialsFrom(files);
-  if (!credentials.ok()) return credentials.status();
+  ASSIGN_OR_RETURN(const auto credentials, CredentialsFrom(files));
   grpc::ChannelArguments arguments;
   if (IsLocalTarget(address)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  grpc::GenericStub stub(grpc::CreateCustomChannel(address, *credentials, arguments));
+  grpc::GenericStub stub(grpc::CreateCustomChannel(address, credentials, arguments));
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   grpc::CompletionQueue queue;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb {
 namespace {
@@ -127,11 +128,10 @@ absl::StatusOr<ListeningSockets> ListenAtAll(const addrinfo& addresses, std::uin
 }  // namespace
 
 absl::StatusOr<ListeningSockets> ListenAt(const ListenAddress& address) {
-  const absl::StatusOr<Addresses> addresses = LookUp(address.host);
-  if (!addresses.ok()) return addresses.status();
-  absl::StatusOr<ListeningSockets> out = ListenAtAll(**addresses, address.port);
+  ASSIGN_OR_RETURN(const Addresses addresses, LookUp(address.host));
+  absl::StatusOr<ListeningSockets> out = ListenAtAll(*addresses, address.port);
   for (int i = 1; !out.ok() && address.port == 0 && i < kPortAttempts; ++i) {
-    out = ListenAtAll(**addresses, 0);
+    out = ListenAtAll(*addresses, 0);
   }
   return out;
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/text_encoding.h"
 
 namespace graspdb {
@@ -68,11 +69,10 @@ absl::StatusOr<Bio> OpenFile(const PemFile& file) {
 
 // At least one; other blocks of the file, such as a key, are skipped.
 absl::StatusOr<std::vector<Certificate>> CertificatesOf(const PemFile& file) {
-  const absl::StatusOr<Bio> in = OpenFile(file);
-  if (!in.ok()) return in.status();
+  ASSIGN_OR_RETURN(const Bio in, OpenFile(file));
   ERR_clear_error();
   std::vector<Certificate> out;
-  while (X509* next = PEM_read_bio_X509(in->get(), nullptr, nullptr, nullptr)) {
+  while (X509* next = PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr)) {
     out.emplace_back(next);
   }
   const bool is_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
@@ -86,21 +86,19 @@ absl::StatusOr<std::vector<Certificate>> CertificatesOf(const PemFile& file) {
 int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
 
 absl::StatusOr<KeyPair> KeyPairOf(const PemFile& certificate, const PemFile& key) {
-  absl::StatusOr<std::vector<Certificate>> chain = CertificatesOf(certificate);
-  if (!chain.ok()) return chain.status();
-  const absl::StatusOr<Bio> in = OpenFile(key);
-  if (!in.ok()) return in.status();
-  Key private_key(PEM_read_bio_PrivateKey(in->get(), nullptr, NoPassphrase, nullptr));
+  ASSIGN_OR_RETURN(std::vector<Certificate> chain, CertificatesOf(certificate));
+  ASSIGN_OR_RETURN(const Bio in, OpenFile(key));
+  Key private_key(PEM_read_bio_PrivateKey(in.get(), nullptr, NoPassphrase, nullptr));
   ERR_clear_error();
   if (private_key == nullptr) {
     return Failed(key, "has no private key in PEM format, or one with a passphrase");
   }
-  const bool is_fitting = X509_check_private_key(chain->front().get(), private_key.get()) == 1;
+  const bool is_fitting = X509_check_private_key(chain.front().get(), private_key.get()) == 1;
   ERR_clear_error();
   if (!is_fitting) {
     return Failed(key, absl::StrCat("is not the key of ", certificate.flag, " ", certificate.path));
   }
-  return KeyPair{*std::move(chain), std::move(private_key)};
+  return KeyPair{std::move(chain), std::move(private_key)};
 }
 
 // The key, unless it is null, and the certificates.
@@ -133,10 +131,9 @@ std::string TimeText(const ASN1_TIME* time) {
 absl::Status CheckCertificates(const PemFile& file) { return CertificatesOf(file).status(); }
 
 absl::Status CheckKeyPair(const PemFile& certificate, const PemFile& key) {
-  const absl::StatusOr<KeyPair> pair = KeyPairOf(certificate, key);
-  if (!pair.ok()) return pair.status();
-  const ASN1_TIME* begin = X509_get0_notBefore(pair->chain.front().get());
-  const ASN1_TIME* end = X509_get0_notAfter(pair->chain.front().get());
+  ASSIGN_OR_RETURN(const KeyPair pair, KeyPairOf(certificate, key));
+  const ASN1_TIME* begin = X509_get0_notBefore(pair.chain.front().get());
+  const ASN1_TIME* end = X509_get0_notAfter(pair.chain.front().get());
   if (X509_cmp_current_time(end) < 0) {
     return Failed(certificate, absl::StrCat("expired on ", TimeText(end), "; renew it"));
   }
@@ -148,21 +145,18 @@ absl::Status CheckKeyPair(const PemFile& certificate, const PemFile& key) {
 }
 
 absl::StatusOr<absl::Time> CertificateEnd(const PemFile& file) {
-  const absl::StatusOr<std::vector<Certificate>> certificates = CertificatesOf(file);
-  if (!certificates.ok()) return certificates.status();
-  return ToTime(X509_get0_notAfter(certificates->front().get()));
+  ASSIGN_OR_RETURN(const std::vector<Certificate> certificates, CertificatesOf(file));
+  return ToTime(X509_get0_notAfter(certificates.front().get()));
 }
 
 absl::StatusOr<std::string> ReadCertificates(const PemFile& file) {
-  const absl::StatusOr<std::vector<Certificate>> certificates = CertificatesOf(file);
-  if (!certificates.ok()) return certificates.status();
-  return PemText(nullptr, *certificates);
+  ASSIGN_OR_RETURN(const std::vector<Certificate> certificates, CertificatesOf(file));
+  return PemText(nullptr, certificates);
 }
 
 absl::StatusOr<std::string> ReadKeyPair(const PemFile& certificate, const PemFile& key) {
-  const absl::StatusOr<KeyPair> pair = KeyPairOf(certificate, key);
-  if (!pair.ok()) return pair.status();
-  return PemText(pair->key.get(), pair->chain);
+  ASSIGN_OR_RETURN(const KeyPair pair, KeyPairOf(certificate, key));
+  return PemText(pair.key.get(), pair.chain);
 }
 
 }  // namespace graspdb

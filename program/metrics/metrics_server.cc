@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/listen_address.h"
 #include "program/log_field.h"
 #include "program/loopback.h"
@@ -64,14 +65,13 @@ void MetricsServer::Listen(const std::string& ports) {
 absl::StatusOr<std::unique_ptr<MetricsServer>> MetricsServer::Start(const MetricsOptions& options,
                                                                     Collect collect) {
   if (options.listen.empty()) return nullptr;
-  const auto listen = ParseListenAddress("--metrics-listen", options.listen);
-  if (!listen.ok()) return listen.status();
-  if (absl::Status allowed = CheckAllowed(options, *listen); !allowed.ok()) return allowed;
-  const std::string host = listen->host == "localhost" ? "127.0.0.1" : listen->host;
+  ASSIGN_OR_RETURN(const auto listen, ParseListenAddress("--metrics-listen", options.listen));
+  RETURN_IF_ERROR(CheckAllowed(options, listen));
+  const std::string host = listen.host == "localhost" ? "127.0.0.1" : listen.host;
   std::unique_ptr<MetricsServer> out(new MetricsServer(std::move(collect)));
   try {
-    out->Listen(absl::StrCat(host, ":", listen->port));
-    out->address_ = absl::StrCat(listen->host, ":", out->exposer_->GetListeningPorts().at(0));
+    out->Listen(absl::StrCat(host, ":", listen.port));
+    out->address_ = absl::StrCat(listen.host, ":", out->exposer_->GetListeningPorts().at(0));
   } catch (const std::exception& e) {
     spdlog::debug("event=metrics_not_served error={}", LogField(e.what()));
     return absl::UnavailableError(absl::StrCat("cannot listen on ", options.listen,
