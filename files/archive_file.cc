@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/archive_format.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
@@ -87,15 +88,14 @@ absl::StatusOr<std::unique_ptr<ArchiveFile>> ArchiveFile::Open(const std::filesy
   if (fstat(descriptor, &state) != 0 || !S_ISREG(state.st_mode)) return NoArchive(path);
   out->size_ = state.st_size;
   if (out->size_ < kFirstRecord) return NoArchive(path);
-  const absl::StatusOr<std::string> magic = out->Bytes(0, kArchiveMagic.size());
-  if (!magic.ok()) return magic.status();
-  if (*magic == kArchiveMagic) return out;
-  if (magic->substr(0, kArchiveMagic.size() - 1) !=
+  ASSIGN_OR_RETURN(const std::string magic, out->Bytes(0, kArchiveMagic.size()));
+  if (magic == kArchiveMagic) return out;
+  if (magic.substr(0, kArchiveMagic.size() - 1) !=
       kArchiveMagic.substr(0, kArchiveMagic.size() - 1)) {
     return NoArchive(path);
   }
   return absl::FailedPreconditionError(
-      absl::StrCat(path.string(), " has format ", static_cast<unsigned char>(magic->back()),
+      absl::StrCat(path.string(), " has format ", static_cast<unsigned char>(magic.back()),
                    ", and this version reads ", static_cast<int>(kArchiveMagic.back()),
                    "; use the version that wrote it, or a later one"));
 }
@@ -123,21 +123,19 @@ absl::StatusOr<ArchiveItem> ArchiveFile::ReadAt(std::int64_t offset) const {
   if (offset < kFirstRecord || offset > size_ - kHeader) {
     return Damaged(offset, "it ends where a record should follow");
   }
-  const absl::StatusOr<std::string> header = Bytes(offset, kArchiveFrameHeaderBytes);
-  if (!header.ok()) return header.status();
-  const std::string_view length = std::string_view(*header).substr(0, kArchiveLengthBytes);
+  ASSIGN_OR_RETURN(const std::string header, Bytes(offset, kArchiveFrameHeaderBytes));
+  const std::string_view length = std::string_view(header).substr(0, kArchiveLengthBytes);
   const std::int64_t bytes = storage::FromLittleEndian(length);
   if (bytes > size_ - kHeader - offset) return Damaged(offset, "it ends within a record");
   if (bytes > std::int64_t{kMaxArchiveRecordBytes}) return Damaged(offset, "a record is too large");
-  const absl::StatusOr<std::string> frame =
-      Bytes(offset + kHeader, static_cast<std::size_t>(bytes));
-  if (!frame.ok()) return frame.status();
-  const std::string_view checksum = std::string_view(*header).substr(kArchiveLengthBytes);
-  if (storage::Crc32c(*frame, storage::Crc32c(length)) != storage::FromLittleEndian(checksum)) {
+  ASSIGN_OR_RETURN(const std::string frame,
+                   Bytes(offset + kHeader, static_cast<std::size_t>(bytes)));
+  const std::string_view checksum = std::string_view(header).substr(kArchiveLengthBytes);
+  if (storage::Crc32c(frame, storage::Crc32c(length)) != storage::FromLittleEndian(checksum)) {
     return Damaged(offset, "a checksum does not match");
   }
   // The checksum detects accidents; the checks below also detect malice.
-  const std::string raw = Unpack(*frame);
+  const std::string raw = Unpack(frame);
   if (BytesBesidePoints(raw) > kMaxBytesBesidePoints) {
     return Damaged(offset, "a record is too large");
   }

@@ -10,6 +10,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+#include "base/status_macros.h"
 #include "files/cloud_message.h"
 
 namespace graspdb::files {
@@ -40,12 +41,11 @@ class Indexer {
 
   absl::StatusOr<ArchiveIndex> Run(const OnArchiveBytes& on_bytes) {
     for (offset_ = ArchiveFile::kFirstRecord; !ended_; offset_ = next_) {
-      const absl::StatusOr<ArchiveItem> item = file_.ReadAt(offset_);
-      if (!item.ok()) return item.status();
-      next_ = item->next;
-      out_.has_unknown_fields |= item->has_unknown_fields;
-      if (absl::Status taken = Take(item->record); !taken.ok()) return taken;
-      if (absl::Status go = on_bytes ? on_bytes(next_) : absl::OkStatus(); !go.ok()) return go;
+      ASSIGN_OR_RETURN(const ArchiveItem item, file_.ReadAt(offset_));
+      next_ = item.next;
+      out_.has_unknown_fields |= item.has_unknown_fields;
+      RETURN_IF_ERROR(Take(item.record));
+      RETURN_IF_ERROR(on_bytes ? on_bytes(next_) : absl::OkStatus());
     }
     if (next_ != file_.size()) return file_.Damaged(next_, "bytes follow its end");
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/archive_file.h"
 #include "files/archive_format.h"
 #include "storage/base/crc32c.h"
@@ -21,10 +22,9 @@ constexpr int kArchiveLevel = 3;
 }  // namespace
 
 absl::StatusOr<ArchiveWriter> ArchiveWriter::Create(const std::filesystem::path& path) {
-  auto file = AtomicFile::Create(path, Durability::kPowerFailure);
-  if (!file.ok()) return file.status();
-  if (absl::Status begun = (*file)->Append(kArchiveMagic); !begun.ok()) return begun;
-  return ArchiveWriter(*std::move(file));
+  ASSIGN_OR_RETURN(auto file, AtomicFile::Create(path, Durability::kPowerFailure));
+  RETURN_IF_ERROR(file->Append(kArchiveMagic));
+  return ArchiveWriter(std::move(file));
 }
 
 absl::Status ArchiveWriter::Add(const v1::ArchiveRecord& record) {
@@ -45,7 +45,7 @@ absl::Status ArchiveWriter::Add(const v1::ArchiveRecord& record) {
   frame.resize(size);
   std::string header = storage::ToLittleEndian(static_cast<std::uint32_t>(size));
   header += storage::ToLittleEndian(storage::Crc32c(frame, storage::Crc32c(header)));
-  if (absl::Status written = file_->Append(header); !written.ok()) return written;
+  RETURN_IF_ERROR(file_->Append(header));
   return file_->Append(frame);
 }
 

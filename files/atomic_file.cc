@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "storage/base/folder_sync.h"
 
 namespace graspdb::files {
@@ -130,10 +131,9 @@ absl::Status AtomicFile::Commit(Existing existing) {
 
 absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes,
                                  Durability durability) {
-  const absl::StatusOr<std::unique_ptr<AtomicFile>> file = AtomicFile::Create(path, durability);
-  if (!file.ok()) return file.status();
-  if (absl::Status written = (*file)->Append(bytes); !written.ok()) return written;
-  return (*file)->Commit();
+  ASSIGN_OR_RETURN(const std::unique_ptr<AtomicFile> file, AtomicFile::Create(path, durability));
+  RETURN_IF_ERROR(file->Append(bytes));
+  return file->Commit();
 }
 
 absl::Status MakeDurableFolder(const std::filesystem::path& folder) {

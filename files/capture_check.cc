@@ -10,6 +10,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/pose_message.h"
 
 namespace graspdb::files {
@@ -50,10 +51,8 @@ absl::Status CheckPath(const std::string& text, const std::string& field) {
 }
 
 absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& field) {
-  if (absl::Status id = CheckNewId(grasp.grasp_id(), is_new, field + ".graspId"); !id.ok()) {
-    return id;
-  }
-  if (absl::Status pose = CheckPose(grasp.tcp_pose(), field + ".tcpPose"); !pose.ok()) return pose;
+  RETURN_IF_ERROR(CheckNewId(grasp.grasp_id(), is_new, field + ".graspId"));
+  RETURN_IF_ERROR(CheckPose(grasp.tcp_pose(), field + ".tcpPose"));
   for (const double length :
        {grasp.approach_distance_m(), grasp.gripper_opening_m(), grasp.retreat_distance_m()}) {
     if (!std::isfinite(length) || length < 0) {
@@ -85,15 +84,12 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
         absl::StrCat(field, ".minScore is ", pose.min_score(), "; give 0 to 1"));
   }
   if (pose.has_mesh_pose()) {
-    absl::Status mesh = CheckPose(pose.mesh_pose(), field + ".meshPose");
-    if (!mesh.ok()) return mesh;
+    RETURN_IF_ERROR(CheckPose(pose.mesh_pose(), field + ".meshPose"));
   }
   std::set<std::string> grasps;
   for (int i = 0; i < pose.grasps_size(); ++i) {
     const bool is_new = grasps.insert(pose.grasps(i).grasp_id()).second;
-    absl::Status grasp =
-        CheckGrasp(pose.grasps(i), is_new, absl::StrCat(field, ".grasps[", i, "]"));
-    if (!grasp.ok()) return grasp;
+    RETURN_IF_ERROR(CheckGrasp(pose.grasps(i), is_new, absl::StrCat(field, ".grasps[", i, "]")));
   }
   return absl::OkStatus();
 }
@@ -103,20 +99,16 @@ namespace {
 absl::Status CheckObject(const v1::CapturedObject& object, const std::string& field,
                          Declared& declared) {
   const auto [entry, is_new] = declared.try_emplace(object.object_id());
-  if (absl::Status id = CheckNewId(object.object_id(), is_new, field + ".objectId"); !id.ok()) {
-    return id;
-  }
+  RETURN_IF_ERROR(CheckNewId(object.object_id(), is_new, field + ".objectId"));
   if (!object.mesh_path().empty()) {
-    absl::Status path = CheckPath(object.mesh_path(), field + ".meshPath");
-    if (!path.ok()) return path;
+    RETURN_IF_ERROR(CheckPath(object.mesh_path(), field + ".meshPath"));
   }
   for (int i = 0; i < object.stable_poses_size(); ++i) {
     const v1::CapturedStablePose& pose = object.stable_poses(i);
     const std::string name = absl::StrCat(field, ".stablePoses[", i, "]");
     const bool is_new_pose = entry->second.insert(pose.stable_pose_id()).second;
-    absl::Status status = CheckNewId(pose.stable_pose_id(), is_new_pose, name + ".stablePoseId");
-    if (status.ok()) status = CheckStablePose(pose, name);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(CheckNewId(pose.stable_pose_id(), is_new_pose, name + ".stablePoseId"));
+    RETURN_IF_ERROR(CheckStablePose(pose, name));
   }
   return absl::OkStatus();
 }
@@ -155,11 +147,10 @@ absl::Status CheckNames(const v1::Capture& capture, const std::string& field,
 
 absl::Status CheckCapture(const v1::Capture& capture, const std::string& field,
                           const Declared& declared) {
-  if (absl::Status path = CheckPath(capture.path(), field + ".path"); !path.ok()) return path;
-  if (absl::Status names = CheckNames(capture, field, declared); !names.ok()) return names;
+  RETURN_IF_ERROR(CheckPath(capture.path(), field + ".path"));
+  RETURN_IF_ERROR(CheckNames(capture, field, declared));
   if (capture.has_object_pose()) {
-    absl::Status pose = CheckPose(capture.object_pose(), field + ".objectPose");
-    if (!pose.ok()) return pose;
+    RETURN_IF_ERROR(CheckPose(capture.object_pose(), field + ".objectPose"));
   }
   if (!capture.has_sensor_pose()) return absl::OkStatus();
   return CheckPose(capture.sensor_pose(), field + ".sensorPose");
@@ -183,16 +174,13 @@ absl::Status CheckId(const std::string& id, const std::string& field) {
 absl::Status CheckCaptureSet(const v1::CaptureSet& set) {
   Declared declared;
   for (int i = 0; i < set.objects_size(); ++i) {
-    absl::Status object = CheckObject(set.objects(i), absl::StrCat("objects[", i, "]"), declared);
-    if (!object.ok()) return object;
+    RETURN_IF_ERROR(CheckObject(set.objects(i), absl::StrCat("objects[", i, "]"), declared));
   }
   if (set.has_region_of_interest()) {
-    if (absl::Status region = CheckRegion(set.region_of_interest()); !region.ok()) return region;
+    RETURN_IF_ERROR(CheckRegion(set.region_of_interest()));
   }
   for (int i = 0; i < set.captures_size(); ++i) {
-    absl::Status capture =
-        CheckCapture(set.captures(i), absl::StrCat("captures[", i, "]"), declared);
-    if (!capture.ok()) return capture;
+    RETURN_IF_ERROR(CheckCapture(set.captures(i), absl::StrCat("captures[", i, "]"), declared));
   }
   return absl::OkStatus();
 }

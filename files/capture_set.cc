@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "files/capture_check.h"
 #include "program/json_keys.h"
@@ -43,7 +44,7 @@ absl::StatusOr<std::string> ReadText(const fs::path& path) {
     return absl::InvalidArgumentError(
         absl::StrCat(path.string(), " is not a readable file; write the capture set again"));
   }
-  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
   return text;
 }
 
@@ -101,15 +102,14 @@ absl::Status CheckSplitWords(const std::string& text) {
 
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const fs::path& folder) {
   const fs::path path = folder / kCaptureSetFile;
-  absl::StatusOr<std::string> text = ReadText(path);
-  if (!text.ok()) return text.status();
+  ASSIGN_OR_RETURN(std::string text, ReadText(path));
   google::protobuf::util::JsonParseOptions options;
   options.ignore_unknown_fields = true;
   v1::CaptureSet set;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &set, options);
-  if (!parsed.ok()) return BadJson(path, std::string(parsed.message()), *text);
-  absl::Status checked = CheckJsonKeys(*text);
-  if (checked.ok()) checked = CheckSplitWords(*text);
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &set, options);
+  if (!parsed.ok()) return BadJson(path, std::string(parsed.message()), text);
+  absl::Status checked = CheckJsonKeys(text);
+  if (checked.ok()) checked = CheckSplitWords(text);
   if (checked.ok()) checked = CheckCaptureSet(set);
   if (checked.ok()) checked = CheckDistances(set);
   if (checked.ok()) return set;
@@ -117,7 +117,7 @@ absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const fs::path& folder) {
 }
 
 absl::Status SaveCaptureSet(const fs::path& folder, const v1::CaptureSet& set) {
-  if (absl::Status checked = CheckCaptureSet(set); !checked.ok()) return checked;
+  RETURN_IF_ERROR(CheckCaptureSet(set));
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
   std::string text;

@@ -1,5 +1,6 @@
 #include "files/capture_set_writer.h"
 
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "files/capture_set.h"
 
@@ -8,7 +9,7 @@ namespace graspdb::files {
 absl::Status CaptureSetWriter::AddCloud(const std::string& path, const PointFile& cloud) {
   const std::filesystem::path file = folder_ / path;
   if (const auto folder = file.parent_path(); !cloud_folders_.contains(folder)) {
-    if (absl::Status made = MakeDurableFolder(folder); !made.ok()) return made;
+    RETURN_IF_ERROR(MakeDurableFolder(folder));
     cloud_folders_.insert(folder);
   }
   return WritePcd(file, cloud, Durability::kBytes);
@@ -17,7 +18,7 @@ absl::Status CaptureSetWriter::AddCloud(const std::string& path, const PointFile
 absl::Status CaptureSetWriter::Finish(const v1::CaptureSet& set) {
   // First, so that no description on the disk lacks its clouds.
   for (const std::filesystem::path& folder : cloud_folders_) {
-    if (absl::Status flushed = FlushNames(folder); !flushed.ok()) return flushed;
+    RETURN_IF_ERROR(FlushNames(folder));
   }
   return SaveCaptureSet(folder_, set);
 }

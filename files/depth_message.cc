@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/points/depth_image.h"
 
 namespace graspdb::files {
@@ -81,14 +82,13 @@ absl::StatusOr<std::vector<std::uint16_t>> CountsFromMessage(const v1::DepthImag
 absl::StatusOr<recognition::Points> PointsFromMessage(const v1::DepthImage& message) {
   recognition::DepthImage image{
       .depth = {}, .camera = FromMessage(message.intrinsics()), .unit_m = DepthUnit(message)};
-  absl::StatusOr<std::vector<std::uint16_t>> counts = CountsFromMessage(message);
-  if (!counts.ok()) return counts.status();
+  ASSIGN_OR_RETURN(std::vector<std::uint16_t> counts, CountsFromMessage(message));
   if (!(image.camera.fx > 0 && image.camera.fy > 0)) {
     return absl::InvalidArgumentError(absl::StrCat("the focal lengths of the depth image are ",
                                                    image.camera.fx, " and ", image.camera.fy,
                                                    " pixels; check the camera"));
   }
-  image.depth = *std::move(counts);
+  image.depth = std::move(counts);
   std::ranges::replace(image.depth, kNoCount, std::uint16_t{0});
   return recognition::PointsOf(image);
 }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "files/depth_message.h"
 
@@ -188,12 +189,11 @@ absl::StatusOr<std::string> ReadBytes(const std::filesystem::path& path) {
 
 absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
                                             const DepthPngCamera& camera) {
-  const absl::StatusOr<std::string> bytes = ReadBytes(path);
-  if (!bytes.ok()) return bytes.status();
+  ASSIGN_OR_RETURN(const std::string bytes, ReadBytes(path));
   PngFile file;
-  file.unread = *bytes;
-  if (bytes->size() < kSignatureBytes ||
-      png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes->data()), 0, kSignatureBytes) != 0) {
+  file.unread = bytes;
+  if (bytes.size() < kSignatureBytes ||
+      png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, kSignatureBytes) != 0) {
     return Bad(path, "is not a PNG file; name the depth image of a camera");
   }
   if (!ReadHeader(file)) return Bad(path, absl::StrCat("is damaged (", file.trouble, ")"));
@@ -219,13 +219,12 @@ absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
   image.mutable_data()->resize(kPixelBytes * width * height);
   std::vector<png_bytep> rows = RowsOf(*image.mutable_data(), width, height);
   if (!ReadRows(file, rows)) return Bad(path, absl::StrCat("is damaged (", file.trouble, ")"));
-  absl::Status status = KeepMeasurements(path, camera, image.mutable_data());
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(KeepMeasurements(path, camera, image.mutable_data()));
   return image;
 }
 
 absl::Status WriteDepthPng(const std::filesystem::path& path, const v1::DepthImage& image) {
-  if (const auto counts = CountsFromMessage(image); !counts.ok()) return counts.status();
+  RETURN_IF_ERROR(CountsFromMessage(image).status());
   const v1::CameraIntrinsics& camera = image.intrinsics();
   std::string bytes = image.data();
   std::vector<png_bytep> rows = RowsOf(bytes, static_cast<std::size_t>(camera.width()),

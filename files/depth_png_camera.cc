@@ -13,6 +13,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "files/camera_entries.h"
 #include "files/depth_png.h"
@@ -132,10 +133,9 @@ absl::StatusOr<DepthPngCamera> CameraFrom(const std::string& text) {
     return absl::InvalidArgumentError(
         absl::StrCat("it is not a JSON object of at most ", kMaxSidecarBytes, " bytes"));
   }
-  if (absl::Status keys = CheckJsonKeys(text); !keys.ok()) return keys;
-  const auto entries = CameraEntriesOf(document);
-  if (!entries.ok()) return entries.status();
-  CameraNumbers numbers(*entries);
+  RETURN_IF_ERROR(CheckJsonKeys(text));
+  ASSIGN_OR_RETURN(const auto entries, CameraEntriesOf(document));
+  CameraNumbers numbers(entries);
   DepthPngCamera camera;
   recognition::CameraIntrinsics& k = camera.intrinsics;
   k.width = numbers.Pixels("width");
@@ -144,9 +144,9 @@ absl::StatusOr<DepthPngCamera> CameraFrom(const std::string& text) {
   k.fy = numbers.Positive("fy", "fy", 4);
   k.cx = numbers.Required("cx", "ppx", 2);
   k.cy = numbers.Required("cy", "ppy", 5);
-  const auto unit = DepthUnitOf(*entries);
-  const auto invalid = InvalidCountsOf(*entries);
-  const auto lens = LensOf(*entries);
+  const auto unit = DepthUnitOf(entries);
+  const auto invalid = InvalidCountsOf(entries);
+  const auto lens = LensOf(entries);
   for (const absl::Status& status :
        {numbers.error(), CheckCamera(k), unit.status(), invalid.status(), lens.status()}) {
     if (!status.ok()) return status;
@@ -172,7 +172,7 @@ absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path)
   std::string text(kMaxSidecarBytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
-  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
   absl::StatusOr<DepthPngCamera> camera = CameraFrom(text);
   if (camera.ok()) return camera;
   const absl::string_view what = camera.status().message();
@@ -186,9 +186,8 @@ absl::Status WriteIntrinsics(const std::filesystem::path& path, const DepthPngCa
   JsonObject(&document).Set(Json("width", k.width), Json("height", k.height), Json("fx", k.fx),
                             Json("fy", k.fy), Json("cx", k.cx), Json("cy", k.cy),
                             Json("depthUnitM", camera.depth_unit_m));
-  const absl::StatusOr<std::string> text = PrintDocument(document, JsonLayout::kIndented);
-  if (!text.ok()) return text.status();
-  return WriteFileAtomically(path, *text, Durability::kProcessCrash);
+  ASSIGN_OR_RETURN(const std::string text, PrintDocument(document, JsonLayout::kIndented));
+  return WriteFileAtomically(path, text, Durability::kProcessCrash);
 }
 
 }  // namespace graspdb::files

@@ -10,6 +10,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::files {
@@ -122,14 +123,13 @@ absl::StatusOr<double> DepthUnitOf(const std::vector<CameraEntry>& entries) {
       if (std::ranges::all_of(entry.numbers, [](double number) { return number == 0; })) continue;
       return BadUnit(entry, "is not 0; add it to the counts of the images, and remove the key");
     }
-    const absl::StatusOr<double> found = UnitFrom(entry, key);
-    if (!found.ok()) return found.status();
-    if (from != nullptr && std::abs(*found - unit_m) > kSame * unit_m) {
-      return BadUnit(entry, absl::StrCat("means ", *found, " m per count and \"", from->path, "\" ",
+    ASSIGN_OR_RETURN(const double found, UnitFrom(entry, key));
+    if (from != nullptr && std::abs(found - unit_m) > kSame * unit_m) {
+      return BadUnit(entry, absl::StrCat("means ", found, " m per count and \"", from->path, "\" ",
                                          unit_m, "; keep the right one"));
     }
     from = &entry;
-    unit_m = *found;
+    unit_m = found;
   }
   return unit_m;
 }

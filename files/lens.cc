@@ -7,6 +7,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::files {
 namespace {
@@ -126,9 +127,7 @@ absl::Status AddCoefficients(const CameraEntry& entry, const LensModel& model, L
     return BadLens(entry, "needs the \"model\" of its distortion");
   }
   for (std::size_t i = 0; i < std::min<std::size_t>(entry.numbers.size(), 8); ++i) {
-    if (absl::Status status = SetCoefficient(entry, i, entry.numbers[i], lens); !status.ok()) {
-      return status;
-    }
+    RETURN_IF_ERROR(SetCoefficient(entry, i, entry.numbers[i], lens));
   }
   return absl::OkStatus();
 }
@@ -148,13 +147,12 @@ std::optional<Vector2d> Undistorted(const Lens& lens, const Vector2d& place) {
 }
 
 absl::StatusOr<Lens> LensOf(const std::vector<CameraEntry>& entries) {
-  const absl::StatusOr<LensModel> model = ModelOf(entries);
-  if (!model.ok()) return model.status();
+  ASSIGN_OR_RETURN(const LensModel model, ModelOf(entries));
   Lens lens;
   for (const CameraEntry& entry : entries) {
-    if (absl::Status status = AddCoefficients(entry, *model, &lens); !status.ok()) return status;
+    RETURN_IF_ERROR(AddCoefficients(entry, model, &lens));
   }
-  if (!lens.is_distorted() || !model->is_other) return lens;
+  if (!lens.is_distorted() || !model.is_other) return lens;
   return absl::InvalidArgumentError(
       absl::StrCat("the model of its distortion is not known here", kLensAdvice));
 }

@@ -14,6 +14,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 #include "files/point_file.h"
 #include "program/text_encoding.h"
 
@@ -53,7 +54,7 @@ absl::Status ParseFields(const Words& values, PcdHeader& header) {
 }
 
 absl::Status ParseSizes(const Words& values, PcdHeader& header) {
-  if (absl::Status count = ExpectCount(values, header, "SIZE"); !count.ok()) return count;
+  RETURN_IF_ERROR(ExpectCount(values, header, "SIZE"));
   for (std::size_t i = 0; i < values.size(); ++i) {
     int size = 0;
     if (!absl::SimpleAtoi(values[i], &size) || !std::set{1, 2, 4, 8}.contains(size)) {
@@ -66,7 +67,7 @@ absl::Status ParseSizes(const Words& values, PcdHeader& header) {
 }
 
 absl::Status ParseTypes(const Words& values, PcdHeader& header) {
-  if (absl::Status count = ExpectCount(values, header, "TYPE"); !count.ok()) return count;
+  RETURN_IF_ERROR(ExpectCount(values, header, "TYPE"));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] != "F" && values[i] != "I" && values[i] != "U") {
       return absl::InvalidArgumentError(
@@ -78,7 +79,7 @@ absl::Status ParseTypes(const Words& values, PcdHeader& header) {
 }
 
 absl::Status ParseCounts(const Words& values, PcdHeader& header) {
-  if (absl::Status count = ExpectCount(values, header, "COUNT"); !count.ok()) return count;
+  RETURN_IF_ERROR(ExpectCount(values, header, "COUNT"));
   for (std::size_t i = 0; i < values.size(); ++i) {
     int count = 0;
     const int fewest = header.fields[i].name == "_" ? 0 : 1;  // of padding
@@ -212,13 +213,12 @@ absl::StatusOr<PcdHeader> Parse(std::istream& in) {
   for (int number = 1; number <= kMaxHeaderLines; ++number) {
     std::optional<std::string> line = NextLine(in);
     if (!line) break;
-    absl::Status taken = number == 1 ? TakeUtf8("its header", &*line) : absl::OkStatus();
-    if (!taken.ok()) return taken;
+    RETURN_IF_ERROR(number == 1 ? TakeUtf8("its header", &*line) : absl::OkStatus());
     const Words words = absl::StrSplit(*line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
     if (words.empty() || words[0][0] == '#') continue;
-    if (absl::Status status = ParseLine(words, number, lines); !status.ok()) return status;
+    RETURN_IF_ERROR(ParseLine(words, number, lines));
     if (words[0] != "DATA") continue;
-    if (absl::Status status = CheckComplete(lines); !status.ok()) return status;
+    RETURN_IF_ERROR(CheckComplete(lines));
     lines.header.body_offset = static_cast<std::size_t>(in.tellg());
     return lines.header;
   }

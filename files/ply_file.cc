@@ -18,6 +18,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/ply_header.h"
 #include "files/surplus_bytes.h"
 
@@ -237,14 +238,13 @@ absl::Status CheckEnd(const std::filesystem::path& path, std::string_view bytes,
 }
 
 absl::StatusOr<PointFile> Decode(const std::filesystem::path& path, std::string_view bytes) {
-  absl::StatusOr<PlyHeader> header = ParsePlyHeader(bytes);
-  if (!header.ok()) return header.status();
-  Body body(bytes.substr(header->body_offset), header->encoding);
+  ASSIGN_OR_RETURN(PlyHeader header, ParsePlyHeader(bytes));
+  Body body(bytes.substr(header.body_offset), header.encoding);
   absl::StatusOr<PointFile> file = absl::InvalidArgumentError("it has no element named vertex");
-  for (const PlyHeader::Element& element : header->elements) {
+  for (const PlyHeader::Element& element : header.elements) {
     if (element.name == "vertex") {
       if (file.ok()) return absl::InvalidArgumentError("it has two elements named vertex");
-      if (absl::Status vertex = CheckVertex(element); !vertex.ok()) return vertex;
+      RETURN_IF_ERROR(CheckVertex(element));
       file = ReadVertices(element, body);
       if (!file.ok()) return file;
       continue;
@@ -259,8 +259,8 @@ absl::StatusOr<PointFile> Decode(const std::filesystem::path& path, std::string_
     }
   }
   if (!file.ok()) return file;
-  absl::Status end = CheckEnd(path, bytes, *header, body.position());
-  return end.ok() ? file : end;
+  RETURN_IF_ERROR(CheckEnd(path, bytes, header, body.position()));
+  return file;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 #include "program/text_encoding.h"
 
 namespace graspdb::files {
@@ -112,8 +113,7 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     const std::size_t end = bytes.find('\n', begin);
     if (end == std::string_view::npos) break;
     std::string line(bytes.substr(begin, end - begin));
-    absl::Status taken = number == 1 ? TakeUtf8("its header", &line) : absl::OkStatus();
-    if (!taken.ok()) return taken;
+    RETURN_IF_ERROR(number == 1 ? TakeUtf8("its header", &line) : absl::OkStatus());
     const Words words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
     const std::size_t line_offset = begin;
     begin = end + 1;
@@ -132,7 +132,7 @@ absl::StatusOr<PlyHeader> ParsePlyHeader(std::string_view bytes) {
       header.elements_offset = line_offset;
     }
     has_format |= words[0] == "format";
-    if (absl::Status status = ParseLine(words, header); !status.ok()) return status;
+    RETURN_IF_ERROR(ParseLine(words, header));
   }
   return absl::InvalidArgumentError(
       "it is not a whole PLY file, as no end_header line ends its header");

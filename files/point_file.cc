@@ -7,6 +7,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/pcd_body.h"
 #include "files/pcd_header.h"
 #include "files/pcd_points.h"
@@ -41,13 +42,10 @@ absl::Status CheckReadable(const fs::path& path) {
 }
 
 absl::StatusOr<PointFile> ReadPcd(const fs::path& path) {
-  absl::StatusOr<PcdHeader> header = ReadPcdHeader(path);
-  if (!header.ok()) return header.status();
-  absl::Status body = CheckPcdBody(path, *header);
-  if (!body.ok()) return body;
-  absl::StatusOr<PointFile> file = DecodePcd(path, *header);
-  if (!file.ok()) return file.status();
-  file->sensor_pose = header->sensor_pose;
+  ASSIGN_OR_RETURN(PcdHeader header, ReadPcdHeader(path));
+  RETURN_IF_ERROR(CheckPcdBody(path, header));
+  ASSIGN_OR_RETURN(PointFile file, DecodePcd(path, header));
+  file.sensor_pose = header.sensor_pose;
   return file;
 }
 
@@ -63,8 +61,7 @@ void MarkMissing(recognition::Points& points) {
 
 absl::StatusOr<PointFile> ReadPointFile(const fs::path& path) {
   const std::string extension = absl::AsciiStrToLower(path.extension().string());
-  absl::Status readable = CheckReadable(path);
-  if (!readable.ok()) return readable;
+  RETURN_IF_ERROR(CheckReadable(path));
   if (extension != ".pcd" && extension != ".ply") {
     return absl::InvalidArgumentError(absl::StrCat(
         path.string(), " ends neither in .pcd nor in .ply; convert it to one of them"));

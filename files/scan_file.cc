@@ -7,6 +7,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
@@ -24,11 +25,10 @@ std::string ExtensionOf(const std::filesystem::path& path) {
 absl::StatusOr<recognition::Points> UndistortedPoints(const v1::DepthImage& image,
                                                       const Lens& lens) {
   constexpr double kMaxShareWithoutRay = 0.02;
-  const absl::StatusOr<recognition::Points> pinhole = PointsFromMessage(image);
-  if (!pinhole.ok()) return pinhole.status();
+  ASSIGN_OR_RETURN(const recognition::Points pinhole, PointsFromMessage(image));
   recognition::Points out;
   double without_ray = 0;
-  for (const Eigen::Vector3f& p : *pinhole) {
+  for (const Eigen::Vector3f& p : pinhole) {
     if (!p.allFinite()) continue;
     const Eigen::Vector2d place = p.head<2>().cast<double>() / static_cast<double>(p.z());
     const std::optional<Eigen::Vector2d> ray = Undistorted(lens, place);
@@ -53,17 +53,14 @@ bool IsScanFile(const std::filesystem::path& path) {
 
 absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path) {
   if (ExtensionOf(path) != ".png") {
-    const absl::StatusOr<PointFile> file = ReadPointFile(path);
-    if (!file.ok()) return file.status();
-    return ScanFile{.scan = CloudMessage(*file), .sensor_pose = file->sensor_pose};
+    ASSIGN_OR_RETURN(const PointFile file, ReadPointFile(path));
+    return ScanFile{.scan = CloudMessage(file), .sensor_pose = file.sensor_pose};
   }
-  const absl::StatusOr<DepthPngCamera> camera =
-      ReadIntrinsics(path.parent_path() / kIntrinsicsFile);
-  if (!camera.ok()) return camera.status();
-  absl::StatusOr<v1::DepthImage> image = ReadDepthPng(path, *camera);
-  if (!image.ok()) return image.status();
-  if (!camera->lens.is_distorted()) return ScanFile{.scan = *std::move(image)};
-  const absl::StatusOr<recognition::Points> points = UndistortedPoints(*image, camera->lens);
+  ASSIGN_OR_RETURN(const DepthPngCamera camera,
+                   ReadIntrinsics(path.parent_path() / kIntrinsicsFile));
+  ASSIGN_OR_RETURN(v1::DepthImage image, ReadDepthPng(path, camera));
+  if (!camera.lens.is_distorted()) return ScanFile{.scan = std::move(image)};
+  const absl::StatusOr<recognition::Points> points = UndistortedPoints(image, camera.lens);
   if (points.ok()) return ScanFile{.scan = CloudMessage(*points, 0)};
   return absl::Status(points.status().code(),
                       absl::StrCat(path.string(), " ", points.status().message()));
