@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "rendering/counter_random.h"
 #include "rendering/depth_camera.h"
 
@@ -139,8 +140,8 @@ absl::Status CheckPlacements(const std::vector<Workpiece>& parts, const PlannedC
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Workpiece>& parts,
                                                           const TurntableOptions& options) {
-  if (absl::Status checked = CheckParts(parts); !checked.ok()) return checked;
-  if (absl::Status stand = CheckStand(options.stand); !stand.ok()) return stand;
+  RETURN_IF_ERROR(CheckParts(parts));
+  RETURN_IF_ERROR(CheckStand(options.stand));
   if (!(options.azimuth_step_deg >= 0.01 && options.azimuth_step_deg <= 360)) {
     return Bad("the step of the turntable is not between 0.01 and 360 degrees");
   }
@@ -170,8 +171,8 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanTurntable(const std::vector<Work
 
 absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<Workpiece>& parts,
                                                              const RandomSceneOptions& options) {
-  if (absl::Status checked = CheckParts(parts); !checked.ok()) return checked;
-  if (absl::Status stand = CheckStand(options.stand); !stand.ok()) return stand;
+  RETURN_IF_ERROR(CheckParts(parts));
+  RETURN_IF_ERROR(CheckStand(options.stand));
   if (options.count < 1 || options.objects_per_scene < 1) {
     return Bad("a plan needs at least one scene with one object");
   }
@@ -182,12 +183,11 @@ absl::StatusOr<std::vector<PlannedCapture>> PlanRandomScenes(const std::vector<W
                                  options.stand.distances_m.front());
   std::vector<PlannedCapture> plan;
   for (std::size_t i = 0; i < static_cast<std::size_t>(options.count); ++i) {
-    absl::StatusOr<std::vector<Placement>> placements = PlaceObjects(parts, options, i);
-    if (!placements.ok()) return placements.status();
-    const std::string& id = parts[placements->front().part].object_id;
+    ASSIGN_OR_RETURN(std::vector<Placement> placements, PlaceObjects(parts, options, i));
+    const std::string& id = parts[placements.front().part].object_id;
     plan.push_back({.path = absl::StrFormat("clouds/scene_%05d_%s.pcd", i, id),
                     .split = options.split,
-                    .placements = *std::move(placements),
+                    .placements = std::move(placements),
                     .world_sensor = sensor,
                     .seed = RandomBits(options.seed, kSceneNoise, i)});
   }

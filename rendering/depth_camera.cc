@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::rendering {
@@ -51,29 +52,27 @@ DepthCameraModel KinectV2() {
 }
 
 absl::StatusOr<DepthCamera> DepthCamera::Create(const DepthCameraModel& model) {
-  absl::StatusOr<RayCaster> rays = RayCaster::Create();
-  if (!rays.ok()) return rays.status();
-  return DepthCamera(model, *std::move(rays));
+  ASSIGN_OR_RETURN(RayCaster rays, RayCaster::Create());
+  return DepthCamera(model, std::move(rays));
 }
 
 absl::StatusOr<DepthFrame> DepthCamera::Render(const Scene& scene,
                                                const recognition::Pose& world_sensor,
                                                std::uint64_t seed) const {
-  absl::StatusOr<IdealFrame> frame = rays_.Cast(scene, model_.intrinsics, world_sensor);
-  if (!frame.ok()) return frame.status();
-  ApplyEdgeEffects(model_.effects, model_.intrinsics.fx, seed, *frame);
-  ApplyNoise(model_.noise, seed, *frame);
-  ApplyDepthEffects(model_.effects, seed, *frame);
-  for (std::size_t i = 0; i < frame->depth_m.size(); ++i) {
-    const double depth = frame->depth_m[i];
+  ASSIGN_OR_RETURN(IdealFrame frame, rays_.Cast(scene, model_.intrinsics, world_sensor));
+  ApplyEdgeEffects(model_.effects, model_.intrinsics.fx, seed, frame);
+  ApplyNoise(model_.noise, seed, frame);
+  ApplyDepthEffects(model_.effects, seed, frame);
+  for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
+    const double depth = frame.depth_m[i];
     if (depth >= model_.min_depth_m && depth <= model_.max_depth_m) continue;
-    frame->depth_m[i] = 0;
-    frame->surface[i] = kNoSurface;
+    frame.depth_m[i] = 0;
+    frame.surface[i] = kNoSurface;
   }
-  return DepthFrame{.width = frame->width,
-                    .height = frame->height,
-                    .depth_m = std::move(frame->depth_m),
-                    .surface = std::move(frame->surface)};
+  return DepthFrame{.width = frame.width,
+                    .height = frame.height,
+                    .depth_m = std::move(frame.depth_m),
+                    .surface = std::move(frame.surface)};
 }
 
 recognition::Points ToPoints(const DepthFrame& frame, const recognition::CameraIntrinsics& k) {

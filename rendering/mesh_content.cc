@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "base/status_macros.h"
 #include "files/ply_file.h"
 #include "files/ply_header.h"
 #include "program/text_encoding.h"
@@ -123,34 +124,30 @@ absl::Status PreparePly(const std::filesystem::path& path, MeshContent& content)
     return absl::InvalidArgumentError(absl::StripPrefix(
         points.status().message(), absl::StrCat(path.string(), " cannot be read: ")));
   }
-  if (absl::Status taken = TakeUtf8("it", &content.bytes); !taken.ok()) return taken;
-  const absl::StatusOr<files::PlyHeader> header = files::ParsePlyHeader(content.bytes);
-  if (!header.ok()) return header.status();
-  if (absl::Status faces = CheckElements(*header); !faces.ok()) return faces;
-  TakeUnit(absl::string_view(content.bytes).substr(0, header->body_offset), {"comment", "obj_info"},
+  RETURN_IF_ERROR(TakeUtf8("it", &content.bytes));
+  ASSIGN_OR_RETURN(const files::PlyHeader header, files::ParsePlyHeader(content.bytes));
+  RETURN_IF_ERROR(CheckElements(header));
+  TakeUnit(absl::string_view(content.bytes).substr(0, header.body_offset), {"comment", "obj_info"},
            UnitText::kComment, content);
-  if (header->encoding == files::PlyHeader::Encoding::kAscii) {
-    return CheckLines(*header, absl::string_view(content.bytes).substr(header->body_offset));
+  if (header.encoding == files::PlyHeader::Encoding::kAscii) {
+    return CheckLines(header, absl::string_view(content.bytes).substr(header.body_offset));
   }
-  if (header->elements_offset == 0) return absl::OkStatus();
-  content.bytes.insert(header->body_offset, 1, 'x');
-  content.bytes.insert(header->elements_offset, "element 1 1\nproperty uchar pad\n");
+  if (header.elements_offset == 0) return absl::OkStatus();
+  content.bytes.insert(header.body_offset, 1, 'x');
+  content.bytes.insert(header.elements_offset, "element 1 1\nproperty uchar pad\n");
   return absl::OkStatus();
 }
 
 absl::Status PrepareObjOrStl(MeshContent& content) {
   const bool is_obj = content.format == "obj";
   const bool is_text = is_obj || !IsBinaryStl(content.bytes);
-  absl::Status taken = is_text ? TakeUtf8("it", &content.bytes) : absl::OkStatus();
-  if (!taken.ok()) return taken;
+  RETURN_IF_ERROR(is_text ? TakeUtf8("it", &content.bytes) : absl::OkStatus());
   if (is_obj) {
     TakeUnit(content.bytes, {"#"}, UnitText::kComment, content);
   } else {
     TakeUnit(StlDescription(content.bytes), {""}, UnitText::kName, content);
   }
-  absl::StatusOr<std::string> plain = is_obj ? PlainObj(content.bytes) : BinaryStl(content.bytes);
-  if (!plain.ok()) return plain.status();
-  content.bytes = *std::move(plain);
+  ASSIGN_OR_RETURN(content.bytes, is_obj ? PlainObj(content.bytes) : BinaryStl(content.bytes));
   return absl::OkStatus();
 }
 
@@ -158,14 +155,11 @@ absl::Status PrepareObjOrStl(MeshContent& content) {
 
 absl::StatusOr<MeshContent> ReadMeshContent(const std::filesystem::path& path) {
   const std::string ending = absl::AsciiStrToLower(path.extension().string());
-  if (absl::Status format = CheckFormat(ending); !format.ok()) return format;
-  absl::StatusOr<std::string> bytes = BytesIn(path);
-  if (!bytes.ok()) return bytes.status();
+  RETURN_IF_ERROR(CheckFormat(ending));
+  ASSIGN_OR_RETURN(std::string bytes, BytesIn(path));
   MeshContent content{
-      .bytes = *std::move(bytes), .format = ending.substr(1), .unit_m = {}, .unit_line = {}};
-  absl::Status prepared =
-      content.format == "ply" ? PreparePly(path, content) : PrepareObjOrStl(content);
-  if (!prepared.ok()) return prepared;
+      .bytes = std::move(bytes), .format = ending.substr(1), .unit_m = {}, .unit_line = {}};
+  RETURN_IF_ERROR(content.format == "ply" ? PreparePly(path, content) : PrepareObjOrStl(content));
   return content;
 }
 

@@ -13,11 +13,11 @@
 #include <span>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "rendering/mesh_content.h"
 #include "rendering/outward_faces.h"
@@ -102,7 +102,7 @@ absl::StatusOr<TriangleMesh> Import(const MeshContent& content) {
     const aiScene* scene = importer.ReadFileFromMemory(content.bytes.data(), content.bytes.size(),
                                                        0, content.format.c_str());
     if (scene != nullptr) {
-      if (absl::Status faces = CheckFaces(*scene); !faces.ok()) return faces;
+      RETURN_IF_ERROR(CheckFaces(*scene));
       scene = importer.ApplyPostProcessing(kImportSteps);
     }
     if (scene == nullptr) return absl::InvalidArgumentError(importer.GetErrorString());
@@ -193,7 +193,7 @@ absl::StatusOr<TriangleMesh> LoadMesh(const std::filesystem::path& path, double 
 }
 
 absl::Status WriteMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  if (absl::Status checked = CheckMesh(mesh); !checked.ok()) return checked;
+  RETURN_IF_ERROR(CheckMesh(mesh));
   std::string bytes = absl::StrCat(
       "ply\nformat binary_little_endian 1.0\ncomment metres\nelement vertex ", mesh.vertices.size(),
       "\nproperty float x\nproperty float y\nproperty float z\nelement face ",

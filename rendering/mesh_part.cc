@@ -9,6 +9,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "base/status_macros.h"
 #include "rendering/length_unit.h"
 #include "rendering/mesh_file.h"
 
@@ -57,9 +58,8 @@ std::string ObjectIdOf(const std::filesystem::path& path) {
 }
 
 absl::StatusOr<TriangleMesh> LoadPartMesh(const std::filesystem::path& path, double unit_scale_m) {
-  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path, unit_scale_m);
-  if (!mesh.ok()) return mesh;
-  const double side = LargestSideM(*mesh);
+  ASSIGN_OR_RETURN(TriangleMesh mesh, LoadMesh(path, unit_scale_m));
+  const double side = LargestSideM(mesh);
   if (IsPartSize(side)) return mesh;
   return absl::InvalidArgumentError(
       absl::StrCat(path.string(), " is ", side, " m large, and parts have ", kSmallestSideM, " to ",
@@ -67,9 +67,8 @@ absl::StatusOr<TriangleMesh> LoadPartMesh(const std::filesystem::path& path, dou
 }
 
 absl::StatusOr<TriangleMesh> LoadMeshInMetres(const std::filesystem::path& path) {
-  absl::StatusOr<TriangleMesh> mesh = LoadMesh(path);
-  if (!mesh.ok()) return mesh;
-  const double side = LargestSideM(*mesh);
+  ASSIGN_OR_RETURN(TriangleMesh mesh, LoadMesh(path));
+  const double side = LargestSideM(mesh);
   if (side >= kSmallestObjectM && side <= kLargestObjectM) return mesh;
   return absl::InvalidArgumentError(
       absl::StrCat(path.string(), " is ", side, " m large; this mesh must be in metres, and the ",
@@ -78,13 +77,12 @@ absl::StatusOr<TriangleMesh> LoadMeshInMetres(const std::filesystem::path& path)
 
 absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
                                             double unit_scale_m) {
-  absl::StatusOr<TriangleMesh> mesh = LoadPartMesh(path, unit_scale_m);
-  if (!mesh.ok()) return mesh.status();
-  const recognition::Box box = BoundsOf(*mesh);
+  ASSIGN_OR_RETURN(TriangleMesh mesh, LoadPartMesh(path, unit_scale_m));
+  const recognition::Box box = BoundsOf(mesh);
   const Eigen::Vector3d sides = box.max - box.min;
   const Eigen::Vector3d middle = (box.min + box.max) / 2;
   const Eigen::Vector3d origin(middle.x(), middle.y(), box.min.z());
-  for (Eigen::Vector3f& v : mesh->vertices) v = (v.cast<double>() - origin).cast<float>();
+  for (Eigen::Vector3f& v : mesh.vertices) v = (v.cast<double>() - origin).cast<float>();
   const double closing_rad = sides.x() <= sides.y() ? 0 : std::numbers::pi / 2;
   const double opening = std::min(sides.x(), sides.y()) + kClearanceM;
   const Eigen::Vector3d tcp(0, 0, sides.z() / 2);
@@ -93,7 +91,7 @@ absl::StatusOr<Workpiece> WorkpieceFromMesh(const std::filesystem::path& path,
                    .stable_pose_id = "resting",
                    .symmetry_order = 1,
                    .grasps = {TopGrasp("top", tcp, closing_rad, opening)},
-                   .mesh = *std::move(mesh)};
+                   .mesh = std::move(mesh)};
 }
 
 }  // namespace graspdb::rendering

@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 
 namespace graspdb::rendering {
 namespace {
@@ -40,11 +41,10 @@ class ObjReader {
 
   absl::StatusOr<std::string> Read() {
     while (!text_.empty()) {
-      const absl::StatusOr<std::string> line = NextStatement();
-      if (!line.ok()) return line.status();
-      const Words words = absl::StrSplit(*line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
+      ASSIGN_OR_RETURN(const std::string line, NextStatement());
+      const Words words = absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
       if (words.empty() || words[0].front() == '#') continue;
-      if (absl::Status status = Add(words); !status.ok()) return status;
+      RETURN_IF_ERROR(Add(words));
     }
     if (last_corner_ > vertex_count_) {
       return absl::InvalidArgumentError(

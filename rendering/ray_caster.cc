@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::rendering {
 namespace {
@@ -31,7 +32,7 @@ absl::Status CheckInput(const Scene& scene, const CameraIntrinsics& k, const Pos
     if (object.mesh == nullptr || !object.world_object.matrix().allFinite()) {
       return absl::InvalidArgumentError(absl::StrCat("object ", i, " has no mesh or no pose"));
     }
-    if (absl::Status mesh = CheckMesh(*object.mesh); !mesh.ok()) return mesh;
+    RETURN_IF_ERROR(CheckMesh(*object.mesh));
   }
   return absl::OkStatus();
 }
@@ -125,9 +126,8 @@ absl::StatusOr<RayCaster> RayCaster::Create() {
 
 absl::StatusOr<IdealFrame> RayCaster::Cast(const Scene& scene, const CameraIntrinsics& intrinsics,
                                            const Pose& world_sensor) const {
-  if (absl::Status input = CheckInput(scene, intrinsics, world_sensor); !input.ok()) return input;
-  absl::StatusOr<ScenePtr> built = Build(static_cast<RTCDevice>(device_.get()), scene);
-  if (!built.ok()) return built.status();
+  RETURN_IF_ERROR(CheckInput(scene, intrinsics, world_sensor));
+  ASSIGN_OR_RETURN(ScenePtr built, Build(static_cast<RTCDevice>(device_.get()), scene));
   const auto pixels =
       static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height);
   IdealFrame frame = {.width = intrinsics.width,
@@ -143,7 +143,7 @@ absl::StatusOr<IdealFrame> RayCaster::Cast(const Scene& scene, const CameraIntri
       const Eigen::Vector3d ray((u - intrinsics.cx) / intrinsics.fx,
                                 (v - intrinsics.cy) / intrinsics.fy, 1);
       const Eigen::Vector3f direction = (world_sensor.linear() * ray).cast<float>();
-      CastPixel(built->get(), origin, direction, table_id, pixel, frame);
+      CastPixel(built.get(), origin, direction, table_id, pixel, frame);
     }
   }
   return frame;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/capture_set.h"
 #include "files/pose_message.h"
 #include "rendering/counter_random.h"
@@ -64,7 +65,7 @@ absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<
                          const std::vector<PlannedCapture>& scenes) {
   v1::CaptureSet set = DeclareParts(parts);
   for (const PlannedCapture& scene : scenes) {
-    if (absl::Status known = CheckPlacements(parts, scene); !known.ok()) return known;
+    RETURN_IF_ERROR(CheckPlacements(parts, scene));
     for (std::size_t i = 0; i < scene.placements.size(); ++i) {
       v1::Capture& capture = *set.add_captures();
       capture = CaptureOf(parts, scene, scene.placements[i]);
@@ -79,13 +80,12 @@ absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
   const absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(folder);
   if (absl::IsNotFound(set.status())) return absl::UnavailableError(set.status().message());
   if (!set.ok()) return set.status();
-  if (absl::Status one = CheckOneScene(folder, *set); !one.ok()) return one;
+  RETURN_IF_ERROR(CheckOneScene(folder, *set));
   PlannedCapture out;
   out.path = folder.string();
   for (const v1::Capture& capture : set->captures()) {
-    const absl::StatusOr<std::size_t> part = PartOf(parts, capture);
-    if (!part.ok()) return part.status();
-    out.placements.push_back({*part, files::FromMessage(capture.object_pose())});
+    ASSIGN_OR_RETURN(const std::size_t part, PartOf(parts, capture));
+    out.placements.push_back({part, files::FromMessage(capture.object_pose())});
     out.world_sensor = files::FromMessage(capture.sensor_pose());
   }
   out.seed = SeedOf(*set);

@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/capture_set.h"
 #include "files/point_file.h"
 #include "files/pose_message.h"
@@ -39,7 +40,7 @@ absl::Status CheckPlan(const std::vector<Workpiece>& parts,
     if (capture.placements.empty()) {
       return absl::InvalidArgumentError(capture.path + " is planned without a workpiece");
     }
-    if (absl::Status known = CheckPlacements(parts, capture); !known.ok()) return known;
+    RETURN_IF_ERROR(CheckPlacements(parts, capture));
   }
   return absl::OkStatus();
 }
@@ -54,28 +55,26 @@ absl::StatusOr<files::PointFile> Take(const DepthCamera& camera,
                                       const std::vector<Workpiece>& parts,
                                       const PlannedCapture& capture,
                                       const SimulationOptions& options) {
-  absl::StatusOr<DepthFrame> frame = camera.Render(SceneOf(parts, capture, options.with_table),
-                                                   capture.world_sensor, capture.seed);
-  if (!frame.ok()) return frame.status();
-  if (std::find(frame->surface.begin(), frame->surface.end(), kNamedSurface) ==
-      frame->surface.end()) {
+  ASSIGN_OR_RETURN(DepthFrame frame, camera.Render(SceneOf(parts, capture, options.with_table),
+                                                   capture.world_sensor, capture.seed));
+  if (std::find(frame.surface.begin(), frame.surface.end(), kNamedSurface) == frame.surface.end()) {
     return absl::FailedPreconditionError(absl::StrCat(
         "nothing of ", parts[capture.placements.front().part].object_id, " is visible in ",
         capture.path, "; the camera measures from ", camera.model().min_depth_m, " to ",
         camera.model().max_depth_m, " m, choose another distance"));
   }
-  if (options.segmented) KeepNamedSurface(*frame);
-  return files::PointFile{.points = ToPoints(*frame, camera.model().intrinsics),
+  if (options.segmented) KeepNamedSurface(frame);
+  return files::PointFile{.points = ToPoints(frame, camera.model().intrinsics),
                           .normals = {},
-                          .width = frame->width,
-                          .height = frame->height,
+                          .width = frame.width,
+                          .height = frame.height,
                           .sensor_pose = capture.world_sensor};
 }
 
 absl::Status WriteMeshes(const fs::path& folder, const std::vector<Workpiece>& parts) {
   for (const Workpiece& part : parts) {
     const fs::path path = folder / DeclarationOf(part).mesh_path();
-    if (absl::Status mesh = WriteMeshPly(path, part.mesh); !mesh.ok()) return mesh;
+    RETURN_IF_ERROR(WriteMeshPly(path, part.mesh));
   }
   return absl::OkStatus();
 }
@@ -124,20 +123,18 @@ Scene SceneOf(const std::vector<Workpiece>& parts, const PlannedCapture& capture
 absl::Status WriteSimulation(const fs::path& folder, const std::vector<Workpiece>& parts,
                              const std::vector<PlannedCapture>& plan,
                              const SimulationOptions& options, const SimulationWatch& watch) {
-  if (absl::Status checked = CheckPlan(parts, plan); !checked.ok()) return checked;
-  absl::StatusOr<DepthCamera> camera = DepthCamera::Create(options.camera);
-  if (!camera.ok()) return camera.status();
-  if (absl::Status old = RemoveOldSet(folder, options.overwrite); !old.ok()) return old;
-  if (absl::Status meshes = WriteMeshes(folder, parts); !meshes.ok()) return meshes;
+  RETURN_IF_ERROR(CheckPlan(parts, plan));
+  ASSIGN_OR_RETURN(DepthCamera camera, DepthCamera::Create(options.camera));
+  RETURN_IF_ERROR(RemoveOldSet(folder, options.overwrite));
+  RETURN_IF_ERROR(WriteMeshes(folder, parts));
   v1::CaptureSet set = DeclareParts(parts);
   for (std::size_t i = 0; i < plan.size(); ++i) {
     if (watch.cancelled && watch.cancelled()) {
       return absl::CancelledError(absl::StrCat("stopped after ", i, " of ", plan.size(),
                                                " captures; run it again to complete the set"));
     }
-    absl::StatusOr<files::PointFile> cloud = Take(*camera, parts, plan[i], options);
-    if (!cloud.ok()) return cloud.status();
-    if (absl::Status file = files::WritePcd(folder / plan[i].path, *cloud); !file.ok()) return file;
+    ASSIGN_OR_RETURN(files::PointFile cloud, Take(camera, parts, plan[i], options));
+    RETURN_IF_ERROR(files::WritePcd(folder / plan[i].path, cloud));
     v1::Capture& capture = *set.add_captures();
     capture = CaptureOf(parts, plan[i], plan[i].placements.front());
     capture.set_segmented(options.segmented);

@@ -14,6 +14,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "base/status_macros.h"
 
 namespace graspdb::rendering {
 namespace {
@@ -46,7 +47,7 @@ class StlText {
         continue;
       }
       if (word != "facet") return Unexpected(word, "facet or endsolid");
-      if (absl::Status facet = AddFacet(); !facet.ok()) return facet;
+      RETURN_IF_ERROR(AddFacet());
       ++count;
     }
     if (is_open_) return absl::InvalidArgumentError("it is cut short, as no endsolid ends it");
