@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "client/sdk/client.h"
 #include "client/sdk/reconnection.h"
 #include "client/sdk/retry.h"
@@ -71,7 +72,7 @@ absl::StatusOr<Response> Client::Attempt(Stub& stub, Method<Stub, Request, Respo
                                          const Request& request, absl::Duration timeout,
                                          const std::string& request_id) const {
   // A server that is open to all would not miss it.
-  if (absl::Status token = CheckToken(options_); !token.ok()) return token;
+  RETURN_IF_ERROR(CheckToken(options_));
   grpc::ClientContext context;
   if (!request_id.empty()) context.AddMetadata(kRequestIdKey, request_id);
   // gRPC converts it to its monotonic clock at the start of the call.
@@ -105,10 +106,9 @@ absl::StatusOr<std::vector<Record>> Client::ListAll(
     google::protobuf::RepeatedPtrField<Record>* (Response::*records)()) const {
   std::vector<Record> out;
   do {
-    absl::StatusOr<Response> page = Call(stub, method, request);
-    if (!page.ok()) return page.status();
-    for (Record& record : *((*page).*records)()) out.push_back(std::move(record));
-    request.set_page_token(page->next_page_token());
+    ASSIGN_OR_RETURN(Response page, Call(stub, method, request));
+    for (Record& record : *(page.*records)()) out.push_back(std::move(record));
+    request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());
   return out;
 }

@@ -18,6 +18,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/loopback.h"
 #include "program/proxy.h"
 #include "program/text_encoding.h"
@@ -181,11 +182,10 @@ absl::Status CheckUsage(const ConnectionOptions& options) {
 }
 
 absl::Status CheckOptions(const ConnectionOptions& options) {
-  absl::Status status = CheckUsage(options);
-  status.Update(CheckPemFile("--ca", options.security.ca));
-  status.Update(CheckPemFile("--cert", options.security.cert));
-  status.Update(CheckPemFile("--key", options.security.key));
-  return status;
+  RETURN_IF_ERROR(CheckUsage(options));
+  RETURN_IF_ERROR(CheckPemFile("--ca", options.security.ca));
+  RETURN_IF_ERROR(CheckPemFile("--cert", options.security.cert));
+  return CheckPemFile("--key", options.security.key);
 }
 
 absl::Status CheckToken(const ConnectionOptions& options) {
@@ -230,7 +230,7 @@ absl::Status Explain(const grpc::Status& status, const ConnectionOptions& option
   }
   const std::string& token_file = options.security.token_file;
   if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && !token_file.empty()) {
-    if (auto token = ReadToken(token_file); !token.ok()) return token.status();
+    RETURN_IF_ERROR(ReadToken(token_file).status());
     if (!IsTokenSafe(options)) {
       return absl::UnauthenticatedError(absl::StrCat("the token of --token-file ", token_file,
                                                      " is not sent to ", options.server,
