@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/calibrations.h"
 #include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/cell_runner.h"
@@ -48,11 +49,10 @@ absl::StatusOr<std::unique_ptr<RobotServer>> Listen(RobotProtocol& protocol,
                                                     const std::string& flag,
                                                     const std::string& text,
                                                     const std::vector<std::string>& allow) {
-  const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
-  if (!address.ok()) return address.status();
+  ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress(flag, text));
   RobotServerOptions options;
-  options.address = address->host == "localhost" ? "127.0.0.1" : address->host;
-  options.port = address->port;
+  options.address = address.host == "localhost" ? "127.0.0.1" : address.host;
+  options.port = address.port;
   options.allow = allow;
   absl::StatusOr<std::unique_ptr<RobotServer>> server = RobotServer::Start(protocol, options);
   if (!absl::IsUnavailable(server.status())) return server;
@@ -162,43 +162,35 @@ Agent::~Agent() {
 
 absl::StatusOr<std::unique_ptr<Agent>> Agent::Start(const AgentOptions& options,
                                                     std::unique_ptr<DepthSensor> sensor) {
-  if (absl::Status status = CheckAddresses(options); !status.ok()) return status;
-  if (absl::Status status = CheckReach(options); !status.ok()) return status;
-  if (absl::Status status = CheckSecurityFiles(options.security); !status.ok()) return status;
-  absl::Status connection = CheckOptions(ConnectionTo(options));
-  connection.Update(CheckToken(ConnectionTo(options)));
-  if (!connection.ok()) return connection;
-  absl::StatusOr<Jobs> jobs = ParseJobs(options.jobs);
-  if (!jobs.ok()) return jobs.status();
-  const auto calibrations =
-      ParseCalibrations(options.calibrations, ResourceName("cells", options.cell));
-  if (!calibrations.ok()) return calibrations.status();
-  const absl::StatusOr<LineProtocolOptions> line = LineOptions(options);
-  if (!line.ok()) return line.status();
-  absl::StatusOr<std::unique_ptr<BlackBox>> box = OpenBlackBox(options);
-  if (!box.ok()) return box.status();
-  auto parts = std::make_unique<Parts>(options, *jobs, *calibrations, *line, std::move(sensor),
-                                       *std::move(box));
+  RETURN_IF_ERROR(CheckAddresses(options));
+  RETURN_IF_ERROR(CheckReach(options));
+  RETURN_IF_ERROR(CheckSecurityFiles(options.security));
+  RETURN_IF_ERROR(CheckOptions(ConnectionTo(options)));
+  RETURN_IF_ERROR(CheckToken(ConnectionTo(options)));
+  ASSIGN_OR_RETURN(Jobs jobs, ParseJobs(options.jobs));
+  ASSIGN_OR_RETURN(const auto calibrations,
+                   ParseCalibrations(options.calibrations, ResourceName("cells", options.cell)));
+  ASSIGN_OR_RETURN(const LineProtocolOptions line, LineOptions(options));
+  ASSIGN_OR_RETURN(std::unique_ptr<BlackBox> box, OpenBlackBox(options));
+  auto parts =
+      std::make_unique<Parts>(options, jobs, calibrations, line, std::move(sensor), std::move(box));
   if (!options.gri.empty()) {
-    auto server = Listen(parts->gri_protocol, "--gri", options.gri, options.robots_allow);
-    if (!server.ok()) return server.status();
-    parts->gri_server = *std::move(server);
+    ASSIGN_OR_RETURN(parts->gri_server,
+                     Listen(parts->gri_protocol, "--gri", options.gri, options.robots_allow));
   }
   if (!options.line.empty()) {
-    auto server = Listen(parts->line_protocol, "--line", options.line, options.robots_allow);
-    if (!server.ok()) return server.status();
-    parts->line_server = *std::move(server);
+    ASSIGN_OR_RETURN(parts->line_server,
+                     Listen(parts->line_protocol, "--line", options.line, options.robots_allow));
   }
   if (!options.health.empty()) {
-    auto health = Health::Start(
-        options.health, [p = parts.get()] { return p->gri_runner.IsReady(); }, kHealthPeriod);
-    if (!health.ok()) return health.status();
-    parts->health = *std::move(health);
+    ASSIGN_OR_RETURN(
+        parts->health,
+        Health::Start(
+            options.health, [p = parts.get()] { return p->gri_runner.IsReady(); }, kHealthPeriod));
   }
-  auto metrics = MetricsServer::Start(
-      options.metrics, [p = parts.get()] { return p->metrics->Collect(p->State()); });
-  if (!metrics.ok()) return metrics.status();
-  parts->metrics_server = *std::move(metrics);
+  ASSIGN_OR_RETURN(parts->metrics_server, MetricsServer::Start(options.metrics, [p = parts.get()] {
+                     return p->metrics->Collect(p->State());
+                   }));
   parts->counters_log.emplace([p = parts.get()] { return p->CountersText(); },
                               absl::Seconds(options.counters_period_s));
   return std::unique_ptr<Agent>(new Agent(std::move(parts)));

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/calibration_config.h"
 #include "program/client_flags.h"
 #include "program/listen_address.h"
@@ -148,9 +149,8 @@ absl::Status CheckAddresses(const AgentOptions& options) {
       {"--gri", options.gri}, {"--line", options.line}, {"--health", options.health}};
   for (const auto& [flag, text] : flags) {
     if (text.empty()) continue;
-    const absl::StatusOr<ListenAddress> address = ParseListenAddress(flag, text);
-    if (!address.ok()) return address.status();
-    if (options.allow_remote_robots || IsLoopback(address->host)) continue;
+    ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress(flag, text));
+    if (options.allow_remote_robots || IsLoopback(address.host)) continue;
     return absl::FailedPreconditionError(absl::StrCat(
         flag, " ", text, " can be reached from other machines, without encryption or password; ",
         "add --allow-remote-robots if only the cell's network reaches it"));

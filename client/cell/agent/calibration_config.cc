@@ -6,6 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/gripped_region.h"
 #include "client/sdk/resource_name.h"
 
@@ -50,7 +51,7 @@ absl::Status Parse(const std::string& line, CalibrationConfig* config) {
     return absl::InvalidArgumentError("it must start with a pipeline number");
   }
   for (std::size_t i = 1; i < words.size(); ++i) {
-    if (absl::Status status = Apply(words[i], &config->setup); !status.ok()) return status;
+    RETURN_IF_ERROR(Apply(words[i], &config->setup));
   }
   if (config->setup.target.empty()) {
     return absl::InvalidArgumentError("target= is missing; give a taught object");

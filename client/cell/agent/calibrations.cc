@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "base/status_macros.h"
+
 namespace graspdb::client {
 
 Calibrations::Calibrations(const std::vector<CalibrationConfig>& configs, Client& client,
@@ -13,9 +15,8 @@ Calibrations::Calibrations(const std::vector<CalibrationConfig>& configs, Client
 }
 
 absl::StatusOr<CalibrationReport> Calibrations::Calibrate(int pipeline) {
-  absl::StatusOr<CalibrationReport> report = sessions_.Calibrate(pipeline);
-  if (!report.ok()) return report;
-  if (absl::Status read = cell_.Refresh(); !read.ok()) return read;
+  ASSIGN_OR_RETURN(CalibrationReport report, sessions_.Calibrate(pipeline));
+  RETURN_IF_ERROR(cell_.Refresh());
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/status_macros.h"
 #include "client/cell/agent/refusal.h"
 #include "client/sdk/retry.h"
 #include "files/pose_message.h"
@@ -49,20 +50,18 @@ absl::Status CaptureAndRecognize::Try(const std::optional<recognition::Pose>& ba
   capture->camera = absl::OkStatus();
   capture->request_id.clear();
   capture->catalog_revision = last_revision_;
-  const absl::StatusOr<KeptCell> cell = cell_.Get(deadline);
-  if (!cell.ok()) return cell.status();
-  capture->cell = *cell;
+  ASSIGN_OR_RETURN(const KeptCell cell, cell_.Get(deadline));
+  capture->cell = cell;
   const MonotonicTime start = MonotonicTime::Now();
   absl::StatusOr<SensorFrame> frame = Grab(deadline);
   capture->camera_time += MonotonicTime::Now() - start;
   capture->camera = frame.status();
   if (!frame.ok()) return frame.status();
   capture->frame_time = frame->time;
-  const absl::StatusOr<recognition::Pose> world_sensor =
-      WorldSensor(cell->frames, base_flange, frame->world_sensor);
-  if (!world_sensor.ok()) return world_sensor.status();
+  ASSIGN_OR_RETURN(const recognition::Pose world_sensor,
+                   WorldSensor(cell.frames, base_flange, frame->world_sensor));
   capture->request.set_cell(name_);
-  *capture->request.mutable_sensor_pose() = files::ToMessage(*world_sensor);
+  *capture->request.mutable_sensor_pose() = files::ToMessage(world_sensor);
   files::SetScan(std::move(frame->scan), &capture->request);
   capture->request_id = MakeRequestId();
   absl::StatusOr<v1::RecognizeResponse> response =

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
@@ -19,9 +20,8 @@ absl::StatusOr<KeptCell> Kept(const std::string& name, const absl::StatusOr<v1::
         "the server has no ", name, "; create it with: graspdb cells set ", name.substr(6)));
   }
   if (!cell.ok()) return cell.status();
-  absl::StatusOr<CellFrames> frames = FramesOf(*cell);
-  if (!frames.ok()) return frames.status();
-  KeptCell out{*frames, std::nullopt};
+  ASSIGN_OR_RETURN(CellFrames frames, FramesOf(*cell));
+  KeptCell out{frames, std::nullopt};
   if (cell->has_workspace()) {
     const v1::Vector3& low = cell->workspace().min();
     const v1::Vector3& high = cell->workspace().max();
@@ -50,7 +50,7 @@ absl::StatusOr<KeptCell> CellCache::Get(MonotonicTime deadline) {
     absl::MutexLock lock(&mutex_);
     if (cell_.ok()) return cell_;
   }
-  if (absl::Status status = Refresh(deadline - MonotonicTime::Now()); !status.ok()) return status;
+  RETURN_IF_ERROR(Refresh(deadline - MonotonicTime::Now()));
   absl::MutexLock lock(&mutex_);
   return cell_;
 }

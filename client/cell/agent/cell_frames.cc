@@ -1,5 +1,6 @@
 #include "client/cell/agent/cell_frames.h"
 
+#include "base/status_macros.h"
 #include "files/pose_message.h"
 
 namespace graspdb::client {
@@ -10,7 +11,7 @@ using recognition::Pose;
 absl::StatusOr<std::optional<Pose>> CheckedPose(bool given, const v1::Pose& message,
                                                 std::string_view field) {
   if (!given) return std::optional<Pose>();
-  if (absl::Status status = files::CheckPose(message, field); !status.ok()) return status;
+  RETURN_IF_ERROR(files::CheckPose(message, field));
   return std::optional<Pose>(files::FromMessage(message));
 }
 

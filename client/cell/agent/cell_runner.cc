@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
@@ -90,7 +91,7 @@ MonotonicTime CellRunner::DeadlineOf(const JobConfig& job) const {
 }
 
 absl::StatusOr<std::vector<JobPose>> CellRunner::Run(const JobRequest& request) {
-  if (absl::Status status = Check(request.job); !status.ok()) return status;
+  RETURN_IF_ERROR(Check(request.job));
   const JobConfig& job = jobs_.at(request.job);
   if (job.kind == JobKind::kRecognize) return Recognize(job, request);
   absl::Status done = job.kind == JobKind::kShowGrasp
@@ -162,9 +163,7 @@ absl::Status CellRunner::Show(const JobConfig& job, const JobRequest& request) {
           "run a recognising job first");
     }
     CaptureResult capture;
-    absl::Status recognized =
-        parts_.capture_and_recognize.Run(request.base_flange, deadline, &capture);
-    if (!recognized.ok()) return recognized;
+    RETURN_IF_ERROR(parts_.capture_and_recognize.Run(request.base_flange, deadline, &capture));
     scene = SceneOf(capture, MonotonicTime::Now());
   }
   absl::Status stored = StoreShownGrasp(parts_.client, job, *scene, *request.base_flange);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/refusal.h"
 #include "files/pose_message.h"
 
@@ -73,8 +74,7 @@ absl::Status StoreShownGrasp(Client& client, const JobConfig& job, const SeenSce
         " was found within 0.3 m of the tool; run a recognising job before the robot covers it"));
   }
   const Pose object_tcp = files::FromMessage(object->refined_pose()).inverse() * world_tcp;
-  absl::Status above = CheckAboveTable(object_tcp, job.approach_distance_m);
-  if (!above.ok()) return above;
+  RETURN_IF_ERROR(CheckAboveTable(object_tcp, job.approach_distance_m));
   absl::StatusOr<v1::StablePose> pose = client.GetStablePose(object->stable_pose());
   if (!pose.ok()) return Refusal(pose.status());
   v1::UpdateStablePoseRequest update;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/connection_acceptor.h"
 #include "program/listen_address.h"
 #include "program/stop_flag.h"
@@ -70,10 +71,9 @@ const std::string& Health::address() const { return watch_->address(); }
 absl::StatusOr<std::unique_ptr<Health>> Health::Start(const std::string& listen,
                                                       std::function<bool()> is_ready,
                                                       absl::Duration period) {
-  const absl::StatusOr<ListenAddress> address = ParseListenAddress("--health", listen);
-  if (!address.ok()) return address.status();
+  ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress("--health", listen));
   absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
-      ConnectionAcceptor::Listen(*address);
+      ConnectionAcceptor::Listen(address);
   if (!acceptor.ok()) {
     return absl::UnavailableError(absl::StrCat(
         "cannot listen on ", listen, " for the health service (", acceptor.status().message(),
@@ -87,7 +87,7 @@ absl::StatusOr<std::unique_ptr<Health>> Health::Start(const std::string& listen,
   builder.RegisterCallbackGenericService(others.get());
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr) return absl::InternalError("gRPC does not start the health service");
-  const std::string at = absl::StrCat(address->host, ":", (*acceptor)->port());
+  const std::string at = absl::StrCat(address.host, ":", (*acceptor)->port());
   return std::unique_ptr<Health>(
       new Health(std::make_unique<Watch>(std::move(others), std::move(server), *std::move(acceptor),
                                          at, std::move(is_ready), period)));

@@ -8,6 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 #include "client/sdk/resource_name.h"
 
 namespace graspdb::client {
@@ -126,14 +127,13 @@ absl::Status ParseInto(const std::string& line, JobConfig* job) {
   const std::vector<std::string> words =
       absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
   if (words.size() < 2) return Wrong("it", "a number and what to do, such as \"1 any\"");
-  if (absl::Status id = ParseWhole<int>(words[0], 0, 65535, &job->id); !id.ok()) return id;
+  RETURN_IF_ERROR(ParseWhole<int>(words[0], 0, 65535, &job->id));
   std::set<std::string> keys;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (words[i] == "any") continue;
     const std::pair<std::string, std::string> word =
         absl::StrSplit(words[i], absl::MaxSplits('=', 1));
-    absl::Status status = ApplyWord(word.first, word.second, job);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(ApplyWord(word.first, word.second, job));
     if (!keys.insert(word.first).second) {
       return absl::InvalidArgumentError(absl::StrCat("\"", word.first, "=\" is given twice"));
     }
@@ -174,10 +174,9 @@ absl::StatusOr<JobConfig> ParseJob(const std::string& line) {
 absl::StatusOr<Jobs> ParseJobs(const std::vector<std::string>& lines) {
   Jobs out;
   for (const std::string& line : lines) {
-    absl::StatusOr<JobConfig> job = ParseJob(line);
-    if (!job.ok()) return job.status();
-    const int id = job->id;
-    if (!out.emplace(id, *std::move(job)).second) {
+    ASSIGN_OR_RETURN(JobConfig job, ParseJob(line));
+    const int id = job.id;
+    if (!out.emplace(id, std::move(job)).second) {
       return absl::InvalidArgumentError(
           absl::StrCat("job \"", line, "\": number ", id, " is taken by another job"));
     }

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "base/status_macros.h"
+
 namespace graspdb::client {
 
 absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(const std::string& catalog_id,
@@ -10,10 +12,9 @@ absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(const std::str
     absl::MutexLock lock(&mutex_);
     if (catalog_id_ == catalog_id && revision_ == revision) return objects_;
   }
-  const absl::StatusOr<std::vector<v1::Object>> listed = client_.ListObjects();
-  if (!listed.ok()) return listed.status();
+  ASSIGN_OR_RETURN(const std::vector<v1::Object> listed, client_.ListObjects());
   auto objects = std::make_shared<LabelledObjects>();
-  for (const v1::Object& object : *listed) {
+  for (const v1::Object& object : listed) {
     for (const std::string& label : object.labels()) objects->emplace(object.name(), label);
   }
   absl::MutexLock lock(&mutex_);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "client/cell/blackbox/bundle_file.h"
 #include "program/log_field.h"
 
@@ -35,9 +36,8 @@ bool IsTroubled(const v1::Bundle& bundle, double low_score) {
 }
 
 absl::StatusOr<std::unique_ptr<BlackBox>> BlackBox::Open(const BlackBoxOptions& options) {
-  absl::StatusOr<BundleRing> ring = BundleRing::Open(options.ring);
-  if (!ring.ok()) return ring.status();
-  std::unique_ptr<BlackBox> out(new BlackBox(*std::move(ring), options.max_waiting));
+  ASSIGN_OR_RETURN(BundleRing ring, BundleRing::Open(options.ring));
+  std::unique_ptr<BlackBox> out(new BlackBox(std::move(ring), options.max_waiting));
   try {
     out->thread_ = std::thread([box = out.get()] { box->WriteAll(); });
   } catch (const std::system_error&) {
@@ -82,8 +82,8 @@ BlackBoxCounts BlackBox::counts() const {
 }
 
 absl::Status BlackBox::Write(const v1::Bundle& bundle) {
-  const absl::StatusOr<std::string> bytes = BundleBytes(bundle);
-  return bytes.ok() ? ring_.Add(*bytes, TimeOf(bundle)) : bytes.status();
+  ASSIGN_OR_RETURN(const std::string bytes, BundleBytes(bundle));
+  return ring_.Add(bytes, TimeOf(bundle));
 }
 
 void BlackBox::WriteAll() {

@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/blackbox/bundle_file.h"
 #include "files/atomic_file.h"
 
@@ -40,9 +41,8 @@ bool IsLeftOver(const std::string& name) {
 
 absl::StatusOr<BundleRing> BundleRing::Open(BundleRingOptions options) {
   BundleRing out(std::move(options));
-  absl::Status status = out.TakeOver();
-  if (status.ok()) status = out.MakeSpace(0);
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(out.TakeOver());
+  RETURN_IF_ERROR(out.MakeSpace(0));
   return out;
 }
 
@@ -50,9 +50,7 @@ absl::Status BundleRing::TakeOver() {
   std::error_code error;
   std::filesystem::create_directories(options_.folder, error);
   if (error) return Failed(options_.folder, error);
-  absl::StatusOr<FolderLock> lock = FolderLock::Take(options_.folder);
-  if (!lock.ok()) return lock.status();
-  lock_ = *std::move(lock);
+  ASSIGN_OR_RETURN(lock_, FolderLock::Take(options_.folder));
   std::filesystem::directory_iterator entry(options_.folder, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::filesystem::path& path = entry->path();
@@ -93,7 +91,7 @@ bool BundleRing::IsDiskFull(std::uint64_t bytes) const {
 
 absl::Status BundleRing::MakeSpace(std::uint64_t bytes) {
   while (!files_.empty() && (bytes_ + bytes > options_.byte_limit || IsDiskFull(bytes))) {
-    if (absl::Status removed = RemoveOldest(); !removed.ok()) return removed;
+    RETURN_IF_ERROR(RemoveOldest());
   }
   return absl::OkStatus();
 }
@@ -104,7 +102,7 @@ absl::Status BundleRing::Add(const std::string& bytes, absl::Time time) {
                                                      " bytes exceeds the limit of the ring (",
                                                      options_.byte_limit, "); increase the limit"));
   }
-  if (absl::Status status = MakeSpace(bytes.size()); !status.ok()) return status;
+  RETURN_IF_ERROR(MakeSpace(bytes.size()));
   if (IsDiskFull(bytes.size())) {
     return absl::ResourceExhaustedError(
         absl::StrCat("less than ", options_.min_free_bytes, " bytes would be left free in ",
@@ -113,8 +111,7 @@ absl::Status BundleRing::Add(const std::string& bytes, absl::Time time) {
   const std::string when = absl::FormatTime("%Y%m%dT%H%M%SZ", time, absl::UTCTimeZone());
   const std::filesystem::path path =
       options_.folder / absl::StrFormat("%010d-%s%s", next_, when, kBundleSuffix);
-  absl::Status written = files::WriteFileAtomically(path, bytes, files::Durability::kProcessCrash);
-  if (!written.ok()) return written;
+  RETURN_IF_ERROR(files::WriteFileAtomically(path, bytes, files::Durability::kProcessCrash));
   ++next_;
   files_.push_back({path, bytes.size()});
   bytes_ += bytes.size();

@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/hand_eye_equation.h"
 #include "files/pose_message.h"
 
@@ -56,9 +57,8 @@ absl::StatusOr<v1::UpdateCellRequest> CalibratedCell(const v1::Cell& cell, const
   out.mutable_update_mask()->add_paths("flange_sensor_pose");
   out.mutable_update_mask()->add_paths("sensor_pose");  // cleared: the camera is no longer fixed
   if (cell.has_robot_base_pose()) return out;
-  const absl::StatusOr<Pose> base_world = WorldUnder(hand_eye.mount_target);
-  if (!base_world.ok()) return base_world.status();
-  *out.mutable_cell()->mutable_robot_base_pose() = files::ToMessage(base_world->inverse());
+  ASSIGN_OR_RETURN(const Pose base_world, WorldUnder(hand_eye.mount_target));
+  *out.mutable_cell()->mutable_robot_base_pose() = files::ToMessage(base_world.inverse());
   out.mutable_update_mask()->add_paths("robot_base_pose");
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::client {
 
@@ -21,19 +22,18 @@ absl::StatusOr<HandEyeSession*> CellCalibrator::SessionOf(int pipeline) const {
 absl::Status CellCalibrator::Check(int pipeline) { return SessionOf(pipeline).status(); }
 
 absl::Status CellCalibrator::Init(int pipeline) {
-  const auto session = SessionOf(pipeline);
-  return session.ok() ? (*session)->Init() : session.status();
+  ASSIGN_OR_RETURN(const auto session, SessionOf(pipeline));
+  return session->Init();
 }
 
 absl::Status CellCalibrator::SetPose(int pipeline, int slot, const recognition::Pose& base_flange) {
-  const auto session = SessionOf(pipeline);
-  return session.ok() ? (*session)->SetPose(slot, base_flange) : session.status();
+  ASSIGN_OR_RETURN(const auto session, SessionOf(pipeline));
+  return session->SetPose(slot, base_flange);
 }
 
 absl::StatusOr<CalibrationReport> CellCalibrator::Calibrate(int pipeline) {
-  const auto session = SessionOf(pipeline);
-  if (!session.ok()) return session.status();
-  return (*session)->Calibrate();
+  ASSIGN_OR_RETURN(const auto session, SessionOf(pipeline));
+  return session->Calibrate();
 }
 
 }  // namespace graspdb::client

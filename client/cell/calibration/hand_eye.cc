@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/flange_positions.h"
 #include "client/cell/calibration/hand_eye_equation.h"
 #include "client/cell/calibration/hand_eye_refinement.h"
@@ -141,8 +142,8 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
         absl::StrCat("there are ", all.size(), " poses with the target in view, at least ",
                      kMinHandEyeSamples, " are needed; add poses"));
   }
-  if (absl::Status status = CheckTurns(all); !status.ok()) return status;
-  if (absl::Status status = CheckFlangePositions(samples); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckTurns(all));
+  RETURN_IF_ERROR(CheckFlangePositions(samples));
   const HandEyeSolution solution = Refine(all, SolveRobustly(all)).solution;
   HandEye out;
   out.mount_camera = solution.x;
@@ -169,12 +170,12 @@ absl::StatusOr<HandEye> SolveHandEye(std::span<const HandEyeSample> samples, Cam
         "only ", used.size(), " of ", all.size(), " poses agree with each other, at least ",
         kMinHandEyeSamples, " are needed; add poses, and check that the target does not move"));
   }
-  if (absl::Status status = CheckTurns(used); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckTurns(used));
   const auto count = static_cast<double>(used.size());
   out.shift_m = std::sqrt(out.shift_m / count);
   out.turn_rad = std::sqrt(out.turn_rad / count);
   out.certainty = CertaintyOf(used, solution);
-  if (absl::Status status = CheckCertainty(used, out); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckCertainty(used, out));
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "files/pose_message.h"
 #include "program/monotonic_time.h"
@@ -50,7 +51,7 @@ absl::StatusOr<v1::Cell> ReadCell(Client& client, const HandEyeSetup& setup) {
   if (!cell.ok()) return HideMisleading(cell.status());
   if (setup.mount == CameraMount::kFixed) {
     // Without the camera's sensor pose nothing could be saved.
-    if (auto update = CalibratedCell(*cell, {}, setup.mount); !update.ok()) return update.status();
+    RETURN_IF_ERROR(CalibratedCell(*cell, {}, setup.mount).status());
   }
   return cell;
 }
@@ -74,11 +75,10 @@ absl::Status HandEyeSession::Init() {
   absl::MutexLock lock(&mutex_);
   target_.reset();
   samples_.clear();
-  const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
-  if (!cell.ok()) return cell.status();
+  ASSIGN_OR_RETURN(const v1::Cell cell, ReadCell(client_, setup_));
   absl::StatusOr<Target> target = LoadTarget(client_, setup_.target);
   if (!target.ok()) return HideMisleading(target.status());
-  if (setup_.mount == CameraMount::kFixed) world_sensor_ = files::FromMessage(cell->sensor_pose());
+  if (setup_.mount == CameraMount::kFixed) world_sensor_ = files::FromMessage(cell.sensor_pose());
   target_ = *std::move(target);
   spdlog::info("event=hand_eye_begun cell={} target={}", setup_.cell, target_->stable_pose);
   return absl::OkStatus();
@@ -103,11 +103,10 @@ absl::StatusOr<DetectedTarget> HandEyeSession::DetectTarget() {
 absl::Status HandEyeSession::SetPose(int slot, const Pose& base_flange) {
   absl::MutexLock lock(&mutex_);
   if (!target_) return NotStarted();
-  const absl::StatusOr<DetectedTarget> seen = DetectTarget();
-  if (!seen.ok()) return seen.status();
-  samples_[slot] = {base_flange, seen->sensor_target, seen->covariance};
+  ASSIGN_OR_RETURN(const DetectedTarget seen, DetectTarget());
+  samples_[slot] = {base_flange, seen.sensor_target, seen.covariance};
   spdlog::info("event=hand_eye_pose cell={} slot={} distance_m={:.3f}", setup_.cell, slot,
-               seen->sensor_target.translation().norm());
+               seen.sensor_target.translation().norm());
   return absl::OkStatus();
 }
 
@@ -120,11 +119,9 @@ absl::StatusOr<CalibrationReport> HandEyeSession::Calibrate() {
   const absl::StatusOr<HandEye> hand_eye = SolveHandEye(samples, setup_.mount);
   if (!hand_eye.ok()) return absl::NotFoundError(hand_eye.status().message());
   LogResiduals(samples_, *hand_eye);
-  const absl::StatusOr<v1::Cell> cell = ReadCell(client_, setup_);
-  if (!cell.ok()) return cell.status();
-  const auto update = CalibratedCell(*cell, *hand_eye, setup_.mount);
-  if (!update.ok()) return update.status();
-  const absl::StatusOr<v1::Cell> saved = client_.UpdateCell(*update);
+  ASSIGN_OR_RETURN(const v1::Cell cell, ReadCell(client_, setup_));
+  ASSIGN_OR_RETURN(const auto update, CalibratedCell(cell, *hand_eye, setup_.mount));
+  const absl::StatusOr<v1::Cell> saved = client_.UpdateCell(update);
   if (!saved.ok()) return HideMisleading(saved.status());
   CalibrationReport out{.shift_m = hand_eye->shift_m,
                         .turn_rad = hand_eye->turn_rad,

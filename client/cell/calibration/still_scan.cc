@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
 
@@ -59,14 +60,14 @@ Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
 }  // namespace
 
 absl::StatusOr<StillScan> ScanOf(const SensorFrame& frame) {
-  absl::StatusOr<recognition::Points> points =
-      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, frame.scan);
-  if (!points.ok()) return points.status();
+  ASSIGN_OR_RETURN(
+      recognition::Points points,
+      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, frame.scan));
   if (const auto* cloud = std::get_if<v1::PointCloud>(&frame.scan)) {
-    return StillScan{.points = *std::move(points), .width = cloud->width()};
+    return StillScan{.points = std::move(points), .width = cloud->width()};
   }
   const auto camera = files::FromMessage(std::get<v1::DepthImage>(frame.scan).intrinsics());
-  return StillScan{.points = *std::move(points), .width = camera.width, .camera = camera};
+  return StillScan{.points = std::move(points), .width = camera.width, .camera = camera};
 }
 
 absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
@@ -74,9 +75,8 @@ absl::StatusOr<StillScan> Averaged(std::span<const SensorFrame> frames) {
   std::vector<StillScan> scans;
   scans.reserve(frames.size());
   for (const SensorFrame& frame : frames) {
-    absl::StatusOr<StillScan> scan = ScanOf(frame);
-    if (!scan.ok()) return scan.status();
-    scans.push_back(*std::move(scan));
+    ASSIGN_OR_RETURN(StillScan scan, ScanOf(frame));
+    scans.push_back(std::move(scan));
   }
   if (scans.size() == 1 || !AreAligned(scans)) return std::move(scans.back());
   StillScan out{.points = {}, .width = scans.front().width, .camera = scans.front().camera};
@@ -96,17 +96,15 @@ absl::StatusOr<std::vector<SensorFrame>> TakeFrames(DepthSensor& sensor, int cou
                                                     MonotonicTime deadline) {
   std::vector<SensorFrame> frames;
   for (int i = 0; i < count; ++i) {
-    absl::StatusOr<SensorFrame> frame = sensor.Next(deadline);
-    if (!frame.ok()) return frame.status();
-    frames.push_back(*std::move(frame));
+    ASSIGN_OR_RETURN(SensorFrame frame, sensor.Next(deadline));
+    frames.push_back(std::move(frame));
   }
   return frames;
 }
 
 absl::StatusOr<StillScan> TakeStillScan(DepthSensor& sensor, int count, MonotonicTime deadline) {
-  const absl::StatusOr<std::vector<SensorFrame>> frames = TakeFrames(sensor, count, deadline);
-  if (!frames.ok()) return frames.status();
-  return Averaged(*frames);
+  ASSIGN_OR_RETURN(const std::vector<SensorFrame> frames, TakeFrames(sensor, count, deadline));
+  return Averaged(frames);
 }
 
 }  // namespace graspdb::client

@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/gripped_target.h"
 #include "files/cloud_message.h"
 #include "files/pose_message.h"
@@ -65,9 +66,8 @@ absl::Status RefuseSymmetry(Client& client, const std::string& stable_pose) {
     return symmetric(declared->symmetry_order());
   }
   const std::string object = stable_pose.substr(0, stable_pose.find("/stablePoses/"));
-  const auto alike = client.FindLookAlikes(object);
-  if (!alike.ok()) return alike.status();
-  for (const v1::StablePoseSymmetry& found : alike->symmetries()) {
+  ASSIGN_OR_RETURN(const auto alike, client.FindLookAlikes(object));
+  for (const v1::StablePoseSymmetry& found : alike.symmetries()) {
     if (found.stable_pose() == stable_pose && found.found_order() != 1) {
       return symmetric(found.found_order());
     }
@@ -76,15 +76,13 @@ absl::Status RefuseSymmetry(Client& client, const std::string& stable_pose) {
 }
 
 absl::StatusOr<recognition::PosedCloud> CloudOf(Client& client, const std::string& view_name) {
-  const absl::StatusOr<v1::View> view = client.GetView(view_name);
-  if (!view.ok()) return view.status();
-  const absl::StatusOr<Points> points = files::PointsFromMessage(view->cloud());
-  if (!points.ok()) return points.status();
-  const Pose world_sensor = files::FromMessage(view->sensor_pose());
+  ASSIGN_OR_RETURN(const v1::View view, client.GetView(view_name));
+  ASSIGN_OR_RETURN(const Points points, files::PointsFromMessage(view.cloud()));
+  const Pose world_sensor = files::FromMessage(view.sensor_pose());
   auto cloud = std::make_shared<recognition::OrientedCloud>(
-      recognition::PrepareCloud(recognition::Transform(world_sensor, *points),
+      recognition::PrepareCloud(recognition::Transform(world_sensor, points),
                                 world_sensor.translation(), recognition::DescriptorParameters()));
-  return recognition::PosedCloud{std::move(cloud), files::FromMessage(view->object_pose())};
+  return recognition::PosedCloud{std::move(cloud), files::FromMessage(view.object_pose())};
 }
 
 // Whether `detection` is the target, at an unambiguous pose.
@@ -128,22 +126,19 @@ DetectedTarget RefineStanding(const Target& target, const StillScan& scan, const
 }  // namespace
 
 absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
-  absl::StatusOr<std::string> stable_pose = StablePoseNamed(client, name);
-  if (!stable_pose.ok()) return stable_pose.status();
-  if (absl::Status status = RefuseSymmetry(client, *stable_pose); !status.ok()) return status;
-  const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(*stable_pose);
-  if (!views.ok()) return views.status();
+  ASSIGN_OR_RETURN(std::string stable_pose, StablePoseNamed(client, name));
+  RETURN_IF_ERROR(RefuseSymmetry(client, stable_pose));
+  ASSIGN_OR_RETURN(const std::vector<v1::View> views, client.ListViews(stable_pose));
   std::vector<recognition::PosedCloud> clouds;
-  clouds.reserve(views->size());
-  for (const v1::View& view : *views) {
-    absl::StatusOr<recognition::PosedCloud> cloud = CloudOf(client, view.name());
-    if (!cloud.ok()) return cloud.status();
-    clouds.push_back(*std::move(cloud));
+  clouds.reserve(views.size());
+  for (const v1::View& view : views) {
+    ASSIGN_OR_RETURN(recognition::PosedCloud cloud, CloudOf(client, view.name()));
+    clouds.push_back(std::move(cloud));
   }
-  Target out{.stable_pose = *std::move(stable_pose), .model = recognition::FuseViews(clouds)};
+  Target out{.stable_pose = std::move(stable_pose), .model = recognition::FuseViews(clouds)};
   if (out.model == nullptr || out.model->deviation_m > kMaxDeviationM) {
     return absl::FailedPreconditionError(absl::StrCat(
-        out.stable_pose, " has ", views->size(),
+        out.stable_pose, " has ", views.size(),
         " views, and they do not form one shape; teach it from all around with its object poses"));
   }
   return out;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/gri_data.h"
 #include "program/log_field.h"
 
@@ -59,15 +60,13 @@ absl::Status GriHandEye::Do(const GriRequest& request, GriResponse* out) {
       return absl::InvalidArgumentError(
           absl::StrCat("there is no slot ", slot, "; slots are 0 to ", kLastHecSlot));
     }
-    const auto base_flange = RobotPoseOf(request);
-    return base_flange.ok() ? calibrator_->SetPose(pipeline, slot, *base_flange)
-                            : base_flange.status();
+    ASSIGN_OR_RETURN(const auto base_flange, RobotPoseOf(request));
+    return calibrator_->SetPose(pipeline, slot, base_flange);
   }
-  const absl::StatusOr<CalibrationReport> report = calibrator_->Calibrate(pipeline);
-  if (!report.ok()) return report.status();
-  out->data[gri_data::kShift] = Saturated(report->shift_m * kMillionthsOfMmPerM);
-  out->data[gri_data::kTurn] = Saturated(report->turn_rad * kMillionthsOfDegreePerRadian);
-  out->data[gri_data::kUsed] = static_cast<std::int32_t>(report->used);
+  ASSIGN_OR_RETURN(const CalibrationReport report, calibrator_->Calibrate(pipeline));
+  out->data[gri_data::kShift] = Saturated(report.shift_m * kMillionthsOfMmPerM);
+  out->data[gri_data::kTurn] = Saturated(report.turn_rad * kMillionthsOfDegreePerRadian);
+  out->data[gri_data::kUsed] = static_cast<std::int32_t>(report.used);
   return absl::OkStatus();
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::client {
 namespace {
@@ -86,9 +87,8 @@ template <std::size_t kCount>
 absl::Status ToMillionths(const std::array<double, kCount>& numbers,
                           std::array<std::int32_t, kCount>* out) {
   for (std::size_t i = 0; i < kCount; ++i) {
-    const absl::StatusOr<std::int32_t> number = CheckedMillionths(numbers[i]);
-    if (!number.ok()) return number.status();
-    (*out)[i] = *number;
+    ASSIGN_OR_RETURN(const std::int32_t number, CheckedMillionths(numbers[i]));
+    (*out)[i] = number;
   }
   return absl::OkStatus();
 }
@@ -114,7 +114,7 @@ absl::StatusOr<GriRequest> ParseGriRequest(std::span<const std::uint8_t, kGriReq
   Reader reader(bytes);
   std::array<std::uint8_t, 4> magic = {};
   reader.Read(&magic);
-  if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckMagic(magic));
   GriRequest out;
   reader.Read(&out.version, &out.length, &out.pose_format, &out.action, &out.job_id,
               &out.pose.position, &out.pose.rotation, &out.data);
@@ -126,7 +126,7 @@ absl::StatusOr<GriResponse> ParseGriResponse(
   Reader reader(bytes);
   std::array<std::uint8_t, 4> magic = {};
   reader.Read(&magic);
-  if (absl::Status status = CheckMagic(magic); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckMagic(magic));
   std::uint8_t version = 0;
   std::uint8_t length = 0;
   reader.Read(&version, &length);
@@ -171,12 +171,10 @@ GriCode CheckGriRequest(const GriRequest& request) {
 }
 
 absl::StatusOr<GriPose> ToGriPose(const recognition::Pose& pose, int format) {
-  const absl::StatusOr<RobotPose> numbers = ToRobotPose(pose, format);
-  if (!numbers.ok()) return numbers.status();
+  ASSIGN_OR_RETURN(const RobotPose numbers, ToRobotPose(pose, format));
   GriPose out;
-  absl::Status status = ToMillionths(numbers->position_mm, &out.position);
-  if (status.ok()) status = ToMillionths(numbers->rotation, &out.rotation);
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(ToMillionths(numbers.position_mm, &out.position));
+  RETURN_IF_ERROR(ToMillionths(numbers.rotation, &out.rotation));
   return out;
 }
 

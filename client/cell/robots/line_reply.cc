@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/line_request.h"
 #include "client/cell/robots/pose_format.h"
 #include "recognition/base/units.h"
@@ -60,13 +61,12 @@ std::string ErrorLine(GriCode code, const std::string& why) {
 }
 
 absl::StatusOr<std::string> PoseLine(const JobAnswer& answer, int format) {
-  const absl::StatusOr<RobotPose> pose = ToRobotPose(answer.base_pose, format);
-  if (!pose.ok()) return pose.status();
+  ASSIGN_OR_RETURN(const RobotPose pose, ToRobotPose(answer.base_pose, format));
   std::string out = absl::StrCat(answer.primaries_left, " ", answer.related_left);
-  for (const double mm : pose->position_mm) {
-    if (absl::Status status = AppendMm(mm, &out); !status.ok()) return status;
+  for (const double mm : pose.position_mm) {
+    RETURN_IF_ERROR(AppendMm(mm, &out));
   }
-  for (const double number : pose->rotation) {
+  for (const double number : pose.rotation) {
     if (!std::isfinite(number)) return absl::OutOfRangeError("the rotation is none");
     absl::StrAppend(&out, " ", Fixed(number, DecimalsOfRotation(format)));
   }
@@ -78,7 +78,7 @@ absl::StatusOr<std::string> GraspLine(const JobPose& pose) {
   const JobGrasp& grasp = pose.grasp;
   for (const double m :
        {grasp.approach_distance_m, grasp.retreat_distance_m, grasp.gripper_opening_m}) {
-    if (absl::Status status = AppendMm(m * kMmPerM, &numbers); !status.ok()) return status;
+    RETURN_IF_ERROR(AppendMm(m * kMmPerM, &numbers));
   }
   if (!std::isfinite(pose.score)) return absl::OutOfRangeError("the score is no number");
   const std::string out = OkLine(

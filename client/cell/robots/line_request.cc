@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/pose_format.h"
 
 namespace graspdb::client {
@@ -106,10 +107,9 @@ absl::StatusOr<Pose> PoseOf(Words words, std::optional<int> format) {
   }
   RobotPose numbers;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const absl::StatusOr<double> number =
-        NumberWithin(words[i], i < 3 ? kMaxPositionMm : MaxRotationNumber(*format));
-    if (!number.ok()) return number.status();
-    (i < 3 ? numbers.position_mm[i] : numbers.rotation[i - 3]) = *number;
+    ASSIGN_OR_RETURN(const double number,
+                     NumberWithin(words[i], i < 3 ? kMaxPositionMm : MaxRotationNumber(*format)));
+    (i < 3 ? numbers.position_mm[i] : numbers.rotation[i - 3]) = number;
   }
   const bool uses_all = RotationUnitOf(*format) == RotationUnit::kQuaternion;
   if (!uses_all && numbers.rotation[3] != 0) {
@@ -130,9 +130,7 @@ absl::StatusOr<LineRequest> ParseCommand(Words words, std::optional<int> format)
   words = words.subspan(1);
   if (command->has_job) {
     if (words.empty()) return absl::InvalidArgumentError(name + " needs the number of a job");
-    const absl::StatusOr<int> job = JobNamed(words.front());
-    if (!job.ok()) return job.status();
-    out.job = *job;
+    ASSIGN_OR_RETURN(out.job, JobNamed(words.front()));
     words = words.subspan(1);
   }
   if (words.empty()) return out;
@@ -140,9 +138,7 @@ absl::StatusOr<LineRequest> ParseCommand(Words words, std::optional<int> format)
     return absl::InvalidArgumentError(
         absl::StrCat("nothing is expected after ", name, command->has_job ? " and its job" : ""));
   }
-  absl::StatusOr<Pose> pose = PoseOf(words, format);
-  if (!pose.ok()) return pose.status();
-  out.base_flange = *pose;
+  ASSIGN_OR_RETURN(out.base_flange, PoseOf(words, format));
   return out;
 }
 
@@ -170,9 +166,7 @@ absl::StatusOr<LineRequest> ParseLineRequest(const std::string& line,
   std::optional<int> format;
   if (absl::EqualsIgnoreCase(words.front(), "FORMAT")) {
     if (words.size() == 1) return absl::InvalidArgumentError("FORMAT needs a name or a number");
-    const absl::StatusOr<int> named = PoseFormatNamed(std::string(words[1]));
-    if (!named.ok()) return named.status();
-    format = *named;
+    ASSIGN_OR_RETURN(format, PoseFormatNamed(std::string(words[1])));
     words = words.subspan(2);
     if (words.empty()) return LineRequest{.command = LineCommand::kFormat, .format = format};
   }

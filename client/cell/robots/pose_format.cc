@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/rotation_vector.h"
 #include "recognition/base/units.h"
 
@@ -149,10 +150,9 @@ absl::StatusOr<Pose> FromRobotPose(const RobotPose& numbers, int code) {
       !std::ranges::all_of(numbers.rotation, is_finite)) {
     return absl::InvalidArgumentError("the pose has numbers that are not finite");
   }
-  const absl::StatusOr<Matrix3d> rotation = RotationOf(numbers.rotation, code);
-  if (!rotation.ok()) return rotation.status();
+  ASSIGN_OR_RETURN(const Matrix3d rotation, RotationOf(numbers.rotation, code));
   Pose out = Pose::Identity();
-  out.linear() = *rotation;
+  out.linear() = rotation;
   const auto& p = numbers.position_mm;
   out.translation() = Vector3d(p[0], p[1], p[2]) / kMmPerM;
   return out;

@@ -17,6 +17,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/allow_list.h"
 #include "client/cell/robots/robot_connection.h"
 #include "program/log_field.h"
@@ -48,9 +49,7 @@ class RobotServer::Listener {
   }
 
   absl::Status Listen() {
-    absl::StatusOr<AllowList> allow = AllowList::Parse(options_.allow);
-    if (!allow.ok()) return allow.status();
-    allow_ = *std::move(allow);
+    ASSIGN_OR_RETURN(allow_, AllowList::Parse(options_.allow));
     asio::error_code error;
     const auto address = asio::ip::make_address(options_.address, error);
     if (error) return absl::InvalidArgumentError(options_.address + " is no IP address");
@@ -166,7 +165,7 @@ absl::StatusOr<std::unique_ptr<RobotServer>> RobotServer::Start(RobotProtocol& p
                                                                 const RobotServerOptions& options) {
   try {
     auto listener = std::make_unique<Listener>(protocol, options);
-    if (absl::Status status = listener->Listen(); !status.ok()) return status;
+    RETURN_IF_ERROR(listener->Listen());
     return std::unique_ptr<RobotServer>(new RobotServer(std::move(listener)));
   } catch (const std::system_error& error) {  // threads or epoll
     return absl::ResourceExhaustedError(

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/sensors/kinect_v1_calibration.h"
 #include "files/atomic_file.h"
 #include "files/json_object.h"
@@ -56,11 +57,9 @@ absl::StatusOr<FakenectRecording> FakenectRecording::Create(const std::filesyste
     return absl::AlreadyExistsError(
         absl::StrCat(folder.string(), " contains a recording; choose another folder or remove it"));
   }
-  const absl::StatusOr<std::string> device = DeviceJson();
-  if (!device.ok()) return device.status();
-  absl::Status written =
-      files::WriteFileAtomically(folder / "device.json", *device, files::Durability::kProcessCrash);
-  if (!written.ok()) return written;
+  ASSIGN_OR_RETURN(const std::string device, DeviceJson());
+  RETURN_IF_ERROR(
+      files::WriteFileAtomically(folder / "device.json", device, files::Durability::kProcessCrash));
   return FakenectRecording(folder);
 }
 
@@ -94,9 +93,8 @@ absl::Status FakenectRecording::ShowRaw(const std::vector<std::uint16_t>& raw,
         absl::StrCat("a Kinect v1 has 640 x 480 pixels and not ", raw.size()));
   }
   const std::string first = NextName();
-  absl::Status written =
-      files::WriteFileAtomically(folder_ / first, PgmOf(raw), files::Durability::kProcessCrash);
-  if (!written.ok()) return written;
+  RETURN_IF_ERROR(
+      files::WriteFileAtomically(folder_ / first, PgmOf(raw), files::Durability::kProcessCrash));
   const long long count = std::llround(absl::ToDoubleSeconds(duration) * kFramesPerSecond);
   for (long long frame = 1; frame < count; ++frame) {
     const std::filesystem::path name = folder_ / NextName();

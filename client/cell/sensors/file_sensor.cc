@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "files/capture_set.h"
 #include "files/pose_message.h"
 #include "files/scan_file.h"
@@ -24,10 +25,9 @@ absl::StatusOr<std::vector<FileSensor::Entry>> FileSensor::List(const fs::path& 
   std::vector<Entry> entries;
   std::error_code error;
   if (fs::exists(path / files::kCaptureSetFile, error)) {
-    const absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(path);
-    if (!set.ok()) return set.status();
-    entries.reserve(static_cast<std::size_t>(set->captures_size()));
-    for (const v1::Capture& capture : set->captures()) {
+    ASSIGN_OR_RETURN(const v1::CaptureSet set, files::LoadCaptureSet(path));
+    entries.reserve(static_cast<std::size_t>(set.captures_size()));
+    for (const v1::Capture& capture : set.captures()) {
       Entry& entry = entries.emplace_back(Entry{.path = path / capture.path(), .world_sensor = {}});
       if (capture.has_sensor_pose()) entry.world_sensor = files::FromMessage(capture.sensor_pose());
     }
@@ -56,9 +56,7 @@ absl::StatusOr<std::unique_ptr<FileSensor>> FileSensor::Open(const fs::path& pat
   }
   std::vector<Entry> entries = {{.path = path, .world_sensor = {}}};
   if (fs::is_directory(path, error)) {
-    absl::StatusOr<std::vector<Entry>> listed = List(path);
-    if (!listed.ok()) return listed.status();
-    entries = *std::move(listed);
+    ASSIGN_OR_RETURN(entries, List(path));
   }
   if (entries.empty() || !files::IsScanFile(entries.front().path)) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -93,14 +91,12 @@ absl::StatusOr<FileSensor::Entry> FileSensor::Take(MonotonicTime deadline) {
 }
 
 absl::StatusOr<SensorFrame> FileSensor::Next(MonotonicTime deadline) {
-  const absl::StatusOr<Entry> entry = Take(deadline);
-  if (!entry.ok()) return entry.status();
+  ASSIGN_OR_RETURN(const Entry entry, Take(deadline));
   const MonotonicTime time = MonotonicTime::Now();
-  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(entry->path);
-  if (!file.ok()) return file.status();
-  SensorFrame frame{.scan = std::move(file->scan), .world_sensor = file->sensor_pose};
+  ASSIGN_OR_RETURN(files::ScanFile file, files::ReadScanFile(entry.path));
+  SensorFrame frame{.scan = std::move(file.scan), .world_sensor = file.sensor_pose};
   SetTime(time, frame);
-  if (entry->world_sensor) frame.world_sensor = entry->world_sensor;
+  if (entry.world_sensor) frame.world_sensor = entry.world_sensor;
   return frame;
 }
 

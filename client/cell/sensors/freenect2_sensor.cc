@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/lens_table.h"
 #include "files/depth_message.h"
@@ -83,8 +84,7 @@ class Freenect2Sensor : public DepthSensor {
   Freenect2Sensor& operator=(const Freenect2Sensor&) = delete;
 
   absl::Status Open(const SensorSettings& settings) {
-    absl::Status size = CheckIntrinsics(settings, Name(), kKinectV2Width, kKinectV2Height);
-    if (!size.ok()) return size;
+    RETURN_IF_ERROR(CheckIntrinsics(settings, Name(), kKinectV2Width, kKinectV2Height));
     const int count = library_.enumerateDevices();
     if (serial_.empty() && count > 0) serial_ = library_.getDefaultDeviceSerialNumber();
     if (count > 0) device_ = library_.openDevice(serial_);
@@ -139,7 +139,7 @@ class Freenect2Sensor : public DepthSensor {
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenFreenect2(const std::string& serial,
                                                            const SensorSettings& settings) {
   auto sensor = std::make_unique<Freenect2Sensor>(serial);
-  if (absl::Status status = sensor->Open(settings); !status.ok()) return status;
+  RETURN_IF_ERROR(sensor->Open(settings));
   return sensor;
 }
 

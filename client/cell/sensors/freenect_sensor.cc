@@ -19,6 +19,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/kinect_v1_calibration.h"
 #include "files/depth_message.h"
@@ -76,7 +77,7 @@ class Handles {
   }
 
   absl::Status Start() {
-    if (absl::Status status = CheckFakenect(); !status.ok()) return status;
+    RETURN_IF_ERROR(CheckFakenect());
     if (freenect_init(&context, nullptr) < 0) {
       context = nullptr;
       return absl::UnavailableError(
@@ -125,11 +126,10 @@ class FreenectSensor : public DepthSensor {
   FreenectSensor& operator=(const FreenectSensor&) = delete;
 
   absl::Status Open() {
-    absl::Status size = CheckIntrinsics(settings_, Name(), kKinectV1Width, kKinectV1Height);
-    if (!size.ok()) return size;
-    if (absl::Status status = handles_.Start(); !status.ok()) return status;
-    if (absl::Status status = OpenDevice(); !status.ok()) return status;
-    if (absl::Status status = StartDepth(); !status.ok()) return status;
+    RETURN_IF_ERROR(CheckIntrinsics(settings_, Name(), kKinectV1Width, kKinectV1Height));
+    RETURN_IF_ERROR(handles_.Start());
+    RETURN_IF_ERROR(OpenDevice());
+    RETURN_IF_ERROR(StartDepth());
     frames_.emplace(settings_.silence);  // only now, because opening is slow
     thread_ = std::thread([this] { Receive(); });
     // A camera without frames counts as not open.
@@ -229,13 +229,13 @@ class FreenectSensor : public DepthSensor {
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenFreenect(const std::string& which,
                                                           const SensorSettings& settings) {
   auto sensor = std::make_unique<FreenectSensor>(which, settings);
-  if (absl::Status status = sensor->Open(); !status.ok()) return status;
+  RETURN_IF_ERROR(sensor->Open());
   return sensor;
 }
 
 absl::StatusOr<std::vector<std::string>> ListFreenect() {
   Handles handles;
-  if (absl::Status status = handles.Start(); !status.ok()) return status;
+  RETURN_IF_ERROR(handles.Start());
   std::vector<std::string> names;
   if (&freenect_list_device_attributes != nullptr && &freenect_free_device_attributes != nullptr) {
     freenect_device_attributes* cameras = nullptr;

@@ -17,6 +17,7 @@
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #ifdef GRASPDB_WITH_FREENECT2
+#include "base/status_macros.h"
 #include "client/cell/sensors/freenect2_sensor.h"
 #endif
 
@@ -55,7 +56,7 @@ OpenedSensor OpenFiles(const SensorSpec& spec, const SensorSettings& settings) {
   FilePlayback playback;
   playback.loop = options.Flag("loop");
   playback.rate_hz = options.Number("rate", 0, 0, 1000);
-  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  RETURN_IF_ERROR(options.Finish(spec.kind));
   auto sensor = FileSensor::Open(spec.target, playback);
   // INVALID_ARGUMENT is for the spec, not for the content of files.
   if (absl::IsInvalidArgument(sensor.status())) {
@@ -78,25 +79,23 @@ OpenedSensor OpenSimulated(const SensorSpec& spec, const SensorSettings& setting
   scenes.stand.distances_m = {options.Number("distance", 0.8, 0.1, 5)};
   const double noise = options.Number("noise", 1, 0, 10);
   const std::string scene = options.Text("scene", "");
-  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  RETURN_IF_ERROR(options.Finish(spec.kind));
   if (!parts.ok()) return parts.status();
-  absl::StatusOr<rendering::DepthCameraModel> camera = rendering::SimulatedCameraOf(camera_name);
-  if (!camera.ok()) return camera.status();
-  if (settings.intrinsics) camera->intrinsics = *settings.intrinsics;
-  camera->noise.scale = noise;
+  ASSIGN_OR_RETURN(rendering::DepthCameraModel camera, rendering::SimulatedCameraOf(camera_name));
+  if (settings.intrinsics) camera.intrinsics = *settings.intrinsics;
+  camera.noise.scale = noise;
   const SceneSource source =
       scene.empty()
           ? RandomScenes(*parts, scenes)
           : SceneSource([scene, parts = *parts] { return rendering::ReadScene(scene, parts); });
-  auto sensor = SimulatedSensor::Create(*camera, *parts, source);
-  if (!sensor.ok()) return sensor.status();
-  return std::make_unique<FreshSensor>(*std::move(sensor), settings.max_age);
+  ASSIGN_OR_RETURN(auto sensor, SimulatedSensor::Create(camera, *parts, source));
+  return std::make_unique<FreshSensor>(std::move(sensor), settings.max_age);
 }
 
 OpenedSensor OpenKinectV1(const SensorSpec& spec, const SensorSettings& given) {
   SensorOptions options(spec);
   const SensorSettings settings = WithIntrinsics(options, kKinectV1Width, kKinectV1Height, given);
-  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  RETURN_IF_ERROR(options.Finish(spec.kind));
   return KeepOpen(
       absl::StrCat("Kinect v1 (libfreenect) no. ", spec.target.empty() ? "0" : spec.target),
       settings, [which = spec.target, settings] { return OpenFreenect(which, settings); });
@@ -107,7 +106,7 @@ OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& given
   const bool is_recording = absl::EndsWithIgnoreCase(spec.target, ".oni");
   const bool loop = is_recording && options.Flag("loop");
   const SensorSettings settings = WithIntrinsics(options, kOpenNi2Width, kOpenNi2Height, given);
-  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  RETURN_IF_ERROR(options.Finish(spec.kind));
   if (is_recording) {
     // A recording that has ended is not reopened like a camera.
     OpenedSensor sensor = OpenOpenNi2(spec.target, loop, settings);
@@ -124,7 +123,7 @@ OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
 #ifdef GRASPDB_WITH_FREENECT2
   SensorOptions options(spec);
   const SensorSettings settings = WithIntrinsics(options, kKinectV2Width, kKinectV2Height, given);
-  if (absl::Status status = options.Finish(spec.kind); !status.ok()) return status;
+  RETURN_IF_ERROR(options.Finish(spec.kind));
   return KeepOpen(absl::StrCat("Kinect v2 (libfreenect2) ", spec.target), settings,
                   [serial = spec.target, settings] { return OpenFreenect2(serial, settings); });
 #else
@@ -169,16 +168,15 @@ absl::StatusOr<std::vector<std::string>> ConnectedOf(const std::string& kind) {
 
 absl::StatusOr<std::unique_ptr<DepthSensor>> OpenSensor(const std::string& text,
                                                         const SensorSettings& settings) {
-  const absl::StatusOr<SensorSpec> spec = ParseSensorSpec(text);
-  if (!spec.ok()) return spec.status();
+  ASSIGN_OR_RETURN(const SensorSpec spec, ParseSensorSpec(text));
   std::vector<std::string> names;
   for (const Kind& kind : kKinds) {
-    if (spec->kind == kind.name) return kind.open(*spec, settings);
+    if (spec.kind == kind.name) return kind.open(spec, settings);
     names.push_back(kind.is_built
                         ? kind.name
                         : absl::StrCat(kind.name, " (not built; needs ", kind.package, ")"));
   }
-  return absl::InvalidArgumentError(absl::StrCat("there is no kind of sensor \"", spec->kind,
+  return absl::InvalidArgumentError(absl::StrCat("there is no kind of sensor \"", spec.kind,
                                                  "\"; there are ", absl::StrJoin(names, ", ")));
 }
 

@@ -16,6 +16,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "files/depth_message.h"
 #include "program/log_field.h"
@@ -73,8 +74,8 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
                        "); check its cable, and that this user may use it (group plugdev)"));
     }
     opened_uri_ = device_.getDeviceInfo().getUri();
-    if (absl::Status status = CreateStream(); !status.ok()) return status;
-    if (absl::Status status = Calibrate(); !status.ok()) return status;
+    RETURN_IF_ERROR(CreateStream());
+    RETURN_IF_ERROR(Calibrate());
     if (device_.isFile()) device_.getPlaybackControl()->setRepeatEnabled(loop);
     frames_.emplace(settings_.silence);
     openni::OpenNI::addDeviceDisconnectedListener(this);
@@ -131,9 +132,8 @@ class OpenNi2Sensor : public DepthSensor, private openni::OpenNI::DeviceDisconne
       return absl::FailedPreconditionError(
           absl::StrCat(Name(), " has no depths in millimetres; choose another camera"));
     }
-    absl::Status size =
-        CheckIntrinsics(settings_, Name(), mode.getResolutionX(), mode.getResolutionY());
-    if (!size.ok()) return size;
+    RETURN_IF_ERROR(
+        CheckIntrinsics(settings_, Name(), mode.getResolutionX(), mode.getResolutionY()));
     if (settings_.intrinsics) {
       intrinsics_ = *settings_.intrinsics;
     } else if (horizontal > 0 && vertical > 0) {
@@ -229,14 +229,14 @@ absl::StatusOr<std::unique_ptr<DepthSensor>> OpenOpenNi2(const std::string& uri,
   if (absl::EndsWithIgnoreCase(uri, ".oni") && !std::filesystem::exists(uri, error)) {
     return absl::NotFoundError(absl::StrCat(uri, " does not exist; give a recording of OpenNI 2"));
   }
-  if (absl::Status status = StartLibrary(); !status.ok()) return status;
+  RETURN_IF_ERROR(StartLibrary());
   auto sensor = std::make_unique<OpenNi2Sensor>(uri, settings);
-  if (absl::Status status = sensor->Open(loop); !status.ok()) return status;
+  RETURN_IF_ERROR(sensor->Open(loop));
   return sensor;
 }
 
 absl::StatusOr<std::vector<std::string>> ListOpenNi2() {
-  if (absl::Status status = StartLibrary(); !status.ok()) return status;
+  RETURN_IF_ERROR(StartLibrary());
   openni::Array<openni::DeviceInfo> devices;
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<std::string> uris;

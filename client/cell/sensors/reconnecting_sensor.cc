@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/log_field.h"
 
 namespace graspdb::client {
@@ -118,7 +119,7 @@ absl::StatusOr<SensorFrame> ReconnectingSensor::Next(MonotonicTime deadline) {
   DepthSensor* sensor = nullptr;
   {
     const absl::MutexLock lock(&mutex_);
-    if (absl::Status status = WaitForSensor(deadline); !status.ok()) return status;
+    RETURN_IF_ERROR(WaitForSensor(deadline));
     ++callers_;  // keeps the sensor alive until they return
     sensor = sensor_.get();
   }

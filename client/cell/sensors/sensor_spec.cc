@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "base/status_macros.h"
 
 namespace graspdb::client {
 namespace {
@@ -42,7 +43,7 @@ absl::StatusOr<SensorSpec> ParseSensorSpec(const std::string& text) {
   spec.target = text.substr(text[colon] == ':' ? colon + 1 : colon);
   if (spec.kind == "simulated") {
     const std::string options = std::exchange(spec.target, "");
-    if (absl::Status status = ParseOptions(text, options, ',', &spec); !status.ok()) return status;
+    RETURN_IF_ERROR(ParseOptions(text, options, ',', &spec));
     return spec;
   }
   const std::size_t mark = spec.target.rfind('?');
@@ -51,7 +52,7 @@ absl::StatusOr<SensorSpec> ParseSensorSpec(const std::string& text) {
   const std::string first_key = options.substr(0, options.find('='));
   if (first_key.find_first_of("/.") != std::string::npos) return spec;  // it belongs to the path
   spec.target.resize(mark);
-  if (absl::Status status = ParseOptions(text, options, '&', &spec); !status.ok()) return status;
+  RETURN_IF_ERROR(ParseOptions(text, options, '&', &spec));
   return spec;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "files/depth_message.h"
 #include "rendering/simulation.h"
 
@@ -28,9 +29,7 @@ SceneSource RandomScenes(std::vector<rendering::Workpiece> parts,
   return [plan]() -> absl::StatusOr<rendering::PlannedCapture> {
     if (plan->next == plan->scenes.size()) {
       plan->options.count = std::max(kFirstScenes, 2 * static_cast<int>(plan->next));
-      auto more = rendering::PlanRandomScenes(plan->parts, plan->options);
-      if (!more.ok()) return more.status();
-      plan->scenes = *std::move(more);
+      ASSIGN_OR_RETURN(plan->scenes, rendering::PlanRandomScenes(plan->parts, plan->options));
     }
     return plan->scenes[plan->next++];
   };
@@ -43,33 +42,30 @@ SimulatedSensor::SimulatedSensor(rendering::DepthCamera camera,
 absl::StatusOr<std::unique_ptr<SimulatedSensor>> SimulatedSensor::Create(
     const rendering::DepthCameraModel& camera, std::vector<rendering::Workpiece> parts,
     SceneSource scenes) {
-  absl::StatusOr<rendering::DepthCamera> created = rendering::DepthCamera::Create(camera);
-  if (!created.ok()) return created.status();
+  ASSIGN_OR_RETURN(rendering::DepthCamera created, rendering::DepthCamera::Create(camera));
   return std::unique_ptr<SimulatedSensor>(
-      new SimulatedSensor(*std::move(created), std::move(parts), std::move(scenes)));
+      new SimulatedSensor(std::move(created), std::move(parts), std::move(scenes)));
 }
 
 absl::StatusOr<rendering::PlannedCapture> SimulatedSensor::Choose() {
   const absl::MutexLock lock(&mutex_);
-  absl::StatusOr<rendering::PlannedCapture> scene = scenes_();
-  if (!scene.ok()) return scene;
-  if (absl::Status known = rendering::CheckPlacements(parts_, *scene); !known.ok()) return known;
+  ASSIGN_OR_RETURN(rendering::PlannedCapture scene, scenes_());
+  RETURN_IF_ERROR(rendering::CheckPlacements(parts_, scene));
   return scene;
 }
 
 absl::StatusOr<SensorFrame> SimulatedSensor::Next(MonotonicTime deadline) {
   const MonotonicTime time = MonotonicTime::Now();
-  const absl::StatusOr<rendering::PlannedCapture> scene = Choose();
-  if (!scene.ok()) return scene.status();
-  const absl::StatusOr<rendering::DepthFrame> frame = camera_.Render(
-      rendering::SceneOf(parts_, *scene, /*with_table=*/true), scene->world_sensor, scene->seed);
-  if (!frame.ok()) return frame.status();
+  ASSIGN_OR_RETURN(const rendering::PlannedCapture scene, Choose());
+  ASSIGN_OR_RETURN(const rendering::DepthFrame frame,
+                   camera_.Render(rendering::SceneOf(parts_, scene, /*with_table=*/true),
+                                  scene.world_sensor, scene.seed));
   if (MonotonicTime::Now() > deadline) {
     return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
   }
-  SensorFrame out = {.scan = files::DepthMessage(rendering::ToCounts(*frame, kDepthUnitM),
+  SensorFrame out = {.scan = files::DepthMessage(rendering::ToCounts(frame, kDepthUnitM),
                                                  camera_.model().intrinsics, kDepthUnitM),
-                     .world_sensor = scene->world_sensor};
+                     .world_sensor = scene.world_sensor};
   SetTime(time, out);
   return out;
 }
