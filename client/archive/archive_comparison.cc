@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/archive/archive_content.h"
 
 namespace graspdb::client {
@@ -86,7 +87,7 @@ class Comparer {
       if (watch_.cancelled && watch_.cancelled()) {
         return absl::CancelledError("interrupted; nothing was changed");
       }
-      if (absl::Status done = Compare(entries[entry_]); !done.ok()) return done;
+      RETURN_IF_ERROR(Compare(entries[entry_]));
       if (watch_.report) watch_.report(entry_ + 1);
     }
     EndStablePose();
@@ -152,23 +153,21 @@ class Comparer {
     const auto listed = views_.find(entry.name);
     if (listed == views_.end()) return Note(entry, ArchiveState::kNew);
     ++matched_view_count_;
-    const absl::StatusOr<files::ArchiveItem> item = archive_.file.ReadAt(entry.offset);
-    if (!item.ok()) return item.status();
+    ASSIGN_OR_RETURN(const files::ArchiveItem item, archive_.file.ReadAt(entry.offset));
     // The cloud is needed only where it decides.
-    if (!MayBeSame(item->record.view(), listed->second) && base_.empty()) {
-      return JudgeBy(entry, item->record.view(), listed->second);
+    if (!MayBeSame(item.record.view(), listed->second) && base_.empty()) {
+      return JudgeBy(entry, item.record.view(), listed->second);
     }
     const absl::StatusOr<v1::View> server = client_.GetView(entry.name);
     if (absl::IsNotFound(server.status())) return Note(entry, ArchiveState::kNew);
     if (!server.ok()) return server.status();
-    return JudgeBy(entry, item->record.view(), *server);
+    return JudgeBy(entry, item.record.view(), *server);
   }
 
   template <typename Record>
   absl::Status Judge(const files::ArchiveEntry& entry, const Record& server) {
-    const absl::StatusOr<files::ArchiveItem> item = archive_.file.ReadAt(entry.offset);
-    if (!item.ok()) return item.status();
-    return JudgeBy(entry, RecordOf(item->record, &server), server);
+    ASSIGN_OR_RETURN(const files::ArchiveItem item, archive_.file.ReadAt(entry.offset));
+    return JudgeBy(entry, RecordOf(item.record, &server), server);
   }
 
   template <typename Record>
@@ -176,9 +175,8 @@ class Comparer {
     if (IsSame(file, server)) return Note(entry, ArchiveState::kSame);
     ArchiveState state = ArchiveState::kConflict;
     if (const auto found = base_.find(entry.name); found != base_.end()) {
-      const absl::StatusOr<files::ArchiveItem> item = options_.base->file.ReadAt(found->second);
-      if (!item.ok()) return item.status();
-      const Record& base = RecordOf(item->record, &server);
+      ASSIGN_OR_RETURN(const files::ArchiveItem item, options_.base->file.ReadAt(found->second));
+      const Record& base = RecordOf(item.record, &server);
       if (IsSame(base, file)) state = ArchiveState::kOlder;
       if (IsSame(base, server)) state = ArchiveState::kNewer;
     }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/archive_writer.h"
 
 namespace graspdb::client {
@@ -21,27 +22,22 @@ class ArchiveExport {
       : client_(client), writer_(std::move(writer)), watch_(watch) {}
 
   absl::StatusOr<ExportResult> Run(const std::vector<std::string>& names) {
-    if (absl::Status go = GoOn(); !go.ok()) return go;
-    const auto before = client_.GetCatalogStatus();
-    if (!before.ok()) return before.status();
-    const auto objects = ObjectsOf(names);
-    if (!objects.ok()) return objects.status();
-    const auto total = names.empty() ? before->view_count() : CountViews(*objects);
-    if (!total.ok()) return total.status();
-    total_ = *total;
+    RETURN_IF_ERROR(GoOn());
+    ASSIGN_OR_RETURN(const auto before, client_.GetCatalogStatus());
+    ASSIGN_OR_RETURN(const auto objects, ObjectsOf(names));
+    ASSIGN_OR_RETURN(total_, names.empty() ? before.view_count() : CountViews(objects));
     v1::ArchiveRecord record;
-    record.mutable_header()->set_catalog_revision(before->catalog_revision());
+    record.mutable_header()->set_catalog_revision(before.catalog_revision());
     result_.header = record.header();
-    if (absl::Status added = writer_.Add(record); !added.ok()) return added;
-    for (const v1::Object& object : *objects) {
+    RETURN_IF_ERROR(writer_.Add(record));
+    for (const v1::Object& object : objects) {
       if (absl::Status added = AddObject(object); !added.ok()) return Explained(added);
     }
-    const auto after = client_.GetCatalogStatus();
-    if (!after.ok()) return after.status();
-    result_.end.set_catalog_revision(after->catalog_revision());
+    ASSIGN_OR_RETURN(const auto after, client_.GetCatalogStatus());
+    result_.end.set_catalog_revision(after.catalog_revision());
     *record.mutable_end() = result_.end;
-    if (absl::Status added = writer_.Add(record); !added.ok()) return added;
-    if (absl::Status finished = writer_.Finish(); !finished.ok()) return finished;
+    RETURN_IF_ERROR(writer_.Add(record));
+    RETURN_IF_ERROR(writer_.Finish());
     return result_;
   }
 
@@ -56,9 +52,8 @@ class ArchiveExport {
     std::vector<v1::Object> out;
     out.reserve(names.size());
     for (const std::string& name : names) {
-      absl::StatusOr<v1::Object> object = client_.GetObject(name);
-      if (!object.ok()) return object.status();
-      out.push_back(*std::move(object));
+      ASSIGN_OR_RETURN(v1::Object object, client_.GetObject(name));
+      out.push_back(std::move(object));
     }
     return out;
   }
@@ -66,63 +61,58 @@ class ArchiveExport {
   absl::StatusOr<std::int64_t> CountViews(const std::vector<v1::Object>& objects) {
     std::int64_t out = 0;
     for (const v1::Object& object : objects) {
-      const auto poses = client_.ListStablePoses(object.name());
-      if (!poses.ok()) return poses.status();
-      for (const v1::StablePose& pose : *poses) {
-        if (absl::Status go = GoOn(); !go.ok()) return go;
-        const auto views = client_.ListViews(pose.name());
-        if (!views.ok()) return views.status();
-        out += static_cast<std::int64_t>(views->size());
+      ASSIGN_OR_RETURN(const auto poses, client_.ListStablePoses(object.name()));
+      for (const v1::StablePose& pose : poses) {
+        RETURN_IF_ERROR(GoOn());
+        ASSIGN_OR_RETURN(const auto views, client_.ListViews(pose.name()));
+        out += static_cast<std::int64_t>(views.size());
       }
     }
     return out;
   }
 
   absl::Status AddObject(const v1::Object& object) {
-    if (absl::Status go = GoOn(); !go.ok()) return go;
+    RETURN_IF_ERROR(GoOn());
     v1::ArchiveRecord record;
     *record.mutable_object() = object;
     record.mutable_object()->clear_etag();
-    if (absl::Status added = writer_.Add(record); !added.ok()) return added;
+    RETURN_IF_ERROR(writer_.Add(record));
     result_.end.set_object_count(result_.end.object_count() + 1);
-    const auto poses = client_.ListStablePoses(object.name());
-    if (!poses.ok()) return poses.status();
-    for (const v1::StablePose& pose : *poses) {
-      if (absl::Status added = AddStablePose(pose); !added.ok()) return added;
+    ASSIGN_OR_RETURN(const auto poses, client_.ListStablePoses(object.name()));
+    for (const v1::StablePose& pose : poses) {
+      RETURN_IF_ERROR(AddStablePose(pose));
     }
     return absl::OkStatus();
   }
 
   absl::Status AddStablePose(const v1::StablePose& pose) {
-    if (absl::Status go = GoOn(); !go.ok()) return go;
+    RETURN_IF_ERROR(GoOn());
     v1::ArchiveRecord record;
     *record.mutable_stable_pose() = pose;
     record.mutable_stable_pose()->clear_etag();
-    if (absl::Status added = writer_.Add(record); !added.ok()) return added;
+    RETURN_IF_ERROR(writer_.Add(record));
     result_.end.set_stable_pose_count(result_.end.stable_pose_count() + 1);
-    const auto views = client_.ListViews(pose.name());
-    if (!views.ok()) return views.status();
+    ASSIGN_OR_RETURN(const auto views, client_.ListViews(pose.name()));
     std::deque<std::future<absl::StatusOr<v1::View>>> pending;
-    for (std::size_t next = 0; next < views->size() || !pending.empty();) {
-      if (next < views->size() && pending.size() < kViewsAtOnce) {
-        const std::string& name = (*views)[next++].name();
+    for (std::size_t next = 0; next < views.size() || !pending.empty();) {
+      if (next < views.size() && pending.size() < kViewsAtOnce) {
+        const std::string& name = views[next++].name();
         pending.push_back(
             std::async(std::launch::async, [this, &name] { return client_.GetView(name); }));
         continue;
       }
-      absl::Status added = AddView(pending.front().get());
-      if (!added.ok()) return added;
+      RETURN_IF_ERROR(AddView(pending.front().get()));
       pending.pop_front();
     }
     return absl::OkStatus();
   }
 
   absl::Status AddView(absl::StatusOr<v1::View> view) {
-    if (absl::Status go = GoOn(); !go.ok()) return go;
+    RETURN_IF_ERROR(GoOn());
     if (!view.ok()) return view.status();
     v1::ArchiveRecord record;
     *record.mutable_view() = *std::move(view);
-    if (absl::Status added = writer_.Add(record); !added.ok()) return added;
+    RETURN_IF_ERROR(writer_.Add(record));
     result_.end.set_view_count(result_.end.view_count() + 1);
     if (watch_.report) {
       watch_.report(result_.end.view_count(), std::max(total_, result_.end.view_count()));
@@ -152,9 +142,8 @@ absl::StatusOr<ExportResult> ExportArchive(Client& client, std::vector<std::stri
                                            const ExportWatch& watch) {
   std::ranges::sort(objects);
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
-  absl::StatusOr<files::ArchiveWriter> writer = files::ArchiveWriter::Create(path);
-  if (!writer.ok()) return writer.status();
-  return ArchiveExport(client, *std::move(writer), watch).Run(objects);
+  ASSIGN_OR_RETURN(files::ArchiveWriter writer, files::ArchiveWriter::Create(path));
+  return ArchiveExport(client, std::move(writer), watch).Run(objects);
 }
 
 }  // namespace graspdb::client

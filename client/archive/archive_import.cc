@@ -8,6 +8,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/archive/archive_content.h"
 #include "client/archive/archive_outcomes.h"
 
@@ -75,7 +76,7 @@ class ArchiveImport {
   absl::StatusOr<ArchiveImportCounts> Run() {
     if (absl::Status done = CreateParents(); !done.ok()) return ChangedMeanwhile(done);
     for (std::size_t i = 0; i < upload_ids_.size(); ++i) {
-      if (absl::Status done = SendViews(i); !done.ok()) return done;
+      RETURN_IF_ERROR(SendViews(i));
     }
     if (absl::Status done = ReplaceParents(); !done.ok()) return ChangedMeanwhile(done);
     for (std::size_t i = 0; options_.outcomes && i < entries_.size(); ++i) {
@@ -99,12 +100,11 @@ class ArchiveImport {
       const files::ArchiveEntry& entry = entries_[i];
       if (entry.kind == files::ArchiveKind::kView) continue;
       if (comparison_.actions[i] != ArchiveAction::kCreate) continue;
-      if (absl::Status go = GoOn(); !go.ok()) return go;
-      const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
-      if (!item.ok()) return item.status();
+      RETURN_IF_ERROR(GoOn());
+      ASSIGN_OR_RETURN(const files::ArchiveItem item, file_.ReadAt(entry.offset));
       absl::Status created = entry.kind == files::ArchiveKind::kObject
-                                 ? CreateObject(entry.name, item->record.object())
-                                 : CreateStablePose(entry.name, item->record.stable_pose());
+                                 ? CreateObject(entry.name, item.record.object())
+                                 : CreateStablePose(entry.name, item.record.stable_pose());
       if (!created.ok()) return AtRecord(entry.name, created);
     }
     return absl::OkStatus();
@@ -141,10 +141,10 @@ class ArchiveImport {
                                      if (watch_.report) watch_.report(first + done);
                                    },
                                .cancelled = watch_.cancelled};
-    const absl::StatusOr<BulkUploadResult> result =
-        TeachInBulk(client_, views, {.upload_id = upload_ids_[upload], .atomic = true}, watch);
-    if (!result.ok()) return result.status();
-    existing_ += result->counts.existing;
+    ASSIGN_OR_RETURN(
+        const BulkUploadResult result,
+        TeachInBulk(client_, views, {.upload_id = upload_ids_[upload], .atomic = true}, watch));
+    existing_ += result.counts.existing;
     for (std::size_t i = first; i < first + views.count; ++i) {
       const bool replaced = comparison_.actions[views_[i]] == ArchiveAction::kReplace;
       ++(replaced ? counts_.replaced : counts_.created_views);
@@ -155,12 +155,11 @@ class ArchiveImport {
   // From several threads.
   absl::Status MakeView(std::size_t i, v1::UploadViewsRequest* request) const {
     const files::ArchiveEntry& entry = entries_[views_[i]];
-    absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
-    if (!item.ok()) return item.status();
+    ASSIGN_OR_RETURN(files::ArchiveItem item, file_.ReadAt(entry.offset));
     request->set_parent(StablePoseOf(entry.name));
     request->set_view_id(IdOf(entry.name));
     v1::View* view = request->mutable_view();
-    *view = std::move(*item->record.mutable_view());
+    *view = std::move(*item.record.mutable_view());
     view->clear_name();
     view->clear_point_count();
     view->clear_create_time();
@@ -177,11 +176,10 @@ class ArchiveImport {
       if (difference.action != ArchiveAction::kReplace || entry.kind == files::ArchiveKind::kView) {
         continue;
       }
-      const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
-      if (!item.ok()) return item.status();
+      ASSIGN_OR_RETURN(const files::ArchiveItem item, file_.ReadAt(entry.offset));
       absl::Status replaced = entry.kind == files::ArchiveKind::kObject
-                                  ? Replace(item->record.object(), difference.etag)
-                                  : Replace(item->record.stable_pose(), difference.etag);
+                                  ? Replace(item.record.object(), difference.etag)
+                                  : Replace(item.record.stable_pose(), difference.etag);
       changed.Update(replaced);
       if (!replaced.ok() && !absl::IsAborted(replaced) && !absl::IsNotFound(replaced)) {
         return AtRecord(entry.name, replaced);
@@ -213,13 +211,11 @@ class ArchiveImport {
     const ArchiveAction action = comparison_.actions[i];
     const bool is_of_file = action == ArchiveAction::kNothing || IsSent(action);
     if (entry.kind != files::ArchiveKind::kStablePose || !is_of_file) return absl::OkStatus();
-    if (absl::Status go = GoOn(); !go.ok()) return go;
-    const absl::StatusOr<files::ArchiveItem> item = file_.ReadAt(entry.offset);
-    if (!item.ok()) return item.status();
-    const absl::StatusOr<bool> raised =
-        RaiseOutcomesTo(item->record.stable_pose(), client_, [this] { return GoOn(); });
-    if (!raised.ok()) return raised.status();
-    counts_.raised_outcomes += *raised ? 1 : 0;
+    RETURN_IF_ERROR(GoOn());
+    ASSIGN_OR_RETURN(const files::ArchiveItem item, file_.ReadAt(entry.offset));
+    ASSIGN_OR_RETURN(const bool raised, RaiseOutcomesTo(item.record.stable_pose(), client_,
+                                                        [this] { return GoOn(); }));
+    counts_.raised_outcomes += raised ? 1 : 0;
     return absl::OkStatus();
   }
 

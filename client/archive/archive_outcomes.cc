@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "base/status_macros.h"
+
 namespace graspdb::client {
 namespace {
 
@@ -48,10 +50,9 @@ absl::StatusOr<bool> RaiseGrasp(const std::string& pose, const v1::GraspOutcomeC
   for (auto [outcome, count] : missing) {
     request.set_outcome(outcome);
     for (; count > 0; count -= kOutcomesPerReport) {
-      if (absl::Status go = go_on(); !go.ok()) return go;
+      RETURN_IF_ERROR(go_on());
       request.set_count(static_cast<int>(std::min(count, kOutcomesPerReport)));
-      const auto reported = client.ReportGraspOutcome(request);
-      if (!reported.ok()) return reported.status();
+      RETURN_IF_ERROR(client.ReportGraspOutcome(request).status());
       raised = true;
     }
   }
@@ -63,19 +64,17 @@ absl::StatusOr<bool> RaiseGrasp(const std::string& pose, const v1::GraspOutcomeC
 absl::StatusOr<bool> RaiseOutcomesTo(const v1::StablePose& file, Client& client,
                                      const std::function<absl::Status()>& go_on) {
   if (file.grasp_outcomes().empty()) return false;
-  const absl::StatusOr<v1::StablePose> server = client.GetStablePose(file.name());
-  if (!server.ok()) return server.status();
+  ASSIGN_OR_RETURN(const v1::StablePose server, client.GetStablePose(file.name()));
   const OutcomeCounts wanted = CountsOf(file);
-  OutcomeCounts counted = CountsOf(*server);
+  OutcomeCounts counted = CountsOf(server);
   bool raised = false;
   // The server's grasps, of which there are few: the file may have counts of others.
-  for (const v1::Grasp& grasp : server->grasps()) {
+  for (const v1::Grasp& grasp : server.grasps()) {
     const auto found = wanted.find(grasp.grasp_id());
     if (found == wanted.end()) continue;
-    const absl::StatusOr<bool> done =
-        RaiseGrasp(file.name(), found->second, counted[grasp.grasp_id()], client, go_on);
-    if (!done.ok()) return done.status();
-    raised |= *done;
+    ASSIGN_OR_RETURN(const bool done, RaiseGrasp(file.name(), found->second,
+                                                 counted[grasp.grasp_id()], client, go_on));
+    raised |= done;
   }
   return raised;
 }

@@ -4,6 +4,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::client {
 
@@ -11,9 +12,8 @@ absl::StatusOr<CadPart> ProposeCadPart(const std::string& object_id,
                                        const std::string& display_name,
                                        const rendering::TriangleMesh& mesh,
                                        const CadOptions& options) {
-  absl::StatusOr<MeshStablePoses> found = FindStablePoses(mesh, options.poses);
-  if (!found.ok()) return found.status();
-  CadPart out{.workpieces = {}, .found = *std::move(found)};
+  ASSIGN_OR_RETURN(MeshStablePoses found, FindStablePoses(mesh, options.poses));
+  CadPart out{.workpieces = {}, .found = std::move(found)};
   for (const MeshStablePose& pose : out.found.poses) {
     rendering::Workpiece part{.object_id = object_id,
                               .display_name = display_name,

@@ -15,6 +15,7 @@ extern "C" {
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::client {
 namespace {
@@ -188,9 +189,8 @@ absl::StatusOr<ConvexHull> HullOf(const std::vector<Eigen::Vector3f>& points) {
     return absl::InvalidArgumentError(
         "the mesh has no volume; give one with at least four corners");
   }
-  const absl::StatusOr<Triangles> triangles = Run().Of(coordinates);
-  if (!triangles.ok()) return triangles.status();
-  return Assemble(coordinates, *triangles);
+  ASSIGN_OR_RETURN(const Triangles triangles, Run().Of(coordinates));
+  return Assemble(coordinates, triangles);
 }
 
 HullMass MassOf(const ConvexHull& hull) {

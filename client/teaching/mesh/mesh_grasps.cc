@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/teaching/mesh/top_grasps.h"
 #include "files/capture_check.h"
 #include "files/pose_message.h"
@@ -41,24 +42,23 @@ absl::StatusOr<std::string> ReadText(const fs::path& path) {
   if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     return Bad(path, " is not a readable file; name a JSON file");
   }
-  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
   return text;
 }
 
 }  // namespace
 
 absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
-  const absl::StatusOr<std::string> text = ReadText(path);
-  if (!text.ok()) return text.status();
+  ASSIGN_OR_RETURN(const std::string text, ReadText(path));
   v1::CapturedStablePose read;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &read);
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &read);
   if (!parsed.ok()) {
     const std::string complaint(parsed.message());
     return Bad(path, absl::StrCat(
                          " is not {\"grasps\": [...]}: ", complaint.substr(0, complaint.find('\n')),
                          "; use the format of `graspdb teach --dry-run --json`"));
   }
-  if (absl::Status keys = CheckJsonKeys(*text); !keys.ok()) {
+  if (absl::Status keys = CheckJsonKeys(text); !keys.ok()) {
     return Bad(path, absl::StrCat(": ", keys.message()));
   }
   if (read.grasps().empty()) return Bad(path, " has no grasps; give {\"grasps\": [...]}");

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "client/teaching/mesh/mesh_surface.h"
 
 namespace graspdb::client {
@@ -132,17 +133,16 @@ Pose PutDown(const rendering::TriangleMesh& mesh, const Vector3d& down) {
 
 absl::StatusOr<MeshStablePoses> FindStablePoses(const rendering::TriangleMesh& mesh,
                                                 const StablePoseChoice& choice) {
-  if (absl::Status checked = rendering::CheckMesh(mesh); !checked.ok()) return checked;
-  const absl::StatusOr<ConvexHull> hull = HullOf(mesh.vertices);
-  if (!hull.ok()) return hull.status();
+  RETURN_IF_ERROR(rendering::CheckMesh(mesh));
+  ASSIGN_OR_RETURN(const ConvexHull hull, HullOf(mesh.vertices));
   MeshStablePoses out;
-  out.mass = CenterOfMass(mesh, *hull);
+  out.mass = CenterOfMass(mesh, hull);
   const double diameter = rendering::DiameterOf(mesh);
-  const auto facets = RestingFacets(*hull, out.mass.center, kRollLiftShare * diameter);
-  if (!facets.ok()) return facets.status();
-  for (const Look& look : LooksOf(mesh, OrientationsOf(*facets))) {
+  ASSIGN_OR_RETURN(const auto facets,
+                   RestingFacets(hull, out.mass.center, kRollLiftShare * diameter));
+  for (const Look& look : LooksOf(mesh, OrientationsOf(facets))) {
     const Orientation& a = look.orientation;
-    const double tips = TipAngle(*hull, out.mass.center, a.down, kTouchingShare * diameter);
+    const double tips = TipAngle(hull, out.mass.center, a.down, kTouchingShare * diameter);
     const bool wanted = a.probability >= choice.min_probability || tips >= choice.stands_rad;
     if (!wanted && !out.poses.empty()) {
       out.left_out += a.probability;

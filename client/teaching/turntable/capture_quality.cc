@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/still_scan.h"
 
 namespace graspdb::client {
@@ -37,10 +38,9 @@ class Frames {
   static absl::StatusOr<Frames> Read(std::span<const SensorFrame> frames) {
     Frames out;
     for (const SensorFrame& frame : frames) {
-      absl::StatusOr<StillScan> scan = ScanOf(frame);
-      if (!scan.ok()) return scan.status();
-      if (scan->width != out.width() && !out.scans_.empty()) continue;
-      out.scans_.push_back(*std::move(scan));
+      ASSIGN_OR_RETURN(StillScan scan, ScanOf(frame));
+      if (scan.width != out.width() && !out.scans_.empty()) continue;
+      out.scans_.push_back(std::move(scan));
     }
     return out;
   }
@@ -111,12 +111,11 @@ absl::StatusOr<CaptureQuality> CaptureQualityOf(std::span<const SensorFrame> fra
   CaptureQuality out{.point_count = static_cast<int>(object.size())};
   const auto* image = std::get_if<v1::DepthImage>(&frames.front().scan);
   if (image == nullptr) return out;
-  const absl::StatusOr<Frames> read = Frames::Read(frames);
-  if (!read.ok()) return read.status();
+  ASSIGN_OR_RETURN(const Frames read, Frames::Read(frames));
   const Rows rows = PixelsOf(object, image->intrinsics());
   out.of_image = true;
-  out.measured_share = MeasuredShare(*read, rows);
-  CompareFrames(*read, rows, &out);
+  out.measured_share = MeasuredShare(read, rows);
+  CompareFrames(read, rows, &out);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 #include "client/teaching/turntable/turn_moving.h"
 #include "client/teaching/turntable/turntable_axis.h"
@@ -72,12 +73,11 @@ GuidedTeaching::GuidedTeaching(DepthSensor& sensor, Client& client, TeachingProm
               .frame_timeout = options_.frame_timeout}) {}
 
 absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
-  if (absl::Status begun = Begin(); !begun.ok()) return begun;
+  RETURN_IF_ERROR(Begin());
   while (!counts_.stopped) {
-    const absl::StatusOr<std::string> id = PromptForStablePose();
-    if (!id.ok()) return id.status();
-    if (id->empty()) break;
-    const absl::StatusOr<bool> made = MakeStablePose(*id);
+    ASSIGN_OR_RETURN(const std::string id, PromptForStablePose());
+    if (id.empty()) break;
+    const absl::StatusOr<bool> made = MakeStablePose(id);
     if (absl::IsInvalidArgument(made.status())) {
       prompt_.Print(std::string(made.status().message()));
       continue;
@@ -87,7 +87,7 @@ absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
       Stop();
       break;
     }
-    absl::Status taught = TeachStablePose(*id);
+    absl::Status taught = TeachStablePose(id);
     if (absl::IsFailedPrecondition(taught)) {
       prompt_.Print(std::string(taught.message()));
       continue;
@@ -98,43 +98,38 @@ absl::StatusOr<GuidedCounts> GuidedTeaching::Run() {
 }
 
 absl::Status GuidedTeaching::Begin() {
-  if (auto step = TurntableCoverage::Create(options_.step_deg); !step.ok()) return step.status();
-  const absl::StatusOr<Eigen::Vector2d> axis = AxisOf(options_);
-  if (!axis.ok()) return axis.status();
-  origin_ = Eigen::Vector3d(axis->x(), axis->y(), 0);
-  if (absl::Status camera = taker_.Check(); !camera.ok()) return camera;
+  RETURN_IF_ERROR(TurntableCoverage::Create(options_.step_deg).status());
+  ASSIGN_OR_RETURN(const Eigen::Vector2d axis, AxisOf(options_));
+  origin_ = Eigen::Vector3d(axis.x(), axis.y(), 0);
+  RETURN_IF_ERROR(taker_.Check());
   v1::CapturedObject object;
   object.set_object_id(options_.object_id);
   object.set_display_name(options_.display_name);
-  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  RETURN_IF_ERROR(CreateParents(client_, {object}));
   prompt_.Print(absl::StrCat("put the object on the middle of the turntable, whose axis is at x ",
-                             axis->x(), ", y ", axis->y(), " m, and turn it ",
+                             axis.x(), ", y ", axis.y(), " m, and turn it ",
                              options_.clockwise ? "clockwise" : "counter-clockwise",
                              " as seen from above"));
   return absl::OkStatus();
 }
 
 absl::StatusOr<TurntableCoverage> GuidedTeaching::CoverageOf(const std::string& stable_pose_id) {
-  const auto views = client_.ListViews(StablePoseName(options_.object_id, stable_pose_id));
-  if (!views.ok()) return views.status();
-  absl::StatusOr<TurntableCoverage> coverage = TurntableCoverage::Create(options_.step_deg);
-  if (!coverage.ok()) return coverage;
-  absl::Status added = coverage->Add(*views, origin_, options_.clockwise);
-  if (!added.ok()) return added;
+  ASSIGN_OR_RETURN(const auto views,
+                   client_.ListViews(StablePoseName(options_.object_id, stable_pose_id)));
+  ASSIGN_OR_RETURN(TurntableCoverage coverage, TurntableCoverage::Create(options_.step_deg));
+  RETURN_IF_ERROR(coverage.Add(views, origin_, options_.clockwise));
   return coverage;
 }
 
 absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
-  const auto poses = client_.ListStablePoses("objects/" + options_.object_id);
-  if (!poses.ok()) return poses.status();
+  ASSIGN_OR_RETURN(const auto poses, client_.ListStablePoses("objects/" + options_.object_id));
   std::set<std::string> ids;
   std::string unfinished;
-  for (const v1::StablePose& pose : *poses) {
+  for (const v1::StablePose& pose : poses) {
     const std::string id = pose.name().substr(pose.name().rfind('/') + 1);
     ids.insert(id);
-    const auto left = LeftByMove(client_, pose.name(), origin_);
-    if (!left.ok()) return left.status();
-    if (!left->empty() && !visited_.contains(id)) {
+    ASSIGN_OR_RETURN(const auto left, LeftByMove(client_, pose.name(), origin_));
+    if (!left.empty() && !visited_.contains(id)) {
       prompt_.Print(absl::StrCat(id, " has views about two axes"));
       if (unfinished.empty()) unfinished = id;
     }
@@ -153,16 +148,15 @@ absl::StatusOr<std::string> GuidedTeaching::ProposeStablePose() {
 }
 
 absl::StatusOr<std::string> GuidedTeaching::PromptForStablePose() {
-  absl::StatusOr<std::string> proposed = ProposeStablePose();
-  if (!proposed.ok()) return proposed;
+  ASSIGN_OR_RETURN(std::string proposed, ProposeStablePose());
   const std::optional<std::string> answer = prompt_.ReadLine(
-      absl::StrCat(kStablePosePrompt, " (Enter: ", *proposed, ", done: that was all) "));
+      absl::StrCat(kStablePosePrompt, " (Enter: ", proposed, ", done: that was all) "));
   if (!answer) Stop();
   if (!answer) return "";
   const std::string word(absl::StripAsciiWhitespace(*answer));
   if (word == "q") Stop();
   if (word == "q" || word == "done") return "";
-  return word.empty() ? *proposed : word;
+  return word.empty() ? proposed : word;
 }
 
 absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
@@ -189,38 +183,35 @@ absl::StatusOr<bool> GuidedTeaching::MakeStablePose(const std::string& id) {
   v1::CapturedStablePose* pose = object.add_stable_poses();
   pose->set_stable_pose_id(id);
   pose->set_symmetry_order(order);
-  if (absl::Status made = CreateParents(client_, {object}); !made.ok()) return made;
+  RETURN_IF_ERROR(CreateParents(client_, {object}));
   return true;
 }
 
 absl::Status GuidedTeaching::TeachStablePose(const std::string& id) {
   visited_.insert(id);
-  absl::Status whole =
-      OfferToEndMove(client_, prompt_, StablePoseName(options_.object_id, id), origin_);
-  if (!whole.ok()) return whole;
-  absl::StatusOr<TurntableCoverage> coverage = CoverageOf(id);
-  if (!coverage.ok()) return coverage.status();
-  TurnDialogue turn(taker_, client_, prompt_, *coverage,
+  RETURN_IF_ERROR(
+      OfferToEndMove(client_, prompt_, StablePoseName(options_.object_id, id), origin_));
+  ASSIGN_OR_RETURN(TurntableCoverage coverage, CoverageOf(id));
+  TurnDialogue turn(taker_, client_, prompt_, coverage,
                     {.stable_pose = StablePoseName(options_.object_id, id),
                      .origin = origin_,
                      .clockwise = options_.clockwise});
   if (!turn.Run()) Stop();
   counts_.taught += turn.taught();
-  const std::string missing = coverage->MissingText();
-  prompt_.Print(absl::StrCat(id, " ", coverage->Ring(),
+  const std::string missing = coverage.MissingText();
+  prompt_.Print(absl::StrCat(id, " ", coverage.Ring(),
                              missing.empty() ? "" : absl::StrCat(", missing: ", missing)));
   if (turn.taught() == 0) return absl::OkStatus();
-  if (absl::Status axis = CheckAxis(id); !axis.ok()) return axis;
+  RETURN_IF_ERROR(CheckAxis(id));
   return WarnOfLookAlikes();
 }
 
 absl::Status GuidedTeaching::CheckAxis(const std::string& id) {
-  auto views = TaughtTurn(client_, StablePoseName(options_.object_id, id));
-  if (!views.ok()) return views.status();
+  ASSIGN_OR_RETURN(auto views, TaughtTurn(client_, StablePoseName(options_.object_id, id)));
   const Eigen::Vector2d given = origin_.head<2>();
-  const absl::StatusOr<SeenAxis> seen = FindAxis(*views, given);
-  for (TurnedCloud& view : *views) view.azimuth_rad = -view.azimuth_rad;
-  const absl::StatusOr<SeenAxis> mirrored = FindAxis(*views, given);
+  const absl::StatusOr<SeenAxis> seen = FindAxis(views, given);
+  for (TurnedCloud& view : views) view.azimuth_rad = -view.azimuth_rad;
+  const absl::StatusOr<SeenAxis> mirrored = FindAxis(views, given);
   if (mirrored.ok() && mirrored->share > kTurnedTheOtherWay + (seen.ok() ? seen->share : 0)) {
     prompt_.Print(absl::StrCat("note: it seems to have been turned the other way; delete ", id,
                                " and teach it again ", options_.clockwise ? "without" : "with",
@@ -243,24 +234,21 @@ absl::Status GuidedTeaching::OfferAxis(const std::string& id, const Eigen::Vecto
     prompt_.Print(absl::StrCat(id, " keeps its axis; its views do not fit together"));
     return absl::OkStatus();
   }
-  absl::Status moved =
-      MoveTurn(client_, StablePoseName(options_.object_id, id), axis, RegionOf(options_));
-  if (!moved.ok()) return moved;
+  RETURN_IF_ERROR(
+      MoveTurn(client_, StablePoseName(options_.object_id, id), axis, RegionOf(options_)));
   origin_.head<2>() = axis;
   prompt_.Print(absl::StrCat("done; when you teach on this turntable again, give --axis ", text));
   return absl::OkStatus();
 }
 
 absl::Status GuidedTeaching::WarnOfLookAlikes() {
-  const absl::StatusOr<v1::CatalogStatus> status = client_.GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (status->stable_pose_count() > kComparedStablePoses) {
+  ASSIGN_OR_RETURN(const v1::CatalogStatus status, client_.GetCatalogStatus());
+  if (status.stable_pose_count() > kComparedStablePoses) {
     prompt_.Print("find look-alikes with: graspdb objects check");
     return absl::OkStatus();
   }
-  const auto found = client_.FindLookAlikes("objects/" + options_.object_id);
-  if (!found.ok()) return found.status();
-  for (const std::string& text : LookAlikesText(*found, /*nearly_too=*/true)) {
+  ASSIGN_OR_RETURN(const auto found, client_.FindLookAlikes("objects/" + options_.object_id));
+  for (const std::string& text : LookAlikesText(found, /*nearly_too=*/true)) {
     prompt_.Print(absl::StrCat("note: ", text));
   }
   return absl::OkStatus();

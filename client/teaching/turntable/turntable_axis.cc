@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "base/status_macros.h"
 #include "files/cloud_message.h"
 #include "files/pose_message.h"
 #include "recognition/points/nearest_grid.h"
@@ -126,22 +127,19 @@ absl::StatusOr<SeenAxis> FindAxis(std::span<const TurnedCloud> views, const Vect
 
 absl::StatusOr<std::vector<TurnedCloud>> TaughtTurn(Client& client,
                                                     const std::string& stable_pose) {
-  const auto views = client.ListViews(stable_pose);
-  if (!views.ok()) return views.status();
+  ASSIGN_OR_RETURN(const auto views, client.ListViews(stable_pose));
   std::vector<TurnedCloud> out;
-  out.reserve(views->size());
-  for (const v1::View& listed : *views) {
-    const absl::StatusOr<v1::View> view = client.GetView(listed.name());
-    if (!view.ok()) return view.status();
-    const absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
-    if (!points.ok()) return points.status();
-    const Eigen::Isometry3f sensor = files::FromMessage(view->sensor_pose()).cast<float>();
+  out.reserve(views.size());
+  for (const v1::View& listed : views) {
+    ASSIGN_OR_RETURN(const v1::View view, client.GetView(listed.name()));
+    ASSIGN_OR_RETURN(const recognition::Points points, files::PointsFromMessage(view.cloud()));
+    const Eigen::Isometry3f sensor = files::FromMessage(view.sensor_pose()).cast<float>();
     TurnedCloud turned;
-    const Pose object = files::FromMessage(view->object_pose());
+    const Pose object = files::FromMessage(view.object_pose());
     turned.azimuth_rad = std::atan2(object.linear()(1, 0), object.linear()(0, 0));
-    turned.cloud.points = *points;
+    turned.cloud.points = points;
     turned.cloud.normals =
-        recognition::EstimateNormals(*points, Eigen::Vector3d::Zero(), kNormalRadiusM);
+        recognition::EstimateNormals(points, Eigen::Vector3d::Zero(), kNormalRadiusM);
     for (Vector3f& p : turned.cloud.points) p = sensor * p;
     for (Vector3f& n : turned.cloud.normals) n = sensor.linear() * n;
     out.push_back(std::move(turned));

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "base/status_macros.h"
 #include "client/teaching/upload/turn_steps.h"
 #include "files/pose_message.h"
 
@@ -47,7 +48,7 @@ bool IsOfTurn(const v1::View& view, const Vector3d& origin) {
 }
 
 absl::StatusOr<TurntableCoverage> TurntableCoverage::Create(double step_deg) {
-  if (absl::Status step = CheckStep(step_deg); !step.ok()) return step;
+  RETURN_IF_ERROR(CheckStep(step_deg));
   return TurntableCoverage(step_deg, StepsOf(step_deg));
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/cell/calibration/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
@@ -21,15 +22,14 @@ using Eigen::Vector3d;
 using recognition::Pose;
 
 absl::StatusOr<Pose> CameraOf(const v1::Cell& cell, const SensorFrame& frame) {
-  const absl::StatusOr<CellFrames> frames = FramesOf(cell);
-  if (!frames.ok()) return frames.status();
-  if (frames->flange_sensor) {
+  ASSIGN_OR_RETURN(const CellFrames frames, FramesOf(cell));
+  if (frames.flange_sensor) {
     return absl::FailedPreconditionError(absl::StrCat(
         "the camera of ", cell.name(),
         " is on the robot; drive it to the teaching position, create a cell for that position with "
         "`graspdb cells level`, and give it as --cell"));
   }
-  return WorldSensor(*frames, std::nullopt, frame.world_sensor);
+  return WorldSensor(frames, std::nullopt, frame.world_sensor);
 }
 
 Vector3d CenterOf(const recognition::Points& points, const Pose& world_sensor) {
@@ -62,13 +62,10 @@ struct ViewTaker::Shot {
 absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
   const MonotonicTime deadline = MonotonicTime::Now() + how_.frame_timeout;
   AwaitFrames(sensor_, deadline);
-  absl::StatusOr<std::vector<SensorFrame>> taken = TakeFrames(sensor_, frames, deadline);
-  if (!taken.ok()) return taken.status();
+  ASSIGN_OR_RETURN(std::vector<SensorFrame> taken, TakeFrames(sensor_, frames, deadline));
   Shot shot;
-  shot.frames = *std::move(taken);
-  const absl::StatusOr<Pose> camera = CameraOf(how_.cell, shot.frames.front());
-  if (!camera.ok()) return camera.status();
-  shot.world_sensor = *camera;
+  shot.frames = std::move(taken);
+  ASSIGN_OR_RETURN(shot.world_sensor, CameraOf(how_.cell, shot.frames.front()));
   shot.world_sensor.translation().z() -= how_.plate_height_m;
   return shot;
 }
@@ -76,28 +73,23 @@ absl::StatusOr<ViewTaker::Shot> ViewTaker::Shoot(int frames) {
 absl::Status ViewTaker::Check() { return Shoot(1).status(); }
 
 absl::StatusOr<TakenView> ViewTaker::InspectTaught(const std::string& name, const Shot& shot) {
-  const absl::StatusOr<v1::View> view = client_.GetView(name);
-  if (!view.ok()) return view.status();
-  const absl::StatusOr<recognition::Points> object = files::PointsFromMessage(view->cloud());
-  if (!object.ok()) return object.status();
-  const absl::StatusOr<CaptureQuality> quality = CaptureQualityOf(shot.frames, *object);
-  if (!quality.ok()) return quality.status();
-  return TakenView{.view = {.name = name, .point_count = view->point_count()},
-                   .quality = *quality,
-                   .center = CenterOf(*object, shot.world_sensor)};
+  ASSIGN_OR_RETURN(const v1::View view, client_.GetView(name));
+  ASSIGN_OR_RETURN(const recognition::Points object, files::PointsFromMessage(view.cloud()));
+  ASSIGN_OR_RETURN(const CaptureQuality quality, CaptureQualityOf(shot.frames, object));
+  return TakenView{.view = {.name = name, .point_count = view.point_count()},
+                   .quality = quality,
+                   .center = CenterOf(object, shot.world_sensor)};
 }
 
 absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
                                           const Pose& world_object) {
-  const absl::StatusOr<Shot> shot = Shoot(how_.frames);
-  if (!shot.ok()) return shot.status();
-  const absl::StatusOr<StillScan> scan = Averaged(shot->frames);
-  if (!scan.ok()) return scan.status();
+  ASSIGN_OR_RETURN(const Shot shot, Shoot(how_.frames));
+  ASSIGN_OR_RETURN(const StillScan scan, Averaged(shot.frames));
   v1::UploadViewsRequest upload;
   upload.set_parent(stable_pose);
-  files::SetScan(MessageOf(*scan), upload.mutable_view());
+  files::SetScan(MessageOf(scan), upload.mutable_view());
   *upload.mutable_view()->mutable_object_pose() = files::ToMessage(world_object);
-  *upload.mutable_view()->mutable_sensor_pose() = files::ToMessage(shot->world_sensor);
+  *upload.mutable_view()->mutable_sensor_pose() = files::ToMessage(shot.world_sensor);
   if (how_.region) *upload.mutable_region_of_interest() = *how_.region;
   upload.set_view_id(files::ContentId(upload.view()));
   const std::string name = absl::StrCat(stable_pose, "/views/", upload.view_id());
@@ -105,13 +97,12 @@ absl::StatusOr<TakenView> ViewTaker::Take(const std::string& stable_pose,
     *request = upload;
     return absl::OkStatus();
   };
-  const auto counts = TeachViews(client_, {.count = 1, .make = make}, {});
-  if (!counts.ok()) return counts.status();
-  if (counts->created == 0) {
+  ASSIGN_OR_RETURN(const auto counts, TeachViews(client_, {.count = 1, .make = make}, {}));
+  if (counts.created == 0) {
     return absl::AlreadyExistsError(
         "this frame is already taught; turn the object, and check that the camera is not frozen");
   }
-  absl::StatusOr<TakenView> taken = InspectTaught(name, *shot);
+  absl::StatusOr<TakenView> taken = InspectTaught(name, shot);
   if (taken.ok()) return taken;
   // After an error the view is taken again, and would exist twice.
   const absl::Status gone = client_.DeleteView(name);

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "client/sdk/retry.h"
 #include "client/teaching/upload/known_views.h"
 #include "program/monotonic_cond_var.h"
@@ -60,9 +61,8 @@ class BulkUpload {
     if (!upload.ok()) return upload.status();
     if (upload->state() == v1::UPLOAD_STATE_COMMITTED) return client_.DeleteUpload(name_);
     is_created_ = true;
-    const auto staged = client_.ListUploadViews(name_);
-    if (!staged.ok()) return staged.status();
-    for (const v1::UploadView& view : *staged) {
+    ASSIGN_OR_RETURN(const auto staged, client_.ListUploadViews(name_));
+    for (const v1::UploadView& view : staged) {
       if (!view.has_error()) staged_.insert(view.name());
     }
     return absl::OkStatus();
@@ -123,7 +123,7 @@ class BulkUpload {
   // Errors of the view.
   absl::StatusOr<Place> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
     request->Clear();
-    if (absl::Status made = MakeRequest(views_, i, request); !made.ok()) return made;
+    RETURN_IF_ERROR(MakeRequest(views_, i, request));
     if (staged_.contains(ViewNameOf(*request))) return Place::kUpload;
     if (views_.replace) return Place::kNowhere;
     const absl::StatusOr<bool> known = known_.Has(request->parent(), request->view_id());
@@ -153,7 +153,7 @@ class BulkUpload {
       const std::optional<absl::Duration> pause =
           retries->Next(status, MonotonicTime::InfiniteFuture());
       if (!pause) return status;
-      if (absl::Status waited = Wait(*pause); !waited.ok()) return waited;
+      RETURN_IF_ERROR(Wait(*pause));
     }
   }
 
@@ -165,16 +165,15 @@ class BulkUpload {
         [&](v1::WriteUploadViewsRequest* request) -> absl::StatusOr<bool> {
           for (;;) {
             if (sent == unanswered->size()) {
-              const absl::StatusOr<std::size_t> next = Next();
-              if (!next.ok()) return next.status();
-              if (*next == views_.count) return false;
-              unanswered->push_back(*next);
+              ASSIGN_OR_RETURN(const std::size_t next, Next());
+              if (next == views_.count) return false;
+              unanswered->push_back(next);
             }
             const std::size_t i = (*unanswered)[sent];
             const absl::StatusOr<Place> place = Prepare(i, request->mutable_view());
             if (place.ok() && *place == Place::kUnknown) return Stopped();
             if (place.ok() && *place == Place::kNowhere) {
-              if (absl::Status created = CreateOnce(); !created.ok()) return created;
+              RETURN_IF_ERROR(CreateOnce());
               request->set_upload(name_);
               ++sent;
               return true;
@@ -197,7 +196,7 @@ class BulkUpload {
   // The next view, or views_.count without one.
   absl::StatusOr<std::size_t> Next() {
     absl::MutexLock lock(&mutex_);
-    if (absl::Status go = GoOn(); !go.ok()) return go;
+    RETURN_IF_ERROR(GoOn());
     return next_ == views_.count ? next_ : next_++;
   }
 
@@ -216,7 +215,7 @@ class BulkUpload {
     const MonotonicTime end = MonotonicTime::Now() + pause;
     absl::MutexLock lock(&mutex_);
     for (;;) {
-      if (absl::Status go = GoOn(); !go.ok()) return go;
+      RETURN_IF_ERROR(GoOn());
       const MonotonicTime now = MonotonicTime::Now();
       if (now >= end) return absl::OkStatus();
       has_stopped_.WaitUntil(&mutex_, std::min(end, now + kWatchPeriod));
@@ -297,7 +296,7 @@ absl::StatusOr<BulkUploadResult> TeachInBulk(Client& client, const ViewsToTeach&
                                              const BulkUploadOptions& options,
                                              const UploadWatch& watch) {
   BulkUpload upload(client, views, options, watch);
-  if (absl::Status found = upload.FindStaged(); !found.ok()) return found;
+  RETURN_IF_ERROR(upload.FindStaged());
   return upload.Run();
 }
 
@@ -305,7 +304,7 @@ absl::StatusOr<UploadPlan> PlanUpload(Client& client, const ViewsToTeach& views,
                                       const std::string& upload_id, const UploadWatch& watch) {
   const BulkUploadOptions options = {.upload_id = upload_id};
   BulkUpload upload(client, views, options, watch);
-  if (absl::Status found = upload.FindStaged(); !found.ok()) return found;
+  RETURN_IF_ERROR(upload.FindStaged());
   return upload.Plan();
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/teaching/upload/turn_steps.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
@@ -64,9 +65,8 @@ class Turntable {
  public:
   static absl::StatusOr<Turntable> Create(const std::vector<rendering::Workpiece>& parts,
                                           const CadViews& views) {
-    auto camera = rendering::DepthCamera::Create(views.camera);
-    if (!camera.ok()) return camera.status();
-    return Turntable(parts, views, *std::move(camera));
+    ASSIGN_OR_RETURN(auto camera, rendering::DepthCamera::Create(views.camera));
+    return Turntable(parts, views, std::move(camera));
   }
 
   std::size_t steps() const { return static_cast<std::size_t>(StepsOf(views_.step_deg)); }
@@ -80,15 +80,15 @@ class Turntable {
     rendering::Scene scene;
     scene.objects.push_back({.mesh = &part.mesh, .world_object = world_object});
     const auto azimuth = static_cast<std::uint64_t>(std::llround(azimuth_deg * 1000));
-    const auto frame = camera_.Render(scene, views_.world_sensor,
-                                      rendering::RandomBits(kSeed, Hash(part), azimuth));
-    if (!frame.ok()) return frame.status();
-    if (std::ranges::count(frame->surface, 0) < kMinPixels) return NotVisible(part);
+    ASSIGN_OR_RETURN(const auto frame,
+                     camera_.Render(scene, views_.world_sensor,
+                                    rendering::RandomBits(kSeed, Hash(part), azimuth)));
+    if (std::ranges::count(frame.surface, 0) < kMinPixels) return NotVisible(part);
     request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
     *request->mutable_region_of_interest() = RegionOf(part.mesh);
     v1::View* view = request->mutable_view();
     *view->mutable_depth_image() =
-        files::FineDepthMessage(frame->depth_m, views_.camera.intrinsics,
+        files::FineDepthMessage(frame.depth_m, views_.camera.intrinsics,
                                 FarthestDepth(request->region_of_interest(), views_.world_sensor));
     *view->mutable_object_pose() = files::ToMessage(world_object);
     *view->mutable_sensor_pose() = files::ToMessage(views_.world_sensor);
@@ -158,8 +158,7 @@ absl::Status KeepMeshPose(Client& client, const rendering::Workpiece& part,
 // checked.
 absl::Status CheckOwn(Client& client, const Turntable& turntable, std::size_t part) {
   v1::UploadViewsRequest first;
-  absl::Status made = turntable.Make(part * turntable.steps(), &first);
-  if (!made.ok()) return made;
+  RETURN_IF_ERROR(turntable.Make(part * turntable.steps(), &first));
   const absl::StatusOr<std::vector<v1::View>> views = client.ListViews(first.parent());
   if (absl::IsNotFound(views.status())) return absl::OkStatus();
   if (!views.ok()) return views.status();
@@ -182,8 +181,7 @@ absl::StatusOr<Pose> StandOf(const v1::Cell& cell) {
                      " has no sensor pose; calibrate it, or give --look-down and "
                      "--distance in place of --cell"));
   }
-  if (absl::Status pose = files::CheckPose(cell.sensor_pose(), "sensor_pose"); !pose.ok())
-    return pose;
+  RETURN_IF_ERROR(files::CheckPose(cell.sensor_pose(), "sensor_pose"));
   Pose sensor = files::FromMessage(cell.sensor_pose());
   const Vector3d axis = sensor.linear().col(2);
   const double height = sensor.translation().z();
@@ -209,27 +207,24 @@ std::size_t CountOf(const std::vector<rendering::Workpiece>& parts, const CadVie
 absl::StatusOr<UploadCounts> TeachCadViews(Client& client,
                                            const std::vector<rendering::Workpiece>& parts,
                                            const CadViews& views, const UploadWatch& watch) {
-  if (absl::Status step = CheckStep(views.step_deg); !step.ok()) return step;
-  const absl::StatusOr<Turntable> turntable = Turntable::Create(parts, views);
-  if (!turntable.ok()) return turntable.status();
+  RETURN_IF_ERROR(CheckStep(views.step_deg));
+  ASSIGN_OR_RETURN(const Turntable turntable, Turntable::Create(parts, views));
   for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
-    absl::Status own = CheckOwn(client, *turntable, part);
-    if (!own.ok()) return own;
+    RETURN_IF_ERROR(CheckOwn(client, turntable, part));
   }
   for (std::size_t part = 0; part < parts.size() && !views.beside_others; ++part) {
     const std::string name = StablePoseName(parts[part].object_id, parts[part].stable_pose_id);
-    absl::Status kept = KeepMeshPose(client, parts[part], name);
-    if (!kept.ok()) return kept;
+    RETURN_IF_ERROR(KeepMeshPose(client, parts[part], name));
   }
   std::vector<v1::CapturedObject> declared;
   declared.reserve(parts.size());
   for (const rendering::Workpiece& part : parts) declared.push_back(rendering::DeclarationOf(part));
-  if (absl::Status made = CreateParents(client, declared); !made.ok()) return made;
+  RETURN_IF_ERROR(CreateParents(client, declared));
   return TeachViews(
       client,
-      {.count = turntable->count(),
+      {.count = turntable.count(),
        .make = [&](std::size_t i,
-                   v1::UploadViewsRequest* request) { return turntable->Make(i, request); }},
+                   v1::UploadViewsRequest* request) { return turntable.Make(i, request); }},
       watch);
 }
 

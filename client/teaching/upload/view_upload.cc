@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/teaching/upload/known_views.h"
 #include "files/cloud_message.h"
 
@@ -44,9 +45,8 @@ class Upload {
     absl::StatusOr<v1::UploadViewsResponse> response =
         client_.UploadViews([&](v1::UploadViewsRequest* request) -> absl::StatusOr<bool> {
           while (!IsDone() && sent < kViewsPerCall) {
-            absl::StatusOr<bool> wanted = Prepare(next_++, request);
-            if (!wanted.ok()) return wanted.status();
-            if (!*wanted) continue;
+            ASSIGN_OR_RETURN(bool wanted, Prepare(next_++, request));
+            if (!wanted) continue;
             ++sent;
             return true;
           }
@@ -62,15 +62,14 @@ class Upload {
   // Fills the request; false when the server has the view already.
   absl::StatusOr<bool> Prepare(std::size_t i, v1::UploadViewsRequest* request) {
     request->Clear();
-    if (absl::Status made = MakeRequest(views_, i, request); !made.ok()) return made;
-    const absl::StatusOr<bool> known = known_.Has(request->parent(), request->view_id());
-    if (!known.ok()) return known.status();
-    if (!*known) return true;
+    RETURN_IF_ERROR(MakeRequest(views_, i, request));
+    ASSIGN_OR_RETURN(const bool known, known_.Has(request->parent(), request->view_id()));
+    if (!known) return true;
     if (!views_.replace) {
       ++counts_.existing;
       return false;
     }
-    if (absl::Status gone = client_.DeleteView(ViewNameOf(*request)); !gone.ok()) return gone;
+    RETURN_IF_ERROR(client_.DeleteView(ViewNameOf(*request)));
     return true;
   }
 
@@ -85,7 +84,7 @@ class Upload {
 
 absl::Status MakeRequest(const ViewsToTeach& views, std::size_t i,
                          v1::UploadViewsRequest* request) {
-  if (absl::Status made = views.make(i, request); !made.ok()) return made;
+  RETURN_IF_ERROR(views.make(i, request));
   if (request->view_id().empty()) request->set_view_id(files::ContentId(request->view()));
   return absl::OkStatus();
 }
@@ -103,11 +102,9 @@ absl::Status CreateParents(Client& client, const std::vector<v1::CapturedObject>
     v1::CreateObjectRequest request;
     request.set_object_id(object.object_id());
     request.mutable_object()->set_display_name(object.display_name());
-    absl::Status made = IgnoreExisting(client.CreateObject(request).status());
-    if (!made.ok()) return made;
+    RETURN_IF_ERROR(IgnoreExisting(client.CreateObject(request).status()));
     for (const v1::CapturedStablePose& pose : object.stable_poses()) {
-      made = CreateStablePose(client, object.object_id(), pose);
-      if (!made.ok()) return made;
+      RETURN_IF_ERROR(CreateStablePose(client, object.object_id(), pose));
     }
   }
   return absl::OkStatus();
@@ -122,7 +119,7 @@ absl::StatusOr<UploadCounts> TeachViews(Client& client, const ViewsToTeach& view
           absl::StrCat("interrupted after ", upload.next(), " of ", views.count,
                        " views, which are safe; run the same command again to go on"));
     }
-    if (absl::Status sent = upload.SendSome(); !sent.ok()) return sent;
+    RETURN_IF_ERROR(upload.SendSome());
     if (watch.report) watch.report(upload.next());
   }
   return upload.counts();
