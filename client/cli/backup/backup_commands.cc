@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/backup/restore_command.h"
 #include "program/printable_text.h"
 
@@ -25,9 +26,8 @@ std::string NameOf(std::uint32_t id) { return ResourceName("backups", std::to_st
 
 absl::StatusOr<std::string> ChooseBackup(Client& client, const BackupOptions& options) {
   if (options.id != 0) return NameOf(options.id);
-  const auto backups = client.ListBackups();
-  if (!backups.ok()) return backups.status();
-  if (!backups->empty()) return backups->back().name();
+  ASSIGN_OR_RETURN(const auto backups, client.ListBackups());
+  if (!backups.empty()) return backups.back().name();
   return absl::NotFoundError("there are no backups; make one with: graspdb backup create");
 }
 
@@ -56,18 +56,17 @@ absl::Status OnBytes(std::int64_t bytes) {
 }
 
 absl::Status Create(const GlobalOptions& global) {
-  const auto made = Connect(global).CreateBackup(OnBytes);
-  return made.ok() ? Print(global, *made) : made.status();
+  ASSIGN_OR_RETURN(const auto made, Connect(global).CreateBackup(OnBytes));
+  return Print(global, made);
 }
 
 absl::Status List(const GlobalOptions& global, const BackupOptions& options) {
   if (!options.from.empty()) return ReadFolder(global, "list", options.from, {});
-  const auto backups = Connect(global).ListBackups();
-  if (!backups.ok()) return backups.status();
-  for (const v1::Backup& backup : *backups) {
-    if (absl::Status printed = Print(global, backup); !printed.ok()) return printed;
+  ASSIGN_OR_RETURN(const auto backups, Connect(global).ListBackups());
+  for (const v1::Backup& backup : backups) {
+    RETURN_IF_ERROR(Print(global, backup));
   }
-  if (backups->empty() && !global.json) {
+  if (backups.empty() && !global.json) {
     std::printf("there are no backups; make one with: graspdb backup create\n");
   }
   return absl::OkStatus();
@@ -80,16 +79,14 @@ absl::Status Verify(const GlobalOptions& global, const BackupOptions& options) {
     return ReadFolder(global, "verify", options.from, id);
   }
   Client client = Connect(global);
-  const auto name = ChooseBackup(client, options);
-  if (!name.ok()) return name.status();
-  const auto verified = client.VerifyBackup(*name, OnBytes);
-  return verified.ok() ? Print(global, *verified) : verified.status();
+  ASSIGN_OR_RETURN(const auto name, ChooseBackup(client, options));
+  ASSIGN_OR_RETURN(const auto verified, client.VerifyBackup(name, OnBytes));
+  return Print(global, verified);
 }
 
 absl::Status Diff(const GlobalOptions& global, const BackupOptions& options) {
   Client client = Connect(global);
-  const auto name = ChooseBackup(client, options);
-  if (!name.ok()) return name.status();
+  ASSIGN_OR_RETURN(const auto name, ChooseBackup(client, options));
   std::array<int, 4> counts{};
   const auto print = [&](const v1::CompareBackupResponse& some) -> absl::Status {
     if (Interrupted()) return absl::CancelledError("interrupted");
@@ -98,7 +95,7 @@ absl::Status Diff(const GlobalOptions& global, const BackupOptions& options) {
       constexpr std::array<char, 4> kSigns = {'?', '+', '~', '-'};
       if (kind < kSigns.size()) ++counts[kind];
       if (global.json) {
-        if (absl::Status printed = PrintJson(difference); !printed.ok()) return printed;
+        RETURN_IF_ERROR(PrintJson(difference));
       } else {
         std::printf("%c %s\n", kind < kSigns.size() ? kSigns[kind] : '?',
                     difference.name().c_str());
@@ -106,11 +103,10 @@ absl::Status Diff(const GlobalOptions& global, const BackupOptions& options) {
     }
     return absl::OkStatus();
   };
-  const auto compared = client.CompareBackup(*name, print);
-  if (!compared.ok()) return compared.status();
+  ASSIGN_OR_RETURN(const auto compared, client.CompareBackup(name, print));
   if (global.json) return absl::OkStatus();
   std::printf("restoring %s (revision %lld) would add %d records, change %d and remove %d\n",
-              compared->name().c_str(), static_cast<long long>(compared->catalog_revision()),
+              compared.name().c_str(), static_cast<long long>(compared.catalog_revision()),
               counts[v1::BackupDifference::KIND_ADDED], counts[v1::BackupDifference::KIND_CHANGED],
               counts[v1::BackupDifference::KIND_REMOVED]);
   return absl::OkStatus();
@@ -119,7 +115,7 @@ absl::Status Diff(const GlobalOptions& global, const BackupOptions& options) {
 absl::Status Delete(const GlobalOptions& global, const BackupOptions& options) {
   Client client = Connect(global);
   for (const std::uint32_t id : options.ids) {
-    if (absl::Status deleted = client.DeleteBackup(NameOf(id)); !deleted.ok()) return deleted;
+    RETURN_IF_ERROR(client.DeleteBackup(NameOf(id)));
     if (!global.json) std::printf("deleted %s\n", NameOf(id).c_str());
   }
   return absl::OkStatus();

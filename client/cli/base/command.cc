@@ -9,6 +9,7 @@
 #include "absl/strings/cord.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/json_object.h"
 #include "program/standard_streams.h"
 
@@ -53,17 +54,15 @@ absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {
 }
 
 absl::Status PrintJson(const google::protobuf::Message& message) {
-  absl::StatusOr<std::string> text = ToJson(message);
-  if (!text.ok()) return text.status();
-  std::printf("%s\n", text->c_str());
+  ASSIGN_OR_RETURN(std::string text, ToJson(message));
+  std::printf("%s\n", text.c_str());
   return absl::OkStatus();
 }
 
 absl::Status PrintJson(const google::protobuf::Struct& document) {
-  const absl::StatusOr<std::string> text =
-      files::PrintDocument(document, files::JsonLayout::kOneLine);
-  if (!text.ok()) return text.status();
-  std::printf("%s\n", text->c_str());
+  ASSIGN_OR_RETURN(const std::string text,
+                   files::PrintDocument(document, files::JsonLayout::kOneLine));
+  std::printf("%s\n", text.c_str());
   return absl::OkStatus();
 }
 

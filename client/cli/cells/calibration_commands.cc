@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/table_level.h"
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/commands.h"
@@ -35,10 +36,8 @@ struct CalibrationOptions {
 };
 
 absl::Status Level(const GlobalOptions& global, const CalibrationOptions& options) {
-  const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
-  if (!scan.ok()) return scan.status();
-  const absl::StatusOr<DetectedTable> table = FindTable(scan->points);
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(const StillScan scan, TableFrom(options.frame, options.sensor));
+  ASSIGN_OR_RETURN(const DetectedTable table, FindTable(scan.points));
   Client client = Connect(global);
   absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
   const bool is_there = cell.ok();
@@ -54,21 +53,19 @@ absl::Status Level(const GlobalOptions& global, const CalibrationOptions& option
   const std::optional<Pose> before = cell->has_sensor_pose()
                                          ? std::optional(files::FromMessage(cell->sensor_pose()))
                                          : std::nullopt;
-  const absl::StatusOr<Pose> level = LevelOn(*table, before);
-  if (!level.ok()) return level.status();
+  ASSIGN_OR_RETURN(const Pose level, LevelOn(table, before));
   v1::UpdateCellRequest update;
   update.mutable_update_mask()->add_paths("sensor_pose");
-  *cell->mutable_sensor_pose() = files::ToMessage(*level);
+  *cell->mutable_sensor_pose() = files::ToMessage(level);
   *update.mutable_cell() = *std::move(cell);
-  const absl::StatusOr<v1::Cell> saved = SaveCell(client, update, is_there);
-  if (!saved.ok()) return saved.status();
-  if (global.json) return PrintJson(*saved);
+  ASSIGN_OR_RETURN(const v1::Cell saved, SaveCell(client, update, is_there));
+  if (global.json) return PrintJson(saved);
   std::printf("table: rms %.2f mm, %.0f %% of the points; camera %.1f mm above it\n",
-              kMmPerM * table->rms_m, 100 * table->share, kMmPerM * level->translation().z());
+              kMmPerM * table.rms_m, 100 * table.share, kMmPerM * level.translation().z());
   if (!before) return absl::OkStatus();
   std::printf("changed: tilt %.2f degrees, height %+.1f mm\n",
-              kDegreesPerRadian * LevelErrorOf(*table, *before).tilt_rad,
-              kMmPerM * (level->translation().z() - before->translation().z()));
+              kDegreesPerRadian * LevelErrorOf(table, *before).tilt_rad,
+              kMmPerM * (level.translation().z() - before->translation().z()));
   return absl::OkStatus();
 }
 

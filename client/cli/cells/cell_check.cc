@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "client/cell/calibration/table_level.h"
 #include "client/cell/calibration/target.h"
@@ -57,7 +58,7 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
   std::string text(std::istreambuf_iterator<char>(file), {});
-  if (absl::Status taken = TakeUtf8(path, &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path, &text));
   std::istringstream lines(text);
   std::vector<PosedFrame> out;
   std::string line;
@@ -82,7 +83,7 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
       return absl::InvalidArgumentError(
           absl::StrCat(where, " is not FRAME X Y Z QX QY QZ QW; write all eight"));
     }
-    if (absl::Status status = files::CheckPose(pose, where); !status.ok()) return status;
+    RETURN_IF_ERROR(files::CheckPose(pose, where));
     out.push_back({std::filesystem::path(path).parent_path() / frame, files::FromMessage(pose)});
   }
   return out;
@@ -90,18 +91,16 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
 
 absl::StatusOr<std::vector<HandEyeSample>> FindTargets(Client& client, const v1::Cell& cell,
                                                        const CheckOptions& options) {
-  const absl::StatusOr<std::vector<PosedFrame>> frames = ReadPoses(options.poses);
-  if (!frames.ok()) return frames.status();
-  const absl::StatusOr<Target> target = LoadTarget(client, ResourceName("objects", options.target));
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const std::vector<PosedFrame> frames, ReadPoses(options.poses));
+  ASSIGN_OR_RETURN(const Target target,
+                   LoadTarget(client, ResourceName("objects", options.target)));
   std::vector<HandEyeSample> out;
-  for (const PosedFrame& frame : *frames) {
-    const absl::StatusOr<StillScan> scan = FrameFrom(frame.frame);
-    if (!scan.ok()) return scan.status();
+  for (const PosedFrame& frame : frames) {
+    ASSIGN_OR_RETURN(const StillScan scan, FrameFrom(frame.frame));
     const absl::StatusOr<DetectedTarget> seen =
         MountOf(cell) == CameraMount::kFixed
-            ? FindGrippedTarget(*target, *scan, files::FromMessage(cell.sensor_pose()), {})
-            : FindTargetOnTable(client, *target, *scan);
+            ? FindGrippedTarget(target, scan, files::FromMessage(cell.sensor_pose()), {})
+            : FindTargetOnTable(client, target, scan);
     if (!seen.ok()) {
       std::fprintf(stderr, "%s: %s\n", frame.frame.c_str(),
                    std::string(seen.status().message()).c_str());
@@ -139,13 +138,11 @@ absl::Status PrintHandEyeJson(const std::vector<HandEyeResidual>& off) {
 
 absl::Status CheckHandEyeOf(bool as_json, Client& client, const v1::Cell& cell,
                             const CheckOptions& options) {
-  const absl::StatusOr<Pose> camera = MountCameraOf(cell);
-  if (!camera.ok()) return camera.status();
-  const auto samples = FindTargets(client, cell, options);
-  if (!samples.ok()) return samples.status();
+  ASSIGN_OR_RETURN(const Pose camera, MountCameraOf(cell));
+  ASSIGN_OR_RETURN(const auto samples, FindTargets(client, cell, options));
   const CameraMount mount = MountOf(cell);
   const std::vector<HandEyeResidual> off =
-      CheckHandEye(*samples, mount, *camera, MeanTarget(*samples, mount, *camera));
+      CheckHandEye(samples, mount, camera, MeanTarget(samples, mount, camera));
   return as_json ? PrintHandEyeJson(off) : PrintHandEye(off);
 }
 
@@ -160,24 +157,22 @@ absl::Status CheckLevel(bool as_json, const v1::Cell& cell, const CheckOptions& 
     return absl::FailedPreconditionError(
         absl::StrCat(cell.name(), " has no sensor pose; run `graspdb cells level` first"));
   }
-  const absl::StatusOr<StillScan> scan = TableFrom(options.frame, options.sensor);
-  if (!scan.ok()) return scan.status();
-  const absl::StatusOr<DetectedTable> table = FindTable(scan->points);
-  if (!table.ok()) return table.status();
-  const LevelError off = LevelErrorOf(*table, files::FromMessage(cell.sensor_pose()));
+  ASSIGN_OR_RETURN(const StillScan scan, TableFrom(options.frame, options.sensor));
+  ASSIGN_OR_RETURN(const DetectedTable table, FindTable(scan.points));
+  const LevelError off = LevelErrorOf(table, files::FromMessage(cell.sensor_pose()));
   if (as_json) {
     google::protobuf::Struct document;
     files::JsonObject(&document).Set(files::Json("height_mm", kMmPerM * off.height_m),
                                      files::Json("tilt_deg", kDegreesPerRadian * off.tilt_rad),
-                                     files::Json("rms_mm", kMmPerM * table->rms_m),
-                                     files::Json("share", table->share));
+                                     files::Json("rms_mm", kMmPerM * table.rms_m),
+                                     files::Json("share", table.share));
     return PrintJson(document);
   }
   std::printf(
       "table: %+.2f mm from z = 0, tilted by %.2f degrees; rms %.2f mm, %.0f %% of the "
       "points\n",
-      kMmPerM * off.height_m, kDegreesPerRadian * off.tilt_rad, kMmPerM * table->rms_m,
-      100 * table->share);
+      kMmPerM * off.height_m, kDegreesPerRadian * off.tilt_rad, kMmPerM * table.rms_m,
+      100 * table.share);
   return absl::OkStatus();
 }
 
@@ -187,14 +182,13 @@ absl::Status Check(const GlobalOptions& global, const CheckOptions& options) {
         "nothing to check; give --frame or --sensor, or --poses with --target, or both"));
   }
   Client client = Connect(global);
-  const absl::StatusOr<v1::Cell> cell = client.GetCell(ResourceName("cells", options.id));
-  if (!cell.ok()) return cell.status();
+  ASSIGN_OR_RETURN(const v1::Cell cell, client.GetCell(ResourceName("cells", options.id)));
   absl::Status status;
   if (!options.frame.empty() || !options.sensor.empty()) {
-    status = CheckLevel(global.json, *cell, options);
+    status = CheckLevel(global.json, cell, options);
   }
   if (status.ok() && !options.poses.empty()) {
-    status = CheckHandEyeOf(global.json, client, *cell, options);
+    status = CheckHandEyeOf(global.json, client, cell, options);
   }
   return status;
 }

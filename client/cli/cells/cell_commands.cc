@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/cell_text.h"
 #include "client/cli/cells/cell_units.h"
@@ -66,7 +67,7 @@ absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
   std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (absl::Status taken = TakeUtf8(path, &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path, &text));
   const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
   if (status.ok()) {
     const absl::Status keys = CheckJsonKeys(text);
@@ -83,7 +84,7 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
   v1::UpdateCellRequest request;
   v1::Cell* cell = request.mutable_cell();
   if (!options.from.empty()) {
-    if (absl::Status status = ReadCell(options.from, cell); !status.ok()) return status;
+    RETURN_IF_ERROR(ReadCell(options.from, cell));
   }
   if (options.has_display_name) cell->set_display_name(options.display_name);
   if (!options.sensor_pose.empty()) SetPose(options.sensor_pose, cell->mutable_sensor_pose());
@@ -99,7 +100,7 @@ absl::StatusOr<v1::UpdateCellRequest> MakeUpdate(const SetOptions& options) {
     cell->mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   }
   if (options.include_drafts) cell->set_include_drafts(*options.include_drafts);
-  if (absl::Status status = CheckCellUnits(*cell); !status.ok()) return status;
+  RETURN_IF_ERROR(CheckCellUnits(*cell));
   cell->set_name(ResourceName("cells", options.id));
   cell->clear_etag();
   auto* mask = request.mutable_update_mask();
@@ -131,11 +132,10 @@ absl::Status PrintCell(const GlobalOptions& global, const absl::StatusOr<v1::Cel
 }
 
 absl::Status ListCells(const GlobalOptions& global) {
-  absl::StatusOr<std::vector<v1::Cell>> cells = Connect(global).ListCells();
-  if (!cells.ok()) return cells.status();
-  for (const v1::Cell& cell : *cells) {
+  ASSIGN_OR_RETURN(std::vector<v1::Cell> cells, Connect(global).ListCells());
+  for (const v1::Cell& cell : cells) {
     if (global.json) {
-      if (absl::Status status = PrintJson(cell); !status.ok()) return status;
+      RETURN_IF_ERROR(PrintJson(cell));
     } else {
       std::printf(
           "%-30s %s%s\n", cell.name().c_str(),
@@ -143,7 +143,7 @@ absl::Status ListCells(const GlobalOptions& global) {
           cell.display_name().empty() ? "" : (", " + PrintableText(cell.display_name())).c_str());
     }
   }
-  if (cells->empty() && !global.json) {
+  if (cells.empty() && !global.json) {
     std::printf("there are no cells; create one with: graspdb cells set NAME\n");
   }
   return absl::OkStatus();
@@ -186,10 +186,9 @@ void AddSetCommand(CLI::App& cells, const GlobalOptions& global, Action* action)
   set->callback([=, &global] {
     options->has_display_name = name->count() > 0;
     *action = [=, &global]() -> absl::Status {
-      absl::StatusOr<v1::UpdateCellRequest> update = MakeUpdate(*options);
-      if (!update.ok()) return update.status();
+      ASSIGN_OR_RETURN(v1::UpdateCellRequest update, MakeUpdate(*options));
       Client client = Connect(global);
-      return PrintCell(global, CreateOrUpdate(client, *update));
+      return PrintCell(global, CreateOrUpdate(client, update));
     };
   });
 }

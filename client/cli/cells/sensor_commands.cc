@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "client/cell/sensors/open_sensor.h"
 #include "client/cell/sensors/simulated_recording.h"
 #include "client/cli/base/camera.h"
@@ -69,7 +70,7 @@ absl::Status List(const GlobalOptions& global) {
     object.Set(files::Json("kind", kind.kind), files::Json("built", kind.is_built),
                files::Json("connected", kind.connected));
     if (!kind.trouble.empty()) object.Set(files::Json("trouble", kind.trouble));
-    if (absl::Status printed = PrintJson(document); !printed.ok()) return printed;
+    RETURN_IF_ERROR(PrintJson(document));
   }
   return absl::OkStatus();
 }
@@ -80,23 +81,19 @@ absl::StatusOr<std::string> Keep(const SensorFrame& frame, const std::filesystem
   if (const auto* image = std::get_if<v1::DepthImage>(&frame.scan)) {
     const files::DepthPngCamera camera = {.intrinsics = files::FromMessage(image->intrinsics()),
                                           .depth_unit_m = files::DepthUnit(*image)};
-    absl::Status status = files::WriteIntrinsics(folder / files::kIntrinsicsFile, camera);
-    if (status.ok()) status = files::WriteDepthPng(folder / (stem + ".png"), *image);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(files::WriteIntrinsics(folder / files::kIntrinsicsFile, camera));
+    RETURN_IF_ERROR(files::WriteDepthPng(folder / (stem + ".png"), *image));
     return stem + ".png";
   }
   const auto& cloud = std::get<v1::PointCloud>(frame.scan);
-  absl::StatusOr<recognition::Points> points = files::PointsFromMessage(cloud);
-  if (!points.ok()) return points.status();
-  const auto count = static_cast<int>(points->size());
+  ASSIGN_OR_RETURN(recognition::Points points, files::PointsFromMessage(cloud));
+  const auto count = static_cast<int>(points.size());
   const int width = cloud.width() > 0 ? cloud.width() : count;
-  const absl::Status status =
-      files::WritePcd(folder / (stem + ".pcd"), {.points = *std::move(points),
-                                                 .normals = {},
-                                                 .width = width,
-                                                 .height = count / width,
-                                                 .sensor_pose = frame.world_sensor});
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(files::WritePcd(folder / (stem + ".pcd"), {.points = std::move(points),
+                                                             .normals = {},
+                                                             .width = width,
+                                                             .height = count / width,
+                                                             .sensor_pose = frame.world_sensor}));
   return stem + ".pcd";
 }
 
@@ -133,28 +130,23 @@ absl::Status Grab(const GlobalOptions& global, const GrabOptions& options) {
     }
     const auto frame = WaitForFrame(**sensor, MonotonicTime::Now() + absl::Seconds(options.wait_s));
     if (!frame.ok()) return NotOfServer(frame.status());
-    const absl::StatusOr<std::string> name = Keep(*frame, options.out, i);
-    if (!name.ok()) return name.status();
+    ASSIGN_OR_RETURN(const std::string name, Keep(*frame, options.out, i));
     absl::Status printed =
-        PrintKept(global.json, absl::StrCat(options.out, "/", *name), (*sensor)->Name());
+        PrintKept(global.json, absl::StrCat(options.out, "/", name), (*sensor)->Name());
     if (!printed.ok() || !WriteOutput()) return printed;
   }
   return absl::OkStatus();
 }
 
 absl::Status WriteFakenect(const GlobalOptions& global, const FakenectOptions& options) {
-  const absl::StatusOr<std::vector<rendering::Workpiece>> parts =
-      rendering::SampleParts(options.parts);
-  if (!parts.ok()) return parts.status();
-  const auto plan =
-      rendering::PlanRandomScenes(*parts, {.stand = {},
-                                           .count = options.scenes,
-                                           .objects_per_scene = options.objects_per_scene,
-                                           .seed = options.seed});
-  if (!plan.ok()) return plan.status();
-  absl::Status written =
-      WriteSimulatedRecording(options.out, *parts, *plan, absl::Seconds(options.hold_s));
-  if (!written.ok()) return written;
+  ASSIGN_OR_RETURN(const std::vector<rendering::Workpiece> parts,
+                   rendering::SampleParts(options.parts));
+  ASSIGN_OR_RETURN(const auto plan, rendering::PlanRandomScenes(
+                                        parts, {.stand = {},
+                                                .count = options.scenes,
+                                                .objects_per_scene = options.objects_per_scene,
+                                                .seed = options.seed}));
+  RETURN_IF_ERROR(WriteSimulatedRecording(options.out, parts, plan, absl::Seconds(options.hold_s)));
   if (global.json) {
     google::protobuf::Struct document;
     files::JsonObject(&document).Set(files::Json("folder", options.out),

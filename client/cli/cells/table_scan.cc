@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "client/cli/base/camera.h"
 #include "files/point_file.h"
 
@@ -15,18 +16,16 @@ constexpr absl::Duration kSensorTimeout = absl::Seconds(10);
 }  // namespace
 
 absl::StatusOr<StillScan> FrameFrom(const std::filesystem::path& path) {
-  absl::StatusOr<files::PointFile> file = files::ReadPointFile(path);
-  if (!file.ok()) return file.status();
-  return StillScan{.points = std::move(file->points), .width = file->image_width()};
+  ASSIGN_OR_RETURN(files::PointFile file, files::ReadPointFile(path));
+  return StillScan{.points = std::move(file.points), .width = file.image_width()};
 }
 
 absl::StatusOr<StillScan> TableFrom(const std::string& frame, const std::string& sensor) {
   if (!frame.empty()) return FrameFrom(frame);
-  const absl::StatusOr<std::unique_ptr<DepthSensor>> camera = OpenCamera(sensor);
-  if (!camera.ok()) return camera.status();
+  ASSIGN_OR_RETURN(const std::unique_ptr<DepthSensor> camera, OpenCamera(sensor));
   const MonotonicTime deadline = MonotonicTime::Now() + kSensorTimeout;
-  AwaitFrames(**camera, deadline);
-  return TakeStillScan(**camera, kTableFrames, deadline);
+  AwaitFrames(*camera, deadline);
+  return TakeStillScan(*camera, kTableFrames, deadline);
 }
 
 }  // namespace graspdb::client

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/archive/archive_export.h"
 #include "client/archive/archive_import.h"
 #include "client/cli/base/counted.h"
@@ -42,9 +43,8 @@ struct CheckedArchive {
 };
 
 absl::StatusOr<CheckedArchive> CheckArchive(const std::string& path) {
-  auto file = files::ArchiveFile::Open(path);
-  if (!file.ok()) return file.status();
-  CheckedArchive out = {.file = *std::move(file), .index = {}};
+  ASSIGN_OR_RETURN(auto file, files::ArchiveFile::Open(path));
+  CheckedArchive out = {.file = std::move(file), .index = {}};
   absl::StatusOr<files::ArchiveIndex> index =
       files::IndexArchive(*out.file, [](std::int64_t /*bytes*/) {
         return Interrupted() ? absl::CancelledError("interrupted; nothing was changed")
@@ -72,12 +72,11 @@ class ArchiveCommand {
         archive_{*checked.file, checked.index} {}
 
   absl::Status Run(const OpenArchive* base) {
-    absl::StatusOr<ArchiveComparison> comparison = Compare(base);
-    if (!comparison.ok()) return comparison.status();
-    if (flags_.dry_run) return PrintComparison(*comparison);
-    if (absl::Status resolved = CheckConflicts(*comparison); !resolved.ok()) return resolved;
-    if (absl::Status open = CheckResume(*comparison); !open.ok()) return open;
-    return Import(*comparison);
+    ASSIGN_OR_RETURN(ArchiveComparison comparison, Compare(base));
+    if (flags_.dry_run) return PrintComparison(comparison);
+    RETURN_IF_ERROR(CheckConflicts(comparison));
+    RETURN_IF_ERROR(CheckResume(comparison));
+    return Import(comparison);
   }
 
  private:
@@ -98,8 +97,7 @@ class ArchiveCommand {
 
   absl::Status PrintComparison(const ArchiveComparison& comparison) const {
     if (global_.json) {
-      absl::Status printed = PrintJson(ComparisonDocument(archive_.index, comparison));
-      if (!printed.ok()) return printed;
+      RETURN_IF_ERROR(PrintJson(ComparisonDocument(archive_.index, comparison)));
     } else {
       std::fputs(ComparisonText(archive_.index, comparison).c_str(), stdout);
     }
@@ -145,16 +143,15 @@ class ArchiveCommand {
     const UploadWatch watch = {
         .report = [&](std::size_t done) { progress.Report(static_cast<int>(done), total); },
         .cancelled = Interrupted};
-    const absl::StatusOr<ArchiveImportCounts> counts =
-        ImportArchive(client_, archive_, comparison, {.outcomes = !flags_.no_outcomes}, watch);
-    if (!counts.ok()) return counts.status();
-    const absl::StatusOr<v1::CatalogStatus> status = client_.GetCatalogStatus();
-    if (!status.ok()) return status.status();
+    ASSIGN_OR_RETURN(
+        const ArchiveImportCounts counts,
+        ImportArchive(client_, archive_, comparison, {.outcomes = !flags_.no_outcomes}, watch));
+    ASSIGN_OR_RETURN(const v1::CatalogStatus status, client_.GetCatalogStatus());
     if (global_.json) {
-      return PrintJson(ResultDocument(archive_.index, comparison, *counts, *status));
+      return PrintJson(ResultDocument(archive_.index, comparison, counts, status));
     }
-    std::fputs(ResultText(comparison, *counts, *status).c_str(), stdout);
-    return counts->created_views == 0 ? absl::OkStatus() : NoteLookAlikes(client_, "", *status);
+    std::fputs(ResultText(comparison, counts, status).c_str(), stdout);
+    return counts.created_views == 0 ? absl::OkStatus() : NoteLookAlikes(client_, "", status);
   }
 
   const GlobalOptions& global_;
@@ -191,15 +188,14 @@ absl::Status RunArchiveExport(const GlobalOptions& global, const std::string& pa
                                    progress.Report(static_cast<int>(done), static_cast<int>(total));
                                  },
                              .cancelled = Interrupted};
-  const absl::StatusOr<ExportResult> result =
-      ExportArchive(client, ObjectNames(object_ids), path, watch);
-  if (!result.ok()) return result.status();
-  const v1::ArchiveEnd& end = result->end;
-  if (end.catalog_revision() != result->header.catalog_revision()) {
+  ASSIGN_OR_RETURN(const ExportResult result,
+                   ExportArchive(client, ObjectNames(object_ids), path, watch));
+  const v1::ArchiveEnd& end = result.end;
+  if (end.catalog_revision() != result.header.catalog_revision()) {
     std::fprintf(stderr,
                  "the catalogue changed from revision %lld to %lld meanwhile; %s may have some of "
                  "these changes without others\n",
-                 static_cast<long long>(result->header.catalog_revision()),
+                 static_cast<long long>(result.header.catalog_revision()),
                  static_cast<long long>(end.catalog_revision()), path.c_str());
   }
   if (global.json) return PrintJson(end);
@@ -210,13 +206,11 @@ absl::Status RunArchiveExport(const GlobalOptions& global, const std::string& pa
 }
 
 absl::Status RunArchiveImport(const GlobalOptions& global, const ArchiveImportFlags& flags) {
-  const absl::StatusOr<CheckedArchive> checked = CheckArchive(flags.path);
-  if (!checked.ok()) return checked.status();
-  if (flags.base.empty()) return ArchiveCommand(global, flags, *checked).Run(nullptr);
-  const absl::StatusOr<CheckedArchive> base = CheckArchive(flags.base);
-  if (!base.ok()) return base.status();
-  const OpenArchive open = {*base->file, base->index};
-  return ArchiveCommand(global, flags, *checked).Run(&open);
+  ASSIGN_OR_RETURN(const CheckedArchive checked, CheckArchive(flags.path));
+  if (flags.base.empty()) return ArchiveCommand(global, flags, checked).Run(nullptr);
+  ASSIGN_OR_RETURN(const CheckedArchive base, CheckArchive(flags.base));
+  const OpenArchive open = {*base.file, base.index};
+  return ArchiveCommand(global, flags, checked).Run(&open);
 }
 
 }  // namespace graspdb::client

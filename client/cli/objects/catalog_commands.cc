@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "base/status_macros.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
 #include "client/cli/objects/commands.h"
@@ -30,17 +31,16 @@ void PrintObject(const v1::Object& object) {
 
 absl::Status ListObjects(const GlobalOptions& global, bool deleted) {
   Client client = Connect(global);
-  absl::StatusOr<std::vector<v1::Object>> objects =
-      deleted ? client.ListDeletedObjects() : client.ListObjects();
-  if (!objects.ok()) return objects.status();
-  for (const v1::Object& object : *objects) {
+  ASSIGN_OR_RETURN(std::vector<v1::Object> objects,
+                   deleted ? client.ListDeletedObjects() : client.ListObjects());
+  for (const v1::Object& object : objects) {
     if (global.json) {
-      if (absl::Status status = PrintJson(object); !status.ok()) return status;
+      RETURN_IF_ERROR(PrintJson(object));
     } else {
       PrintObject(object);
     }
   }
-  if (objects->empty() && !global.json && !deleted) {
+  if (objects.empty() && !global.json && !deleted) {
     std::printf("the catalogue is empty; teach it with: graspdb import SET\n");
   }
   return absl::OkStatus();
@@ -66,16 +66,13 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
 
 absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
   Client client = Connect(global);
-  absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
-  if (!object.ok()) return object.status();
-  if (global.json) return PrintJson(*object);
-  PrintObject(*object);
-  absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object->name());
-  if (!poses.ok()) return poses.status();
-  for (const v1::StablePose& pose : *poses) {
-    absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
-    if (!views.ok()) return views.status();
-    PrintStablePose(pose, views->size());
+  ASSIGN_OR_RETURN(v1::Object object, client.GetObject(ResourceName("objects", id)));
+  if (global.json) return PrintJson(object);
+  PrintObject(object);
+  ASSIGN_OR_RETURN(std::vector<v1::StablePose> poses, client.ListStablePoses(object.name()));
+  for (const v1::StablePose& pose : poses) {
+    ASSIGN_OR_RETURN(std::vector<v1::View> views, client.ListViews(pose.name()));
+    PrintStablePose(pose, views.size());
   }
   return absl::OkStatus();
 }
@@ -116,10 +113,9 @@ absl::Status SetObject(const GlobalOptions& global, const ObjectChange& change) 
     return WrongUsage(
         absl::InvalidArgumentError("nothing to set; give --display-name, --labels or --no-labels"));
   }
-  absl::StatusOr<v1::Object> object = Connect(global).UpdateObject(request);
-  if (!object.ok()) return object.status();
-  if (global.json) return PrintJson(*object);
-  PrintObject(*object);
+  ASSIGN_OR_RETURN(v1::Object object, Connect(global).UpdateObject(request));
+  if (global.json) return PrintJson(object);
+  PrintObject(object);
   return absl::OkStatus();
 }
 
@@ -142,10 +138,10 @@ void AddSetCommand(CLI::App& objects, const GlobalOptions& global, Action* actio
 }
 
 absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
-  const auto found = Connect(global).FindLookAlikes(id.empty() ? "" : ResourceName("objects", id));
-  if (!found.ok()) return found.status();
-  if (global.json) return PrintJson(*found);
-  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/true);
+  ASSIGN_OR_RETURN(const auto found,
+                   Connect(global).FindLookAlikes(id.empty() ? "" : ResourceName("objects", id)));
+  if (global.json) return PrintJson(found);
+  const std::vector<std::string> notes = LookAlikesText(found, /*nearly_too=*/true);
   for (const std::string& note : notes) std::printf("%s\n", note.c_str());
   if (notes.empty()) std::printf("no look-alikes found\n");
   return absl::OkStatus();
@@ -195,30 +191,29 @@ void PrintServerState(const v1::ServerState& state) {
 }
 
 absl::Status ShowStatus(const GlobalOptions& global) {
-  absl::StatusOr<v1::CatalogStatus> status = Connect(global).GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (global.json) return PrintJson(*status);
+  ASSIGN_OR_RETURN(v1::CatalogStatus status, Connect(global).GetCatalogStatus());
+  if (global.json) return PrintJson(status);
   std::printf("server      %s, version %s, up %.0f s\n", global.server.c_str(),
-              status->server_version().c_str(), status->uptime_s());
-  std::printf("catalogue   %s, %s, %s\n", Counted(status->object_count(), "object").c_str(),
-              Counted(status->stable_pose_count(), "stable pose").c_str(),
-              Counted(status->view_count(), "view").c_str());
-  std::printf("revision    %lld\n", static_cast<long long>(status->catalog_revision()));
-  if (!status->catalog_id().empty()) {
-    std::printf("catalog id  %s\n", status->catalog_id().c_str());
+              status.server_version().c_str(), status.uptime_s());
+  std::printf("catalogue   %s, %s, %s\n", Counted(status.object_count(), "object").c_str(),
+              Counted(status.stable_pose_count(), "stable pose").c_str(),
+              Counted(status.view_count(), "view").c_str());
+  std::printf("revision    %lld\n", static_cast<long long>(status.catalog_revision()));
+  if (!status.catalog_id().empty()) {
+    std::printf("catalog id  %s\n", status.catalog_id().c_str());
   }
   std::printf("picks       %lld picked, %lld missed, %lld slipped\n",
-              static_cast<long long>(status->picked_count()),
-              static_cast<long long>(status->missed_count()),
-              static_cast<long long>(status->slipped_count()));
-  std::printf("descriptor  %s\n", status->descriptor_name().c_str());
-  std::printf("index       %s\n", IndexText(*status).c_str());
-  std::printf("memory      %s\n", MemoryText(status->memory()).c_str());
-  if (status->has_backup()) std::printf("backups     %s\n", BackupsText(status->backup()).c_str());
-  if (status->has_server_state()) PrintServerState(status->server_state());
-  std::printf("models      %s\n", CacheText(status->model_cache()).c_str());
-  std::printf("clouds      %s\n", CacheText(status->cloud_cache()).c_str());
-  const std::string advice = CacheAdvice(status->model_cache());
+              static_cast<long long>(status.picked_count()),
+              static_cast<long long>(status.missed_count()),
+              static_cast<long long>(status.slipped_count()));
+  std::printf("descriptor  %s\n", status.descriptor_name().c_str());
+  std::printf("index       %s\n", IndexText(status).c_str());
+  std::printf("memory      %s\n", MemoryText(status.memory()).c_str());
+  if (status.has_backup()) std::printf("backups     %s\n", BackupsText(status.backup()).c_str());
+  if (status.has_server_state()) PrintServerState(status.server_state());
+  std::printf("models      %s\n", CacheText(status.model_cache()).c_str());
+  std::printf("clouds      %s\n", CacheText(status.cloud_cache()).c_str());
+  const std::string advice = CacheAdvice(status.model_cache());
   if (!advice.empty()) std::printf("            %s\n", advice.c_str());
   return absl::OkStatus();
 }

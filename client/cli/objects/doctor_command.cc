@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/commands.h"
 #include "client/cli/objects/doctor_checks.h"
@@ -71,9 +72,7 @@ absl::StatusOr<OpenUpload> Doctor::OpenUploadOf(const std::string& stable_pose) 
   if (!open_uploads_) {
     open_uploads_.emplace();
     // Again, since an import may have begun meanwhile: it makes the stable poses first.
-    auto uploads = client_.ListUploads();
-    if (!uploads.ok()) return uploads.status();
-    uploads_ = *std::move(uploads);
+    ASSIGN_OR_RETURN(uploads_, client_.ListUploads());
     for (const v1::Upload& upload : uploads_) {
       if (upload.state() != v1::UPLOAD_STATE_OPEN) continue;
       if (IsInProgress(upload, absl::Now())) in_progress_ = upload.name();
@@ -92,35 +91,31 @@ absl::StatusOr<OpenUpload> Doctor::OpenUploadOf(const std::string& stable_pose) 
 }
 
 absl::Status Doctor::CheckPoses(const v1::Object& object) {
-  const auto poses = client_.ListStablePoses(object.name());
-  if (!poses.ok()) return poses.status();
-  CheckObject(object, *poses, &out_);
-  for (const v1::StablePose& pose : *poses) {
-    const auto views = client_.ListViews(pose.name());
-    if (!views.ok()) return views.status();
+  ASSIGN_OR_RETURN(const auto poses, client_.ListStablePoses(object.name()));
+  CheckObject(object, poses, &out_);
+  for (const v1::StablePose& pose : poses) {
+    ASSIGN_OR_RETURN(const auto views, client_.ListViews(pose.name()));
     absl::StatusOr<OpenUpload> upload = OpenUpload();
-    if (views->empty()) {
+    if (views.empty()) {
       upload = OpenUploadOf(pose.name());
       if (!upload.ok()) return upload.status();
     } else {
       poses_[pose.name()] = pose;
     }
-    CheckStablePose(pose, views->size(), *upload, &out_);
-    CheckThreshold(pose, *views, &out_);
+    CheckStablePose(pose, views.size(), *upload, &out_);
+    CheckThreshold(pose, views, &out_);
   }
   return absl::OkStatus();
 }
 
 absl::Status Doctor::CheckObjects() {
-  const auto objects = client_.ListObjects();
-  if (!objects.ok()) return objects.status();
-  for (const v1::Object& object : *objects) {
+  ASSIGN_OR_RETURN(const auto objects, client_.ListObjects());
+  for (const v1::Object& object : objects) {
     labels_.insert(object.labels().begin(), object.labels().end());
-    if (absl::Status checked = CheckPoses(object); !checked.ok()) return checked;
+    RETURN_IF_ERROR(CheckPoses(object));
   }
-  const auto alike = client_.FindLookAlikes("");
-  if (!alike.ok()) return alike.status();
-  for (std::string& text : LookAlikesText(*alike, /*nearly_too=*/false)) {
+  ASSIGN_OR_RETURN(const auto alike, client_.FindLookAlikes(""));
+  for (std::string& text : LookAlikesText(alike, /*nearly_too=*/false)) {
     out_.push_back({Severity::kWarning, "catalogue", std::move(text)});
   }
   return options_.thresholds ? CheckProposals() : absl::OkStatus();
@@ -151,9 +146,8 @@ absl::Status Doctor::CheckState(const v1::CatalogStatus& status, absl::Time befo
   CheckBackups(status, &out_);
   CheckDisks(status, &out_);
   if (const std::string& cert = global_.security.cert; !cert.empty()) {
-    const auto end = CertificateEnd({"--cert", cert});
-    if (!end.ok()) return end.status();
-    CheckCertificate("client", "--cert", *end, now, &out_);
+    ASSIGN_OR_RETURN(const auto end, CertificateEnd({"--cert", cert}));
+    CheckCertificate("client", "--cert", end, now, &out_);
   }
   if (!status.has_server_state()) return absl::OkStatus();  // an older server
   const v1::ServerState& state = status.server_state();
@@ -182,27 +176,22 @@ void Doctor::CheckStreams() {
 
 absl::Status Doctor::CheckAll() {
   const absl::Time before = absl::Now();
-  const auto status = client_.GetCatalogStatus();
-  if (!status.ok()) return status.status();
-  if (absl::Status checked = CheckState(*status, before); !checked.ok()) return checked;
+  ASSIGN_OR_RETURN(const auto status, client_.GetCatalogStatus());
+  RETURN_IF_ERROR(CheckState(status, before));
   CheckStreams();
-  auto uploads = client_.ListUploads();
-  if (!uploads.ok()) return uploads.status();
-  uploads_ = *std::move(uploads);
-  if (absl::Status checked = CheckObjects(); !checked.ok()) return checked;
-  const auto cells = client_.ListCells();
-  if (!cells.ok()) return cells.status();
-  for (const v1::Cell& cell : *cells) {
+  ASSIGN_OR_RETURN(uploads_, client_.ListUploads());
+  RETURN_IF_ERROR(CheckObjects());
+  ASSIGN_OR_RETURN(const auto cells, client_.ListCells());
+  for (const v1::Cell& cell : cells) {
     CheckCell(cell, &out_);
     CheckCameraView(cell, &out_);
     CheckMinScore(cell, &out_);
     CheckLabels(cell, labels_, &out_);
   }
   for (const v1::Upload& upload : uploads_) CheckUpload(upload, absl::Now(), &out_);
-  if (!status->has_server_state()) return absl::OkStatus();
-  const auto later = client_.GetCatalogStatus();
-  if (!later.ok()) return later.status();
-  CheckIndex(*status, *later, &out_);
+  if (!status.has_server_state()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto later, client_.GetCatalogStatus());
+  CheckIndex(status, later, &out_);
   return absl::OkStatus();
 }
 
@@ -225,7 +214,7 @@ absl::Status RunDoctor(const GlobalOptions& global, const DoctorOptions& options
   absl::Status checked = doctor.CheckAll();
   std::size_t serious = 0;
   for (const Finding& finding : doctor.findings()) {
-    if (absl::Status printed = Print(global, finding); !printed.ok()) return printed;
+    RETURN_IF_ERROR(Print(global, finding));
     serious += finding.severity == Severity::kAdvice ? 0 : 1;
   }
   if (!checked.ok()) return checked;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/counted.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/archive_commands.h"
@@ -35,18 +36,16 @@ absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet
   v1::CapturedObject* captured = set->add_objects();
   captured->set_object_id(IdOf(object.name()));
   captured->set_display_name(object.display_name());
-  absl::StatusOr<std::vector<v1::StablePose>> poses = client.ListStablePoses(object.name());
-  if (!poses.ok()) return poses.status();
-  for (const v1::StablePose& pose : *poses) {
+  ASSIGN_OR_RETURN(std::vector<v1::StablePose> poses, client.ListStablePoses(object.name()));
+  for (const v1::StablePose& pose : poses) {
     v1::CapturedStablePose* captured_pose = captured->add_stable_poses();
     captured_pose->set_stable_pose_id(IdOf(pose.name()));
     if (pose.has_symmetry_order()) captured_pose->set_symmetry_order(pose.symmetry_order());
     if (pose.has_min_score()) captured_pose->set_min_score(pose.min_score());
     if (pose.has_mesh_pose()) *captured_pose->mutable_mesh_pose() = pose.mesh_pose();
     *captured_pose->mutable_grasps() = pose.grasps();
-    absl::StatusOr<std::vector<v1::View>> views = client.ListViews(pose.name());
-    if (!views.ok()) return views.status();
-    for (const v1::View& view : *views) {
+    ASSIGN_OR_RETURN(std::vector<v1::View> views, client.ListViews(pose.name()));
+    for (const v1::View& view : views) {
       entries->push_back({IdOf(object.name()), IdOf(pose.name()), view.name()});
     }
   }
@@ -55,23 +54,21 @@ absl::Status ListObject(Client& client, const v1::Object& object, v1::CaptureSet
 
 absl::Status WriteView(Client& client, const Entry& entry, files::CaptureSetWriter* writer,
                        v1::Capture* capture) {
-  absl::StatusOr<v1::View> view = client.GetView(entry.view);
-  if (!view.ok()) return view.status();
-  absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
-  if (!points.ok()) return points.status();
+  ASSIGN_OR_RETURN(v1::View view, client.GetView(entry.view));
+  ASSIGN_OR_RETURN(recognition::Points points, files::PointsFromMessage(view.cloud()));
   files::PointFile file;
-  file.points = *std::move(points);
+  file.points = std::move(points);
   file.width = static_cast<int>(file.points.size());
   file.height = 1;
-  file.sensor_pose = files::FromMessage(view->sensor_pose());
+  file.sensor_pose = files::FromMessage(view.sensor_pose());
   const std::string path = absl::StrCat("clouds/", entry.object_id, "/", entry.stable_pose_id, "_",
                                         IdOf(entry.view), ".pcd");
   capture->set_path(path);
   capture->set_split(v1::Capture::TEACH);
   capture->set_object_id(entry.object_id);
   capture->set_stable_pose_id(entry.stable_pose_id);
-  *capture->mutable_object_pose() = view->object_pose();
-  *capture->mutable_sensor_pose() = view->sensor_pose();
+  *capture->mutable_object_pose() = view.object_pose();
+  *capture->mutable_sensor_pose() = view.sensor_pose();
   capture->set_segmented(true);
   capture->set_view_id(IdOf(entry.view));
   return writer->AddCloud(path, file);
@@ -85,30 +82,25 @@ absl::Status RunExport(const GlobalOptions& global, const ExportOptions& options
   Client client = Connect(global);
   std::vector<v1::Object> objects;
   if (options.objects.empty()) {
-    absl::StatusOr<std::vector<v1::Object>> all = client.ListObjects();
-    if (!all.ok()) return all.status();
-    objects = *std::move(all);
+    ASSIGN_OR_RETURN(objects, client.ListObjects());
   }
   for (const std::string& id : options.objects) {
-    absl::StatusOr<v1::Object> object = client.GetObject(ResourceName("objects", id));
-    if (!object.ok()) return object.status();
-    objects.push_back(*std::move(object));
+    ASSIGN_OR_RETURN(v1::Object object, client.GetObject(ResourceName("objects", id)));
+    objects.push_back(std::move(object));
   }
   v1::CaptureSet set;
   std::vector<Entry> entries;
   for (const v1::Object& object : objects) {
-    absl::Status status = ListObject(client, object, &set, &entries);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(ListObject(client, object, &set, &entries));
   }
   files::CaptureSetWriter writer(options.folder);
   ProgressLine progress;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (Interrupted()) return absl::CancelledError("interrupted; captures.json was not written");
-    absl::Status status = WriteView(client, entries[i], &writer, set.add_captures());
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(WriteView(client, entries[i], &writer, set.add_captures()));
     progress.Report(static_cast<int>(i + 1), static_cast<int>(entries.size()));
   }
-  if (absl::Status status = writer.Finish(set); !status.ok()) return status;
+  RETURN_IF_ERROR(writer.Finish(set));
   std::printf("wrote %s of %s to %s\n", Counted(entries.size(), "view").c_str(),
               Counted(objects.size(), "object").c_str(), options.folder.c_str());
   return absl::OkStatus();

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "base/status_macros.h"
 #include "client/cli/objects/commands.h"
 
 namespace graspdb::client {
@@ -45,16 +46,16 @@ std::string EditText(const v1::ResourceEdit& edit) {
 }
 
 absl::Status ShowHistory(const GlobalOptions& global, const std::string& id) {
-  const auto revisions = Connect(global).ListObjectRevisions(ResourceName("objects", id));
-  if (!revisions.ok()) return revisions.status();
-  for (const v1::ObjectRevision& revision : *revisions) {
+  ASSIGN_OR_RETURN(const auto revisions,
+                   Connect(global).ListObjectRevisions(ResourceName("objects", id)));
+  for (const v1::ObjectRevision& revision : revisions) {
     if (global.json) {
-      if (absl::Status status = PrintJson(revision); !status.ok()) return status;
+      RETURN_IF_ERROR(PrintJson(revision));
     } else {
       std::printf("%s", RevisionText(revision).c_str());
     }
   }
-  if (revisions->empty() && !global.json) std::printf("no changes are kept\n");
+  if (revisions.empty() && !global.json) std::printf("no changes are kept\n");
   return absl::OkStatus();
 }
 
@@ -81,10 +82,9 @@ absl::Status SetRelease(const GlobalOptions& global, const ReleaseOptions& optio
   request.mutable_stable_pose()->set_name(absl::StrCat(name, "/stablePoses/", options.stable_pose));
   request.mutable_stable_pose()->set_release(release);
   request.mutable_update_mask()->add_paths("release");
-  const auto pose = client.UpdateStablePose(request);
-  if (!pose.ok()) return pose.status();
-  if (global.json) return PrintJson(*pose);
-  std::printf("%s %s\n", state, pose->name().c_str());
+  ASSIGN_OR_RETURN(const auto pose, client.UpdateStablePose(request));
+  if (global.json) return PrintJson(pose);
+  std::printf("%s %s\n", state, pose.name().c_str());
   return absl::OkStatus();
 }
 

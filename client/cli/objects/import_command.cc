@@ -7,6 +7,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/base/taught_report.h"
@@ -36,18 +37,17 @@ struct ImportOptions {
 // Reads a capture into a request that teaches it as a view.
 absl::Status ReadView(const std::filesystem::path& folder, const v1::CaptureSet& set,
                       const v1::Capture& capture, v1::UploadViewsRequest* request) {
-  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(folder / capture.path());
-  if (!file.ok()) return file.status();
+  ASSIGN_OR_RETURN(files::ScanFile file, files::ReadScanFile(folder / capture.path()));
   request->set_parent(StablePoseName(capture.object_id(), capture.stable_pose_id()));
   request->set_view_id(capture.view_id());
   v1::View* view = request->mutable_view();
-  files::SetScan(std::move(file->scan), view);
+  files::SetScan(std::move(file.scan), view);
   view->set_segmented(capture.segmented());
   if (capture.has_object_pose()) *view->mutable_object_pose() = capture.object_pose();
   if (capture.has_sensor_pose()) {
     *view->mutable_sensor_pose() = capture.sensor_pose();
-  } else if (file->sensor_pose) {
-    *view->mutable_sensor_pose() = files::ToMessage(*file->sensor_pose);
+  } else if (file.sensor_pose) {
+    *view->mutable_sensor_pose() = files::ToMessage(*file.sensor_pose);
   }
   if (set.has_region_of_interest()) {
     *request->mutable_region_of_interest() = set.region_of_interest();
@@ -101,24 +101,22 @@ class Import {
   }
 
   absl::StatusOr<BulkUploadResult> Run() {
-    absl::Status parents = CreateParents(client_, {set_.objects().begin(), set_.objects().end()});
-    if (!parents.ok()) return parents;
+    RETURN_IF_ERROR(CreateParents(client_, {set_.objects().begin(), set_.objects().end()}));
     return TeachInBulk(client_, views_, {.upload_id = upload_id_, .atomic = options_.atomic},
                        watch_);
   }
 
   // Prints what Run() would do.
   absl::Status PrintPlan() {
-    const auto plan = PlanUpload(client_, views_, upload_id_, watch_);
-    if (!plan.ok()) return plan.status();
+    ASSIGN_OR_RETURN(const auto plan, PlanUpload(client_, views_, upload_id_, watch_));
     std::printf("would send %zu views%s; %zu are in the catalogue already, %zu were sent before",
-                plan->new_count, options_.replace ? ", replacing those of the same id" : "",
-                plan->existing_count, plan->staged_count);
-    if (plan->repeated_count > 0) {
-      std::printf(", %zu have the content of others", plan->repeated_count);
+                plan.new_count, options_.replace ? ", replacing those of the same id" : "",
+                plan.existing_count, plan.staged_count);
+    if (plan.repeated_count > 0) {
+      std::printf(", %zu have the content of others", plan.repeated_count);
     }
     std::printf("\n");
-    return FailureOf(plan->unreadable, "read");
+    return FailureOf(plan.unreadable, "read");
   }
 
   // Prints the failed views; an error if there are any.
@@ -145,21 +143,19 @@ class Import {
 };
 
 absl::Status RunImport(const GlobalOptions& global, const ImportOptions& options) {
-  absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(options.folder);
-  if (!set.ok()) return set.status();
+  ASSIGN_OR_RETURN(v1::CaptureSet set, files::LoadCaptureSet(options.folder));
   Client client = Connect(global);
-  Import import(client, options, *set);
-  if (absl::Status status = import.Check(); !status.ok()) return status;
+  Import import(client, options, set);
+  RETURN_IF_ERROR(import.Check());
   if (options.dry_run) return import.PrintPlan();
-  const absl::StatusOr<BulkUploadResult> result = import.Run();
-  if (!result.ok()) return result.status();
-  const UploadCounts& counts = result->counts;
-  const absl::StatusOr<v1::CatalogStatus> status =
-      ReportTaught(global, client, {.created = counts.created, .existing = counts.existing});
-  if (!status.ok()) return status.status();
-  if (absl::Status failed = import.FailureOf(result->failed, "taught"); !failed.ok()) return failed;
+  ASSIGN_OR_RETURN(const BulkUploadResult result, import.Run());
+  const UploadCounts& counts = result.counts;
+  ASSIGN_OR_RETURN(
+      const v1::CatalogStatus status,
+      ReportTaught(global, client, {.created = counts.created, .existing = counts.existing}));
+  RETURN_IF_ERROR(import.FailureOf(result.failed, "taught"));
   if (global.json || counts.created == 0) return absl::OkStatus();
-  return NoteLookAlikes(client, "", *status);
+  return NoteLookAlikes(client, "", status);
 }
 
 constexpr char kImportFooter[] =

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 
 namespace graspdb::client {
@@ -21,9 +22,8 @@ absl::Status NoteLookAlikes(Client& client, const std::string& object,
     std::fprintf(stderr, "note: find look-alikes with: graspdb objects check\n");
     return absl::OkStatus();
   }
-  const auto found = client.FindLookAlikes(object);
-  if (!found.ok()) return found.status();
-  const std::vector<std::string> notes = LookAlikesText(*found, /*nearly_too=*/false);
+  ASSIGN_OR_RETURN(const auto found, client.FindLookAlikes(object));
+  const std::vector<std::string> notes = LookAlikesText(found, /*nearly_too=*/false);
   for (std::size_t i = 0; i < std::min(notes.size(), kShownNotes); ++i) {
     std::fprintf(stderr, "note: %s\n", notes[i].c_str());
   }

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/commands.h"
 
@@ -36,9 +37,9 @@ absl::Status Apply(Client& client, const v1::ThresholdProposal& proposal) {
 
 absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOptions& options) {
   Client client = Connect(global);
-  const auto found = Propose(client, options.id.empty() ? "" : ResourceName("objects", options.id));
-  if (!found.ok()) return found.status();
-  for (const v1::ThresholdProposal& proposal : found->proposals()) {
+  ASSIGN_OR_RETURN(const auto found,
+                   Propose(client, options.id.empty() ? "" : ResourceName("objects", options.id)));
+  for (const v1::ThresholdProposal& proposal : found.proposals()) {
     if (!global.json) std::printf("%s\n", ThresholdText(proposal).c_str());
     if (!options.apply) continue;
     absl::Status applied = Apply(client, proposal);
@@ -48,8 +49,8 @@ absl::Status ProposeThresholds(const GlobalOptions& global, const ThresholdsOpti
                                       "thresholds: ", applied.message()));
     }
   }
-  if (global.json) return PrintJson(*found);
-  if (found->proposals().empty()) {
+  if (global.json) return PrintJson(found);
+  if (found.proposals().empty()) {
     std::printf("there are no views to evaluate; teach some with: graspdb import SET\n");
   } else if (!options.apply) {
     std::printf("nothing was changed; --apply sets these thresholds\n");

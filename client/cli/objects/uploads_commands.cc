@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/objects/commands.h"
 
 namespace graspdb::client {
@@ -34,23 +35,20 @@ absl::Status Print(const GlobalOptions& global, const v1::Upload& upload) {
 }
 
 absl::Status ListUploads(const GlobalOptions& global) {
-  const auto uploads = Connect(global).ListUploads();
-  if (!uploads.ok()) return uploads.status();
-  for (const v1::Upload& upload : *uploads) {
-    if (absl::Status printed = Print(global, upload); !printed.ok()) return printed;
+  ASSIGN_OR_RETURN(const auto uploads, Connect(global).ListUploads());
+  for (const v1::Upload& upload : uploads) {
+    RETURN_IF_ERROR(Print(global, upload));
   }
-  if (uploads->empty() && !global.json) std::printf("there are no uploads\n");
+  if (uploads.empty() && !global.json) std::printf("there are no uploads\n");
   return absl::OkStatus();
 }
 
 absl::Status ShowUpload(const GlobalOptions& global, const std::string& id) {
   Client client = Connect(global);
-  const auto upload = client.GetUpload(ResourceName("uploads", id));
-  if (!upload.ok()) return upload.status();
-  if (absl::Status printed = Print(global, *upload); !printed.ok()) return printed;
-  const auto views = client.ListUploadViews(upload->name());
-  if (!views.ok()) return views.status();
-  for (const v1::UploadView& view : *views) {
+  ASSIGN_OR_RETURN(const auto upload, client.GetUpload(ResourceName("uploads", id)));
+  RETURN_IF_ERROR(Print(global, upload));
+  ASSIGN_OR_RETURN(const auto views, client.ListUploadViews(upload.name()));
+  for (const v1::UploadView& view : views) {
     if (!view.has_error() || global.json) continue;
     std::printf("  %s: %s\n", view.name().c_str(), view.error().message().c_str());
   }
@@ -61,8 +59,8 @@ absl::Status CommitUpload(const GlobalOptions& global, const std::string& id, bo
   v1::CommitUploadRequest request;
   request.set_name(ResourceName("uploads", id));
   request.set_skip_failed(skip_failed);
-  const auto upload = Connect(global).CommitUpload(request);
-  return upload.ok() ? Print(global, *upload) : upload.status();
+  ASSIGN_OR_RETURN(const auto upload, Connect(global).CommitUpload(request));
+  return Print(global, upload);
 }
 
 absl::Status DeleteUpload(const GlobalOptions& global, const std::string& id) {

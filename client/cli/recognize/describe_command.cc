@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/recognize/commands.h"
 #include "files/point_file.h"
 #include "recognition/descriptors/descriptor.h"
@@ -66,10 +67,9 @@ absl::Status PrintDescription(const GlobalOptions& global, const DescribeOptions
 }
 
 absl::Status RunDescribe(const GlobalOptions& global, const DescribeOptions& options) {
-  absl::StatusOr<files::PointFile> file = files::ReadPointFile(options.file);
-  if (!file.ok()) return file.status();
+  ASSIGN_OR_RETURN(files::PointFile file, files::ReadPointFile(options.file));
   const Eigen::Vector3d viewpoint(options.viewpoint[0], options.viewpoint[1], options.viewpoint[2]);
-  const recognition::OrientedCloud cloud = OrientedCloudOf(*file, viewpoint);
+  const recognition::OrientedCloud cloud = OrientedCloudOf(file, viewpoint);
   absl::StatusOr<recognition::Descriptor> bins =
       recognition::Describe(cloud, viewpoint, *recognition::DescriptorFromName(options.descriptor));
   if (!bins.ok()) {

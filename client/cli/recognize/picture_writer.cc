@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/recognize/scoreboard.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
@@ -63,10 +64,9 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
     return absl::FailedPreconditionError(
         absl::StrCat("cannot make the folder ", folder.string(), ": ", error.message()));
   }
-  absl::StatusOr<recognition::Points> scan = request.has_depth_image()
+  ASSIGN_OR_RETURN(recognition::Points scan, request.has_depth_image()
                                                  ? files::PointsFromMessage(request.depth_image())
-                                                 : files::PointsFromMessage(request.cloud());
-  if (!scan.ok()) return scan.status();
+                                                 : files::PointsFromMessage(request.cloud()));
   const v1::Detection* detection = MainDetection(task, response);
   pictures::MatchPicture picture;
   picture.caption = Caption(task, response, detection);
@@ -76,7 +76,7 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
     center = {detection->centroid().x(), detection->centroid().y(), detection->centroid().z()};
   }
   picture.center = center;
-  picture.scan = CutOut(*scan, picture.world_sensor, center);
+  picture.scan = CutOut(scan, picture.world_sensor, center);
   if (response.world_frame_source() != v1::WORLD_FRAME_SOURCE_SENSOR) {
     const auto table = std::stable_partition(picture.scan.begin(), picture.scan.end(),
                                              [](const auto& p) { return p.z() > kTableHeight; });
@@ -84,13 +84,11 @@ absl::Status WritePicture(Client& client, const std::filesystem::path& folder, c
     picture.scan.erase(table, picture.scan.end());
   }
   if (detection != nullptr && !detection->view().empty()) {
-    absl::StatusOr<v1::View> view = client.GetView(detection->view());
-    if (!view.ok()) return view.status();
-    absl::StatusOr<recognition::Points> points = files::PointsFromMessage(view->cloud());
-    if (!points.ok()) return points.status();
-    const recognition::Pose world_object = files::FromMessage(view->object_pose());
+    ASSIGN_OR_RETURN(v1::View view, client.GetView(detection->view()));
+    ASSIGN_OR_RETURN(recognition::Points points, files::PointsFromMessage(view.cloud()));
+    const recognition::Pose world_object = files::FromMessage(view.object_pose());
     const recognition::Points found =
-        recognition::Transform(files::FromMessage(view->sensor_pose()), *points);
+        recognition::Transform(files::FromMessage(view.sensor_pose()), points);
     const recognition::Points in_object = recognition::Transform(world_object.inverse(), found);
     picture.found = found;
     picture.shifted =

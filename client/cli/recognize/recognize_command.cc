@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/recognize/commands.h"
 #include "client/cli/recognize/picture_writer.h"
@@ -62,35 +63,31 @@ std::string ErrorJson(const absl::Status& status) {
 absl::Status RecognizeOne(Client& client, const GlobalOptions& global,
                           const RecognizeOptions& options, const ScanTask& task,
                           Scoreboard* board) {
-  absl::StatusOr<v1::RecognizeRequest> request = ReadScan(task);
-  if (!request.ok()) return request.status();
-  if (!options.cell.empty()) request->set_cell(ResourceName("cells", options.cell));
-  if (options.segmented) request->set_segmented(true);
-  request->set_omit_timings(options.stable);
-  absl::StatusOr<v1::RecognizeResponse> response = client.Recognize(*request);
-  if (!response.ok()) return response.status();
-  const std::string hint = ScanHint(*request, *response);
+  ASSIGN_OR_RETURN(v1::RecognizeRequest request, ReadScan(task));
+  if (!options.cell.empty()) request.set_cell(ResourceName("cells", options.cell));
+  if (options.segmented) request.set_segmented(true);
+  request.set_omit_timings(options.stable);
+  ASSIGN_OR_RETURN(v1::RecognizeResponse response, client.Recognize(request));
+  const std::string hint = ScanHint(request, response);
   if (global.json) {
-    absl::StatusOr<std::string> json = ToJson(*response);
-    if (!json.ok()) return json.status();
-    PrintJsonLine(task.path, "response", *json, hint);
+    ASSIGN_OR_RETURN(std::string json, ToJson(response));
+    PrintJsonLine(task.path, "response", json, hint);
   } else {
-    board->Add(task, *response);
+    board->Add(task, response);
     if (!hint.empty()) std::printf("  %s\n", hint.c_str());
   }
   if (options.pictures.empty()) return absl::OkStatus();
-  return WritePicture(client, options.pictures, task, *request, *response);
+  return WritePicture(client, options.pictures, task, request, response);
 }
 
 absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& options) {
-  absl::StatusOr<ScanTasks> scans = ListScans(options.inputs, options.split);
-  if (!scans.ok()) return scans.status();
+  ASSIGN_OR_RETURN(ScanTasks scans, ListScans(options.inputs, options.split));
   Client client = Connect(global);
   Scoreboard board;
   if (!global.json) Scoreboard::PrintHeader();
   int failed = 0;
   absl::Status first_error;
-  for (const ScanTask& task : scans->tasks) {
+  for (const ScanTask& task : scans.tasks) {
     if (!WriteOutput()) return absl::OkStatus();
     if (Interrupted()) return absl::CancelledError("interrupted");
     absl::Status status = RecognizeOne(client, global, options, task, &board);
@@ -99,15 +96,15 @@ absl::Status RunRecognize(const GlobalOptions& global, const RecognizeOptions& o
     first_error.Update(status);
     ++failed;
     if (global.json) PrintJsonLine(task.path, "error", ErrorJson(status));
-    if (scans->tasks.size() == 1) break;
+    if (scans.tasks.size() == 1) break;
     std::fprintf(stderr, "graspdb: %s: %s\n", task.path.c_str(),
                  std::string(status.message()).c_str());
   }
   std::fflush(stdout);
   if (!global.json) board.PrintSummary();
   if (failed == 0) return absl::OkStatus();
-  if (scans->tasks.size() == 1) return first_error;
-  return {first_error.code(), absl::StrCat(failed, " of ", scans->tasks.size(),
+  if (scans.tasks.size() == 1) return first_error;
+  return {first_error.code(), absl::StrCat(failed, " of ", scans.tasks.size(),
                                            " scans were refused; see the messages above")};
 }
 

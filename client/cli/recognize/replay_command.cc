@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/blackbox/bundle_file.h"
 #include "client/cell/blackbox/replay.h"
 #include "client/cli/recognize/commands.h"
@@ -85,22 +86,19 @@ absl::Status ReplayOne(Client& client, bool as_json, const std::filesystem::path
 }
 
 absl::Status Replay(const GlobalOptions& global, const std::vector<std::string>& inputs) {
-  const absl::StatusOr<std::vector<std::filesystem::path>> paths = ListBundles(inputs);
-  if (!paths.ok()) return paths.status();
+  ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> paths, ListBundles(inputs));
   Client client = Connect(global);
   Tally tally;
-  for (const std::filesystem::path& path : *paths) {
+  for (const std::filesystem::path& path : paths) {
     if (!WriteOutput()) return absl::OkStatus();
     if (Interrupted()) return absl::CancelledError("interrupted");
-    if (absl::Status status = ReplayOne(client, global.json, path, &tally); !status.ok()) {
-      return status;
-    }
+    RETURN_IF_ERROR(ReplayOne(client, global.json, path, &tally));
   }
   std::fflush(stdout);
   const std::string summary =
       absl::StrCat(tally.same, " same, ", tally.different, " different, ", tally.unreadable,
-                   " unreadable of ", paths->size(), " bundles");
-  if (tally.same < paths->size()) return absl::FailedPreconditionError(summary);
+                   " unreadable of ", paths.size(), " bundles");
+  if (tally.same < paths.size()) return absl::FailedPreconditionError(summary);
   if (!global.json) std::printf("%s\n", summary.c_str());
   return absl::OkStatus();
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/splits.h"
 #include "files/capture_set.h"
 #include "files/pose_message.h"
@@ -21,22 +22,19 @@ absl::StatusOr<Shapes> LoadShapes(const std::filesystem::path& folder, const v1:
   Shapes out;
   for (const v1::CapturedObject& object : set.objects()) {
     if (object.mesh_path().empty()) continue;
-    absl::StatusOr<rendering::TriangleMesh> mesh =
-        rendering::LoadMeshInMetres(folder / object.mesh_path());
-    if (!mesh.ok()) return mesh.status();
+    ASSIGN_OR_RETURN(rendering::TriangleMesh mesh,
+                     rendering::LoadMeshInMetres(folder / object.mesh_path()));
     out[object.object_id()] =
-        std::make_shared<const rendering::MeasuredShape>(rendering::Measure(*mesh));
+        std::make_shared<const rendering::MeasuredShape>(rendering::Measure(mesh));
   }
   return out;
 }
 
 absl::Status AddSet(const std::string& folder, const std::string& split, ScanTasks* out) {
-  absl::StatusOr<v1::CaptureSet> loaded = files::LoadCaptureSet(folder);
-  if (!loaded.ok()) return loaded.status();
-  out->sets.push_back(std::make_unique<v1::CaptureSet>(*std::move(loaded)));
+  ASSIGN_OR_RETURN(v1::CaptureSet loaded, files::LoadCaptureSet(folder));
+  out->sets.push_back(std::make_unique<v1::CaptureSet>(std::move(loaded)));
   const v1::CaptureSet& set = *out->sets.back();
-  const absl::StatusOr<Shapes> shapes = LoadShapes(folder, set);
-  if (!shapes.ok()) return shapes.status();
+  ASSIGN_OR_RETURN(const Shapes shapes, LoadShapes(folder, set));
   const std::vector<const v1::Capture*> captures = CapturesOfSplit(set, split);
   if (captures.empty()) {
     return absl::FailedPreconditionError(
@@ -49,8 +47,8 @@ absl::Status AddSet(const std::string& folder, const std::string& split, ScanTas
     task.capture = *capture;
     task.in_set = true;
     task.set = &set;
-    const auto shape = shapes->find(capture->object_id());
-    if (shape != shapes->end()) task.shape = shape->second;
+    const auto shape = shapes.find(capture->object_id());
+    if (shape != shapes.end()) task.shape = shape->second;
     out->tasks.push_back(std::move(task));
   }
   return absl::OkStatus();
@@ -64,8 +62,7 @@ absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
   for (const std::string& argument : arguments) {
     std::error_code ignored;  // other paths are read as files, which reports the error
     if (std::filesystem::is_directory(argument, ignored)) {
-      absl::Status status = AddSet(argument, split, &out);
-      if (!status.ok()) return status;
+      RETURN_IF_ERROR(AddSet(argument, split, &out));
     } else {
       ScanTask task;
       task.path = argument;
@@ -77,15 +74,14 @@ absl::StatusOr<ScanTasks> ListScans(const std::vector<std::string>& arguments,
 }
 
 absl::StatusOr<v1::RecognizeRequest> ReadScan(const ScanTask& task) {
-  absl::StatusOr<files::ScanFile> file = files::ReadScanFile(task.file);
-  if (!file.ok()) return file.status();
+  ASSIGN_OR_RETURN(files::ScanFile file, files::ReadScanFile(task.file));
   v1::RecognizeRequest request;
-  files::SetScan(std::move(file->scan), &request);
+  files::SetScan(std::move(file.scan), &request);
   request.set_segmented(task.capture.segmented());
   if (task.capture.has_sensor_pose()) {
     *request.mutable_sensor_pose() = task.capture.sensor_pose();
-  } else if (file->sensor_pose) {
-    *request.mutable_sensor_pose() = files::ToMessage(*file->sensor_pose);
+  } else if (file.sensor_pose) {
+    *request.mutable_sensor_pose() = files::ToMessage(*file.sensor_pose);
   }
   if (task.set != nullptr && task.set->has_region_of_interest()) {
     *request.mutable_region_of_interest() = task.set->region_of_interest();

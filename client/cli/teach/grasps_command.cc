@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/teach/commands.h"
 #include "recognition/grasps/grasp_proposals.h"
 
@@ -35,25 +36,23 @@ void PrintGrasps(const v1::StablePose& pose) {
 }
 
 absl::Status ListGrasps(const GlobalOptions& global, const std::string& id) {
-  const absl::StatusOr<std::vector<v1::StablePose>> poses =
-      Connect(global).ListStablePoses(ResourceName("objects", id));
-  if (!poses.ok()) return poses.status();
-  for (const v1::StablePose& pose : *poses) {
+  ASSIGN_OR_RETURN(const std::vector<v1::StablePose> poses,
+                   Connect(global).ListStablePoses(ResourceName("objects", id)));
+  for (const v1::StablePose& pose : poses) {
     if (!global.json) {
       PrintGrasps(pose);
-    } else if (absl::Status status = PrintJson(pose); !status.ok()) {
-      return status;
+    } else {
+      RETURN_IF_ERROR(PrintJson(pose));
     }
   }
-  if (poses->empty() && !global.json) std::printf("the object has no stable poses\n");
+  if (poses.empty() && !global.json) std::printf("the object has no stable poses\n");
   return absl::OkStatus();
 }
 
 absl::Status Report(const GlobalOptions& global, const v1::ReportGraspOutcomeRequest& request) {
-  const auto response = Connect(global).ReportGraspOutcome(request);
-  if (!response.ok()) return response.status();
-  if (global.json) return PrintJson(*response);
-  const v1::GraspOutcomeCounts& counts = response->counts();
+  ASSIGN_OR_RETURN(const auto response, Connect(global).ReportGraspOutcome(request));
+  if (global.json) return PrintJson(response);
+  const v1::GraspOutcomeCounts& counts = response.counts();
   std::printf("%s\n", absl::StrFormat("%s: picked %d, missed %d, slipped %d, rate %.2f",
                                       counts.grasp_id(), counts.picked_count(),
                                       counts.missed_count(), counts.slipped_count(), RateOf(counts))

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/teach/commands.h"
 #include "client/teaching/mesh/mesh_grasps.h"
 #include "client/teaching/upload/view_upload.h"
@@ -78,9 +79,9 @@ absl::StatusOr<std::vector<v1::StablePose>> PosesOf(Client& client, const Option
   if (options.stable_pose.empty()) {
     return client.ListStablePoses(ResourceName("objects", options.object));
   }
-  auto one = client.GetStablePose(StablePoseName(options.object, options.stable_pose));
-  if (!one.ok()) return one.status();
-  return std::vector<v1::StablePose>{*std::move(one)};
+  ASSIGN_OR_RETURN(auto one,
+                   client.GetStablePose(StablePoseName(options.object, options.stable_pose)));
+  return std::vector<v1::StablePose>{std::move(one)};
 }
 
 absl::Status Give(Client& client, const GlobalOptions& global, const Options& options,
@@ -90,7 +91,7 @@ absl::Status Give(Client& client, const GlobalOptions& global, const Options& op
   const auto merged = Merged({pose.grasps().begin(), pose.grasps().end()}, taken);
   pose.mutable_grasps()->Assign(merged.begin(), merged.end());
   if (!options.dry_run) {
-    if (absl::Status written = Write(client, pose); !written.ok()) return written;
+    RETURN_IF_ERROR(Write(client, pose));
   }
   return global.json ? PrintJson(pose) : absl::OkStatus();
 }
@@ -101,22 +102,19 @@ absl::Status Import(const GlobalOptions& global, const Options& options) {
         "grasps in the object's frame belong to one stable pose; name it with --stable-pose, or "
         "give --frame mesh"));
   }
-  const auto grasps = LoadGrasps(options.file);
-  if (!grasps.ok()) return grasps.status();
-  absl::Status fit = options.IsMesh() ? CheckForMesh(*grasps) : absl::OkStatus();
-  if (!fit.ok()) return fit;
+  ASSIGN_OR_RETURN(const auto grasps, LoadGrasps(options.file));
+  RETURN_IF_ERROR(options.IsMesh() ? CheckForMesh(grasps) : absl::OkStatus());
   Client client = Connect(global);
-  const auto poses = PosesOf(client, options);
-  if (!poses.ok()) return poses.status();
+  ASSIGN_OR_RETURN(const auto poses, PosesOf(client, options));
   std::size_t updated = 0;
-  for (const v1::StablePose& pose : *poses) {
+  for (const v1::StablePose& pose : poses) {
     if (options.IsMesh() && !pose.has_mesh_pose()) {
       std::fprintf(stderr, "graspdb: %s has no mesh frame; teach it again with --mesh\n",
                    pose.name().c_str());
       continue;
     }
     ++updated;
-    absl::Status given = Give(client, global, options, *grasps, pose);
+    absl::Status given = Give(client, global, options, grasps, pose);
     if (!given.ok()) {
       return WithMessage(given, absl::StrCat(pose.name(), ": ", given.message()));
     }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/camera.h"
 #include "client/cli/base/taught_report.h"
 #include "client/cli/teach/console_prompt.h"
@@ -21,8 +22,7 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
                                             options.cell, " --sensor ", options.sensor, "`"));
   }
   if (!cell.ok()) return cell.status();
-  const absl::StatusOr<std::unique_ptr<DepthSensor>> sensor = OpenCamera(options.sensor);
-  if (!sensor.ok()) return sensor.status();
+  ASSIGN_OR_RETURN(const std::unique_ptr<DepthSensor> sensor, OpenCamera(options.sensor));
   GuidedOptions guided{
       .object_id = options.object,
       .display_name = options.display_name.empty() ? options.object : options.display_name,
@@ -34,14 +34,13 @@ absl::Status RunGuidedTeach(const GlobalOptions& global, const GuidedTeachOption
   if (!options.axis.empty()) guided.axis = Eigen::Vector2d(options.axis[0], options.axis[1]);
   ConsolePrompt console(stdin, global.json ? stderr : stdout);
   UnattendedPrompt prompt(console, options.unattended);
-  const absl::StatusOr<GuidedCounts> counts =
-      GuidedTeaching(**sensor, client, prompt, guided).Run();
-  if (!counts.ok()) return counts.status();
+  ASSIGN_OR_RETURN(const GuidedCounts counts,
+                   GuidedTeaching(*sensor, client, prompt, guided).Run());
   absl::Status reported =
-      ReportTaught(global, client, {.created = counts->taught},
-                   counts->stopped ? "; run the same command again to go on" : "")
+      ReportTaught(global, client, {.created = counts.taught},
+                   counts.stopped ? "; run the same command again to go on" : "")
           .status();
-  if (!reported.ok() || !counts->stopped || !options.unattended.yes) return reported;
+  if (!reported.ok() || !counts.stopped || !options.unattended.yes) return reported;
   return absl::FailedPreconditionError(
       "teaching stopped before all views were taught; see the message of the last view");
 }

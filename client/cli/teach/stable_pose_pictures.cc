@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "pictures/shaded_picture.h"
 #include "rendering/depth_camera.h"
 #include "rendering/ray_caster.h"
@@ -36,8 +37,7 @@ absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem:
     return absl::FailedPreconditionError(absl::StrCat("cannot make ", folder.string(), ": ",
                                                       error.message(), "; choose another folder"));
   }
-  const absl::StatusOr<rendering::RayCaster> rays = rendering::RayCaster::Create();
-  if (!rays.ok()) return rays.status();
+  ASSIGN_OR_RETURN(const rendering::RayCaster rays, rendering::RayCaster::Create());
   for (std::size_t i = 0; i < part.workpieces.size(); ++i) {
     const rendering::Workpiece& workpiece = part.workpieces[i];
     rendering::Scene scene;
@@ -45,25 +45,24 @@ absl::Status WriteStablePosePictures(const CadPart& part, const std::filesystem:
         {.mesh = &workpiece.mesh, .world_object = recognition::Pose::Identity()});
     const recognition::Box box = rendering::BoundsOf(workpiece.mesh);
     const Eigen::Vector3d middle(0, 0, box.max.z() / 2);
-    const auto frame =
-        rays->Cast(scene, kCamera,
-                   rendering::LookAt(middle, kDiametersAway * rendering::DiameterOf(workpiece.mesh),
-                                     kLookDownDeg, kAzimuthDeg));
-    if (!frame.ok()) return frame.status();
+    ASSIGN_OR_RETURN(
+        const auto frame,
+        rays.Cast(scene, kCamera,
+                  rendering::LookAt(middle, kDiametersAway * rendering::DiameterOf(workpiece.mesh),
+                                    kLookDownDeg, kAzimuthDeg)));
     pictures::ShadedPicture picture{
         .caption = absl::StrFormat("%s %s: %.1f %%", workpiece.object_id, workpiece.stable_pose_id,
                                    100 * part.found.poses[i].probability),
-        .width = frame->width,
-        .height = frame->height,
+        .width = frame.width,
+        .height = frame.height,
         .brightness = {}};
-    picture.brightness.reserve(frame->surface.size());
-    for (std::size_t k = 0; k < frame->surface.size(); ++k) {
-      picture.brightness.push_back(Brightness(frame->surface[k], frame->incidence_rad[k]));
+    picture.brightness.reserve(frame.surface.size());
+    for (std::size_t k = 0; k < frame.surface.size(); ++k) {
+      picture.brightness.push_back(Brightness(frame.surface[k], frame.incidence_rad[k]));
     }
     const std::string name =
         absl::StrCat(workpiece.object_id, "-", workpiece.stable_pose_id, ".png");
-    if (absl::Status put = pictures::WriteShadedPicture(folder / name, picture); !put.ok())
-      return put;
+    RETURN_IF_ERROR(pictures::WriteShadedPicture(folder / name, picture));
   }
   return absl::OkStatus();
 }

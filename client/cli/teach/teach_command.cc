@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "client/cli/base/taught_report.h"
 #include "client/cli/objects/look_alike_notes.h"
@@ -58,10 +59,10 @@ Examples:
 constexpr double kMaxOpposedShare = 0.005;
 
 absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
-  const auto mesh =
-      rendering::LoadPartMesh(options.mesh, rendering::MetresOf(options.unit).value_or(1));
-  if (!mesh.ok()) return mesh.status();
-  if (const double opposed = rendering::OpposedShare(*mesh); opposed > kMaxOpposedShare) {
+  ASSIGN_OR_RETURN(
+      const auto mesh,
+      rendering::LoadPartMesh(options.mesh, rendering::MetresOf(options.unit).value_or(1)));
+  if (const double opposed = rendering::OpposedShare(mesh); opposed > kMaxOpposedShare) {
     std::fprintf(stderr,
                  "graspdb: warning: of %.1f %% of the edges of %s both triangles turn against each "
                  "other, and its surface is open or has one side only, so its outside is not "
@@ -73,27 +74,21 @@ absl::StatusOr<CadPart> PartOf(const TeachOptions& options) {
                .stands_rad = options.stands_deg * std::numbers::pi / 180};
   cad.gripper.max_opening_m = options.gripper_max_m;
   const std::string& name = options.display_name.empty() ? options.object : options.display_name;
-  absl::StatusOr<CadPart> part = ProposeCadPart(options.object, name, *mesh, cad);
+  absl::StatusOr<CadPart> part = ProposeCadPart(options.object, name, mesh, cad);
   if (!part.ok() || options.poses.empty()) return part;
   return Select(*part, options.poses);
 }
 
 absl::StatusOr<CadViews> ViewsOf(const TeachOptions& options, Client& client) {
   CadViews views;
-  const absl::StatusOr<rendering::DepthCameraModel> camera =
-      rendering::SimulatedCameraOf(options.camera);
-  if (!camera.ok()) return camera.status();
-  views.camera = *camera;
+  ASSIGN_OR_RETURN(views.camera, rendering::SimulatedCameraOf(options.camera));
   views.step_deg = options.step_deg;
   views.beside_others = options.add;
   views.world_sensor =
       rendering::LookAt(Eigen::Vector3d::Zero(), options.distance_m, options.look_down_deg, -90);
   if (options.cell.empty()) return views;
-  const auto cell = client.GetCell(ResourceName("cells", options.cell));
-  if (!cell.ok()) return cell.status();
-  const auto stand = StandOf(*cell);
-  if (!stand.ok()) return stand.status();
-  views.world_sensor = *stand;
+  ASSIGN_OR_RETURN(const auto cell, client.GetCell(ResourceName("cells", options.cell)));
+  ASSIGN_OR_RETURN(views.world_sensor, StandOf(cell));
   return views;
 }
 
@@ -117,24 +112,21 @@ absl::Status Report(const GlobalOptions& global, Client& client, const TeachOpti
 }
 
 absl::Status TeachByMesh(const GlobalOptions& global, const TeachOptions& options) {
-  const absl::StatusOr<CadPart> part = PartOf(options);
-  if (!part.ok()) return part.status();
+  ASSIGN_OR_RETURN(const CadPart part, PartOf(options));
   if (!options.pictures.empty()) {
-    absl::Status drawn = WriteStablePosePictures(*part, options.pictures);
-    if (!drawn.ok()) return drawn;
+    RETURN_IF_ERROR(WriteStablePosePictures(part, options.pictures));
   }
-  if (options.dry_run && global.json) return PrintDeclaration(*part);
-  if (!global.json) std::printf("%s", StablePoseTable(*part).c_str());
+  if (options.dry_run && global.json) return PrintDeclaration(part);
+  if (!global.json) std::printf("%s", StablePoseTable(part).c_str());
   if (options.dry_run) return absl::OkStatus();
   Client client = Connect(global);
-  const absl::StatusOr<CadViews> views = ViewsOf(options, client);
-  if (!views.ok()) return views.status();
+  ASSIGN_OR_RETURN(const CadViews views, ViewsOf(options, client));
   absl::StatusOr<UploadCounts> counts;
   {
     ProgressLine progress("views");
-    const auto total = static_cast<int>(CountOf(part->workpieces, *views));
+    const auto total = static_cast<int>(CountOf(part.workpieces, views));
     counts = TeachCadViews(
-        client, part->workpieces, *views,
+        client, part.workpieces, views,
         {.report = [&](std::size_t done) { progress.Report(static_cast<int>(done), total); },
          .cancelled = Interrupted});
   }
