@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/bench_frames.h"
@@ -100,9 +101,8 @@ absl::Status PrintReport(const client::GlobalOptions& global, const LoadReport& 
     std::printf("%s", LoadText(report).c_str());
     return absl::OkStatus();
   }
-  absl::StatusOr<std::string> json = LoadJson(report);
-  if (!json.ok()) return json.status();
-  std::printf("%s\n", json->c_str());
+  ASSIGN_OR_RETURN(std::string json, LoadJson(report));
+  std::printf("%s\n", json.c_str());
   return absl::OkStatus();
 }
 
@@ -133,28 +133,26 @@ absl::Status RunBench(const client::GlobalOptions& global, const BenchOptions& o
 
   LoadReport report;
   // With the default deadline: --timeout applies to the requests.
-  absl::StatusOr<v1::CatalogStatus> catalog =
-      client::Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
-  if (!catalog.ok()) return catalog.status();
-  report.catalog = *std::move(catalog);
-  const absl::StatusOr<std::vector<v1::RecognizeRequest>> requests = MakeRequests(options.frames);
-  if (!requests.ok()) return requests.status();
+  ASSIGN_OR_RETURN(
+      report.catalog,
+      client::Connect({.server = global.server, .security = global.security}).GetCatalogStatus());
+  ASSIGN_OR_RETURN(const std::vector<v1::RecognizeRequest> requests, MakeRequests(options.frames));
   if (client::Interrupted()) return absl::CancelledError("interrupted before the first request");
   report.server = global.server;
-  report.frames = DescribeRequests(*requests);
-  report.warmup = WarmupOf(options, requests->size());
+  report.frames = DescribeRequests(requests);
+  report.warmup = WarmupOf(options, requests.size());
   report.timeout_s = global.timeout_s;
   report.plan = PlanOf(options);
   report.result = Measure(report, [&](int worker, std::int64_t request) {
     return clients[static_cast<std::size_t>(worker)].Recognize(
-        (*requests)[static_cast<std::size_t>(request) % requests->size()]);
+        requests[static_cast<std::size_t>(request) % requests.size()]);
   });
   // If the server is gone by now, the report lists the errors.
   const absl::StatusOr<v1::CatalogStatus> after =
       client::Connect({.server = global.server, .security = global.security}).GetCatalogStatus();
   if (after.ok())
     report.models = client::Between(report.catalog.model_cache(), after->model_cache());
-  if (absl::Status status = PrintReport(global, report); !status.ok()) return status;
+  RETURN_IF_ERROR(PrintReport(global, report));
   std::fflush(stdout);
   return Verdict(report.result);
 }

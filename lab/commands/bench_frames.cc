@@ -1,6 +1,7 @@
 #include "lab/commands/bench_frames.h"
 
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/base/command.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/recognize/scan_source.h"
@@ -12,26 +13,21 @@ namespace {
 constexpr double kMegabyte = 1e6;
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> ReadRequests(const BenchFrames& frames) {
-  absl::StatusOr<client::ScanTasks> scans = client::ListScans(frames.inputs, frames.split);
-  if (!scans.ok()) return scans.status();
+  ASSIGN_OR_RETURN(client::ScanTasks scans, client::ListScans(frames.inputs, frames.split));
   const auto limit = static_cast<std::size_t>(frames.limit);
-  if (limit > 0 && scans->tasks.size() > limit) scans->tasks.resize(limit);
+  if (limit > 0 && scans.tasks.size() > limit) scans.tasks.resize(limit);
   std::vector<v1::RecognizeRequest> out;
-  for (const client::ScanTask& task : scans->tasks) {
+  for (const client::ScanTask& task : scans.tasks) {
     if (client::Interrupted()) return absl::CancelledError("interrupted before the first request");
-    absl::StatusOr<v1::RecognizeRequest> request = client::ReadScan(task);
-    if (!request.ok()) return request.status();
-    out.push_back(*std::move(request));
+    ASSIGN_OR_RETURN(v1::RecognizeRequest request, client::ReadScan(task));
+    out.push_back(std::move(request));
   }
   return out;
 }
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> Simulate(const BenchFrames& frames) {
   SimulatedFrames simulated = frames.simulated;
-  const absl::StatusOr<rendering::DepthCameraModel> camera =
-      rendering::SimulatedCameraOf(frames.camera);
-  if (!camera.ok()) return camera.status();
-  simulated.camera = *camera;
+  ASSIGN_OR_RETURN(simulated.camera, rendering::SimulatedCameraOf(frames.camera));
   if (frames.limit > 0) simulated.count = frames.limit;
   return SimulateRequests(simulated);
 }
@@ -93,10 +89,9 @@ void AddFrameOptions(CLI::App& command, BenchFrames* f) {
 }
 
 absl::StatusOr<std::vector<v1::RecognizeRequest>> MakeRequests(const BenchFrames& frames) {
-  absl::StatusOr<std::vector<v1::RecognizeRequest>> out =
-      frames.simulate ? Simulate(frames) : ReadRequests(frames);
-  if (!out.ok()) return out;
-  for (v1::RecognizeRequest& request : *out) {
+  ASSIGN_OR_RETURN(std::vector<v1::RecognizeRequest> out,
+                   frames.simulate ? Simulate(frames) : ReadRequests(frames));
+  for (v1::RecognizeRequest& request : out) {
     if (!frames.cell.empty()) request.set_cell(client::ResourceName("cells", frames.cell));
     if (frames.segmented) request.set_segmented(true);
     *request.mutable_pipeline() = frames.pipeline;

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/frames_run.h"
 #include "lab/commands/report_page.h"
@@ -94,18 +95,16 @@ std::vector<ExperimentCase> ChosenCases(const EvalArguments& arguments) {
 // None when no report is wanted.
 absl::StatusOr<std::optional<ReportWriter>> WriterOf(const EvalArguments& arguments) {
   if (arguments.out.empty()) return std::nullopt;
-  auto writer = ReportWriter::Create(arguments.out, arguments.command);
-  if (!writer.ok()) return writer.status();
-  return *std::move(writer);
+  ASSIGN_OR_RETURN(auto writer, ReportWriter::Create(arguments.out, arguments.command));
+  return writer;
 }
 
 // Cases one after the other, with a progress line, their figures and the report.
 class Runner {
  public:
   static absl::StatusOr<std::unique_ptr<Runner>> Create(const EvalArguments& arguments) {
-    auto writer = WriterOf(arguments);
-    if (!writer.ok()) return writer.status();
-    return std::unique_ptr<Runner>(new Runner(arguments, *std::move(writer)));
+    ASSIGN_OR_RETURN(auto writer, WriterOf(arguments));
+    return std::unique_ptr<Runner>(new Runner(arguments, std::move(writer)));
   }
 
   absl::Status Run(const ExperimentCase& experiment, const PartSet& set,
@@ -115,8 +114,7 @@ class Runner {
       progress_.reset();
       if (!figures.ok()) return figures.status();
       PrintDescriptors(*figures);
-      absl::Status put = writer_ ? writer_->SetDescriptors(*figures) : absl::OkStatus();
-      if (!put.ok()) return put;
+      RETURN_IF_ERROR(writer_ ? writer_->SetDescriptors(*figures) : absl::OkStatus());
     }
     const auto result = RunCase(experiment, set, trials, run_, &taught_);
     progress_.reset();
@@ -159,46 +157,40 @@ class Runner {
 };
 
 absl::Status RunCaptureSet(const EvalArguments& arguments) {
-  const auto loaded = LoadCaptureTrials(arguments.inputs.front(), arguments.leave_one_out);
-  if (!loaded.ok()) return loaded.status();
+  ASSIGN_OR_RETURN(const auto loaded,
+                   LoadCaptureTrials(arguments.inputs.front(), arguments.leave_one_out));
   const std::string settings = absl::StrFormat(
       "Capture set %s: %d captures taught, %s.", arguments.inputs.front(),
-      loaded->trials.teaching.count,
+      loaded.trials.teaching.count,
       arguments.leave_one_out ? "each recognised without its own view"
-                              : absl::StrCat(loaded->trials.queries.count, " recognised"));
-  auto runner = Runner::Create(arguments);
-  if (!runner.ok()) return runner.status();
+                              : absl::StrCat(loaded.trials.queries.count, " recognised"));
+  ASSIGN_OR_RETURN(auto runner, Runner::Create(arguments));
   const ExperimentCase experiment = {
       .name = kCaptureSetCase, .settings = settings, .is_simulated = false};
-  absl::Status status =
-      (*runner)->Run(experiment, loaded->set, loaded->trials, arguments.descriptors);
-  if (status.ok()) (*runner)->Finish();
+  absl::Status status = runner->Run(experiment, loaded.set, loaded.trials, arguments.descriptors);
+  if (status.ok()) runner->Finish();
   return status;
 }
 
 absl::Status RunMeshes(const EvalArguments& arguments) {
-  auto runner = Runner::Create(arguments);
-  if (!runner.ok()) return runner.status();
+  ASSIGN_OR_RETURN(auto runner, Runner::Create(arguments));
   const std::vector<std::filesystem::path> paths(arguments.inputs.begin(), arguments.inputs.end());
-  const auto all = RestingParts(paths, arguments.unit_m, arguments.selection);
-  if (!all.ok()) return all.status();
-  if (arguments.list) PrintParts(*all);
+  ASSIGN_OR_RETURN(const auto all, RestingParts(paths, arguments.unit_m, arguments.selection));
+  if (arguments.list) PrintParts(all);
   for (const ExperimentCase& experiment : ChosenCases(arguments)) {
-    const auto set = experiment.parts == PartChoice::kDropPoses
+    ASSIGN_OR_RETURN(const auto set,
+                     experiment.parts == PartChoice::kDropPoses
                          ? DropPoses(paths, arguments.unit_m,
                                      {.min_length_m = arguments.choices.min_length_m,
                                       .max_length_m = arguments.choices.max_length_m,
                                       .falls = experiment.trials_per_part,
                                       .seed = experiment.seed})
-                         : Choose(*all, experiment.parts, arguments.choices);
-    if (!set.ok()) return set.status();
-    const auto trials = RenderedTrials(experiment, *set);
-    if (!trials.ok()) return trials.status();
-    absl::Status status = (*runner)->Run(
-        experiment, *set, *trials, arguments.descriptors && experiment.name == kDescriptorCase);
-    if (!status.ok()) return status;
+                         : Choose(all, experiment.parts, arguments.choices));
+    ASSIGN_OR_RETURN(const auto trials, RenderedTrials(experiment, set));
+    RETURN_IF_ERROR(runner->Run(experiment, set, trials,
+                                arguments.descriptors && experiment.name == kDescriptorCase));
   }
-  (*runner)->Finish();
+  runner->Finish();
   return absl::OkStatus();
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/frame_picture.h"
 #include "lab/experiment/composites.h"
@@ -116,18 +117,17 @@ template <typename Recognize>
 absl::Status Show(const RealFrame& frame, int composited, std::uint64_t seed,
                   const ExperimentRun& run, const PartSet& set, const Recognize& recognize) {
   constexpr int kMaxPlaced = 4;
-  const auto scan = ReadScan(frame);
-  if (!scan.ok()) return scan.status();
-  if (composited == 0) return recognize(frame, *scan);
+  ASSIGN_OR_RETURN(const auto scan, ReadScan(frame));
+  if (composited == 0) return recognize(frame, scan);
   for (int i = 0; i < composited; ++i) {
     auto composite =
-        Compose(frame, *scan, set, run.parameters,
+        Compose(frame, scan, set, run.parameters,
                 {.objects = 1 + i % kMaxPlaced,
                  .seed = rendering::RandomBits(seed, 1, static_cast<std::uint64_t>(i))});
     if (absl::IsFailedPrecondition(composite.status())) return absl::OkStatus();  // no table
     if (!composite.ok()) return composite.status();
     composite->frame.name += absl::StrFormat("-%d", i + 1);
-    if (absl::Status done = recognize(composite->frame, composite->scan); !done.ok()) return done;
+    RETURN_IF_ERROR(recognize(composite->frame, composite->scan));
   }
   return absl::OkStatus();
 }
@@ -135,9 +135,8 @@ absl::Status Show(const RealFrame& frame, int composited, std::uint64_t seed,
 }  // namespace
 
 absl::Status RunFrames(const EvalArguments& arguments) {
-  const auto frames = LoadFrames(arguments.inputs.front());
-  if (!frames.ok()) return frames.status();
-  if (frames->empty()) return absl::InvalidArgumentError("frames.json lists no frames");
+  ASSIGN_OR_RETURN(const auto frames, LoadFrames(arguments.inputs.front()));
+  if (frames.empty()) return absl::InvalidArgumentError("frames.json lists no frames");
   ExperimentRun run;
   run.parameters.matching = arguments.matching;
   run.parameters.scene.verify = !arguments.without_image;
@@ -146,7 +145,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   run.report = [&](const std::string&, std::size_t done, std::size_t total) {
     progress->Report(static_cast<int>(done), static_cast<int>(total));
   };
-  const auto catalogue = FramesCatalogue::Teach(*frames, run);
+  const auto catalogue = FramesCatalogue::Teach(frames, run);
   progress.reset();
   if (!catalogue.ok()) return catalogue.status();
   std::deque<RealFrame> shown;  // of the results
@@ -157,11 +156,10 @@ absl::Status RunFrames(const EvalArguments& arguments) {
     Print(results.back(), arguments.list);
     return WritePicture(arguments, results.back(), scan.points);
   };
-  for (std::size_t i = 0; i < frames->size(); ++i) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::uint64_t seed = rendering::RandomBits(arguments.seed, 0, i);
-    absl::Status done =
-        Show((*frames)[i], arguments.composited, seed, run, (*catalogue)->set(), recognize);
-    if (!done.ok()) return done;
+    RETURN_IF_ERROR(
+        Show(frames[i], arguments.composited, seed, run, (*catalogue)->set(), recognize));
   }
   if (results.empty()) return absl::InvalidArgumentError("no frame shows a table to render onto");
   PrintSums(results);

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/cli/base/camera.h"
 #include "files/json_object.h"
@@ -70,12 +71,10 @@ absl::Status PrintPick(bool as_json, const Pick& pick) {
 // The server knows the robot base of a cell.
 absl::Status TakeBase(const client::GlobalOptions& global, RobotOptions* options) {
   if (options->cell.empty()) return absl::OkStatus();
-  absl::StatusOr<v1::Cell> cell =
-      client::Connect(global).GetCell(client::ResourceName("cells", options->cell));
-  if (!cell.ok()) return cell.status();
-  const absl::StatusOr<client::CellFrames> frames = client::FramesOf(*cell);
-  if (!frames.ok()) return frames.status();
-  options->run.world_base = frames->world_base;
+  ASSIGN_OR_RETURN(v1::Cell cell,
+                   client::Connect(global).GetCell(client::ResourceName("cells", options->cell)));
+  ASSIGN_OR_RETURN(const client::CellFrames frames, client::FramesOf(cell));
+  options->run.world_base = frames.world_base;
   return absl::OkStatus();
 }
 
@@ -119,17 +118,15 @@ absl::Status Summarise(bool as_json, const std::vector<Pick>& picks, double min_
 }
 
 absl::Status Run(const client::GlobalOptions& global, RobotOptions options) {
-  const absl::StatusOr<std::vector<rendering::Workpiece>> parts =
-      rendering::SampleParts(options.parts);
-  if (!parts.ok()) return parts.status();
-  if (absl::Status base = TakeBase(global, &options); !base.ok()) return base;
-  const absl::StatusOr<ListenAddress> agent = ParseListenAddress("--agent", options.agent);
-  if (!agent.ok()) return agent.status();
+  ASSIGN_OR_RETURN(const std::vector<rendering::Workpiece> parts,
+                   rendering::SampleParts(options.parts));
+  RETURN_IF_ERROR(TakeBase(global, &options));
+  ASSIGN_OR_RETURN(const ListenAddress agent, ParseListenAddress("--agent", options.agent));
   absl::StatusOr<client::GriClient> robot =
-      client::GriClient::Connect(agent->host, agent->port, kTimeout);
+      client::GriClient::Connect(agent.host, agent.port, kTimeout);
   if (!robot.ok()) return client::NotOfServer(robot.status());
   absl::Status printed;
-  const auto picks = RunPicks(*robot, *parts, options.run, [&](const Pick& pick) {
+  const auto picks = RunPicks(*robot, parts, options.run, [&](const Pick& pick) {
     printed.Update(PrintPick(global.json, pick));
     std::fflush(stdout);
   });

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/commands.h"
 #include "rendering/length_unit.h"
@@ -83,10 +84,9 @@ absl::StatusOr<std::vector<rendering::Workpiece>> PartsOf(const Arguments& argum
     parts.push_back(*std::move(part));
   }
   if (!arguments.meshes.empty() && arguments.parts.empty()) return parts;
-  absl::StatusOr<std::vector<rendering::Workpiece>> samples =
-      rendering::SampleParts(arguments.parts);
-  if (!samples.ok()) return samples.status();
-  std::ranges::move(*samples, std::back_inserter(parts));
+  ASSIGN_OR_RETURN(std::vector<rendering::Workpiece> samples,
+                   rendering::SampleParts(arguments.parts));
+  std::ranges::move(samples, std::back_inserter(parts));
   return parts;
 }
 
@@ -102,24 +102,22 @@ absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanOf(
   stand.distances_m = arguments.distances_m;
   std::vector<rendering::PlannedCapture> plan;
   if (arguments.turntable || arguments.random == 0) {
-    absl::StatusOr<std::vector<rendering::PlannedCapture>> turns =
-        rendering::PlanTurntable(parts, {.stand = stand,
-                                         .azimuth_step_deg = arguments.step_deg,
-                                         .split = SplitOf(arguments, v1::Capture::TEACH),
-                                         .seed = arguments.seed});
-    if (!turns.ok()) return turns.status();
-    plan = *std::move(turns);
+    ASSIGN_OR_RETURN(
+        plan, rendering::PlanTurntable(parts, {.stand = stand,
+                                               .azimuth_step_deg = arguments.step_deg,
+                                               .split = SplitOf(arguments, v1::Capture::TEACH),
+                                               .seed = arguments.seed}));
   }
   if (arguments.random > 0) {
-    absl::StatusOr<std::vector<rendering::PlannedCapture>> scenes =
+    ASSIGN_OR_RETURN(
+        std::vector<rendering::PlannedCapture> scenes,
         rendering::PlanRandomScenes(parts, {.stand = stand,
                                             .count = arguments.random,
                                             .area_half_width_m = arguments.area_m,
                                             .objects_per_scene = arguments.objects_per_scene,
                                             .split = SplitOf(arguments, v1::Capture::QUERY),
-                                            .seed = arguments.seed});
-    if (!scenes.ok()) return scenes.status();
-    std::move(scenes->begin(), scenes->end(), std::back_inserter(plan));
+                                            .seed = arguments.seed}));
+    std::move(scenes.begin(), scenes.end(), std::back_inserter(plan));
   }
   return plan;
 }
@@ -129,15 +127,10 @@ absl::Status Run(const Arguments& arguments) {
     ListParts();
     return absl::OkStatus();
   }
-  absl::StatusOr<std::vector<rendering::Workpiece>> parts = PartsOf(arguments);
-  if (!parts.ok()) return parts.status();
-  absl::StatusOr<std::vector<rendering::PlannedCapture>> plan = PlanOf(arguments, *parts);
-  if (!plan.ok()) return plan.status();
+  ASSIGN_OR_RETURN(std::vector<rendering::Workpiece> parts, PartsOf(arguments));
+  ASSIGN_OR_RETURN(std::vector<rendering::PlannedCapture> plan, PlanOf(arguments, parts));
   rendering::SimulationOptions options;
-  const absl::StatusOr<rendering::DepthCameraModel> camera =
-      rendering::SimulatedCameraOf(arguments.camera);
-  if (!camera.ok()) return camera.status();
-  options.camera = *camera;
+  ASSIGN_OR_RETURN(options.camera, rendering::SimulatedCameraOf(arguments.camera));
   options.camera.noise.scale = arguments.noise;
   options.with_table = !arguments.no_table;
   options.segmented = arguments.segmented;
@@ -146,10 +139,9 @@ absl::Status Run(const Arguments& arguments) {
     client::ProgressLine progress;
     const auto report = [&progress](int done, int total) { progress.Report(done, total); };
     const rendering::SimulationWatch watch = {.report = report, .cancelled = {}};
-    absl::Status written = rendering::WriteSimulation(arguments.out, *parts, *plan, options, watch);
-    if (!written.ok()) return written;
+    RETURN_IF_ERROR(rendering::WriteSimulation(arguments.out, parts, plan, options, watch));
   }
-  std::cout << "wrote " << plan->size() << " captures of " << parts->size() << " objects to "
+  std::cout << "wrote " << plan.size() << " captures of " << parts.size() << " objects to "
             << arguments.out << "\n";
   return absl::OkStatus();
 }

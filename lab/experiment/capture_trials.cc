@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/capture_set.h"
 #include "files/cloud_message.h"
 #include "files/depth_message.h"
@@ -49,9 +50,7 @@ absl::Status AddPart(const v1::Capture& capture, const std::filesystem::path& fo
       part.symmetry_order = pose.symmetry_order();
     }
     if (object.mesh_path().empty()) continue;
-    auto mesh = rendering::LoadMeshInMetres(folder / object.mesh_path());
-    if (!mesh.ok()) return mesh.status();
-    part.mesh = *std::move(mesh);
+    ASSIGN_OR_RETURN(part.mesh, rendering::LoadMeshInMetres(folder / object.mesh_path()));
   }
   set->Add(std::move(part), Pose::Identity());
   return absl::OkStatus();
@@ -64,7 +63,7 @@ absl::StatusOr<std::size_t> PartOf(v1::Capture capture, const std::filesystem::p
   const auto known = std::ranges::find_if(
       set->parts, [&](const rendering::Workpiece& part) { return Shows(capture, part); });
   if (known != set->parts.end()) return static_cast<std::size_t>(known - set->parts.begin());
-  if (absl::Status added = AddPart(capture, folder, captures, set); !added.ok()) return added;
+  RETURN_IF_ERROR(AddPart(capture, folder, captures, set));
   return set->parts.size() - 1;
 }
 
@@ -86,14 +85,13 @@ absl::Status CheckUnit(const recognition::Points& points, const std::string& fil
 
 absl::StatusOr<Trial> Read(const Source& source, std::size_t i) {
   const auto& [capture, part] = source.captures[i];
-  const auto file = files::ReadScanFile(source.folder / capture.path());
-  if (!file.ok()) return file.status();
-  auto points =
-      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, file->scan);
-  if (!points.ok()) return points.status();
-  if (absl::Status unit = CheckUnit(*points, capture.path()); !unit.ok()) return unit;
-  Trial out{.scan = {.points = *std::move(points),
-                     .world_sensor = file->sensor_pose,
+  ASSIGN_OR_RETURN(const auto file, files::ReadScanFile(source.folder / capture.path()));
+  ASSIGN_OR_RETURN(
+      auto points,
+      std::visit([](const auto& scan) { return files::PointsFromMessage(scan); }, file.scan));
+  RETURN_IF_ERROR(CheckUnit(points, capture.path()));
+  Trial out{.scan = {.points = std::move(points),
+                     .world_sensor = file.sensor_pose,
                      .region = source.region,
                      .segmented = capture.segmented()},
             .truth = {{.part = part}},
@@ -112,9 +110,8 @@ absl::StatusOr<Source> SourceOf(const std::vector<const v1::Capture*>& captures,
   Source out{.folder = folder, .region = std::nullopt, .captures = {}};
   if (of.has_region_of_interest()) out.region = files::FromMessage(of.region_of_interest());
   for (const v1::Capture* capture : captures) {
-    auto part = PartOf(*capture, folder, of, set);
-    if (!part.ok()) return part.status();
-    out.captures.emplace_back(*capture, *part);
+    ASSIGN_OR_RETURN(auto part, PartOf(*capture, folder, of, set));
+    out.captures.emplace_back(*capture, part);
   }
   return out;
 }
@@ -145,11 +142,10 @@ TrialSource TrialsOf(Source source) {
 
 absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& folder,
                                                 bool leave_one_out) {
-  const auto loaded = files::LoadCaptureSet(folder);
-  if (!loaded.ok()) return loaded.status();
+  ASSIGN_OR_RETURN(const auto loaded, files::LoadCaptureSet(folder));
   std::vector<const v1::Capture*> taught;
   std::vector<const v1::Capture*> queried;
-  for (const v1::Capture& capture : loaded->captures()) {
+  for (const v1::Capture& capture : loaded.captures()) {
     if (capture.split() == v1::Capture::QUERY) {
       queried.push_back(&capture);
     } else if (!capture.object_id().empty()) {
@@ -163,21 +159,19 @@ absl::StatusOr<CaptureTrials> LoadCaptureTrials(const std::filesystem::path& fol
                        : "; give some the split QUERY, or use --leave-one-out"));
   }
   if (!leave_one_out) {
-    if (absl::Status apart = CheckApart(taught, queried); !apart.ok()) return apart;
+    RETURN_IF_ERROR(CheckApart(taught, queried));
   }
   CaptureTrials out;
-  auto teaching = SourceOf(taught, folder, *loaded, &out.set);
-  if (!teaching.ok()) return teaching.status();
+  ASSIGN_OR_RETURN(auto teaching, SourceOf(taught, folder, loaded, &out.set));
   out.set.taught_count = out.set.parts.size();
-  out.trials.teaching = TrialsOf(*std::move(teaching));
+  out.trials.teaching = TrialsOf(std::move(teaching));
   out.trials.leave_one_out = leave_one_out;
   if (leave_one_out) {
     out.trials.queries = out.trials.teaching;
     return out;
   }
-  auto queries = SourceOf(queried, folder, *loaded, &out.set);
-  if (!queries.ok()) return queries.status();
-  out.trials.queries = TrialsOf(*std::move(queries));
+  ASSIGN_OR_RETURN(auto queries, SourceOf(queried, folder, loaded, &out.set));
+  out.trials.queries = TrialsOf(std::move(queries));
   return out;
 }
 

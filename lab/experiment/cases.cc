@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "lab/experiment/close_scene.h"
 #include "rendering/counter_random.h"
 
@@ -64,16 +65,16 @@ void AddRealCameras(std::vector<ExperimentCase>* cases) {
 // Every part at the centre, at azimuths between the taught ones.
 absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanBetween(const ExperimentCase& experiment,
                                                                    const PartSet& set) {
-  auto plan = rendering::PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
-                                                   .azimuth_step_deg = kQueryStepDeg,
-                                                   .seed = experiment.seed + 1});
-  if (!plan.ok()) return plan.status();
+  ASSIGN_OR_RETURN(auto plan,
+                   rendering::PlanTurntable(set.parts, {.stand = StandOf(experiment.queried),
+                                                        .azimuth_step_deg = kQueryStepDeg,
+                                                        .seed = experiment.seed + 1}));
   const auto steps = static_cast<std::size_t>(std::lround(360 / kQueryStepDeg));
   const auto taught_every =
       static_cast<std::size_t>(std::lround(experiment.teach_step_deg / kQueryStepDeg));
   std::vector<rendering::PlannedCapture> between;
-  for (std::size_t i = 0; i < plan->size(); ++i) {
-    if ((i % steps) % taught_every != 0) between.push_back(std::move((*plan)[i]));
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    if ((i % steps) % taught_every != 0) between.push_back(std::move(plan[i]));
   }
   return between;
 }

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "recognition/frame/frame.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
@@ -58,7 +59,7 @@ class Composer {
   absl::StatusOr<Composite> Run() {
     if (table_.empty()) return absl::FailedPreconditionError("the frame shows no table");
     for (int i = 0; i < options_.objects; ++i) {
-      if (absl::Status placed = PlaceOne(); !placed.ok()) return placed;
+      RETURN_IF_ERROR(PlaceOne());
     }
     out_.scan.width = image_.camera.width;
     for (std::size_t i = 0; i < image_.depth.size(); ++i) {
@@ -119,9 +120,8 @@ class Composer {
       const rendering::TriangleMesh& mesh = set_.parts[part].mesh;
       const Pose world_object = RandomPose(mesh);
       if (CountInside(rendering::BoundsOf(mesh), world_object, others_) > kMaxInside) continue;
-      const absl::StatusOr<bool> taken = Draw(part, world_object);
-      if (!taken.ok()) return taken.status();
-      if (*taken) return absl::OkStatus();
+      ASSIGN_OR_RETURN(const bool taken, Draw(part, world_object));
+      if (taken) return absl::OkStatus();
     }
     return absl::OkStatus();
   }
@@ -135,14 +135,13 @@ class Composer {
     scene.objects = {{&set_.parts[part].mesh, down * world_object}};
     scene.table_half_width_m = 3;
     const std::uint64_t seed = rendering::RandomBits(options_.seed, 1, counter_++);
-    const auto drawn = camera_.Render(scene, down * world_sensor_, seed);
-    if (!drawn.ok()) return drawn.status();
+    ASSIGN_OR_RETURN(const auto drawn, camera_.Render(scene, down * world_sensor_, seed));
     std::vector<std::size_t> pixels;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < drawn->depth_m.size(); ++i) {
-      if (drawn->surface[i] != 0 && drawn->surface[i] != rendering::kFlyingPixel) continue;
+    for (std::size_t i = 0; i < drawn.depth_m.size(); ++i) {
+      if (drawn.surface[i] != 0 && drawn.surface[i] != rendering::kFlyingPixel) continue;
       ++count;
-      if (image_.depth[i] == 0 || drawn->depth_m[i] < image_.depth[i]) pixels.push_back(i);
+      if (image_.depth[i] == 0 || drawn.depth_m[i] < image_.depth[i]) pixels.push_back(i);
     }
     const bool in_view =
         static_cast<double>(pixels.size()) > kMinInView * static_cast<double>(count);
@@ -150,17 +149,17 @@ class Composer {
     std::vector<Eigen::Vector3d> points;
     points.reserve(pixels.size());
     for (const std::size_t i : pixels) {
-      points.push_back(world_sensor_ * image_.PointAt(i, drawn->depth_m[i]).cast<double>());
+      points.push_back(world_sensor_ * image_.PointAt(i, drawn.depth_m[i]).cast<double>());
     }
     for (const auto& [box, pose] : boxes_) {
       if (CountInside(box, pose, points) > kMaxInside) return false;
     }
-    for (std::size_t i = 0; i < drawn->depth_m.size(); ++i) {
-      const bool is_shadow = drawn->depth_m[i] == 0 && image_.role[i] == PixelRole::kTable;
+    for (std::size_t i = 0; i < drawn.depth_m.size(); ++i) {
+      const bool is_shadow = drawn.depth_m[i] == 0 && image_.role[i] == PixelRole::kTable;
       if (is_shadow) image_.depth[i] = 0;
     }
     for (const std::size_t i : pixels) {
-      image_.depth[i] = drawn->depth_m[i];
+      image_.depth[i] = drawn.depth_m[i];
       image_.role[i] = PixelRole::kObject;
     }
     std::erase_if(table_, [&](std::size_t i) {
@@ -196,12 +195,12 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
                                   const CompositeOptions& options) {
   const auto never = [] { return false; };
   recognition::StageLog log;
-  const auto segmentation =
-      recognition::SegmentScan(scan, parameters.segmentation, parameters.descriptor, never, &log);
-  if (!segmentation.ok()) return segmentation.status();
-  const Pose& world_sensor = segmentation->world_sensor;
+  ASSIGN_OR_RETURN(
+      const auto segmentation,
+      recognition::SegmentScan(scan, parameters.segmentation, parameters.descriptor, never, &log));
+  const Pose& world_sensor = segmentation.world_sensor;
   const recognition::Box region = scan.region.value_or(recognition::DefaultRegion(world_sensor));
-  Frame image = recognition::MakeFrame(scan, world_sensor, segmentation->table, region,
+  Frame image = recognition::MakeFrame(scan, world_sensor, segmentation.table, region,
                                        parameters.scene.frame, never);
   if (image.camera.width == 0) return absl::FailedPreconditionError("the frame is no image");
   constexpr std::array<rendering::DepthCameraModel (*)(), 4> kCameras = {
@@ -210,10 +209,9 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
   rendering::DepthCameraModel model =
       kCameras[rendering::RandomBits(options.seed, 2, 0) % kCameras.size()]();
   model.intrinsics = image.camera;
-  auto camera = rendering::DepthCamera::Create(model);
-  if (!camera.ok()) return camera.status();
+  ASSIGN_OR_RETURN(auto camera, rendering::DepthCamera::Create(model));
   auto composite =
-      Composer(background, set, std::move(image), region, *std::move(camera), options).Run();
+      Composer(background, set, std::move(image), region, std::move(camera), options).Run();
   if (composite.ok()) composite->scan.world_sensor = scan.world_sensor;
   return composite;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/status_macros.h"
 #include "lab/experiment/shown_segment.h"
 
 namespace graspdb::lab {
@@ -54,16 +55,15 @@ struct Sample {
 };
 
 absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
-  const auto shown = SegmentShown(trial, run.parameters);
-  if (!shown.ok()) return shown.status();
+  ASSIGN_OR_RETURN(const auto shown, SegmentShown(trial, run.parameters));
   const rendering::Placement& truth = trial.truth.front();
   Sample out{.part = truth.part, .posed = trial.posed, .descriptors = {}};
   const Eigen::Vector3d x = truth.world_object.linear().col(0);
   out.azimuth_rad = std::atan2(x.y(), x.x());
   for (const Kind& kind : kKinds) {
-    auto descriptor = recognition::Describe(shown->segment.cloud, shown->world_sensor, kind.kind);
-    if (!descriptor.ok()) return descriptor.status();
-    out.descriptors.push_back(*std::move(descriptor));
+    ASSIGN_OR_RETURN(auto descriptor,
+                     recognition::Describe(shown.segment.cloud, shown.world_sensor, kind.kind));
+    out.descriptors.push_back(std::move(descriptor));
   }
   return out;
 }
@@ -72,11 +72,9 @@ absl::StatusOr<std::vector<Sample>> Samples(const TrialSource& trials, const std
                                             const ExperimentRun& run) {
   std::vector<Sample> out(trials.count);
   absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) -> absl::Status {
-    const auto trial = trials.make(i);
-    if (!trial.ok()) return trial.status();
-    auto sample = SampleOf(*trial, run);
-    if (!sample.ok()) return sample.status();
-    out[i] = *std::move(sample);
+    ASSIGN_OR_RETURN(const auto trial, trials.make(i));
+    ASSIGN_OR_RETURN(auto sample, SampleOf(trial, run));
+    out[i] = std::move(sample);
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
@@ -163,12 +161,12 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
                                                                   const ExperimentRun& run) {
   const auto views = Samples(trials.teaching, "descriptors: teaching", run);
   if (!views.ok()) return views.status();
-  const auto queries =
-      trials.leave_one_out ? views : Samples(trials.queries, "descriptors: queries", run);
-  if (!queries.ok()) return queries.status();
+  ASSIGN_OR_RETURN(const auto queries, trials.leave_one_out
+                                           ? views
+                                           : Samples(trials.queries, "descriptors: queries", run));
   std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
-    out[i] = Figures(*views, *queries, trials.leave_one_out, i / kDistances.size(),
+    out[i] = Figures(*views, queries, trials.leave_one_out, i / kDistances.size(),
                      kDistances[i % kDistances.size()], set);
     return absl::OkStatus();
   });

@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "rendering/counter_random.h"
 #include "rendering/mesh_part.h"
@@ -21,17 +22,15 @@ struct Mesh {
 
 // Adds its taught stable poses to `out`.
 absl::StatusOr<Mesh> Teach(rendering::Workpiece as_it_lies, PartSet* out) {
-  auto taught =
-      client::ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {});
-  if (!taught.ok()) return taught.status();
-  const auto hull = client::HullOf(as_it_lies.mesh.vertices);
-  if (!hull.ok()) return hull.status();
-  auto facets = client::RestingFacets(*hull, taught->found.mass.center, 0);
-  if (!facets.ok()) return facets.status();
-  for (std::size_t i = 0; i < taught->workpieces.size(); ++i) {
-    out->Add(std::move(taught->workpieces[i]), taught->found.poses[i].object_mesh);
+  ASSIGN_OR_RETURN(
+      auto taught,
+      client::ProposeCadPart(as_it_lies.object_id, as_it_lies.display_name, as_it_lies.mesh, {}));
+  ASSIGN_OR_RETURN(const auto hull, client::HullOf(as_it_lies.mesh.vertices));
+  ASSIGN_OR_RETURN(auto facets, client::RestingFacets(hull, taught.found.mass.center, 0));
+  for (std::size_t i = 0; i < taught.workpieces.size(); ++i) {
+    out->Add(std::move(taught.workpieces[i]), taught.found.poses[i].object_mesh);
   }
-  return Mesh{std::move(as_it_lies), *std::move(facets)};
+  return Mesh{std::move(as_it_lies), std::move(facets)};
 }
 
 // The facet at which the probabilities add up to `share`.
@@ -69,13 +68,11 @@ absl::StatusOr<PartSet> DropPoses(const std::vector<std::filesystem::path>& path
   PartSet out;
   std::vector<Mesh> meshes;
   for (const std::filesystem::path& path : paths) {
-    auto as_it_lies = rendering::WorkpieceFromMesh(path, unit_scale_m);
-    if (!as_it_lies.ok()) return as_it_lies.status();
-    const double length = rendering::DiameterOf(as_it_lies->mesh);
+    ASSIGN_OR_RETURN(auto as_it_lies, rendering::WorkpieceFromMesh(path, unit_scale_m));
+    const double length = rendering::DiameterOf(as_it_lies.mesh);
     if (length < selection.min_length_m || length > selection.max_length_m) continue;
-    auto mesh = Teach(*std::move(as_it_lies), &out);
-    if (!mesh.ok()) return mesh.status();
-    meshes.push_back(*std::move(mesh));
+    ASSIGN_OR_RETURN(auto mesh, Teach(std::move(as_it_lies), &out));
+    meshes.push_back(std::move(mesh));
   }
   if (meshes.empty()) return absl::FailedPreconditionError("no mesh is left; give some");
   out.taught_count = out.parts.size();

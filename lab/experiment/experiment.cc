@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "base/status_macros.h"
 #include "lab/experiment/kept_scans.h"
 #include "lab/experiment/own_thresholds.h"
 
@@ -51,29 +52,27 @@ absl::StatusOr<std::vector<Answer>> RunQuery(const ExperimentTrials& trials, std
                                              const recognition::CatalogueSnapshot& taught,
                                              const PartSet& set, const ExperimentRun& run,
                                              Gallery* gallery) {
-  auto trial = trials.queries.make(query);
-  if (!trial.ok()) return trial.status();
-  const auto known = trials.leave_one_out ? Known(gallery->Snapshot(query), "", run, gallery)
-                                          : absl::StatusOr<recognition::CatalogueSnapshot>(taught);
-  if (!known.ok()) return known.status();
+  ASSIGN_OR_RETURN(auto trial, trials.queries.make(query));
+  ASSIGN_OR_RETURN(const auto known, trials.leave_one_out
+                                         ? Known(gallery->Snapshot(query), "", run, gallery)
+                                         : absl::StatusOr<recognition::CatalogueSnapshot>(taught));
   const auto start = std::chrono::steady_clock::now();
-  auto recognition =
-      recognition::Recognize(trial->scan, *known, *gallery, run.parameters, [] { return false; });
-  if (!recognition.ok()) return recognition.status();
+  ASSIGN_OR_RETURN(auto recognition, recognition::Recognize(trial.scan, known, *gallery,
+                                                            run.parameters, [] { return false; }));
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   std::vector<Answer> out;
-  for (std::size_t which = 0; which < trial->truth.size(); ++which) {
-    out.push_back(JudgeAnswer(*recognition, *trial, which, set));
+  for (std::size_t which = 0; which < trial.truth.size(); ++which) {
+    out.push_back(JudgeAnswer(recognition, trial, which, set));
     Answer& answer = out.back();
     answer.scene = query;
     answer.milliseconds = took.count();
-    answer.file = trial->file;
+    answer.file = trial.file;
     // If it were right, there would be no pose to judge either.
     const bool is_lost = answer.known && !answer.object_right;
     if (is_lost && !gallery->HasFrame(set.parts[answer.part])) answer.posed = false;
   }
   if (run.judge_truth && !std::ranges::all_of(out, &Answer::strictly_right)) {
-    JudgeTruth(trial->scan, set, run, gallery, &out);
+    JudgeTruth(trial.scan, set, run, gallery, &out);
   }
   return out;
 }
@@ -85,29 +84,27 @@ absl::StatusOr<CaseResult> RunCase(const ExperimentCase& experiment, const PartS
                                    LastGallery* last) {
   CaseResult out{.experiment = experiment, .set = set};
   LastGallery own;
-  const auto taught = (last != nullptr ? last : &own)->Teach(experiment, set, trials.teaching, run);
-  if (!taught.ok()) return taught.status();
-  Gallery& gallery = **taught;
+  ASSIGN_OR_RETURN(const auto taught,
+                   (last != nullptr ? last : &own)->Teach(experiment, set, trials.teaching, run));
+  Gallery& gallery = *taught;
   MeasureTaught(&gallery, &out.set);
   // If each query leaves a view out, the snapshot is made with the query.
-  const auto snapshot =
+  ASSIGN_OR_RETURN(
+      const auto snapshot,
       trials.leave_one_out
           ? absl::StatusOr<recognition::CatalogueSnapshot>(gallery.Snapshot())
-          : Known(gallery.Snapshot(), experiment.name + ": thresholds", run, &gallery);
-  if (!snapshot.ok()) return snapshot.status();
+          : Known(gallery.Snapshot(), experiment.name + ": thresholds", run, &gallery));
   std::vector<std::vector<Answer>> answers(trials.queries.count);
   const auto query = [&](std::size_t i) -> absl::Status {
-    auto of_scene = RunQuery(trials, i, *snapshot, out.set, run, &gallery);
-    if (!of_scene.ok()) return of_scene.status();
-    answers[i] = *std::move(of_scene);
+    ASSIGN_OR_RETURN(auto of_scene, RunQuery(trials, i, snapshot, out.set, run, &gallery));
+    answers[i] = std::move(of_scene);
     return absl::OkStatus();
   };
-  absl::Status status = ForEach(answers.size(), experiment.name + ": queries", run, query);
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(ForEach(answers.size(), experiment.name + ": queries", run, query));
   for (std::vector<Answer>& of_scene : answers) {
     std::ranges::move(of_scene, std::back_inserter(out.answers));
   }
-  if (absl::Status s = KeepScans(run.kept_scans, trials.queries, &out); !s.ok()) return s;
+  RETURN_IF_ERROR(KeepScans(run.kept_scans, trials.queries, &out));
   return out;
 }
 

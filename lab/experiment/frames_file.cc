@@ -13,6 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "program/json_keys.h"
 #include "program/text_encoding.h"
 #include "rendering/mesh_part.h"
@@ -83,9 +84,7 @@ absl::StatusOr<FrameObject> ObjectOf(const Struct& from, const std::filesystem::
   out.unit_m = unit == "mm" ? 0.001 : 1;
   const Value& pose = FieldOf(from, "T_sensor_mesh");
   if (!pose.has_list_value()) return out;
-  auto sensor_mesh = PoseOf(pose);
-  if (!sensor_mesh.ok()) return sensor_mesh.status();
-  out.sensor_mesh = *sensor_mesh;
+  ASSIGN_OR_RETURN(out.sensor_mesh, PoseOf(pose));
   return out;
 }
 
@@ -146,7 +145,7 @@ absl::StatusOr<std::vector<RealFrame>> LoadFrames(const std::filesystem::path& f
   }
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (absl::Status taken = TakeUtf8(path.string(), &text); !taken.ok()) return taken;
+  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
   auto frames = ParseFrames(text, folder);
   if (frames.ok()) return frames;
   return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", frames.status().message()));
@@ -160,14 +159,13 @@ absl::StatusOr<std::vector<RealFrame>> ParseFrames(const std::string& text,
     return absl::InvalidArgumentError(
         absl::StrCat("it must be a JSON array of frames ", std::string(parsed.message())));
   }
-  if (absl::Status keys = CheckJsonKeys(text); !keys.ok()) return keys;
+  RETURN_IF_ERROR(CheckJsonKeys(text));
   std::vector<RealFrame> out;
   for (const Value& value : list.list_value().values()) {
-    auto frame = FrameOf(value.struct_value(), folder);
-    if (!frame.ok()) return frame.status();
-    out.push_back(*std::move(frame));
+    ASSIGN_OR_RETURN(auto frame, FrameOf(value.struct_value(), folder));
+    out.push_back(std::move(frame));
   }
-  if (absl::Status meshes = CheckMeshes(out); !meshes.ok()) return meshes;
+  RETURN_IF_ERROR(CheckMeshes(out));
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "base/status_macros.h"
 #include "lab/experiment/shown_segment.h"
 #include "recognition/base/bounds.h"
 
@@ -58,11 +59,9 @@ absl::Status Gallery::Teach(const TrialSource& trials, const std::string& step,
   const std::size_t known = views_.size();
   std::vector<std::optional<Described>> described(trials.count);
   absl::Status status = ForEach(trials.count, step, run, [&](std::size_t i) {
-    const auto trial = trials.make(i);
-    if (!trial.ok()) return trial.status();
-    auto made = Describe(*trial, known + i);
-    if (!made.ok()) return made.status();
-    described[i] = *std::move(made);
+    ASSIGN_OR_RETURN(const auto trial, trials.make(i));
+    ASSIGN_OR_RETURN(auto made, Describe(trial, known + i));
+    described[i] = std::move(made);
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
@@ -81,9 +80,8 @@ absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::si
     return absl::Status(shown.status().code(),
                         absl::StrCat(StablePoseName(part), ": ", shown.status().message()));
   }
-  const absl::Status size =
-      CheckMeshSize(part, mesh_sizes_m_[truth.part], trial, shown->segment.cloud.points);
-  if (!size.ok()) return size;
+  RETURN_IF_ERROR(
+      CheckMeshSize(part, mesh_sizes_m_[truth.part], trial, shown->segment.cloud.points));
   auto view = std::make_shared<TaughtView>();
   view->stable_pose = StablePoseName(part);
   view->object = ObjectName(part);
@@ -95,10 +93,9 @@ absl::StatusOr<Gallery::Described> Gallery::Describe(const Trial& trial, std::si
   }
   view->shares_frame = trial.posed;
   view->world_sensor = shown->world_sensor;
-  auto descriptor =
-      recognition::Describe(shown->segment.cloud, view->world_sensor, parameters_.descriptor.kind);
-  if (!descriptor.ok()) return descriptor.status();
-  return Described{{std::move(view), *std::move(descriptor)}, std::move(shown->segment.cloud)};
+  ASSIGN_OR_RETURN(auto descriptor, recognition::Describe(shown->segment.cloud, view->world_sensor,
+                                                          parameters_.descriptor.kind));
+  return Described{{std::move(view), std::move(descriptor)}, std::move(shown->segment.cloud)};
 }
 
 recognition::CatalogueSnapshot Gallery::Snapshot(std::optional<std::size_t> left_out) const {

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "base/status_macros.h"
+
 namespace graspdb::lab {
 namespace {
 
@@ -61,11 +63,10 @@ absl::Status KeepScans(std::size_t count, const TrialSource& queries, CaseResult
   worst.resize(std::min(worst.size(), count));
   for (const std::size_t i : worst) {
     const Answer& answer = result->answers[i];
-    const auto trial = queries.make(answer.scene);
-    if (!trial.ok()) return trial.status();
+    ASSIGN_OR_RETURN(const auto trial, queries.make(answer.scene));
     const rendering::MeasuredShape& shape = *result->set.shapes[answer.part];
     const Vector3d center = answer.truth * CenterOf(shape).cast<double>();
-    result->scans[i] = Around(center, 0.6 * shape.diameter_m, trial->scan, answer.world_sensor);
+    result->scans[i] = Around(center, 0.6 * shape.diameter_m, trial.scan, answer.world_sensor);
   }
   return absl::OkStatus();
 }

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/teaching/mesh/stable_poses.h"
 #include "rendering/mesh_part.h"
 #include "rendering/sample_parts.h"
@@ -65,23 +66,22 @@ bool PartSet::IsTaught(std::size_t position) const {
 
 absl::StatusOr<PartSet> RestingParts(const std::vector<std::filesystem::path>& paths,
                                      double unit_scale_m, const MeshSelection& selection) {
-  if (absl::Status names = CheckFileNames(paths); !names.ok()) return names;
+  RETURN_IF_ERROR(CheckFileNames(paths));
   PartSet out;
   for (const std::filesystem::path& path : paths) {
-    const absl::StatusOr<rendering::Workpiece> as_it_lies =
-        rendering::WorkpieceFromMesh(path, unit_scale_m);
-    if (!as_it_lies.ok()) return as_it_lies.status();
-    const auto found =
-        client::FindStablePoses(as_it_lies->mesh, {.min_probability = selection.min_probability});
-    if (!found.ok()) return found.status();
+    ASSIGN_OR_RETURN(const rendering::Workpiece as_it_lies,
+                     rendering::WorkpieceFromMesh(path, unit_scale_m));
+    ASSIGN_OR_RETURN(
+        const auto found,
+        client::FindStablePoses(as_it_lies.mesh, {.min_probability = selection.min_probability}));
     const auto count =
-        std::min(found->poses.size(), static_cast<std::size_t>(selection.orientations));
+        std::min(found.poses.size(), static_cast<std::size_t>(selection.orientations));
     for (std::size_t i = 0; i < count; ++i) {
-      rendering::Workpiece part = *as_it_lies;
+      rendering::Workpiece part = as_it_lies;
       part.stable_pose_id = absl::StrCat("resting-", i + 1);
-      part.mesh = rendering::Transformed(as_it_lies->mesh, found->poses[i].object_mesh);
+      part.mesh = rendering::Transformed(as_it_lies.mesh, found.poses[i].object_mesh);
       part.grasps.clear();
-      out.Add(std::move(part), found->poses[i].object_mesh);
+      out.Add(std::move(part), found.poses[i].object_mesh);
     }
   }
   out.taught_count = out.parts.size();
@@ -98,7 +98,7 @@ PartSet TwinParts() {
 }
 
 absl::StatusOr<PartSet> Choose(const PartSet& all, PartChoice choice, const Choices& choices) {
-  if (absl::Status known = CheckNames(all, choices.main); !known.ok()) return known;
+  RETURN_IF_ERROR(CheckNames(all, choices.main));
   if (choice == PartChoice::kTwins) return TwinParts();
   PartSet out;
   PartSet others;

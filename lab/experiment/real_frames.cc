@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "base/status_macros.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "files/point_file.h"
 #include "lab/experiment/trial_source.h"
@@ -20,12 +21,11 @@ using recognition::Pose;
 constexpr double kTeachStepDeg = 20;
 
 absl::Status AddMesh(const FrameObject& object, PartSet* set) {
-  const auto mesh = rendering::LoadPartMesh(object.mesh, object.unit_m);
-  if (!mesh.ok()) return mesh.status();
-  auto part = client::ProposeCadPart(rendering::ObjectIdOf(object.object), "", *mesh, {});
-  if (!part.ok()) return part.status();
-  for (std::size_t i = 0; i < part->workpieces.size(); ++i) {
-    set->Add(std::move(part->workpieces[i]), part->found.poses[i].object_mesh);
+  ASSIGN_OR_RETURN(const auto mesh, rendering::LoadPartMesh(object.mesh, object.unit_m));
+  ASSIGN_OR_RETURN(auto part,
+                   client::ProposeCadPart(rendering::ObjectIdOf(object.object), "", mesh, {}));
+  for (std::size_t i = 0; i < part.workpieces.size(); ++i) {
+    set->Add(std::move(part.workpieces[i]), part.found.poses[i].object_mesh);
   }
   return absl::OkStatus();
 }
@@ -170,15 +170,14 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
   }
   auto out = std::make_unique<FramesCatalogue>();
   for (const auto& [name, object] : meshes) {
-    if (absl::Status added = AddMesh(object, &out->set_); !added.ok()) return added;
+    RETURN_IF_ERROR(AddMesh(object, &out->set_));
     out->object_ids_.push_back(name);
   }
   out->set_.taught_count = out->set_.parts.size();
-  const auto trials = RenderedTrials({.name = "real", .teach_step_deg = kTeachStepDeg}, out->set_);
-  if (!trials.ok()) return trials.status();
+  ASSIGN_OR_RETURN(const auto trials,
+                   RenderedTrials({.name = "real", .teach_step_deg = kTeachStepDeg}, out->set_));
   out->gallery_ = std::make_unique<Gallery>(out->set_.parts, run.parameters);
-  absl::Status taught = out->gallery_->Teach(trials->teaching, "teaching", run);
-  if (!taught.ok()) return taught;
+  RETURN_IF_ERROR(out->gallery_->Teach(trials.teaching, "teaching", run));
   out->snapshot_ = out->gallery_->Snapshot();
   // A server makes models before the first request.
   for (const rendering::Workpiece& part : out->set_.parts) {
@@ -188,12 +187,11 @@ absl::StatusOr<std::unique_ptr<FramesCatalogue>> FramesCatalogue::Teach(
 }
 
 absl::StatusOr<recognition::Scan> ReadScan(const RealFrame& frame) {
-  auto file = files::ReadPointFile(frame.path);
-  if (!file.ok()) return file.status();
-  return recognition::Scan{.points = std::move(file->points),
-                           .world_sensor = file->sensor_pose,
+  ASSIGN_OR_RETURN(auto file, files::ReadPointFile(frame.path));
+  return recognition::Scan{.points = std::move(file.points),
+                           .world_sensor = file.sensor_pose,
                            .region = {},
-                           .width = file->image_width()};
+                           .width = file.image_width()};
 }
 
 FrameResult RecognizeFrame(const RealFrame& frame, const recognition::Scan& scan,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/status_macros.h"
 #include "files/pose_message.h"
 #include "rendering/simulation.h"
 
@@ -60,24 +61,22 @@ void CutOut(const rendering::DepthFrame& frame, recognition::Scan* scan) {
 
 absl::StatusOr<TrialRenderer> TrialRenderer::Create(const std::vector<rendering::Workpiece>& parts,
                                                     const rendering::DepthCameraModel& camera) {
-  absl::StatusOr<rendering::DepthCamera> made = rendering::DepthCamera::Create(camera);
-  if (!made.ok()) return made.status();
-  return TrialRenderer(parts, *std::move(made));
+  ASSIGN_OR_RETURN(rendering::DepthCamera made, rendering::DepthCamera::Create(camera));
+  return TrialRenderer(parts, std::move(made));
 }
 
 absl::StatusOr<rendering::TriangleMesh> TrialRenderer::Plate(
     const rendering::Scene& scene, const rendering::PlannedCapture& capture,
     const Obstacle& obstacle) const {
-  absl::StatusOr<rendering::DepthFrame> clear =
-      camera_.Render(scene, capture.world_sensor, capture.seed);
-  if (!clear.ok()) return clear.status();
+  ASSIGN_OR_RETURN(rendering::DepthFrame clear,
+                   camera_.Render(scene, capture.world_sensor, capture.seed));
   const recognition::CameraIntrinsics& k = camera_.model().intrinsics;
   const Vector2d direction(std::cos(obstacle.direction_rad), std::sin(obstacle.direction_rad));
   std::vector<double> along;  // of the object's pixels
-  for (std::size_t i = 0; i < clear->surface.size(); ++i) {
-    if (clear->surface[i] != 0) continue;
-    const std::size_t row = i / static_cast<std::size_t>(clear->width);
-    const std::size_t column = i % static_cast<std::size_t>(clear->width);
+  for (std::size_t i = 0; i < clear.surface.size(); ++i) {
+    if (clear.surface[i] != 0) continue;
+    const std::size_t row = i / static_cast<std::size_t>(clear.width);
+    const std::size_t column = i % static_cast<std::size_t>(clear.width);
     along.push_back(direction.dot(Vector2d((static_cast<double>(column) - k.cx) / k.fx,
                                            (static_cast<double>(row) - k.cy) / k.fy)));
   }
@@ -101,15 +100,12 @@ absl::StatusOr<Trial> TrialRenderer::Render(const rendering::PlannedCapture& cap
   }
   rendering::TriangleMesh plate;
   if (obstacle.hidden_share > 0) {
-    absl::StatusOr<rendering::TriangleMesh> made = Plate(scene, capture, obstacle);
-    if (!made.ok()) return made.status();
-    plate = *std::move(made);
+    ASSIGN_OR_RETURN(plate, Plate(scene, capture, obstacle));
     scene.objects.push_back({.mesh = &plate, .world_object = capture.world_sensor});
   }
-  absl::StatusOr<rendering::DepthFrame> frame =
-      camera_.Render(scene, capture.world_sensor, capture.seed);
-  if (!frame.ok()) return frame.status();
-  Trial out{.scan = {.points = rendering::ToPoints(*frame, camera_.model().intrinsics),
+  ASSIGN_OR_RETURN(rendering::DepthFrame frame,
+                   camera_.Render(scene, capture.world_sensor, capture.seed));
+  Trial out{.scan = {.points = rendering::ToPoints(frame, camera_.model().intrinsics),
                      .world_sensor = capture.world_sensor,
                      .region = files::FromMessage(rendering::SimulatedRegion()),
                      .segmented = false,
@@ -117,9 +113,9 @@ absl::StatusOr<Trial> TrialRenderer::Render(const rendering::PlannedCapture& cap
             .truth = capture.placements,
             .seen = {}};
   for (std::size_t i = 0; i < out.truth.size(); ++i) {
-    out.seen.push_back(MeanSeen(*frame, static_cast<int>(i), out));
+    out.seen.push_back(MeanSeen(frame, static_cast<int>(i), out));
   }
-  if (obstacle.cut_out) CutOut(*frame, &out.scan);
+  if (obstacle.cut_out) CutOut(frame, &out.scan);
   return out;
 }
 

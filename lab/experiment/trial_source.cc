@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
+
 namespace graspdb::lab {
 namespace {
 
@@ -11,13 +13,12 @@ namespace {
 absl::StatusOr<TrialSource> Rendered(std::vector<rendering::PlannedCapture> plan,
                                      const PartSet& set, const rendering::DepthCameraModel& camera,
                                      const ExperimentCase* query_case) {
-  auto made = TrialRenderer::Create(set.parts, camera);
-  if (!made.ok()) return made.status();
+  ASSIGN_OR_RETURN(auto made, TrialRenderer::Create(set.parts, camera));
   struct Shared {
     TrialRenderer renderer;
     std::vector<rendering::PlannedCapture> plan;
   };
-  auto shared = std::make_shared<const Shared>(Shared{*std::move(made), std::move(plan)});
+  auto shared = std::make_shared<const Shared>(Shared{std::move(made), std::move(plan)});
   const std::size_t count = shared->plan.size();
   if (query_case == nullptr) {
     return TrialSource{
@@ -32,15 +33,13 @@ absl::StatusOr<TrialSource> Rendered(std::vector<rendering::PlannedCapture> plan
 
 absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
                                                 const PartSet& set) {
-  auto teaching = PlanTeaching(experiment, set);
-  if (!teaching.ok()) return teaching.status();
-  auto planned = PlanQueries(experiment, set);
-  if (!planned.ok()) return planned.status();
-  auto taught = Rendered(*std::move(teaching), set, experiment.taught.camera, nullptr);
-  if (!taught.ok()) return taught.status();
-  auto queries = Rendered(*std::move(planned), set, experiment.queried.camera, &experiment);
-  if (!queries.ok()) return queries.status();
-  return ExperimentTrials{*std::move(taught), *std::move(queries), false};
+  ASSIGN_OR_RETURN(auto teaching, PlanTeaching(experiment, set));
+  ASSIGN_OR_RETURN(auto planned, PlanQueries(experiment, set));
+  ASSIGN_OR_RETURN(auto taught,
+                   Rendered(std::move(teaching), set, experiment.taught.camera, nullptr));
+  ASSIGN_OR_RETURN(auto queries,
+                   Rendered(std::move(planned), set, experiment.queried.camera, &experiment));
+  return ExperimentTrials{std::move(taught), std::move(queries), false};
 }
 
 }  // namespace graspdb::lab

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/cell/robots/gri_data.h"
 #include "rendering/scene_file.h"
 
@@ -23,15 +24,14 @@ client::GriRequest RequestFor(const PickRunOptions& options, int job) {
 absl::Status Report(client::GriClient& agent, const PickRunOptions& options, bool held) {
   const std::optional<int>& job = held ? options.picked_job : options.missed_job;
   if (!job) return absl::OkStatus();
-  const auto answer = agent.Call(RequestFor(options, *job));
-  if (!answer.ok()) return answer.status();
-  if (answer->code == client::GriCode::kNoError ||
-      answer->code == client::GriCode::kNoReturnSpecified) {
+  ASSIGN_OR_RETURN(const auto answer, agent.Call(RequestFor(options, *job)));
+  if (answer.code == client::GriCode::kNoError ||
+      answer.code == client::GriCode::kNoReturnSpecified) {
     return absl::OkStatus();
   }
   return absl::FailedPreconditionError(
       absl::StrCat("job ", *job, ", which reports picks that ", held ? "held" : "did not hold",
-                   ", returned ", client::GriCodeName(answer->code), "; see the agent's jobs"));
+                   ", returned ", client::GriCodeName(answer.code), "; see the agent's jobs"));
 }
 
 absl::StatusOr<Pick> PickFrom(client::GriClient& agent,
@@ -51,8 +51,7 @@ absl::StatusOr<Pick> PickFrom(client::GriClient& agent,
   if (!base_tcp.ok()) return absl::InternalError(base_tcp.status().message());
   out.error = JudgePick(parts, scene, options.world_base * *base_tcp);
   out.held = WouldHold(out.error);
-  absl::Status reported = Report(agent, options, out.held);
-  if (!reported.ok()) return reported;
+  RETURN_IF_ERROR(Report(agent, options, out.held));
   return out;
 }
 
@@ -66,18 +65,15 @@ absl::StatusOr<std::vector<Pick>> RunPicks(client::GriClient& agent,
   random.count = options.picks;
   random.objects_per_scene = options.objects_per_scene;
   random.seed = options.seed;
-  const absl::StatusOr<std::vector<rendering::PlannedCapture>> scenes =
-      rendering::PlanRandomScenes(parts, random);
-  if (!scenes.ok()) return scenes.status();
+  ASSIGN_OR_RETURN(const std::vector<rendering::PlannedCapture> scenes,
+                   rendering::PlanRandomScenes(parts, random));
   std::vector<Pick> out;
-  out.reserve(scenes->size());
-  for (const rendering::PlannedCapture& scene : *scenes) {
-    absl::Status laid = rendering::WriteScenes(options.scene, parts, {scene});
-    if (!laid.ok()) return laid;
-    absl::StatusOr<Pick> pick = PickFrom(agent, parts, options, scene);
-    if (!pick.ok()) return pick.status();
-    on_pick(*pick);
-    out.push_back(*std::move(pick));
+  out.reserve(scenes.size());
+  for (const rendering::PlannedCapture& scene : scenes) {
+    RETURN_IF_ERROR(rendering::WriteScenes(options.scene, parts, {scene}));
+    ASSIGN_OR_RETURN(Pick pick, PickFrom(agent, parts, options, scene));
+    on_pick(pick);
+    out.push_back(std::move(pick));
   }
   return out;
 }

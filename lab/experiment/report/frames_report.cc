@@ -5,6 +5,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "lab/experiment/report/bop_csv.h"
 #include "lab/experiment/report/report_json.h"
@@ -57,14 +58,13 @@ std::vector<std::vector<std::string>> StageTable(const std::vector<FrameResult>&
 absl::Status WriteFramesReport(const std::filesystem::path& folder, const std::string& command,
                                const std::vector<std::string>& object_ids,
                                const std::vector<FrameResult>& results) {
-  const auto json = FramesJson(command, results);
-  if (!json.ok()) return json.status();
+  ASSIGN_OR_RETURN(const auto json, FramesJson(command, results));
   absl::Status status;
   const auto write = [&](const std::string& name, const std::string& text) {
     status.Update(
         files::WriteFileAtomically(folder / name, text, files::Durability::kProcessCrash));
   };
-  write("report.json", *json);
+  write("report.json", json);
   write("stages.md", TableMarkdown(StageTable(results)));
   write(BopFileName(kBopFrames), BopCsv(results, object_ids));
   write("bop_objects.csv", BopObjects(object_ids));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "lab/experiment/report/bop_csv.h"
 #include "lab/experiment/report/report_json.h"
@@ -53,9 +54,9 @@ absl::StatusOr<ReportWriter> ReportWriter::Create(const std::filesystem::path& f
     return absl::FailedPreconditionError(
         absl::StrCat(folder.string(), " is a file; the report needs a folder, name another one"));
   }
-  if (absl::Status removed = RemoveEarlier(folder); !removed.ok()) return removed;
+  RETURN_IF_ERROR(RemoveEarlier(folder));
   ReportWriter writer(folder, command);
-  if (absl::Status written = writer.Write(); !written.ok()) return written;
+  RETURN_IF_ERROR(writer.Write());
   return writer;
 }
 
@@ -63,21 +64,20 @@ absl::Status ReportWriter::Add(const CaseResult& result) {
   rows_.push_back(RowOf(result));
   cases_.push_back(CaseAsJson(result));
   absl::StrAppend(&bop_objects_, BopObjects(result));
-  absl::Status written = WriteFile(folder_ / BopFileName(result.experiment.name), BopCsv(result));
-  return written.ok() ? Write() : written;
+  RETURN_IF_ERROR(WriteFile(folder_ / BopFileName(result.experiment.name), BopCsv(result)));
+  return Write();
 }
 
 absl::Status ReportWriter::SetDescriptors(std::vector<DescriptorFigures> figures) {
   descriptors_ = std::move(figures);
-  absl::Status written =
-      WriteFile(folder_ / kDescriptorsFile, TableMarkdown(DescriptorTable(descriptors_)));
-  return written.ok() ? Write() : written;
+  RETURN_IF_ERROR(
+      WriteFile(folder_ / kDescriptorsFile, TableMarkdown(DescriptorTable(descriptors_))));
+  return Write();
 }
 
 absl::Status ReportWriter::Write() const {
-  auto json = ReportJson(command_, descriptors_, cases_);
-  if (!json.ok()) return json.status();
-  absl::Status status = WriteFile(folder_ / kReportFile, *json);
+  ASSIGN_OR_RETURN(auto json, ReportJson(command_, descriptors_, cases_));
+  absl::Status status = WriteFile(folder_ / kReportFile, json);
   status.Update(WriteFile(folder_ / "bop_objects.csv", bop_objects_));
   status.Update(WriteFile(folder_ / "cases.md", TableMarkdown(CaseTable(rows_))));
   return status;
