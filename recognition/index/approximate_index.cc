@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -203,7 +204,7 @@ absl::StatusOr<std::shared_ptr<const ApproximateIndex>> ApproximateIndex::Load(
   }
   try {
     auto tree = std::make_shared<Tree>(PointsOf(out->places_, *out->projection_));
-    if (absl::Status status = tree->Load(saved.tree); !status.ok()) return status;
+    RETURN_IF_ERROR(tree->Load(saved.tree));
     out->tree_ = std::move(tree);
   } catch (const std::exception& error) {
     return Failed(error);
@@ -213,9 +214,8 @@ absl::StatusOr<std::shared_ptr<const ApproximateIndex>> ApproximateIndex::Load(
 
 absl::StatusOr<ApproximateIndex::Saved> ApproximateIndex::Save() const {
   try {
-    absl::StatusOr<std::string> tree = tree_->Save();
-    if (!tree.ok()) return tree.status();
-    return Saved{kLibrary, projection_->numbers(), *std::move(tree), places_.size(),
+    ASSIGN_OR_RETURN(std::string tree, tree_->Save());
+    return Saved{kLibrary, projection_->numbers(), std::move(tree), places_.size(),
                  search_,  recall_at_10_};
   } catch (const std::exception& error) {
     return Failed(error);

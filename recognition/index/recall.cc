@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/status_macros.h"
+
 namespace graspdb::recognition {
 namespace {
 
@@ -72,17 +74,16 @@ class Sample {
 
 absl::StatusOr<DescriptorIndex> WithNewApproximate(const DescriptorIndex& index) {
   ApproximateIndex::SearchParameters search;
-  const auto made = ApproximateIndex::Build(index.chunks(), search);
-  if (!made.ok()) return made.status();
-  const DescriptorIndex out = index.WithApproximate(*made);
+  ASSIGN_OR_RETURN(const auto made, ApproximateIndex::Build(index.chunks(), search));
+  const DescriptorIndex out = index.WithApproximate(made);
   const Sample sample(out);
   const auto recall = [&] {
-    (*made)->Calibrate(search, 0);
+    made->Calibrate(search, 0);
     return sample.RecallOf(out);
   };
   while (search.checks < kMaxRecallChecks && recall() < kMinRecall) search.checks *= 2;
   search.checks = std::min(2 * search.checks, kMaxRecallChecks);
-  (*made)->Calibrate(search, recall());
+  made->Calibrate(search, recall());
   return out;
 }
 

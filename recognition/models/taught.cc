@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "base/status_macros.h"
+
 namespace graspdb::recognition {
 
 bool HaveSameModel(const TaughtView& a, const TaughtView& b) {
@@ -30,9 +32,8 @@ absl::StatusOr<std::shared_ptr<const SurfaceModel>> FuseModel(const TaughtView& 
                                                               ViewClouds& clouds) {
   std::vector<PosedCloud> posed;
   for (const TaughtView* part : ViewsOfModel(view, stable_pose)) {
-    auto cloud = clouds.Load(*part);
-    if (!cloud.ok()) return cloud.status();
-    posed.push_back({*std::move(cloud), part->world_object});
+    ASSIGN_OR_RETURN(auto cloud, clouds.Load(*part));
+    posed.push_back({std::move(cloud), part->world_object});
   }
   return FuseViews(posed);
 }
@@ -65,12 +66,11 @@ absl::StatusOr<std::shared_ptr<const PairModel>> MakePairModelOf(const StablePos
   for (const auto& stable_pose : stable_poses) {
     const TaughtView* view = ModelView(*stable_pose);
     if (view == nullptr) continue;
-    const auto model = clouds.LoadModel(*view, *stable_pose);
-    if (!model.ok()) return model.status();
-    if (*model == nullptr) continue;
+    ASSIGN_OR_RETURN(const auto model, clouds.LoadModel(*view, *stable_pose));
+    if (model == nullptr) continue;
     const Eigen::Isometry3f mesh_object =
         stable_pose->object_mesh.value_or(Pose::Identity()).inverse().cast<float>();
-    const OrientedCloud& part = (*model)->fine.cloud;
+    const OrientedCloud& part = model->fine.cloud;
     for (std::size_t i = 0; i < part.points.size(); ++i) {
       whole.points.push_back(mesh_object * part.points[i]);
       whole.normals.push_back(mesh_object.linear() * part.normals[i]);
