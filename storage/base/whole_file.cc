@@ -79,11 +79,9 @@ bool WriteDurably(const std::string& path, std::string_view bytes) {
 }  // namespace
 
 absl::StatusOr<std::string> ReadWholeFile(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return CannotReadFile(path, errno);
+  const OpenFile file(path, O_RDONLY);
   std::string bytes;
-  const int error = ReadToEnd(file, &bytes);
-  close(file);
+  const int error = file.number() < 0 ? errno : ReadToEnd(file.number(), &bytes);
   if (error != 0) return CannotReadFile(path, error);
   return bytes;
 }

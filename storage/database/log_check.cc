@@ -4,15 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <vector>
 
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 #include "storage/base/restore_advice.h"
+#include "storage/base/whole_file.h"
 
 namespace graspdb::storage {
 namespace {
@@ -57,13 +57,6 @@ bool WriteBeginsBehind(std::string_view log, std::size_t offset) {
     if ((type == kFull || type == kFirst) && ReadRecord(log, i).has_value()) return true;
   }
   return false;
-}
-
-std::optional<std::string> ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return bytes;
 }
 
 absl::Status Damaged(const std::filesystem::path& file) {
@@ -123,16 +116,16 @@ absl::Status CheckLogs(const std::string& directory) {
   const LogFiles files = FindLogs(directory);
   std::optional<std::filesystem::path> incomplete;
   for (const std::filesystem::path& path : files.logs) {
-    const std::optional<std::string> log = ReadFile(path);
-    if (!log) continue;
+    const absl::StatusOr<std::string> log = ReadWholeFile(path);
+    if (!log.ok()) continue;
     const LogVerdict verdict = InspectLog(*log);
     if (verdict.damaged) return Damaged(path);
     if (incomplete && verdict.has_writes) return Damaged(*incomplete);
     if (!verdict.complete) incomplete = path;
   }
   for (const std::filesystem::path& path : files.manifests) {
-    const std::optional<std::string> manifest = ReadFile(path);
-    if (manifest && InspectLog(*manifest).damaged) return Damaged(path);
+    const absl::StatusOr<std::string> manifest = ReadWholeFile(path);
+    if (manifest.ok() && InspectLog(*manifest).damaged) return Damaged(path);
   }
   return absl::OkStatus();
 }

@@ -33,7 +33,7 @@ LogVerdict InspectLog(std::string_view log);
 
 // Inspects all logs and manifests of the database in `directory`, which should not
 // be open. DATA_LOSS, naming the file, when one is damaged or when a log that is not
-// the newest is incomplete. Files that are deleted meanwhile are skipped.
+// the newest is incomplete. Files that are deleted meanwhile, or cannot be read, are skipped.
 absl::Status CheckLogs(const std::string& directory);
 
 }  // namespace graspdb::storage
