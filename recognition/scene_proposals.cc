@@ -65,6 +65,16 @@ std::vector<std::size_t> GroupsToSearch(const std::vector<StablePoses>& groups,
   return out;
 }
 
+// An object that was taught from views alone stands as it was taught.
+std::optional<Voting::Upright> UprightOf(const SceneInput& input, const StablePoses& stable_poses) {
+  if (stable_poses.front()->object_mesh) return std::nullopt;
+  // Turns of votes are in bins of 12 degrees.
+  constexpr double kVoteRad = 0.2;
+  return Voting::Upright{
+      input.segmentation.world_sensor.linear().row(2).transpose().cast<float>(),
+      static_cast<float>(std::cos(input.parameters.scene.max_tilt_rad + kVoteRad))};
+}
+
 // Of each searched object. Those with the same cell share a sample of the scene.
 std::vector<VotedPoses> VotedPosesOf(
     const SceneInput& input, const Frame& frame, const std::vector<SceneProposal>& searched,
@@ -75,8 +85,10 @@ std::vector<VotedPoses> VotedPosesOf(
   std::vector<VotedPoses> out(searched.size());
   ForEachIndex(groups.size(), [&](std::size_t g) {
     const auto& [cell_m, members] = groups[g];
-    std::vector<const PairModel*> models;
-    for (const std::size_t i : members) models.push_back(searched[i].model.get());
+    std::vector<Voting> models;
+    for (const std::size_t i : members) {
+      models.push_back({searched[i].model.get(), UprightOf(input, searched[i].stable_poses)});
+    }
     if (input.is_cancelled()) return;
     std::vector<VotedPoses> voted =
         VoteForPoses(models, ThinnedToCells(shown, cell_m),

@@ -31,8 +31,10 @@ class Accumulator {
     votes_[point * kStride + ((turn * kTurnBins) >> 16U)] += 1;
   }
 
-  // The most votes in two bins side by side, of different model points.
-  void FindPeaks(std::size_t count, std::vector<Peak>* out) {
+  // The most votes in two bins side by side, of different model points, of those that `is_possible`
+  // allows.
+  template <typename IsPossible>
+  void FindPeaks(std::size_t count, const IsPossible& is_possible, std::vector<Peak>* out) {
     out->clear();
     for (std::size_t point = 0; point * kStride + 1 < votes_.size(); ++point) {
       const std::array<std::uint16_t, kStride> sums = SumsOf(point);
@@ -41,6 +43,7 @@ class Accumulator {
       if (votes < kMinVotes) continue;
       if (out->size() == count && votes <= out->back().votes) continue;
       const auto bin = static_cast<std::size_t>(std::ranges::find(sums, votes) - sums.begin());
+      if (!is_possible(point, bin)) continue;
       if (out->size() == count) out->pop_back();
       out->insert(std::ranges::upper_bound(*out, votes, std::greater(), &Peak::votes),
                   {votes, point, bin});
@@ -107,31 +110,35 @@ Reference ReferenceAt(std::size_t i, const OrientedCloud& scene, const SoaCloud&
   return out;
 }
 
-void Vote(const PairModel& model, const Reference& reference, std::size_t peak_count,
+void Vote(const Voting& voting, const Reference& reference, std::size_t peak_count,
           Accumulator* votes, VotedPoses* out) {
+  const PairModel& model = *voting.model;
   votes->Clear();
   for (const ScenePair& pair : reference.pairs) {
     for (const PairTable::Entry& entry : model.table->Find(pair.feature)) {
       votes->Add(entry.point, static_cast<std::uint16_t>(pair.turn - entry.turn));
     }
   }
-  std::vector<Peak> peaks;
-  votes->FindPeaks(peak_count, &peaks);
-  for (const Peak& peak : peaks) {
+  const auto pose_of = [&](std::size_t point, std::size_t bin) {
     constexpr float kBinRad = 2 * std::numbers::pi_v<float> / kTurnBins;
-    out->push_back(PoseOf(reference.frame, model.frames[peak.point],
-                          static_cast<float>(peak.bin + 1) * kBinRad));
-  }
+    return PoseOf(reference.frame, model.frames[point], static_cast<float>(bin + 1) * kBinRad);
+  };
+  const auto is_possible = [&](std::size_t point, std::size_t bin) {
+    return !voting.upright || pose_of(point, bin).linear().col(2).dot(voting.upright->up) >=
+                                  voting.upright->min_cosine;
+  };
+  std::vector<Peak> peaks;
+  votes->FindPeaks(peak_count, is_possible, &peaks);
+  for (const Peak& peak : peaks) out->push_back(pose_of(peak.point, peak.bin));
 }
 
 }  // namespace
 
-std::vector<VotedPoses> VoteForPoses(std::span<const PairModel* const> models,
-                                     const OrientedCloud& scene,
+std::vector<VotedPoses> VoteForPoses(std::span<const Voting> models, const OrientedCloud& scene,
                                      const PairVotesParameters& parameters,
                                      const IsCancelled& is_cancelled) {
   float reach = 0;
-  for (const PairModel* model : models) reach = std::max(reach, model->diameter_m);
+  for (const Voting& voting : models) reach = std::max(reach, voting.model->diameter_m);
   const SoaCloud columns(scene);
   const std::size_t count = scene.points.size();
   const std::size_t references = std::min(parameters.reference_count, count);
@@ -145,9 +152,9 @@ std::vector<VotedPoses> VoteForPoses(std::span<const PairModel* const> models,
       voters.push_back(ReferenceAt(r * count / references, scene, columns, reach));
     }
     for (std::size_t m = 0; m < models.size() && !is_cancelled(); ++m) {
-      Accumulator votes(models[m]->points.points.size());
+      Accumulator votes(models[m].model->points.points.size());
       for (const Reference& voter : voters) {
-        Vote(*models[m], voter, parameters.peak_count, &votes, &of_block[block][m]);
+        Vote(models[m], voter, parameters.peak_count, &votes, &of_block[block][m]);
       }
     }
   });

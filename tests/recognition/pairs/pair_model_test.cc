@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include "recognition/pairs/pair_votes.h"
 
@@ -92,8 +94,9 @@ TEST(PairModelTest, EveryPairOfTheModelIsFound) {
   EXPECT_GT(found, tried / 2);
 }
 
-VotedPoses PosesVotedFor(const PairModel& model, const OrientedCloud& scene) {
-  const PairModel* models[] = {&model};
+VotedPoses PosesVotedFor(const PairModel& model, const OrientedCloud& scene,
+                         const std::optional<Voting::Upright>& upright = std::nullopt) {
+  const Voting models[] = {{&model, upright}};
   return VoteForPoses(models, scene, {}, [] { return false; }).front();
 }
 
@@ -116,6 +119,25 @@ TEST(PairVotesTest, APoseIsFoundWhereTheModelIs) {
   EXPECT_GT(near, 5U);
 }
 
+// A box upside down looks like one that stands.
+TEST(PairVotesTest, PosesThatDoNotStandUprightAreLeftOut) {
+  OrientedCloud box = KnobbedBox();
+  const std::size_t count = box.points.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    box.points.push_back({-box.points[i].x(), box.points[i].y(), -box.points[i].z()});
+    box.normals.push_back({-box.normals[i].x(), box.normals[i].y(), -box.normals[i].z()});
+  }
+  const auto model = MakePairModel(box, {});
+  ASSERT_NE(model, nullptr);
+  const OrientedCloud scene = SeenFromAbove(*model, Eigen::Isometry3f::Identity());
+  const auto upright = [](const Eigen::Isometry3f& pose) { return pose.linear()(2, 2) >= 0.9F; };
+  EXPECT_FALSE(std::ranges::all_of(PosesVotedFor(*model, scene), upright));
+  const VotedPoses standing =
+      PosesVotedFor(*model, scene, Voting::Upright{Eigen::Vector3f::UnitZ(), 0.9F});
+  EXPECT_GT(standing.size(), 20U);
+  EXPECT_TRUE(std::ranges::all_of(standing, upright));
+}
+
 TEST(PairVotesTest, TheSameVotesGiveTheSamePoses) {
   const auto model = MakePairModel(KnobbedBox(), {});
   ASSERT_NE(model, nullptr);
@@ -135,10 +157,10 @@ TEST(PairVotesTest, EachOfSeveralModelsGetsThePosesThatItGetsAlone) {
   ASSERT_NE(large, nullptr);
   ASSERT_NE(small, nullptr);
   const OrientedCloud scene = SeenFromAbove(*large, Eigen::Isometry3f::Identity());
-  const PairModel* models[] = {small.get(), large.get()};
+  const Voting models[] = {{small.get()}, {large.get()}};
   const auto together = VoteForPoses(models, scene, {}, [] { return false; });
   for (std::size_t m = 0; m < 2; ++m) {
-    const VotedPoses alone = PosesVotedFor(*models[m], scene);
+    const VotedPoses alone = PosesVotedFor(*models[m].model, scene);
     EXPECT_FALSE(alone.empty());
     ASSERT_EQ(together[m].size(), alone.size());
     for (std::size_t i = 0; i < alone.size(); ++i) {
