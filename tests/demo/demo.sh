@@ -49,5 +49,7 @@ log_step "a robot requests $picks picks over the Generic Robot Interface"
 "$bin/graspdb" robot --cell demo --scene "$work/table" --parts "$parts" --picks "$picks" \
   --seed $((seed + 2))
 
-log_step "look at it in a browser: drop a scene of $out/scenes/clouds on the page"
-echo "$bin/graspdb-server --db $out/db & $bin/graspdb console"
+if [ -x "$bin/graspdb-console" ]; then
+  log_step "look at it in a browser: drop a scene of $out/scenes/clouds on the page"
+  echo "$bin/graspdb-server --db $out/db & $bin/graspdb console"
+fi
