@@ -8,33 +8,19 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "client/sdk/channel_arguments.h"
 #include "client/sdk/security.h"
-#include "program/proxy.h"
 #include "program/request_id.h"
 
 namespace graspdb::console {
 namespace {
 
-// As the client library connects.
-constexpr int kFirstReconnectMs = 100;
-constexpr int kLongestReconnectMs = 1'000;
-constexpr int kConnectMs = 4'000;
-constexpr int kKeepaliveMs = 20'000;
-constexpr int kKeepaliveTimeoutMs = 10'000;
 // One sends while the other one converts; more did not shorten calls on two cores.
 constexpr int kQueueThreads = 2;
 
 std::shared_ptr<grpc::Channel> Connect(const client::ConnectionOptions& options, bool with_token) {
-  grpc::ChannelArguments arguments;
+  grpc::ChannelArguments arguments = client::ChannelArgumentsFor(options.server);
   arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
-  if (IsLocalTarget(options.server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetMaxReceiveMessageSize(-1);
-  arguments.SetMaxSendMessageSize(-1);
   auto interceptors = client::MakeTokenInterceptors(options);
   if (!with_token) interceptors.clear();
   return grpc::experimental::CreateCustomChannelWithInterceptors(

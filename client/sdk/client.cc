@@ -7,9 +7,9 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "client/sdk/channel_arguments.h"
 #include "client/sdk/client_call.h"
 #include "client/sdk/security.h"
-#include "program/proxy.h"
 #include "program/request_id.h"
 
 namespace graspdb::client {
@@ -43,43 +43,20 @@ constexpr char kOthers[] = R"(
     {"service": "graspdb.v1.CellService", "method": "ListCells"}],
   "retryPolicy": {"maxAttempts": 4, "initialBackoff": "0.15s", "maxBackoff": "1s",
                   "backoffMultiplier": 2, "retryableStatusCodes": ["UNAVAILABLE"]}}]})";
-// The first delay between two attempts to connect, and the longest, to which it grows by 1.6 with
-// each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back;
-// doubled, up to 2 s, and half as many attempts are made meanwhile.
-constexpr int kFirstReconnectMs = 100;
-constexpr int kLongestReconnectMs = 1'000;
-// For an attempt: TCP, TLS, and the server's first HTTP/2 frame. TCP repeats a lost packet after 1
-// and 3 s, so a cable that is plugged in is noticed after 2 s at the latest; doubled, after 4 s.
-// In spite of its name the option is not a minimum of the delay.
-constexpr int kConnectMs = 4'000;
-// Milliseconds without a message during a call after which the server gets a ping, at least 10 s
-// (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
-// are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
-// power is back at the server. Doubled, a server without power is noticed after 20 s.
-constexpr int kKeepaliveMs = 20'000;
-constexpr int kKeepaliveTimeoutMs = 10'000;
 // Buffer of a call for its retries, bytes; the largest frames fit.
 constexpr int kRetryBuffer = 256 << 20;
 
 // A channel on which every call fails, if the options cannot be used.
 std::shared_ptr<grpc::Channel> Connect(const ConnectionOptions& options, bool usable) {
   if (!usable) return grpc::CreateChannel("", nullptr);
-  grpc::ChannelArguments arguments;
+  grpc::ChannelArguments arguments = ChannelArgumentsFor(options.server);
   if (options.retry) {
     arguments.SetServiceConfigJSON(absl::StrCat(R"({"methodConfig": [{"name": [)",
                                                 options.retry_frames ? kFrames : "", kOthers));
   }
   arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, options.retry ? 1 : 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, options.own_connection ? 1 : 0);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBuffer);
-  if (IsLocalTarget(options.server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetMaxReceiveMessageSize(-1);
-  arguments.SetMaxSendMessageSize(-1);
   return grpc::experimental::CreateCustomChannelWithInterceptors(
       options.server, MakeCredentials(options.security), arguments, MakeTokenInterceptors(options));
 }
