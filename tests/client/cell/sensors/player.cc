@@ -2,9 +2,10 @@
 // "frame N" for an image, which is written to OUT/N.png with its intrinsics in the same folder, or
 // "error CODE: TEXT", once for repeated errors. Ends after FRAMES frames, or after kMaxErrors
 // errors in a row.
-#include <iostream>
+#include <cstdio>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/cell/sensors/open_sensor.h"
 #include "files/depth_message.h"
@@ -26,13 +27,19 @@ absl::Status Keep(const std::string& folder, int number, const SensorFrame& fram
   return files::WriteDepthPng(folder + "/" + std::to_string(number) + ".png", image);
 }
 
+// In one write: fakenect prints to the same stream from the sensor's thread.
+void Print(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stdout);
+  std::fflush(stdout);
+}
+
 int Play(const std::string& spec, const std::string& folder, int count) {
   SensorSettings settings;
   settings.first_pause = absl::Milliseconds(1);
   settings.max_pause = absl::Milliseconds(10);
   const auto sensor = OpenSensor(spec, settings);
   if (!sensor.ok()) {
-    std::cout << "error " << sensor.status() << std::endl;
+    Print(absl::StrCat("error ", sensor.status().ToString()));
     return 1;
   }
   std::string last;
@@ -40,17 +47,17 @@ int Play(const std::string& spec, const std::string& folder, int count) {
     const auto frame = (*sensor)->Next(MonotonicTime::Now() + kTimeout);
     const absl::Status status = frame.ok() ? Keep(folder, frames, *frame) : frame.status();
     if (status.ok()) {
-      std::cout << "frame " << frames++ << std::endl;
+      Print(absl::StrCat("frame ", frames++));
       errors = 0;
       last.clear();
       continue;
     }
     ++errors;
-    if (status.ToString() != last) std::cout << "error " << status << std::endl;
+    if (status.ToString() != last) Print(absl::StrCat("error ", status.ToString()));
     last = status.ToString();
     absl::SleepFor(absl::Milliseconds(10));
   }
-  std::cout << "ready " << (*sensor)->IsReady() << std::endl;
+  Print(absl::StrCat("ready ", (*sensor)->IsReady()));
   return 0;
 }
 
