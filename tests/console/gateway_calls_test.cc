@@ -1,4 +1,4 @@
-// Calls through the gateway beside direct ones.
+// Calls through the gateway.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -27,50 +27,7 @@ class GatewayCallsTest : public ConsoleTest<ServerTest> {
     ServerTest::SetUp();
     StartGateway();
   }
-
-  // The same call directly, in binary, and in JSON: the responses must be the same.
-  template <typename Stub, typename Request, typename Response>
-  void ExpectSame(const std::string& path,
-                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                  const Request& request) {
-    Response direct;
-    ASSERT_THAT(ServerTest::Call(method, request, &direct), IsGrpcOk());
-    const HttpResponse binary = ConsoleTest::Call(path, kProto, request.SerializeAsString());
-    EXPECT_EQ(binary.status, 200) << path;
-    EXPECT_EQ(binary.Field("content-type"), kProto);
-    EXPECT_EQ(binary.body, direct.SerializeAsString()) << path;
-    const HttpResponse json = ConsoleTest::Call(path, kJson, JsonOf(request));
-    EXPECT_EQ(json.status, 200) << path << json.body;
-    EXPECT_EQ(json.Field("content-type"), kJson);
-    EXPECT_EQ(json.body, JsonOf(direct)) << path;
-    EXPECT_THAT(json.Field("x-request-id"), SizeIs(16));
-  }
 };
-
-TEST_F(GatewayCallsTest, UnaryCallsGiveTheBytesOfDirectCalls) {
-  Teach("flange", 3);
-  const std::string view = FlatPoseOf("flange") + "/views/turn-1";
-  ExpectSame("CatalogService/ListObjects", &Catalog::ListObjects, v1::ListObjectsRequest());
-  v1::GetStablePoseRequest pose;
-  pose.set_name(FlatPoseOf("flange"));
-  ExpectSame("CatalogService/GetStablePose", &Catalog::GetStablePose, pose);
-  v1::ListViewsRequest views;
-  views.set_parent(FlatPoseOf("flange"));
-  views.set_page_size(2);
-  ExpectSame("CatalogService/ListViews", &Catalog::ListViews, views);
-  v1::GetViewRequest full;
-  full.set_name(view);
-  full.set_detail(v1::VIEW_DETAIL_FULL);
-  ExpectSame("CatalogService/GetView", &Catalog::GetView, full);
-  ExpectSame("CellService/ListCells", &Cells::ListCells, v1::ListCellsRequest());
-  ExpectSame("ObjectHistoryService/ListDeletedObjects", &History::ListDeletedObjects,
-             v1::ListDeletedObjectsRequest());
-  ExpectSame("BackupService/ListBackups", &BackupStub::ListBackups, v1::ListBackupsRequest());
-  ExpectSame("RecognitionService/FindLookAlikes", &Recognition::FindLookAlikes,
-             v1::FindLookAlikesRequest());
-  v1::RecognizeRequest frame = RequestOf(Photograph("flange", {.turn_deg = 40}, 3));
-  ExpectSame("RecognitionService/Recognize", &Recognition::Recognize, frame);
-}
 
 TEST_F(GatewayCallsTest, EveryMethodCanBeCalled) {
   for (const std::string& path : console::MethodPaths()) {
