@@ -1,4 +1,5 @@
 // graspdb-console: a page to look at a server, and the gateway by which it calls it.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -6,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "client/cli/base/command_line.h"
 #include "client/sdk/security.h"
 #include "console/gateway.h"
@@ -36,6 +39,16 @@ absl::Status Serve(const client::GlobalOptions& global, const GatewayOptions& op
   return absl::OkStatus();
 }
 
+// The server has variables with the names of some of the flags.
+void NameVariables(CLI::App* command) {
+  for (CLI::Option* option : command->get_options()) {
+    std::string name = option->get_lnames().front();
+    if (name == "help") continue;
+    std::ranges::replace(name, '-', '_');
+    option->envname(absl::StrCat("GRASPDB_CONSOLE_", absl::AsciiStrToUpper(name)));
+  }
+}
+
 void AddConsoleCommand(CLI::App& app, GatewayOptions* options) {
   CLI::App* command = client::AddCommand(
       app, kCommand, "Show scenes, answers and the catalogue of a server in a browser");
@@ -51,6 +64,7 @@ void AddConsoleCommand(CLI::App& app, GatewayOptions* options) {
   command->add_option("--host", options->hosts,
                       "Another name by which browsers open the console, as in their address bar: "
                       "NAME or NAME:PORT; may be repeated");
+  NameVariables(command);
 }
 
 // `graspdb` passes on the command; started by itself, this program has one command only.

@@ -34,24 +34,37 @@ std::string VariableName(const std::string& flag) {
   return name;
 }
 
-// Empty when the variable is not set.
-std::string Variable(const std::string& flag) {
-  const char* value = std::getenv(VariableName(flag).c_str());
-  return value == nullptr ? "" : value;
-}
-
-bool HasSetting(const CLI::App& app, const CLI::ConfigItem& item) {
+// The command with the section of `item`; null without one.
+const CLI::App* CommandOf(const CLI::App& app, const CLI::ConfigItem& item) {
   const CLI::App* command = &app;
   for (const std::string& parent : item.parents) {
     const auto found = command->get_subcommands(
         [&](const CLI::App* other) { return other->get_name() == parent; });
-    if (found.empty()) return false;
+    if (found.empty()) return nullptr;
     command = found.front();
   }
-  if (item.name == "++" || item.name == "--") return true;  // begin and end of a section
-  return command->get_option_no_throw("--" + item.name) != nullptr ||
-         command->get_option_no_throw("-" + item.name) != nullptr ||
-         command->get_option_no_throw(item.name) != nullptr;
+  return command;
+}
+
+// Null without one.
+const CLI::Option* OptionOf(const CLI::App& app, const CLI::ConfigItem& item) {
+  const CLI::App* command = CommandOf(app, item);
+  if (command == nullptr) return nullptr;
+  for (const std::string& name : {"--" + item.name, "-" + item.name, item.name}) {
+    if (const CLI::Option* option = command->get_option_no_throw(name)) return option;
+  }
+  return nullptr;
+}
+
+bool HasVariable(const CLI::App& app, const CLI::ConfigItem& item) {
+  const CLI::Option* option = OptionOf(app, item);
+  const char* value = option == nullptr ? nullptr : std::getenv(option->get_envname().c_str());
+  return value != nullptr && *value != '\0';
+}
+
+bool HasSetting(const CLI::App& app, const CLI::ConfigItem& item) {
+  const bool is_section = item.name == "++" || item.name == "--";  // its begin and end
+  return is_section ? CommandOf(app, item) != nullptr : OptionOf(app, item) != nullptr;
 }
 
 std::string FileOf(const CLI::App& app) {
@@ -104,7 +117,7 @@ class FileAfterVariables : public CLI::ConfigBase {
     std::istringstream lines(text);
     std::vector<CLI::ConfigItem> given = CLI::ConfigBase::from_config(lines);
     std::erase_if(given, [this](const CLI::ConfigItem& item) {
-      return !Variable(item.name).empty() || IsOfOtherCommand(item);
+      return HasVariable(app_, item) || IsOfOtherCommand(item);
     });
     for (const CLI::ConfigItem& item : given) CheckSetting(app_, item);
     return given;
@@ -124,7 +137,8 @@ void NameVariables(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (option->get_lnames().empty()) continue;
     const std::string& flag = option->get_lnames().front();
-    if (flag != "help" && flag != "version") option->envname(VariableName(flag));
+    if (flag == "help" || flag == "version" || !option->get_envname().empty()) continue;
+    option->envname(VariableName(flag));
   }
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
     NameVariables(*command);
@@ -224,7 +238,8 @@ int WrongUsage(const std::string& error) {
 }  // namespace
 
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands) {
-  const std::string path = Variable("config");
+  const char* variable = std::getenv("GRASPDB_CONFIG");
+  const std::string path = variable == nullptr ? "" : variable;
   app.set_config("--config", path, "File with settings, one KEY=VALUE per line", !path.empty());
   app.config_formatter(std::make_shared<FileAfterVariables>(app, std::move(other_commands)));
   app.allow_config_extras(CLI::config_extras_mode::error);

@@ -9,8 +9,9 @@
 namespace graspdb {
 
 // Adds --config, and an environment variable for every flag that `app` and its commands have so
-// far: --area-m is GRASPDB_AREA_M. A flag overrides its variable, and both override the file; an
-// unknown key is an error, except those of `other_commands`, which belong to another program.
+// far: --area-m is GRASPDB_AREA_M, unless the option has a variable already. A flag overrides its
+// variable, and both override the file; an unknown key is an error, except those of
+// `other_commands`, which belong to another program.
 void AddSettingsFile(CLI::App& app, std::vector<std::string> other_commands = {});
 
 // Parses the command line, and prints the help, the version or an error. Returns the exit status, 0

@@ -13,7 +13,7 @@ fail() {
 }
 
 : >"$work/out"
-"$bin/graspdb" console --server 127.0.0.1:1 --listen 127.0.0.1:0 >"$work/out" 2>"$work/err" &
+GRASPDB_LISTEN=of-the-server GRASPDB_CONSOLE_LISTEN=127.0.0.1:0 "$bin/graspdb" console --server 127.0.0.1:1 >"$work/out" 2>"$work/err" &
 console=$!
 url=
 while [ -z "$url" ]; do

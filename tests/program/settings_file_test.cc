@@ -153,6 +153,20 @@ TEST_F(SettingsFileTest, IsOverriddenByVariablesAndTheseByFlags) {
   EXPECT_EQ(Parse("--config " + file_ + " import"), "variable variable");
 }
 
+TEST_F(SettingsFileTest, AnOptionKeepsItsOwnVariable) {
+  CLI::App app;
+  std::string listen = "default";
+  app.add_subcommand("serve")->add_option("--listen", listen)->envname("GRASPDB_OTHER_LISTEN");
+  AddSettingsFile(app);
+  const std::string file = folder_.Write("own.conf", "[serve]\nlisten=file\n").string();
+  const Variable of_flag("GRASPDB_LISTEN", "variable");
+  app.parse("--config " + file + " serve");
+  EXPECT_EQ(listen, "file");
+  const Variable own("GRASPDB_OTHER_LISTEN", "own variable");
+  app.parse("--config " + file + " serve");
+  EXPECT_EQ(listen, "own variable");
+}
+
 TEST_F(SettingsFileTest, CanBeSetByAVariable) {
   const Variable config("GRASPDB_CONFIG", file_);
   EXPECT_EQ(Parse("import"), "file file");
