@@ -1,17 +1,16 @@
 // The view of the catalogue: objects, their stable poses in 3D, and their views.
-import { Box3, Matrix4, Vector3 } from "three";
+import { Matrix4, Vector3 } from "three";
 import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
 import { explain, fullView, listObjects, listStablePoses, listViews, type Explained } from "./api";
 import { facts, h, replace, table } from "./dom";
 import { matrixOf } from "./geometry";
-import { pointsInObjectFrame } from "./scene_view";
 import { cloudScan, type Scan } from "./scan";
+import { boxOf, maxDrawnViews, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
 import { lastPart, millimetres, shortName } from "./text";
 import { axesObject, cloudObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer } from "./viewer";
 
 const maxObjects = 2000;
 const maxListedViews = 500;
-const maxDrawnViews = 36;
 
 export class CatalogueView {
   readonly element: HTMLElement;
@@ -28,7 +27,10 @@ export class CatalogueView {
   private view: View | undefined;
   private step = 0;
 
-  constructor(private readonly report: (error: Explained | undefined) => void, private readonly use: (scan: Scan) => void) {
+  constructor(
+    private readonly report: (error: Explained | undefined) => void, private readonly use: (scan: Scan) => void,
+    private readonly editGrasps: (stablePose: string) => void,
+  ) {
     this.filter.setAttribute("aria-label", "Find an object");
     this.element = h("div", { className: "scene catalogue" },
       h("aside", { "aria-label": "Objects" }, this.filter, this.objectList),
@@ -104,12 +106,9 @@ export class CatalogueView {
     await this.attempt(() => this.draw(false));
   }
 
-  // Evenly chosen views where there are many, and the selected one.
+  // With the selected one.
   private drawn(): View[] {
-    const shared = this.views.filter((each) => !each.objectPoseEstimated);
-    const usable = shared.length > 0 ? shared : this.views.slice(0, 1);
-    const every = Math.max(1, usable.length / maxDrawnViews);
-    const out = Array.from({ length: Math.min(usable.length, maxDrawnViews) }, (_, i) => usable[Math.floor(i * every)]!);
+    const out = viewsToDraw(this.views);
     return this.view && !out.includes(this.view) ? [...out, this.view] : out;
   }
 
@@ -120,10 +119,7 @@ export class CatalogueView {
     const drawn = this.drawn();
     const clouds = await Promise.all(drawn.map((each) => pointsInObjectFrame(each.name)));
     if (step !== this.step) return;
-    const box = new Box3();
-    for (const points of clouds) {
-      for (let at = 0; at < points.length; at += 3) box.expandByPoint(new Vector3(points[at], points[at + 1], points[at + 2]));
-    }
+    const box = boxOf(clouds);
     const isOther = (i: number): boolean => this.view !== undefined && drawn[i] !== this.view;
     clouds.forEach((points, i) => {
       if (isOther(i)) pane.content.add(cloudObject(points, styleColor("--table"), 1));
@@ -168,7 +164,8 @@ export class CatalogueView {
         ["changed (UTC)", time(pose.updateTime)],
       ]),
       h("h3", {}, "Grasps"),
-      rows.length > 0 ? table(["grasp", "opening", "approach", "priority", "picked / missed / slipped"], rows) : h("p", { className: "hint" }, "None is taught: graspdb grasps import."),
+      h("p", {}, h("a", { href: "#grasps", onclick: () => this.editGrasps(pose.name) }, "Edit the grasps")),
+      rows.length > 0 ? table(["grasp", "opening", "approach", "priority", "picked / missed / slipped"], rows) : h("p", { className: "hint" }, "None is taught."),
       h("h3", {}, "Views"),
       this.views.length > maxDrawnViews && h("p", { className: "hint" }, `${maxDrawnViews} of them are drawn.`),
       h("div", { className: "views" }, this.views.map((each) => {

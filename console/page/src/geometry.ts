@@ -1,6 +1,7 @@
 // Poses of the contract for three.js, and points out of its messages.
-import { Matrix4, Quaternion, Vector3 } from "three";
-import { PackedElementField_NumericType as NumericType, type DepthImage, type PointCloud, type Pose } from "../gen/graspdb/v1/geometry_pb";
+import { create } from "@bufbuild/protobuf";
+import { Euler, Matrix4, Quaternion, Vector3 } from "three";
+import { PackedElementField_NumericType as NumericType, PoseSchema, type DepthImage, type PointCloud, type Pose } from "../gen/graspdb/v1/geometry_pb";
 
 export function matrixOf(pose: Pose | undefined): Matrix4 {
   if (!pose) return new Matrix4();
@@ -9,6 +10,32 @@ export function matrixOf(pose: Pose | undefined): Matrix4 {
   return new Matrix4().compose(
     new Vector3(p?.x ?? 0, p?.y ?? 0, p?.z ?? 0),
     q ? new Quaternion(q.x, q.y, q.z, q.w).normalize() : new Quaternion(), new Vector3(1, 1, 1));
+}
+
+// `matrix`: a rotation and a translation.
+export function poseOf(matrix: Matrix4): Pose {
+  const position = new Vector3();
+  const turn = new Quaternion();
+  matrix.decompose(position, turn, new Vector3());
+  return create(PoseSchema, {
+    position: { x: position.x, y: position.y, z: position.z }, orientation: { x: turn.x, y: turn.y, z: turn.z, w: turn.w },
+  });
+}
+
+// A pose as people type it: millimetres, and turns about x, y and z of the outer frame, in this order, in degrees.
+export const poseLabels = ["x", "y", "z", "roll", "pitch", "yaw"] as const;
+
+export function numbersOfPose(pose: Pose | undefined): number[] {
+  const matrix = matrixOf(pose);
+  const position = new Vector3().setFromMatrixPosition(matrix);
+  const turn = new Euler().setFromRotationMatrix(matrix, "ZYX");
+  return [...position.toArray().map((each) => each * 1000), ...[turn.x, turn.y, turn.z].map((each) => (each * 180) / Math.PI)];
+}
+
+export function poseOfNumbers(numbers: number[]): Pose {
+  const [x, y, z, roll, pitch, yaw] = numbers as [number, number, number, number, number, number];
+  const turn = new Euler((roll * Math.PI) / 180, (pitch * Math.PI) / 180, (yaw * Math.PI) / 180, "ZYX");
+  return poseOf(new Matrix4().makeRotationFromEuler(turn).setPosition(x / 1000, y / 1000, z / 1000));
 }
 
 // Distance in metres and turn in degrees between two poses.

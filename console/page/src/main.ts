@@ -2,6 +2,7 @@
 import { explain, setToken, catalog, type Explained } from "./api";
 import { CatalogueView } from "./catalogue_view";
 import { h, replace } from "./dom";
+import { GraspView } from "./grasp_view";
 import { HealthView } from "./health_view";
 import { SceneView } from "./scene_view";
 
@@ -34,10 +35,11 @@ const scene = new SceneView(report, (answer) => health.add(answer));
 const catalogue = new CatalogueView(report, (scan) => {
   location.hash = "#scene";
   scene.use(scan);
-});
-const views = { scene, catalogue, health };
+}, (stablePose) => grasps.choose(stablePose));
+const grasps = new GraspView(report);
+const views = { scene, catalogue, grasps, health };
 type Name = keyof typeof views;
-const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", health: "Health" };
+const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", health: "Health" };
 
 const main = h("main", {});
 const links = (Object.keys(views) as Name[]).map((name) => h("a", { href: `#${name}` }, titles[name]));
@@ -71,6 +73,7 @@ document.body.append(
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   scene.recolour();
   catalogue.recolour();
+  grasps.recolour();
 });
 addEventListener("hashchange", () => {
   report(undefined);

@@ -1,13 +1,14 @@
 // The view of one scene: a scan, what was recognised in it, and why.
 import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
 import { WorldFrameSource } from "../gen/graspdb/v1/recognition_pb";
-import { fullView, listCells, recognition, type Explained, explain } from "./api";
+import { listCells, recognition, type Explained, explain } from "./api";
 import { objectName, statusName, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
 import { h, replace } from "./dom";
-import { matrixOf, moved, pointsOfCloud, type Points } from "./geometry";
+import { matrixOf, moved, type Points } from "./geometry";
 import { ParameterForm } from "./parameters";
 import { readScan, type Scan } from "./scan";
+import { pointsInObjectFrame } from "./stable_pose_points";
 import { milliseconds } from "./text";
 import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, heightObject, styleColor, Viewer, type Pane } from "./viewer";
 
@@ -21,13 +22,6 @@ type Layer = (typeof layerNames)[number];
 function scanObject(points: Points, hasTable: boolean): Object3D {
   const tableEnd = 0.006;  // as PipelineParameters.plane_distance_m
   return hasTable ? heightObject(points, tableEnd, 0.15, 1.5) : cloudObject(points, styleColor("--low"), 1.5);
-}
-
-// The points of a view in the frame of its object.
-export async function pointsInObjectFrame(name: string): Promise<Points> {
-  const view = await fullView(name);
-  const objectOfSensor = matrixOf(view.objectPose).invert().multiply(matrixOf(view.sensorPose));
-  return moved(pointsOfCloud(view.cloud), objectOfSensor);
 }
 
 export class SceneView {

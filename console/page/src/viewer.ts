@@ -4,6 +4,7 @@ import {
   Points as PointsObject, PointsMaterial, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import { h } from "./dom";
 import type { Points } from "./geometry";
 
@@ -81,6 +82,8 @@ export function gripperObject(tcp: Matrix4, opening: number, approach: number, c
   return out;
 }
 
+export type DragMode = "translate" | "rotate";
+
 function dispose(group: Object3D): void {
   group.traverse((each) => {
     const drawn = each as Partial<PointsObject>;
@@ -99,6 +102,8 @@ export class Viewer {
   private panes: Pane[] = [emptyPane()];
   private scenes: Scene[] = [];
   private isDrawn = true;
+  private drag: TransformControls | undefined;
+  private onDrag: (ended: boolean) => void = () => {};
 
   constructor(label: string, private readonly pick: (key: string) => void) {
     const canvas = h("canvas", { tabIndex: 0, role: "img" });
@@ -122,6 +127,7 @@ export class Viewer {
   }
 
   show(panes: Pane[]): void {
+    this.drag?.detach();
     this.panes.forEach((pane) => dispose(pane.content));
     this.panes = panes;
     this.scenes = panes.map((pane) => {
@@ -136,6 +142,30 @@ export class Viewer {
       return scene;
     });
     this.draw();
+  }
+
+  // Lets a person move or turn `object`, which is in the only pane, along its own axes or those of the world. `onDrag` is
+  // called after each step and, with true, at the end.
+  handle(object: Object3D, mode: DragMode, space: "local" | "world", onDrag: (ended: boolean) => void): void {
+    this.drag ??= this.makeDrag();
+    this.drag.setMode(mode);
+    this.drag.setSpace(space);
+    this.drag.attach(object);
+    this.scenes[0]?.add(this.drag.getHelper());
+    this.onDrag = onDrag;
+    this.draw();
+  }
+
+  private makeDrag(): TransformControls {
+    const out = new TransformControls(this.camera, this.renderer.domElement);
+    out.setSize(0.7);
+    out.addEventListener("change", () => this.draw());
+    out.addEventListener("objectChange", () => this.onDrag(false));
+    out.addEventListener("dragging-changed", (event) => {
+      this.controls.enabled = event.value !== true;
+      if (this.controls.enabled) this.onDrag(true);
+    });
+    return out;
   }
 
   // Looks at the box from the given direction.

@@ -3,11 +3,11 @@
 // Chromium.
 import { strict as assert } from "node:assert";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brokenRules, colours, openPage, until } from "./page.mjs";
 import { png } from "./depth_png.mjs";
-import { pageModule, start, stopAll, temporaryFolder } from "./programs.mjs";
+import { pageModule, start, stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
 
 const [bin, work, errorsMd, out] = process.argv.slice(2).map((path) => resolve(path));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -22,20 +22,6 @@ const parts = ["l-bracket", "flange", "wedge", "bracket-left", "bracket-right"];
 
 function step(text) {
   console.log(`== ${text}`);
-}
-
-// A server with taught parts, scenes of them, and the console.
-async function prepare() {
-  mkdirSync(at("backups"));
-  const server = await start(join(bin, "graspdb-server"),
-    ["--db", at("db"), "--listen", "127.0.0.1:0", "--backup-dir", at("backups")], "listening on ");
-  const graspdb = (...args) => execFileSync(join(bin, "graspdb"), ["--server", server, ...args], { stdio: ["ignore", "pipe", "pipe"] }).toString();
-  graspdb("simulate", "--parts", parts.join(","), "--step", "30", "--seed", "7", "--out", at("teach"));
-  graspdb("import", at("teach"));
-  graspdb("simulate", "--parts", "l-bracket", "--random", "1", "--seed", "8", "--out", at("scenes"));
-  const url = await start(join(bin, "graspdb"), ["--server", server, "console", "--listen", "127.0.0.1:0"], "console on ");
-  const scene = readdirSync(at("scenes/clouds")).find((name) => name.endsWith(".pcd"));
-  return { url, scene: at(`scenes/clouds/${scene}`), revision: JSON.parse(graspdb("status", "--json")).catalogRevision };
 }
 
 // The same with an empty catalogue, in which only a reader has an identity.
@@ -79,7 +65,7 @@ function advice(key) {
   return row.split("|").slice(-3, -1).map((cell) => cell.trim().replace(/\[([^\]]*)\]\([^)]*\)/g, "$1").replace(/[`*]/g, ""));
 }
 
-const { url, scene, revision } = await prepare();
+const { url, scene, revision } = await taughtServer(bin, folder, parts);
 await otherFiles(scene);
 const { browser, page, faults, axe } = await openPage(work, chromium, url, "dark");
 const picture = (name) => page.screenshot({ path: join(out, `${name}.png`) });

@@ -27,7 +27,7 @@ export async function openPage(work, executablePath, url, colorScheme) {
 }
 
 // The colours of the canvas: how many there are, and how many pixels have that of a recognised object's view, of its
-// grasps and of its rough pose, with one of these pixels.
+// grasps, of its rough pose and of the handle along x, with one of these pixels.
 export async function colours(page, selector = ".viewer canvas") {
   let box = null;
   while (box === null) box = await page.locator(selector).boundingBox();  // null while one view replaces another
@@ -44,6 +44,7 @@ export async function colours(page, selector = ".viewer canvas") {
       model: (r, g, b) => g > 120 && g > r + 60 && g > b + 40,
       grasps: (r, g, b) => r > 160 && g > 80 && g < r - 60 && b < 90,
       rough: (r, g, b) => b > 170 && r > 130 && g < 160,
+      handle: (r, g, b) => r > 200 && g < 60 && b < 60,
     };
     for (const name of Object.keys(is)) out[name] = { count: 0, x: 0, y: 0 };
     for (let i = 0; i < data.length; i += 4) {

@@ -1,9 +1,9 @@
 // Programs of graspdb for a test of the page, and modules of the page itself.
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdirSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
 
@@ -36,4 +36,19 @@ export async function pageModule(work, name, out) {
   const outfile = join(out, `${name}.mjs`);
   await build({ entryPoints: [join(work, "src", `${name}.ts`)], bundle: true, format: "esm", outfile, logLevel: "warning" });
   return import(pathToFileURL(outfile));
+}
+
+// A server with taught parts, a scene of the first one, and the console. `graspdb` runs the command line at this server.
+export async function taughtServer(bin, folder, parts) {
+  const at = (name) => join(folder, name);
+  mkdirSync(at("backups"));
+  const server = await start(join(bin, "graspdb-server"),
+    ["--db", at("db"), "--listen", "127.0.0.1:0", "--backup-dir", at("backups")], "listening on ");
+  const graspdb = (...args) => execFileSync(join(bin, "graspdb"), ["--server", server, ...args], { stdio: ["ignore", "pipe", "pipe"] }).toString();
+  graspdb("simulate", "--parts", parts.join(","), "--step", "30", "--seed", "7", "--out", at("teach"));
+  graspdb("import", at("teach"));
+  graspdb("simulate", "--parts", parts[0], "--random", "1", "--seed", "8", "--out", at("scenes"));
+  const url = await start(join(bin, "graspdb"), ["--server", server, "console", "--listen", "127.0.0.1:0"], "console on ");
+  const scene = readdirSync(at("scenes/clouds")).find((name) => name.endsWith(".pcd"));
+  return { url, graspdb, scene: at(`scenes/clouds/${scene}`), revision: JSON.parse(graspdb("status", "--json")).catalogRevision };
 }
