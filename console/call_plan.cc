@@ -24,13 +24,10 @@ absl::Status PlanMethod(std::string_view path, CallPlan* plan, int* http_status)
     *http_status = 404;
     return absl::UnimplementedError("graspdb.v1 has no such method");
   }
-  if (plan->method->client_streaming()) {
-    return absl::UnimplementedError(
-        absl::StrCat(plan->method->name(),
-                     " takes a stream of requests, which the console does not forward; use gRPC"));
-  }
   plan->request.path = path;
-  plan->request.is_stream = plan->method->server_streaming();
+  // Of a stream of requests one goes to the server. More could end in a deadlock: the responses are
+  // read after the requests were written.
+  plan->request.is_stream = plan->method->server_streaming() || plan->method->client_streaming();
   return absl::OkStatus();
 }
 

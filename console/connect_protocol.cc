@@ -193,7 +193,8 @@ absl::StatusOr<std::string_view> OnlyMessage(std::string_view body) {
     return absl::UnimplementedError("the message is compressed; send it as it is");
   }
   if (body[0] != 0 || body.size() - kEnvelopeBytes != size) {
-    return absl::InvalidArgumentError("the body is not one message in an envelope");
+    return absl::InvalidArgumentError(
+        "the body is not one message in an envelope; a stream of more requests takes gRPC");
   }
   return body.substr(kEnvelopeBytes);
 }

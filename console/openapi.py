@@ -183,7 +183,7 @@ def varint(data, at):
 
 def operation(schemas, service, method, comment, role):
     request, response = schemas.of_type(method.input_type), schemas.of_type(method.output_type)
-    is_stream = method.server_streaming
+    is_stream = method.server_streaming or method.client_streaming
     kind = "application/connect+json" if is_stream else "application/json"
     return {
         "tags": [service],
@@ -202,13 +202,12 @@ def operation(schemas, service, method, comment, role):
 def document(contract):
     schemas = Schemas(contract)
     roles = contract.enums[".graspdb.v1.Role"][0]
-    paths, tags, left_out = {}, [], []
+    paths, tags, of_one = {}, [], []
     for full_name, service, path in contract.services:
         tags.append({"name": service.name, "description": contract.comment(path)})
         for i, method in enumerate(service.method):
             if method.client_streaming:
-                left_out.append(f"{service.name}.{method.name}")
-                continue
+                of_one.append(f"{service.name}.{method.name}")
             comment = contract.comment((*path, 2, i))
             paths[f"/{full_name}/{method.name}"] = {"post": operation(schemas, service.name, method, comment, role_of(method, roles))}
     return {
@@ -217,8 +216,8 @@ def document(contract):
             "title": "graspdb",
             "version": "v1",
             "license": {"name": "Apache-2.0", "identifier": "Apache-2.0"},
-            "description": "The calls of graspdb.v1 as `graspdb console` forwards them, by the Connect protocol in JSON. Not among them, "
-                           f"since they take a stream of requests: {', '.join(left_out)}.",
+            "description": "The calls of graspdb.v1 as `graspdb console` forwards them, by the Connect protocol in JSON. Of those that take a "
+                           f"stream of requests each call takes one request: {', '.join(of_one)}.",
         },
         "servers": [{"url": "http://127.0.0.1:8080"}],
         "security": [{}, {"token": []}],

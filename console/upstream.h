@@ -13,7 +13,7 @@ namespace graspdb::console {
 
 struct UpstreamRequest {
   std::string path;        // "/graspdb.v1.CatalogService/GetObject"
-  bool is_stream = false;  // the server's responses
+  bool is_stream = false;  // of responses, or of requests, of which it has one
   std::string message = {};
   std::optional<absl::Duration> timeout = std::nullopt;  // absent: none
   std::string authorization = {};  // of the caller; empty: that of the console, if it has one
