@@ -1,7 +1,8 @@
 // The server, through the console's own address.
+import { create, type DescMessage, type DescMethodStreaming, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 import { Code, ConnectError, createClient, type Interceptor } from "@connectrpc/connect";
 import { createConnectTransport } from "@connectrpc/connect-web";
-import { CatalogService } from "../gen/graspdb/v1/catalog_service_pb";
+import { CatalogService, type UploadViewsRequestSchema, type UploadViewsResponse } from "../gen/graspdb/v1/catalog_service_pb";
 import { CellService } from "../gen/graspdb/v1/cell_service_pb";
 import { RecognitionService } from "../gen/graspdb/v1/recognition_service_pb";
 import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
@@ -27,6 +28,26 @@ const transport = createConnectTransport({
 export const catalog = createClient(CatalogService, transport);
 export const cells = createClient(CellService, transport);
 export const recognition = createClient(RecognitionService, transport);
+
+// A call of a method that takes a stream of requests, with one of them. The library has no such calls, since browsers cannot
+// send bodies that go on; a body with one message is that of a method with a stream of responses.
+async function callWithOne<I extends DescMessage, O extends DescMessage>(
+  method: DescMethodStreaming<I, O>, request: MessageInitShape<I>,
+): Promise<MessageShape<O>> {
+  async function* one(): AsyncGenerator<MessageInitShape<I>> {
+    yield create(method.input, request);
+  }
+  const asStream = { ...method, methodKind: "server_streaming" as const };
+  const response = await transport.stream(asStream, undefined, undefined, undefined, one());
+  let last: MessageShape<O> | undefined;
+  for await (const message of response.message) last = message;
+  if (!last) throw new ConnectError("the server sent no response", Code.Internal);
+  return last;
+}
+
+// Teaches one view, which is durable then.
+export const uploadView = (request: MessageInitShape<typeof UploadViewsRequestSchema>): Promise<UploadViewsResponse> =>
+  callWithOne(CatalogService.method.uploadViews, request);
 
 async function allPages<R extends { nextPageToken: string }, T>(
   page: (pageToken: string) => Promise<R>, records: (response: R) => T[], most: number,

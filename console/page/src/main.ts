@@ -5,6 +5,7 @@ import { h, replace } from "./dom";
 import { GraspView } from "./grasp_view";
 import { HealthView } from "./health_view";
 import { SceneView } from "./scene_view";
+import { TeachView } from "./teach_view";
 
 const banner = h("div", { className: "banner", role: "alert", hidden: true });
 function report(error: Explained | undefined): void {
@@ -37,9 +38,10 @@ const catalogue = new CatalogueView(report, (scan) => {
   scene.use(scan);
 }, (stablePose) => grasps.choose(stablePose));
 const grasps = new GraspView(report);
-const views = { scene, catalogue, grasps, health };
+const teach = new TeachView(report);
+const views = { scene, catalogue, grasps, teach, health };
 type Name = keyof typeof views;
-const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", health: "Health" };
+const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", teach: "Teach", health: "Health" };
 
 const main = h("main", {});
 const links = (Object.keys(views) as Name[]).map((name) => h("a", { href: `#${name}` }, titles[name]));
@@ -71,9 +73,7 @@ document.body.append(
   h("header", {}, h("h1", {}, h("a", { href: "#scene", className: "brand" }, "graspdb")), h("nav", { "aria-label": "Views" }, links), revision),
   banner, main);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  scene.recolour();
-  catalogue.recolour();
-  grasps.recolour();
+  for (const view of [scene, catalogue, grasps, teach]) view.recolour();
 });
 addEventListener("hashchange", () => {
   report(undefined);

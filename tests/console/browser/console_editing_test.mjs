@@ -6,6 +6,7 @@ import { join, resolve } from "node:path";
 import { testGrasps } from "./grasp_steps.mjs";
 import { brokenRules, openPage } from "./page.mjs";
 import { stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
+import { testTeaching } from "./teach_steps.mjs";
 
 const [bin, work, out] = process.argv.slice(2).map((path) => resolve(path));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -42,6 +43,7 @@ const test = {
 
 try {
   await testGrasps(test);
+  await testTeaching(test);
   assert.deepEqual(await page.evaluate(() => globalThis.refusals), [], "refusals of the policy");
   // Chromium reports the calls that were to be refused, too.
   assert.deepEqual(faults.map((fault) => Number(/^Failed to load resource.* status of (\d+)/.exec(fault)?.[1]) || fault), test.refused, "errors of the page");
