@@ -4,6 +4,7 @@ import { CatalogueView } from "./catalogue_view";
 import { h, replace } from "./dom";
 import { GraspView } from "./grasp_view";
 import { HealthView } from "./health_view";
+import { LookAlikeView } from "./look_alike_view";
 import { SceneView } from "./scene_view";
 import { TeachView } from "./teach_view";
 
@@ -39,9 +40,10 @@ const catalogue = new CatalogueView(report, (scan) => {
 }, (stablePose) => grasps.choose(stablePose));
 const grasps = new GraspView(report);
 const teach = new TeachView(report);
-const views = { scene, catalogue, grasps, teach, health };
+const lookAlikes = new LookAlikeView(report);
+const views = { scene, catalogue, grasps, teach, lookAlikes, health };
 type Name = keyof typeof views;
-const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", teach: "Teach", health: "Health" };
+const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", teach: "Teach", lookAlikes: "Look-alikes", health: "Health" };
 
 const main = h("main", {});
 const links = (Object.keys(views) as Name[]).map((name) => h("a", { href: `#${name}` }, titles[name]));
@@ -73,7 +75,7 @@ document.body.append(
   h("header", {}, h("h1", {}, h("a", { href: "#scene", className: "brand" }, "graspdb")), h("nav", { "aria-label": "Views" }, links), revision),
   banner, main);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  for (const view of [scene, catalogue, grasps, teach]) view.recolour();
+  for (const view of [scene, catalogue, grasps, teach, lookAlikes]) view.recolour();
 });
 addEventListener("hashchange", () => {
   report(undefined);

@@ -1,9 +1,10 @@
-// console_editing_test.mjs BIN WORK OUT: changes a catalogue by the console's page as a person would, in Chromium. WORK: where
-// the page was built. Leaves pictures of the views in OUT. Ends with 77 where there is no Chromium.
+// console_editing_test.mjs BIN WORK OUT [VIEW]: changes a catalogue by the console's page as a person would, in Chromium. WORK:
+// where the page was built. Leaves pictures of the views in OUT. VIEW: only that one. Ends with 77 where there is no Chromium.
 import { strict as assert } from "node:assert";
 import { existsSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { testGrasps } from "./grasp_steps.mjs";
+import { testLookAlikes } from "./look_alike_steps.mjs";
 import { brokenRules, openPage } from "./page.mjs";
 import { stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
 import { testTeaching } from "./teach_steps.mjs";
@@ -40,10 +41,12 @@ const test = {
     return answer;
   },
 };
+const views = { grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes };
 
 try {
-  await testGrasps(test);
-  await testTeaching(test);
+  for (const [view, run] of Object.entries(views)) {
+    if (process.argv[5] === undefined || process.argv[5] === view) await run(test);
+  }
   assert.deepEqual(await page.evaluate(() => globalThis.refusals), [], "refusals of the policy");
   // Chromium reports the calls that were to be refused, too.
   assert.deepEqual(faults.map((fault) => Number(/^Failed to load resource.* status of (\d+)/.exec(fault)?.[1]) || fault), test.refused, "errors of the page");
