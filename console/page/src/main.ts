@@ -1,10 +1,12 @@
 // The page: its views, one at a time.
 import { explain, setToken, catalog, type Explained } from "./api";
 import { CatalogueView } from "./catalogue_view";
+import { CellView } from "./cell_view";
 import { h, replace } from "./dom";
 import { GraspView } from "./grasp_view";
 import { HealthView } from "./health_view";
 import { LookAlikeView } from "./look_alike_view";
+import type { Scan } from "./scan";
 import { SceneView } from "./scene_view";
 import { TeachView } from "./teach_view";
 
@@ -34,16 +36,18 @@ function tokenForm(): HTMLElement {
 
 const health = new HealthView(report);
 const scene = new SceneView(report, (answer) => health.add(answer));
-const catalogue = new CatalogueView(report, (scan) => {
+const openScan = (scan: Scan): void => {
   location.hash = "#scene";
   scene.use(scan);
-}, (stablePose) => grasps.choose(stablePose));
+};
+const catalogue = new CatalogueView(report, openScan, (stablePose) => grasps.choose(stablePose));
 const grasps = new GraspView(report);
 const teach = new TeachView(report);
 const lookAlikes = new LookAlikeView(report);
-const views = { scene, catalogue, grasps, teach, lookAlikes, health };
+const cells = new CellView(report, openScan);
+const views = { scene, catalogue, grasps, teach, lookAlikes, cells, health };
 type Name = keyof typeof views;
-const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", teach: "Teach", lookAlikes: "Look-alikes", health: "Health" };
+const titles: Record<Name, string> = { scene: "Scene", catalogue: "Catalogue", grasps: "Grasps", teach: "Teach", lookAlikes: "Look-alikes", cells: "Cells", health: "Health" };
 
 const main = h("main", {});
 const links = (Object.keys(views) as Name[]).map((name) => h("a", { href: `#${name}` }, titles[name]));
@@ -75,7 +79,7 @@ document.body.append(
   h("header", {}, h("h1", {}, h("a", { href: "#scene", className: "brand" }, "graspdb")), h("nav", { "aria-label": "Views" }, links), revision),
   banner, main);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  for (const view of [scene, catalogue, grasps, teach, lookAlikes]) view.recolour();
+  for (const view of [scene, catalogue, grasps, teach, lookAlikes, cells]) view.recolour();
 });
 addEventListener("hashchange", () => {
   report(undefined);

@@ -2,6 +2,7 @@
 import { create } from "@bufbuild/protobuf";
 import { AxisAlignedBoxSchema, type AxisAlignedBox } from "../gen/graspdb/v1/geometry_pb";
 import { PipelineParametersSchema, type Cell, type PipelineParameters } from "../gen/graspdb/v1/cell_pb";
+import type { RecognizeRequest } from "../gen/graspdb/v1/recognition_service_pb";
 import type { Camera } from "./depth_file";
 import { h, replace } from "./dom";
 import { lastPart } from "./text";
@@ -35,6 +36,10 @@ const settings: Setting[] = [
 const numberIn = (input: HTMLInputElement): number | undefined =>
   input.value.trim() === "" || !Number.isFinite(input.valueAsNumber) ? undefined : input.valueAsNumber;
 
+// The settings that are given.
+export const givenOf = (pipeline: PipelineParameters | undefined): Partial<Record<Key, number>> =>
+  Object.fromEntries(settings.map(({ key }) => [key, pipeline?.[key]] as const).filter(([, value]) => value !== undefined));
+
 export class ParameterForm {
   readonly element: HTMLElement;
   private readonly cell = h("select", { id: "cell" }, h("option", { value: "" }, "none"));
@@ -43,6 +48,7 @@ export class ParameterForm {
   private readonly region: HTMLInputElement[];
   private readonly camera: Record<keyof Camera, HTMLInputElement>;
   private cells: Cell[] = [];
+  private wanted = "";  // the cell to choose as soon as the cells are known
 
   constructor() {
     const field = (id: string, label: string, input: HTMLElement, unit = "") =>
@@ -82,15 +88,26 @@ export class ParameterForm {
   }
 
   setCells(cells: Cell[]): void {
-    const chosen = this.cell.value;
+    const chosen = this.wanted || this.cell.value;
     this.cells = cells;
     replace(this.cell, h("option", { value: "" }, "none"),
       cells.map((cell) => h("option", { value: cell.name }, lastPart(cell.name))));
     this.cell.value = cells.some((cell) => cell.name === chosen) ? chosen : "";
+    this.wanted = "";
   }
 
   setSegmented(segmented: boolean): void {
     this.segmented.checked = segmented;
+  }
+
+  // As a recorded request has them, so that it can be sent again.
+  setRequest(request: RecognizeRequest): void {
+    this.cell.value = this.cells.some((each) => each.name === request.cell) ? request.cell : "";
+    this.wanted = this.cell.value === "" ? request.cell : "";
+    for (const { key } of settings) this.inputs.get(key)!.value = request.pipeline?.[key] === undefined ? "" : String(request.pipeline[key]);
+    const { min, max } = request.regionOfInterest ?? {};
+    const corner = [min?.x, min?.y, min?.z, max?.x, max?.y, max?.z];
+    this.region.forEach((input, i) => (input.value = corner[i] === undefined ? "" : String(corner[i])));
   }
 
   cameraOf(): Camera | undefined {

@@ -1,15 +1,16 @@
 // The view of one scene: a scan, what was recognised in it, and why.
 import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
 import { WorldFrameSource } from "../gen/graspdb/v1/recognition_pb";
-import { listCells, recognition, type Explained, explain } from "./api";
+import type { RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
+import { cells, listCells, recognition, type Explained, explain } from "./api";
 import { objectName, statusName, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
 import { h, replace } from "./dom";
 import { matrixOf, moved, type Points } from "./geometry";
-import { ParameterForm } from "./parameters";
-import { readScan, type Scan } from "./scan";
+import { givenOf, ParameterForm } from "./parameters";
+import { readScan, type Recorded, type Scan } from "./scan";
 import { pointsInObjectFrame } from "./stable_pose_points";
-import { milliseconds } from "./text";
+import { lastPart, milliseconds } from "./text";
 import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, heightObject, styleColor, Viewer, type Pane } from "./viewer";
 
 const maxAnswers = 12;
@@ -32,6 +33,8 @@ export class SceneView {
   private readonly list = h("div", { className: "answers" });
   private readonly scanLine = h("p", { className: "scan-line" }, "No scan yet.");
   private readonly button = h("button", { type: "submit", className: "primary", disabled: true }, "Recognise");
+  private readonly saveButton = h("button", { type: "button", onclick: () => void this.saveParameters() }, "Save them to the cell");
+  private readonly saved = h("p", { className: "hint", role: "status" });
   private readonly layers: Set<Layer> = new Set<Layer>(["scan", "refined pose", "grasps", "region"]);
   private scan: Scan | undefined;
   private answers: Answer[] = [];
@@ -42,11 +45,11 @@ export class SceneView {
 
   constructor(private readonly report: (error: Explained | undefined) => void, private readonly done: (answer: Answer) => void) {
     const input = h("input", {
-      type: "file", id: "files", multiple: true, accept: ".pcd,.ply,.png,.json",
+      type: "file", id: "files", multiple: true, accept: ".pcd,.ply,.png,.json,.bundle",
       onchange: () => void this.open([...(input.files ?? [])]),
     });
     const drop = h("label", { className: "drop", for: "files" },
-      h("strong", {}, "Drop a file or choose one"), h("span", {}, "PCD, PLY, or a 16-bit PNG with intrinsics.json"), input);
+      h("strong", {}, "Drop a file or choose one"), h("span", {}, "PCD, PLY, a 16-bit PNG with intrinsics.json, or a bundle of a black box"), input);
     const layerBoxes = layerNames.map((name) => {
       const box = h("input", {
         type: "checkbox", checked: this.layers.has(name),
@@ -64,7 +67,7 @@ export class SceneView {
         event.preventDefault();
         void this.recognise();
       },
-    }, this.form.element, this.button);
+    }, this.form.element, this.button, this.saveButton, this.saved);
     this.element = h("div", { className: "scene" },
       h("aside", { "aria-label": "Scan and parameters" }, drop, this.scanLine, form, this.list),
       h("div", { className: "stage" },
@@ -105,12 +108,28 @@ export class SceneView {
     this.beside = undefined;
     this.selected = -1;
     this.form.setSegmented(scan.segmented);
+    if (scan.recorded) this.form.setRequest(scan.recorded.request);
     this.button.disabled = false;
     replace(this.scanLine, h("strong", {}, scan.name), ` · ${(scan.points.length / 3).toLocaleString("en")} measured points`,
       scan.sensorPose ? " · has its sensor pose" : "");
     replace(this.panel, h("p", { className: "hint" }, "Not recognised yet."));
+    if (scan.recorded?.response) this.addRecorded(scan, scan.recorded, scan.recorded.response);
     this.updateList();
     void this.drawAll(true);
+  }
+
+  // The answer that a black box stored with the frame.
+  private addRecorded(scan: Scan, { request, durationMs, time }: Recorded, response: RecognizeResponse): void {
+    const number = (this.answers.at(-1)?.number ?? 0) + 1;
+    this.shown = {
+      number, scan, response, elapsedMs: durationMs,
+      parameters: {
+        cell: request.cell, segmented: request.segmented, region: request.regionOfInterest, searched: request.regionOfInterest,
+        pipeline: request.pipeline, summary: `recorded ${time}`,
+      },
+    };
+    this.answers = [...this.answers, this.shown].slice(-maxAnswers);
+    this.selected = response.detections.length === 1 ? 0 : -1;
   }
 
   async recognise(): Promise<void> {
@@ -124,7 +143,7 @@ export class SceneView {
       const response = await recognition.recognize({
         cell: parameters.cell, scan: scan.message, segmented: parameters.segmented,
         regionOfInterest: parameters.region, pipeline: parameters.pipeline,
-        sensorPose: scan.sensorPose,
+        sensorPose: scan.recorded ? scan.recorded.request.sensorPose : scan.sensorPose,
       });
       const answer = {
         number: (this.answers.at(-1)?.number ?? 0) + 1, scan, parameters, response, elapsedMs: performance.now() - start,
@@ -145,6 +164,27 @@ export class SceneView {
     } finally {
       this.button.disabled = false;
       this.updateList();
+    }
+  }
+
+  // The parameters that are given, for all frames of the cell; its others stay.
+  private async saveParameters(): Promise<void> {
+    this.report(undefined);
+    replace(this.saved);
+    try {
+      const { cell: name, pipeline, region } = this.form.read();
+      if (name === "") throw new Error("choose the cell");
+      if (!pipeline && !region) throw new Error("give a parameter first: the cell has nothing to change");
+      const cell = await cells.getCell({ name });
+      const paths = [...(pipeline ? ["pipeline"] : []), ...(region ? ["region_of_interest"] : [])];
+      await cells.updateCell({
+        cell: { name, etag: cell.etag, regionOfInterest: region, pipeline: { ...cell.pipeline, ...givenOf(pipeline) } }, updateMask: { paths },
+      });
+      this.form.setCells(await listCells(1000));
+      replace(this.saved, `Saved: ${lastPart(name)} uses them for all of its frames.`);
+    } catch (error) {
+      this.report(error instanceof Error && error.constructor === Error
+        ? { title: "Nothing is saved", text: error.message, advice: "", requestId: "", needsToken: false } : explain(error));
     }
   }
 

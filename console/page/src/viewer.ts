@@ -82,7 +82,7 @@ export function gripperObject(tcp: Matrix4, opening: number, approach: number, c
   return out;
 }
 
-export type DragMode = "translate" | "rotate";
+export type DragMode = "translate" | "rotate" | "scale";
 
 function dispose(group: Object3D): void {
   group.traverse((each) => {
@@ -144,7 +144,7 @@ export class Viewer {
     this.draw();
   }
 
-  // Lets a person move or turn `object`, which is in the only pane, along its own axes or those of the world. `onDrag` is
+  // Lets a person move, turn or scale `object`, which is in the only pane, along its own axes or those of the world. `onDrag` is
   // called after each step and, with true, at the end.
   handle(object: Object3D, mode: DragMode, space: "local" | "world", onDrag: (ended: boolean) => void): void {
     this.drag ??= this.makeDrag();

@@ -3,6 +3,7 @@
 import { strict as assert } from "node:assert";
 import { existsSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
+import { testCells } from "./cell_steps.mjs";
 import { testGrasps } from "./grasp_steps.mjs";
 import { testLookAlikes } from "./look_alike_steps.mjs";
 import { brokenRules, openPage } from "./page.mjs";
@@ -21,7 +22,7 @@ const server = await taughtServer(bin, folder, ["l-bracket", "flange", "bracket-
 const { browser, page, faults, axe } = await openPage(work, chromium, server.url, "dark");
 
 const test = {
-  page, folder, ...server,
+  page, folder, work, ...server,
   refused: [],  // statuses of calls that the server was to refuse
   step: (text) => console.log(`== ${text}`),
   picture: (name) => page.screenshot({ path: join(out, `${name}.png`) }),
@@ -41,7 +42,7 @@ const test = {
     return answer;
   },
 };
-const views = { grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes };
+const views = { grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes, cells: testCells };
 
 try {
   for (const [view, run] of Object.entries(views)) {

@@ -27,7 +27,7 @@ export async function openPage(work, executablePath, url, colorScheme) {
 }
 
 // The colours of the canvas: how many there are, and how many pixels have that of a recognised object's view, of its
-// grasps, of its rough pose and of the handle along x, with one of these pixels.
+// grasps, of its rough pose and of the handle along x, with one of these pixels: the rightmost one of the handle.
 export async function colours(page, selector = ".viewer canvas") {
   let box = null;
   while (box === null) box = await page.locator(selector).boundingBox();  // null while one view replaces another
@@ -53,6 +53,7 @@ export async function colours(page, selector = ".viewer canvas") {
       for (const name of Object.keys(is)) {
         if (!is[name](r, g, b)) continue;
         ++out[name].count;
+        if (name === "handle" && (i / 4) % image.width < out[name].x) continue;
         out[name].x = (i / 4) % image.width;
         out[name].y = Math.floor(i / 4 / image.width);
       }
@@ -61,10 +62,10 @@ export async function colours(page, selector = ".viewer canvas") {
   }, bytes.toString("base64"));
 }
 
-// Takes the colours again and again until they are as they should be; fails after ten seconds.
+// Takes the colours again and again until they are as they should be; fails after a minute.
 export async function until(page, what, holds) {
   let last;
-  for (const end = Date.now() + 10_000; Date.now() < end;) {
+  for (const end = Date.now() + 60_000; Date.now() < end;) {
     last = await colours(page);
     if (holds(last)) return last;
   }

@@ -38,6 +38,21 @@ export async function pageModule(work, name, out) {
   return import(pathToFileURL(outfile));
 }
 
+// The bytes of a bundle of a black box with this message in JSON.
+export async function bundleBytes(work, out, json) {
+  const { build } = createRequire(join(work, "package.json"))("esbuild");
+  const outfile = join(out, "bundle_message.mjs");
+  await build({
+    stdin: {
+      contents: 'export { fromJson, toBinary } from "@bufbuild/protobuf"; export { BundleSchema } from "./gen/graspdb/v1/bundle_pb";',
+      resolveDir: work,
+    },
+    bundle: true, format: "esm", outfile, logLevel: "warning",
+  });
+  const { fromJson, toBinary, BundleSchema } = await import(pathToFileURL(outfile));
+  return Buffer.concat([Buffer.from("GBB\x01"), toBinary(BundleSchema, fromJson(BundleSchema, json))]);
+}
+
 // A server with taught parts, a scene of the first one, and the console. `graspdb` runs the command line at this server.
 export async function taughtServer(bin, folder, parts) {
   const at = (name) => join(folder, name);
