@@ -31,6 +31,7 @@ const test = {
     for (const colorScheme of ["light", "dark"]) {
       await page.emulateMedia({ colorScheme });
       assert.deepEqual(await brokenRules(page, axe), [], `${view}, ${colorScheme}`);
+      if (colorScheme === "light") await test.picture(`${view.replaceAll(" ", "-")}-light`);
     }
   },
   // A call of the server, in JSON.

@@ -12,6 +12,7 @@ export async function openPage(work, executablePath, url, colorScheme) {
     executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
   const context = await browser.newContext({ viewport: { width: 1440, height: 860 }, colorScheme });
+  context.setDefaultTimeout(120_000);  // of a machine with other work
   const page = await context.newPage();
   const faults = [];
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && !/GPU stall|GL Driver/.test(message.text()) && faults.push(message.text()));

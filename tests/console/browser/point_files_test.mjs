@@ -1,14 +1,15 @@
-// point_files_test.mjs WORK: the page's readers of point files and depth images. WORK: where the page was built.
+// point_files_test.mjs WORK: the page's readers of point files, depth images and bundles. WORK: where the page was built.
 import { strict as assert } from "node:assert";
 import { resolve } from "node:path";
 import { test } from "node:test";
 import { png } from "./depth_png.mjs";
-import { pageModule, temporaryFolder } from "./programs.mjs";
+import { bundleBytes, pageModule, temporaryFolder } from "./programs.mjs";
 
 const work = resolve(process.argv[2]);
 const out = temporaryFolder();
 const { readPcd, readPly, decompress } = await pageModule(work, "point_file", out);
 const { readDepthPng, readIntrinsics, depthImage } = await pageModule(work, "depth_file", out);
+const { readBundle } = await pageModule(work, "bundle_file", out);
 const { pointsOfCloud, pointsOfDepth } = await pageModule(work, "geometry", out);
 
 const points = [[0.1, -0.2, 0.9], [0.5, 0.25, 1.5], [NaN, NaN, NaN]];
@@ -124,6 +125,38 @@ test("no bytes bring the readers to another end than an error", () => {
       } catch (error) {
         assert.equal(error.constructor.name === "Error" || error instanceof RangeError, true, String(error));
       }
+    }
+  }
+});
+
+test("a bundle of a black box", async () => {
+  const file = await bundleBytes(work, out, {
+    robot: "r", request: { cell: "cells/a", depthImage: { intrinsics: { width: 2, height: 1 }, data: "AQIDBA==" } }, error: { code: 5, message: "gone" },
+  });
+  const bundle = readBundle(new Uint8Array(file));
+  assert.deepEqual([bundle.robot, bundle.request.cell, bundle.result.value.message], ["r", "cells/a", "gone"]);
+  assert.deepEqual([...bundle.request.scan.value.data], [1, 2, 3, 4]);
+  const changed = (at, byte) => {
+    const copy = new Uint8Array(file);
+    copy[at] = byte;
+    return copy;
+  };
+  assert.throws(() => readBundle(changed(0, 65)), /not a bundle/);
+  assert.throws(() => readBundle(changed(3, 2)), /newer version/);
+  assert.throws(() => readBundle(new Uint8Array()), /not a bundle/);
+  for (let size = 4; size < file.length; ++size) {
+    // Cut where a field ends, it has no result.
+    assert.throws(() => readBundle(new Uint8Array(file.subarray(0, size))), /truncated or damaged/, String(size));
+  }
+  let state = 3;
+  const random = (most) => (state = (state * 48271) % 2147483647) % most;
+  for (let i = 0; i < 20_000; ++i) {
+    const copy = changed(4 + random(file.length - 4), random(256));
+    copy[4 + random(file.length - 4)] = random(256);
+    try {
+      readBundle(copy);
+    } catch (error) {
+      assert.match(error.message, /truncated or damaged/);
     }
   }
 });
