@@ -44,7 +44,7 @@ export class CatalogueView {
       this.updateObjects();
       const first = this.objects.find((each) => each.name === this.object?.name) ?? this.objects[0];
       if (first && !this.object) await this.selectObject(first);
-      if (!first) replace(this.panel, h("p", { className: "hint" }, "The catalogue is empty. graspdb teach and graspdb import fill it."));
+      if (!first) replace(this.panel, h("p", { className: "hint" }, "The catalogue is empty. The view Teach, graspdb teach and graspdb import fill it."));
     });
     this.viewer.draw();
   }

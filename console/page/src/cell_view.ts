@@ -210,8 +210,8 @@ export class CellView {
       const bundles = files.filter((each) => /\.bundle$/i.test(each.name)).sort((a, b) => b.name.localeCompare(a.name));
       const scans: Scan[] = [];
       // The newest first; their names begin with their numbers.
-      for (const file of bundles.slice(0, maxFrames)) scans.push(await readScan([file], () => undefined));
-      if (bundles.length === 0) scans.push(await readScan(files, () => undefined));
+      for (const file of bundles.slice(0, maxFrames)) scans.push(await readScan([file]));
+      if (bundles.length === 0) scans.push(await readScan(files));
       this.scans = scans;
       this.shown = scans[0];
       const name = this.shown?.recorded?.cell;

@@ -53,8 +53,8 @@ async function bytesOf(file: File): Promise<Uint8Array> {
 }
 
 // The scan in dropped files: a PCD or PLY file, a depth image with intrinsics.json, or a bundle. `camera`: where there is
-// no intrinsics.json.
-export async function readScan(files: File[], camera: () => Camera | undefined): Promise<Scan> {
+// no intrinsics.json; absent: there is no other.
+export async function readScan(files: File[], camera?: () => Camera | undefined): Promise<Scan> {
   const file = files.find((each) => /\.(pcd|ply|png|bundle)$/i.test(each.name));
   if (!file) throw new Error("drop a PCD or PLY file, a 16-bit PNG with its intrinsics.json, or a bundle of a black box");
   try {
@@ -62,8 +62,8 @@ export async function readScan(files: File[], camera: () => Camera | undefined):
     if (/\.bundle$/i.test(file.name)) return bundleScan(file.name, readBundle(bytes));
     if (/\.png$/i.test(file.name)) {
       const json = files.find((each) => /\.json$/i.test(each.name));
-      const used = json ? readIntrinsics(new TextDecoder().decode(await bytesOf(json))) : camera();
-      if (!used) throw new Error("drop its intrinsics.json with it, or fill in the camera");
+      const used = json ? readIntrinsics(new TextDecoder().decode(await bytesOf(json))) : camera?.();
+      if (!used) throw new Error(`drop its intrinsics.json with it${camera ? ", or fill in the camera" : ""}`);
       const image = depthImage(await readDepthPng(bytes), used);
       return { name: file.name, message: { case: "depthImage", value: image }, points: pointsOfDepth(image), segmented: false };
     }

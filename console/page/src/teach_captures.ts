@@ -3,7 +3,6 @@ import { fromJsonString, toBinary } from "@bufbuild/protobuf";
 import { Matrix4 } from "three";
 import { CaptureSetSchema, Capture_Split, type CaptureSet, type CapturedStablePose } from "../gen/graspdb/v1/capture_set_pb";
 import { DepthImageSchema, type AxisAlignedBox, type Pose } from "../gen/graspdb/v1/geometry_pb";
-import type { Camera } from "./depth_file";
 import { matrixOf, moved, poseOf, type Points } from "./geometry";
 import { readScan, type Scan } from "./scan";
 
@@ -39,12 +38,12 @@ function fromSet(set: CaptureSet, files: File[]): { chosen: CaptureSet["captures
 
 // The captures in dropped files: of captures.json, if it is among them, else one for each point file or depth image, by
 // name. Throws where there are none.
-export async function readCaptures(files: File[], camera: () => Camera | undefined): Promise<Captures> {
+export async function readCaptures(files: File[]): Promise<Captures> {
   if ((await Promise.all(files.map(isMesh))).includes(true)) {
     throw new Error("the page does not render meshes; teach one with: graspdb teach OBJECT --mesh FILE --unit mm");
   }
   const intrinsics = files.filter((each) => /\.json$/i.test(each.name) && each.name !== "captures.json");
-  const read = (file: File): Promise<Scan> => readScan([file, ...intrinsics], camera);
+  const read = (file: File): Promise<Scan> => readScan([file, ...intrinsics]);
   const setFile = files.find((each) => each.name === "captures.json");
   if (!setFile) {
     const frames = files.filter(isFrame).sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));

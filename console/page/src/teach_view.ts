@@ -54,7 +54,7 @@ export class TeachView {
       },
     },
     field(this.object, "object id"), field(this.displayName, "its name"), field(this.pose, "stable pose id"),
-    field(this.symmetry, "looks the same after 1/n turns; 0: any"),
+    field(this.symmetry, "symmetry: n-fold, 0: any turn"),
     field(this.cell, "cell"), field(this.segmented, "the object's points alone"),
     h("h2", {}, "Turntable"),
     h("p", { className: "hint" }, "Captures in the order of their names. Without a step each one is a view of its own, put where its points are."),
@@ -110,7 +110,7 @@ export class TeachView {
   private open(files: File[]): Promise<void> {
     return this.attempt(async () => {
       this.report(undefined);
-      this.files = await readCaptures(files, () => undefined);
+      this.files = await readCaptures(files);
       this.draft = undefined;
       this.stored = [];
       this.refusals = [];

@@ -34,6 +34,13 @@ export async function testLookAlikes({ page, folder, step, picture, checkRules, 
   assert.equal((await call("CatalogService/GetStablePose", { name: pose.name })).symmetryOrder, 4);
   await page.getByText("looks the same after 1/4 of a turn, as declared").waitFor();
 
+  step("proposals that are stopped change nothing");
+  await page.route("**/ProposeThresholds", () => {});  // no response
+  await page.getByRole("button", { name: "Propose minimum scores" }).click();
+  await page.getByRole("button", { name: "Stop" }).click();
+  await page.getByText("Stopped. Nothing is changed.").waitFor();
+  await page.unroute("**/ProposeThresholds");
+
   step("minimum scores are proposed, and applied where chosen");
   await page.locator("#look-alikes-of").selectOption("objects/flange");
   await call("CatalogService/UpdateStablePose", { stablePose: { name: pose.name, minScore: 0.11 }, updateMask: "minScore" });
