@@ -38,8 +38,9 @@ class InstantServer : public console::Upstream {
   std::shared_ptr<console::UpstreamCall> Start(console::UpstreamRequest request,
                                                OnEvent on_event) override {
     const google::protobuf::MethodDescriptor* method = console::FindMethod(request.path);
-    Require(method != nullptr && !method->client_streaming(), "a method that browsers may call");
-    Require(method->server_streaming() == request.is_stream, "the kind of call of the method");
+    Require(method != nullptr, "a method that browsers may call");
+    const bool is_stream = method->server_streaming() || method->client_streaming();
+    Require(is_stream == request.is_stream, "the kind of call of the method");
     Require(std::ranges::all_of(request.authorization, absl::ascii_isprint),
             "an authorization that gRPC can send");
     Require(request.message.size() <= kMaxBodyBytes, "a message within the limit");
