@@ -8,7 +8,6 @@
 #include "recognition/scene/scene_score.h"
 #include "recognition/scene_proposals.h"
 #include "recognition/segment_recognition.h"
-#include "recognition/segmentation/region.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -163,9 +162,8 @@ void SceneFrame::Make(const Scan& scan, const Segmentation& segmentation,
                       const FrameParameters& parameters, const Points& of_interest,
                       const IsCancelled& is_cancelled) {
   log.Measure("frame", scan.size(), [&] {
-    frame = MakeFrame(scan, segmentation.world_sensor, segmentation.table,
-                      scan.region.value_or(DefaultRegion(segmentation.world_sensor)), parameters,
-                      is_cancelled, of_interest);
+    frame = MakeFrame(scan, segmentation.world_sensor, segmentation.table, *segmentation.region,
+                      parameters, is_cancelled, of_interest);
     return ObjectPixels(*frame);
   });
 }

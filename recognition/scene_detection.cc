@@ -16,15 +16,21 @@ namespace {
 struct PosedStablePose {
   const TaughtStablePose* stable_pose = nullptr;
   Pose world_object = Pose::Identity();
-  double upright = -1;  // cosine between its z axis and the world's
+  double upright = -1;  // cosine between its z axis and up
 };
 
-PosedStablePose MostUpright(const StablePoses& stable_poses, const Pose& world_model) {
+// Towards the sensor where up is not known: what lies before it is grasped from there.
+Eigen::Vector3d Up(const Segmentation& segmentation) {
+  return {0, 0, segmentation.HasGravity() ? 1.0 : -1.0};
+}
+
+PosedStablePose MostUpright(const StablePoses& stable_poses, const Pose& world_model,
+                            const Eigen::Vector3d& up) {
   PosedStablePose out;
   for (const auto& stable_pose : stable_poses) {
     const Pose object_model = stable_pose->object_mesh.value_or(Pose::Identity());
     const Pose world_object = world_model * object_model.inverse();
-    const double upright = world_object.linear()(2, 2);
+    const double upright = world_object.linear().col(2).dot(up);
     if (out.stable_pose != nullptr && upright <= out.upright) continue;
     out = {stable_pose.get(), world_object, upright};
   }
@@ -78,13 +84,15 @@ void AlignWith(const OwnPoints& own, const Segment& segment, bool stands,
                      .inlier_fraction = d->evidence.confirmed};
 }
 
-bool IsTilted(const Pose& world_object, const RecognitionParameters& parameters) {
-  return world_object.linear()(2, 2) < std::cos(parameters.scene.max_tilt_rad);
+bool IsTilted(const Pose& world_object, const Segmentation& segmentation,
+              const RecognitionParameters& parameters) {
+  return segmentation.HasGravity() &&
+         world_object.linear()(2, 2) < std::cos(parameters.scene.max_tilt_rad);
 }
 
 bool Stands(const SceneHypothesis& hypothesis, const Pose& world_object,
-            const RecognitionParameters& parameters) {
-  return !IsTilted(world_object, parameters) && hypothesis.clearance_m &&
+            const Segmentation& segmentation, const RecognitionParameters& parameters) {
+  return !IsTilted(world_object, segmentation, parameters) && hypothesis.clearance_m &&
          std::abs(*hypothesis.clearance_m) < kStandsWithinM;
 }
 
@@ -97,9 +105,11 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
                                                      const IsCancelled& is_cancelled) {
   const Pose& world_sensor = own.segmentation.world_sensor;
   const Pose world_model = world_sensor * hypothesis.sensor_object.cast<double>();
-  const auto [stable_pose, world_object, upright] = MostUpright(stable_poses, world_model);
+  const auto [stable_pose, world_object, upright] =
+      MostUpright(stable_poses, world_model, Up(own.segmentation));
   std::optional<Detection> out;
-  if (IsTilted(world_object, parameters) && !stable_pose->object_mesh) return out;
+  const bool may_lie = stable_pose->object_mesh.has_value();
+  if (!may_lie && IsTilted(world_object, own.segmentation, parameters)) return out;
   Detection& d = out.emplace();
   const Eigen::Vector3d here = TowardsSensor(world_object, world_sensor);
   d.view = *std::ranges::max_element(stable_pose->views, {}, [&here](const auto& view) {
@@ -110,8 +120,8 @@ absl::StatusOr<std::optional<Detection>> DetectionOf(const SceneHypothesis& hypo
   d.model = *std::move(surface);
   if (d.model == nullptr) return std::nullopt;
   d.rough_pose = world_object;
-  AlignWith(own, own.segment, Stands(hypothesis, world_object, parameters), parameters.matching,
-            is_cancelled, &d);
+  AlignWith(own, own.segment, Stands(hypothesis, world_object, own.segmentation, parameters),
+            parameters.matching, is_cancelled, &d);
   return out;
 }
 
@@ -125,7 +135,7 @@ std::optional<Detection> WithoutNeighbours(const SceneHypothesis& hypothesis,
   if (on_model.cloud.points.size() < fewest) return std::nullopt;
   Detection out = detection;
   out.rough_pose = detection.refined_pose;
-  AlignWith(own, on_model, Stands(hypothesis, detection.rough_pose, parameters),
+  AlignWith(own, on_model, Stands(hypothesis, detection.rough_pose, own.segmentation, parameters),
             parameters.matching, is_cancelled, &out);
   out.rough_pose = detection.rough_pose;
   return out;

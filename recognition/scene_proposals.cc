@@ -65,9 +65,9 @@ std::vector<std::size_t> GroupsToSearch(const std::vector<StablePoses>& groups,
   return out;
 }
 
-// An object that was taught from views alone stands as it was taught.
+// An object that was taught from views alone stands as it was taught, where up is known.
 std::optional<Voting::Upright> UprightOf(const SceneInput& input, const StablePoses& stable_poses) {
-  if (stable_poses.front()->object_mesh) return std::nullopt;
+  if (stable_poses.front()->object_mesh || !input.segmentation.HasGravity()) return std::nullopt;
   // Turns of votes are in bins of 12 degrees.
   constexpr double kVoteRad = 0.2;
   return Voting::Upright{
@@ -255,8 +255,11 @@ std::vector<bool> WhichExplainClusters(const SceneInput& input, const Frame& fra
   std::vector<std::optional<ClusterCandidate>> candidates(aligned.size());
   for (std::size_t i = 0; i < aligned.size(); ++i) {
     const std::optional<AlignedPose>& alone = aligned[i].alone;
-    if (!alone || alone->detection.score < MinScore(StablePoseOf(input.catalogue, alone->detection),
-                                                    input.parameters.matching)) {
+    if (!alone || alone->judged.information < input.parameters.scene.clusters.min_information) {
+      continue;
+    }
+    if (alone->detection.score <
+        MinScore(StablePoseOf(input.catalogue, alone->detection), input.parameters.matching)) {
       continue;
     }
     candidates[i] = {PixelsOn(frame, *proposals[i].model, alone->sensor_model),

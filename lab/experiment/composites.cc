@@ -199,7 +199,8 @@ absl::StatusOr<Composite> Compose(const RealFrame& background, const recognition
       const auto segmentation,
       recognition::SegmentScan(scan, parameters.segmentation, parameters.descriptor, never, &log));
   const Pose& world_sensor = segmentation.world_sensor;
-  const recognition::Box region = scan.region.value_or(recognition::DefaultRegion(world_sensor));
+  if (!segmentation.region) return absl::FailedPreconditionError("the frame is one object");
+  const recognition::Box& region = *segmentation.region;
   Frame image = recognition::MakeFrame(scan, world_sensor, segmentation.table, region,
                                        parameters.scene.frame, never);
   if (image.camera.width == 0) return absl::FailedPreconditionError("the frame is no image");

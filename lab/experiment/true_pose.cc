@@ -38,11 +38,7 @@ PoseScore Score(const Inputs& in, const Segment& segment, const Pose& initial) {
                                       recognition::kSegmentReachM);
   const SoaCloud columns(segment.cloud);
   const recognition::RefinementTarget target{
-      segment.cloud,
-      columns,
-      grid,
-      depth_buffer,
-      in.segmentation.world_frame != recognition::WorldFrame::kSensor,
+      segment.cloud,        columns, grid, depth_buffer, in.segmentation.HasGravity(),
       in.segmentation.table};
   PoseScore out;
   out.refined = Refine(in.model, target, initial, {}).world_object;

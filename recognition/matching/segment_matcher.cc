@@ -79,7 +79,7 @@ SegmentMatcher::SegmentMatcher(const ScanDepths& scan, const Segmentation& segme
       depth_buffer_(scan, segmentation.world_sensor, segment),
       seen_{segmentation.world_sensor, segment.centroid,
             ExtentOf(segment.cloud.points, depth_buffer_.sensor_world()),
-            segmentation.world_frame != WorldFrame::kSensor, segmentation.table_reach_m},
+            segmentation.HasGravity(), segmentation.table_reach_m},
       columns_(segment.cloud, StrideFor(segment, kFullPoints)),
       rough_columns_(segment.cloud, StrideFor(segment, kRoughPoints)),
       reachable_(segment.cloud.points, rough_columns_.stride()) {}

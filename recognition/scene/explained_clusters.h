@@ -43,6 +43,9 @@ struct ClusterParameters {
   // Of several objects each needs this confidence: parts of unknown objects resemble known ones
   // with up to 0.7 (docs/adr/0012).
   double min_confidence_of_several = 0.9;
+  // And this SceneHypothesis::information: a single face fits on anything flat. That of right ones
+  // is 0.21 and more, of bricks and boxes that were never taught 0.07 (docs/adr/0040).
+  double min_information = 0.2;
   // Clusters that all proposals together cover less of, before they are aligned, are not looked at.
   double min_proposed = 0.9;
   // An object is one of a cluster where so many of its own pixels lie there.

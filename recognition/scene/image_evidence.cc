@@ -36,7 +36,11 @@ Border Beside(const Frame& frame, const Eigen::Vector3f& p, const Eigen::Vector3
     if (outer < 0) return out;
     const auto there = static_cast<std::size_t>(outer);
     const float z_out = frame.depth[there];
-    if (z_out == 0) continue;
+    if (z_out == 0) {
+      // It may end there where not even the table is measured.
+      if (!frame.table) out = Border::kUnknown;
+      continue;
+    }
     const Eigen::Vector3f way = frame.PointAt(there, z_out) - inside;
     const float above = normal.dot(way);
     // Something in front of the surface begins there.

@@ -35,7 +35,10 @@ float SceneScore(const Frame& frame, const SceneHypothesis& hypothesis,
   against += weights.covered * s.covered;
   against += weights.hidden * Above(s.hidden - s.covered, 0.2F);
   against += weights.unseen * Lack(s.seen, 0.7F, 0.05F);
-  against += weights.smooth * judgeable * Above(o.count < kFewestOutline ? 0.5F : o.smooth, 0.05F);
+  // Where the table is measured, an outline that is hardly known is suspect by itself.
+  const float little = frame.table ? 0.5F : 0.0F;
+  against +=
+      weights.smooth * judgeable * Above(o.count < kFewestOutline ? little : o.smooth, 0.05F);
   against += weights.unknown * judgeable * Above(o.unknown, 0.35F);
   against += weights.little_outline * Lack(static_cast<float>(o.count), 20, 0.1F);
   against += weights.residual * Above(s.rms_m / tolerance, 0.3F);

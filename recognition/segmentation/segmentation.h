@@ -21,7 +21,7 @@ namespace graspdb::recognition {
 enum class WorldFrame {
   kGiven,          // Scan::world_sensor.
   kDominantPlane,  // The table before the sensor, see WorldFromPlane.
-  kSensor,         // The sensor's own frame, for a segmented scan without a pose.
+  kSensor,         // The sensor's own frame: no pose is known, and the scan shows no table.
 };
 
 // One object on the table.
@@ -42,13 +42,18 @@ struct Segmentation {
   SegmentationOutcome outcome = SegmentationOutcome::kNoCluster;
   Pose world_sensor = Pose::Identity();
   WorldFrame world_frame = WorldFrame::kGiven;
-  std::optional<Plane> table;     // world frame; absent when no plane was found
-  double table_noise_m = 0;       // root mean square distance of its points from it; 0: no table
-  double table_reach_m = 0;       // height above it up to which points were removed; 0: no table
-  double voxel_size_m = 0.003;    // of the segments' clouds
-  std::vector<Segment> segments;  // the nearest to the sensor first
+  std::optional<Box> region =
+      {};  // that was used, world frame; absent: a segmented scan, all of it
+  std::optional<Plane> table = {};  // world frame; absent when no plane was found
+  double table_noise_m = 0;         // root mean square distance of its points from it; 0: no table
+  double table_reach_m = 0;         // height above it up to which points were removed; 0: no table
+  double voxel_size_m = 0.003;      // of the segments' clouds
+  std::vector<Segment> segments;    // the nearest to the sensor first
   // Points of a segmented scan that are too far from the others to be of one object; left out.
   std::size_t far_point_count = 0;
+
+  // Whether the world's z axis is up. Otherwise objects may lie in any way.
+  bool HasGravity() const { return world_frame != WorldFrame::kSensor; }
 };
 
 // Limit for the voxels of a scan besides the table: about what three sides of a cube of 1 m have at
@@ -65,11 +70,16 @@ inline constexpr std::size_t kMaxVoxels = 300'000;
 // Without a plane in the region nothing is removed as table. A scan that is `segmented` is one
 // segment, whatever it contains, as long as it has min_cluster_point_count voxels. With a
 // normal_radius_m of 0 the segments have no normals.
-// FAILED_PRECONDITION when the sensor pose is not known and there is no plane that could replace
-// it; INVALID_ARGUMENT when there are more than kMaxVoxels; CANCELLED.
+// A scan without a sensor pose and without a table is segmented in the sensor's frame, up to 1.5 m
+// from it (docs/adr/0040-frames-without-a-table.md). FAILED_PRECONDITION when it has a region,
+// which is relative to the table, or shows nothing that near; INVALID_ARGUMENT when there are more
+// than kMaxVoxels; CANCELLED.
 absl::StatusOr<Segmentation> SegmentScan(const Scan& scan, const SegmentationParameters& parameters,
                                          const DescriptorParameters& descriptor,
                                          const IsCancelled& is_cancelled, StageLog* log);
+
+// FAILED_PRECONDITION: nothing in `scan` says where up is.
+absl::Status NoTable(const Scan& scan);
 
 // Voxels and normals of one object's points (world frame, m) as SegmentScan makes them; also for
 // stored clouds.

@@ -138,6 +138,10 @@ absl::StatusOr<SeenObject> FindObject(const Capture& capture,
   ASSIGN_OR_RETURN(Segmentation segmentation,
                    recognition::SegmentScan(capture.scan, parameters.segmentation, without_normals,
                                             is_cancelled, &log));
+  // What is taught stands on a table.
+  if (!segmentation.HasGravity() && !capture.scan.segmented) {
+    return recognition::NoTable(capture.scan);
+  }
   ASSIGN_OR_RETURN(const Segment* segment,
                    ChooseSegment(capture.scan, segmentation, capture.object_pose));
   const double max_size_m = parameters.segmentation.max_object_size_m;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -70,6 +71,24 @@ TEST_F(SceneAnswersTest, APartThatAnUnknownNeighbourTouchesIsFound) {
   ASSERT_NE(bracket, nullptr);
   EXPECT_LT(LargestCornerError("bracket", bracket->refined_pose, part.world_solid), 0.01);
   EXPECT_FALSE(bracket->grasps.empty());
+}
+
+// A table that is too black to be measured.
+Scan WithoutTable(Scan scan) {
+  for (Eigen::Vector3f& p : scan.points) {
+    if ((*scan.world_sensor * p.cast<double>()).z() > 0.003) continue;
+    p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+  return scan;
+}
+
+TEST_F(SceneAnswersTest, APartOnATableThatIsNotMeasuredIsFound) {
+  const Solid part = TaughtShapes::Part("bracket", -0.03, 0, 40);
+  const auto found = Run(WithoutTable(See({part, Unknown(0.12, 0.01, 0.08)})));
+  ASSERT_THAT(found, IsOk());
+  const Detection* bracket = Accepted(*found, "bracket");
+  ASSERT_NE(bracket, nullptr);
+  EXPECT_LT(LargestCornerError("bracket", bracket->refined_pose, part.world_solid), 0.01);
 }
 
 // The clouds of one object cannot be read.

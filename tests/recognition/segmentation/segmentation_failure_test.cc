@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
+#include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
 #include "tests/recognition/synthetic_clouds.h"
 #include "tests/recognition/table_scene.h"
@@ -134,14 +136,64 @@ TEST_F(SegmentationFailureTest, WithoutAPlaneNothingIsRemovedWhenThePoseIsKnown)
   EXPECT_GT(found->segments[0].indices.size(), scan_.points.size() * 9 / 10);
 }
 
-TEST_F(SegmentationFailureTest, WithoutAPlaneAnUnknownPoseIsAFailedPrecondition) {
+TEST_F(SegmentationFailureTest, WithoutAPlaneAndAPoseTheWorldIsTheSensors) {
   scan_.points = Ball();
-  parameters_.plane_min_share = 0.3;
+  scan_.world_sensor.reset();
+  const auto found = Run();
+  ASSERT_THAT(found, IsOk());
+  EXPECT_EQ(found->world_frame, WorldFrame::kSensor);
+  EXPECT_FALSE(found->HasGravity());
+  EXPECT_TRUE(found->world_sensor.isApprox(Pose::Identity()));
+  ASSERT_THAT(found->segments, SizeIs(1));
+  EXPECT_GT(found->segments[0].indices.size(), scan_.points.size() * 9 / 10);
+}
+
+testing::Solid BoxAt(double x, double y, const Eigen::Vector3d& size) {
+  testing::Solid out;
+  out.world_solid.translation() = Eigen::Vector3d(x, y, 0);
+  out.boxes = {{{-size.x() / 2, -size.y() / 2, 0}, {size.x() / 2, size.y() / 2, size.z()}}};
+  return out;
+}
+
+// More than half of the picture is one of its faces.
+TEST_F(SegmentationFailureTest, AFaceOfABoxIsNoTable) {
+  const testing::Scene scene = {.solids = {BoxAt(0, 0, {0.16, 0.12, 0.1})}, .table_half_edge_m = 0};
+  scan_.points = TakePicture(scene, *scan_.world_sensor, SmallCamera()).points;
+  const auto measured = std::ranges::count_if(scan_.points, IsMeasurement);
+  scan_.world_sensor.reset();
+  const auto found = Run();
+  ASSERT_THAT(found, IsOk());
+  EXPECT_FALSE(found->HasGravity());
+  EXPECT_FALSE(found->table);
+  ASSERT_THAT(found->segments, SizeIs(1));
+  EXPECT_GT(found->segments[0].indices.size(), 0.9 * static_cast<double>(measured));
+}
+
+// A table that is too black to be measured: the lowest 12 mm of the objects are in a plane as well.
+TEST_F(SegmentationFailureTest, TheFeetOfObjectsAreNoTable) {
+  testing::Scene scene = {.solids = {}, .table_half_edge_m = 0};
+  for (const double x : {-0.12, 0.0, 0.12}) scene.solids.push_back(BoxAt(x, 0, {0.05, 0.03, 0.06}));
+  const auto picture = TakePicture(scene, *scan_.world_sensor, SmallCamera());
+  scan_.points = picture.points;
+  const auto found = Run();
+  ASSERT_THAT(found, IsOk());
+  EXPECT_FALSE(found->table);
+  ASSERT_THAT(found->segments, SizeIs(3));
+  for (const Segment& segment : found->segments) {
+    const auto shown = picture.shown[static_cast<std::size_t>(segment.indices.front())];
+    EXPECT_GT(segment.indices.size(),
+              0.9 * static_cast<double>(std::ranges::count(picture.shown, shown)));
+  }
+}
+
+TEST_F(SegmentationFailureTest, ARegionNeedsATableOrAPose) {
+  scan_.points = Ball();
+  scan_.region = Box{{-0.2, -0.2, 0}, {0.2, 0.2, 0.3}};
   scan_.world_sensor.reset();
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("sensor pose")));
 }
 
-TEST_F(SegmentationFailureTest, TableBeyondReachGivesNoWorldFrame) {
+TEST_F(SegmentationFailureTest, WhatIsBeyondReachGivesNoWorldFrame) {
   scan_.world_sensor.reset();
   for (auto& p : scan_.points) p *= 4;
   EXPECT_THAT(Run(), StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("1.5 m")));
