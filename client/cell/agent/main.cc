@@ -7,7 +7,7 @@
 
 #include "client/cell/agent/agent.h"
 #include "client/cell/agent/agent_options.h"
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 #include "program/background_log.h"
 #include "program/descriptor_limit.h"
 #include "program/health_command.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 #include "client/cli/base/command.h"
 
 namespace graspdb::client {

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
 #include "program/log.h"

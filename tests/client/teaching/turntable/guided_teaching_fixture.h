@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "client/cell/sensors/simulated_sensor.h"
+#include "client/cell/sensors/simulated/simulated_sensor.h"
 #include "client/teaching/turntable/guided_teaching.h"
 #include "files/pose_message.h"
 #include "tests/client/catalogue_server.h"

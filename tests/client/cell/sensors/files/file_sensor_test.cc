@@ -1,5 +1,5 @@
 // Files played as a camera.
-#include "client/cell/sensors/file_sensor.h"
+#include "client/cell/sensors/files/file_sensor.h"
 
 #include <gmock/gmock.h>
 

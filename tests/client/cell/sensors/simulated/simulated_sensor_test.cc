@@ -1,5 +1,5 @@
 // The simulated camera as a sensor.
-#include "client/cell/sensors/simulated_sensor.h"
+#include "client/cell/sensors/simulated/simulated_sensor.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "client/cell/sensors/freenect2_sensor.h"
+#include "client/cell/sensors/kinect/freenect2_sensor.h"
 
 #include <array>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "client/cell/sensors/openni2_sensor.h"
+#include "client/cell/sensors/openni/openni2_sensor.h"
 
 #include <OpenNI.h>
 #include <spdlog/spdlog.h>

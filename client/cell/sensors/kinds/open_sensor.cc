@@ -1,4 +1,4 @@
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 
 #include <utility>
 
@@ -6,19 +6,19 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/cell/sensors/file_sensor.h"
-#include "client/cell/sensors/freenect_sensor.h"
+#include "base/status_macros.h"
+#include "client/cell/sensors/files/file_sensor.h"
 #include "client/cell/sensors/fresh_sensor.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
-#include "client/cell/sensors/openni2_sensor.h"
+#include "client/cell/sensors/kinect/freenect_sensor.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
+#include "client/cell/sensors/openni/openni2_sensor.h"
 #include "client/cell/sensors/reconnecting_sensor.h"
 #include "client/cell/sensors/sensor_spec.h"
-#include "client/cell/sensors/simulated_sensor.h"
+#include "client/cell/sensors/simulated/simulated_sensor.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #ifdef GRASPDB_WITH_FREENECT2
-#include "base/status_macros.h"
-#include "client/cell/sensors/freenect2_sensor.h"
+#include "client/cell/sensors/kinect/freenect2_sensor.h"
 #endif
 
 namespace graspdb::client {

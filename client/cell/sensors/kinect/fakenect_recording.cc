@@ -1,4 +1,4 @@
-#include "client/cell/sensors/fakenect_recording.h"
+#include "client/cell/sensors/kinect/fakenect_recording.h"
 
 #include <google/protobuf/struct.pb.h>
 
@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "files/atomic_file.h"
 #include "files/json_object.h"
 

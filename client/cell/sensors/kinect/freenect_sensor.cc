@@ -1,4 +1,4 @@
-#include "client/cell/sensors/freenect_sensor.h"
+#include "client/cell/sensors/kinect/freenect_sensor.h"
 
 #include <dlfcn.h>
 #include <libfreenect.h>
@@ -21,7 +21,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "files/depth_message.h"
 #include "program/log_field.h"
 

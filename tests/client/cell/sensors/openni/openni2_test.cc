@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_split.h"
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
 #include "tests/end_to_end/process.h"

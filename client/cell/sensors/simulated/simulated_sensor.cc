@@ -1,4 +1,4 @@
-#include "client/cell/sensors/simulated_sensor.h"
+#include "client/cell/sensors/simulated/simulated_sensor.h"
 
 #include <algorithm>
 #include <utility>

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/strings/str_split.h"
-#include "client/cell/sensors/fakenect_recording.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
-#include "client/cell/sensors/simulated_recording.h"
+#include "client/cell/sensors/kinect/fakenect_recording.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/simulated_recording.h"
 #include "files/capture_set.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"

@@ -1,8 +1,8 @@
-#include "client/cell/sensors/simulated_recording.h"
+#include "client/cell/sensors/kinect/simulated_recording.h"
 
 #include "base/status_macros.h"
-#include "client/cell/sensors/fakenect_recording.h"
-#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/fakenect_recording.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "rendering/scene_file.h"
 #include "rendering/simulation.h"
 

@@ -1,5 +1,5 @@
 // Depth cameras by name.
-#include "client/cell/sensors/open_sensor.h"
+#include "client/cell/sensors/kinds/open_sensor.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>

@@ -1,4 +1,4 @@
-#include "client/cell/sensors/file_sensor.h"
+#include "client/cell/sensors/files/file_sensor.h"
 
 #include <algorithm>
 #include <system_error>

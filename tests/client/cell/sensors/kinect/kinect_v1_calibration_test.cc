@@ -1,5 +1,5 @@
 // Depths from the first Kinect's raw numbers.
-#include "client/cell/sensors/kinect_v1_calibration.h"
+#include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 
 #include <gmock/gmock.h>
 
