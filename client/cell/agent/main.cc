@@ -49,6 +49,7 @@ int Run(int argc, char** argv) {
   if (!agent.ok()) return Fail(agent.status());
   spdlog::info("event=start version={} cell={} sensor={} server={}", kVersion,
                LogField(options.cell), LogField(name), LogField(options.server));
+  std::printf("camera: %s\n", name.c_str());
   PrintAddress("line protocol", (*agent)->line_address());
   PrintAddress("health", (*agent)->health_address());
   PrintAddress("metrics", (*agent)->metrics_address());

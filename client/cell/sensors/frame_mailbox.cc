@@ -7,8 +7,8 @@
 
 namespace graspdb::client {
 
-FrameMailbox::FrameMailbox(absl::Duration silence)
-    : silence_(silence), last_(MonotonicTime::Now()) {}
+FrameMailbox::FrameMailbox(absl::Duration silence, std::string advice)
+    : silence_(silence), advice_(std::move(advice)), last_(MonotonicTime::Now()) {}
 
 void FrameMailbox::Put(SensorFrame frame) {
   auto newest = std::make_shared<const SensorFrame>(std::move(frame));
@@ -25,9 +25,8 @@ void FrameMailbox::Fail(absl::Status why) {
 }
 
 absl::Status FrameMailbox::Silent() const {
-  return absl::UnavailableError(absl::StrCat("no frame from the camera for ",
-                                             absl::FormatDuration(silence_),
-                                             "; check its cable and its power supply"));
+  return absl::UnavailableError(
+      absl::StrCat("no frame from the camera for ", absl::FormatDuration(silence_), "; ", advice_));
 }
 
 absl::StatusOr<SensorFrame> FrameMailbox::Wait(MonotonicTime after, MonotonicTime deadline) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -17,8 +18,10 @@ namespace graspdb::client {
 // Keeps the newest frame. Thread-safe.
 class FrameMailbox {
  public:
-  // After `silence` without a frame, starting now, the camera counts as disconnected.
-  explicit FrameMailbox(absl::Duration silence);
+  // After `silence` without a frame, starting now, the camera counts as disconnected. `advice`:
+  // what to do then, the end of a sentence.
+  explicit FrameMailbox(absl::Duration silence,
+                        std::string advice = "check its cable and its power supply");
 
   // Stores a new frame, with its time set.
   void Put(SensorFrame frame) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -38,6 +41,7 @@ class FrameMailbox {
   absl::Status Silent() const;
 
   const absl::Duration silence_;
+  const std::string advice_;
   mutable absl::Mutex mutex_;
   MonotonicCondVar changed_;
   std::shared_ptr<const SensorFrame> newest_ ABSL_GUARDED_BY(mutex_);

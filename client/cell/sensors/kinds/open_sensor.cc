@@ -12,6 +12,7 @@
 #include "client/cell/sensors/kinect/freenect_sensor.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "client/cell/sensors/openni/openni2_sensor.h"
+#include "client/cell/sensors/push/push_sensor.h"
 #include "client/cell/sensors/reconnecting_sensor.h"
 #include "client/cell/sensors/sensor_spec.h"
 #include "client/cell/sensors/simulated/simulated_sensor.h"
@@ -118,6 +119,14 @@ OpenedSensor OpenOpenNi2Kind(const SensorSpec& spec, const SensorSettings& given
       [uri = spec.target, settings] { return OpenOpenNi2(uri, /*loop=*/false, settings); });
 }
 
+OpenedSensor OpenPush(const SensorSpec& spec, const SensorSettings& settings) {
+  SensorOptions options(spec);
+  const bool allow_remote = options.Flag("allow-remote");
+  RETURN_IF_ERROR(options.Finish(spec.kind));
+  ASSIGN_OR_RETURN(auto sensor, PushSensor::Listen(spec.target, allow_remote, settings));
+  return std::make_unique<FreshSensor>(std::move(sensor), settings.max_age);
+}
+
 OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
                           [[maybe_unused]] const SensorSettings& given) {
 #ifdef GRASPDB_WITH_FREENECT2
@@ -150,6 +159,7 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {"files", "point files and depth images of a folder", true, "", OpenFiles},
     {"simulated", "random scenes of sample parts", true, "", OpenSimulated},
+    {"push", "frames that another program pushes, with the SDK of the camera", true, "", OpenPush},
     {"freenect", "Kinect v1", true, "libfreenect-dev", OpenKinectV1},
     {"openni2", "cameras and recordings of OpenNI 2", true, "libopenni2-dev", OpenOpenNi2Kind},
     {"freenect2", "Kinect v2", kHasFreenect2, "libfreenect2, not in Debian 12", OpenKinectV2},

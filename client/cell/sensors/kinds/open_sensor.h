@@ -18,6 +18,8 @@ namespace graspdb::client {
 //                                   objects-per-scene, area, look-down, distance, noise as the
 //                                   flags of `graspdb simulate`; scene=FOLDER: the scene in that
 //                                   folder instead, see scene_file.h
+//   push:PORT or HOST:PORT          frames that another program pushes, see push_sensor.h; with
+//                                   ?allow-remote also from other machines
 //   freenect[:N or SERIAL]          Kinect v1, see freenect_sensor.h
 //   openni2[:URI or FILE.oni[?loop]]  cameras of OpenNI 2 and their recordings
 //   freenect2[:SERIAL]              Kinect v2, if built with libfreenect2

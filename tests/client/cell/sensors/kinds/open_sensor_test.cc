@@ -197,7 +197,7 @@ TEST(ListSensors, ListsEveryKindOnce) {
   std::vector<std::string> kinds;
   kinds.reserve(listing.size());
   for (const SensorListing& kind : listing) kinds.push_back(kind.kind);
-  EXPECT_THAT(kinds, ElementsAre("files", "simulated", "freenect", "openni2", "freenect2"));
+  EXPECT_THAT(kinds, ElementsAre("files", "simulated", "push", "freenect", "openni2", "freenect2"));
   for (const SensorListing& kind : listing) {
     EXPECT_THAT(SensorsText(listing), HasSubstr(kind.kind + ": " + kind.what));
   }
