@@ -17,11 +17,12 @@ from graspdb.client import Client
 from graspdb.errors import Error, Reason
 from graspdb.geometry import Intrinsics
 from graspdb.point_files import PointFile, read_points
+from graspdb.pushing import Pusher
 from graspdb.results import Detection, GraspProposal, RejectionGate, Result, Status, WorldFrameSource
 from graspdb.teaching import Grasp, View
 
 __all__ = [
     "Change", "ChangeKind", "ChangedResource", "Client", "Detection", "Error", "Grasp", "GraspProposal", "Intrinsics",
-    "Outcome", "PointFile", "Reason", "RejectionGate", "Result", "Status", "UploadResult", "View", "WorldFrameSource",
-    "errors", "read_points",
+    "Outcome", "PointFile", "Pusher", "Reason", "RejectionGate", "Result", "Status", "UploadResult", "View",
+    "WorldFrameSource", "errors", "read_points",
 ]
