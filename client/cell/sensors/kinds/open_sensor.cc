@@ -16,8 +16,13 @@
 #include "client/cell/sensors/reconnecting_sensor.h"
 #include "client/cell/sensors/sensor_spec.h"
 #include "client/cell/sensors/simulated/simulated_sensor.h"
+#include "client/cell/sensors/video/v4l2_sensor.h"
+#include "files/depth_png.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
+#ifdef GRASPDB_WITH_ARAVIS
+#include "client/cell/sensors/genicam/genicam_sensor.h"
+#endif
 #ifdef GRASPDB_WITH_FREENECT2
 #include "client/cell/sensors/kinect/freenect2_sensor.h"
 #endif
@@ -28,6 +33,8 @@ namespace {
 // The requested resolution of OpenNI cameras, if supported.
 constexpr int kOpenNi2Width = 640;
 constexpr int kOpenNi2Height = 480;
+// Of an image from its exposure to its arrival, s.
+constexpr double kMaxLatencyS = 60;
 
 using OpenedSensor = absl::StatusOr<std::unique_ptr<DepthSensor>>;
 
@@ -127,6 +134,42 @@ OpenedSensor OpenPush(const SensorSpec& spec, const SensorSettings& settings) {
   return std::make_unique<FreshSensor>(std::move(sensor), settings.max_age);
 }
 
+// The camera of the options: a file as files/depth_png.h reads it, or fx, fy, cx and cy.
+absl::Status ReadCamera(SensorOptions& options, V4l2Options& camera, SensorSettings& settings) {
+  const std::string file = options.Text("intrinsics", "");
+  settings = WithIntrinsics(options, 640, 480, settings);
+  const double unit = options.Number("unit", 0, 1e-6, 0.1);
+  if (unit > 0) camera.unit_m = unit;
+  if (file.empty()) return absl::OkStatus();
+  const auto read = files::ReadIntrinsics(file);
+  // INVALID_ARGUMENT is for the spec, not for the content of files.
+  if (!read.ok()) return absl::FailedPreconditionError(read.status().message());
+  if (read->lens.is_distorted() || !read->invalid_counts.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        file, " has a distortion or invalid counts; images of V4L2 are read as rectified ones"));
+  }
+  settings.intrinsics = read->intrinsics;
+  if (!camera.unit_m) camera.unit_m = read->depth_unit_m;
+  return absl::OkStatus();
+}
+
+OpenedSensor OpenV4l2Kind(const SensorSpec& spec, const SensorSettings& given) {
+  SensorOptions options(spec);
+  SensorSettings settings = given;
+  V4l2Options camera;
+  camera.latency = absl::Seconds(
+      options.Number("latency", absl::ToDoubleSeconds(camera.latency), 0, kMaxLatencyS));
+  const absl::Status read = ReadCamera(options, camera, settings);
+  RETURN_IF_ERROR(options.Finish(spec.kind));
+  RETURN_IF_ERROR(read);
+  if (spec.target.empty()) {
+    return absl::InvalidArgumentError("the sensor v4l2 has no device; write v4l2:/dev/video2");
+  }
+  return KeepOpen(
+      absl::StrCat("V4L2 camera ", spec.target), settings,
+      [path = spec.target, camera, settings] { return OpenV4l2(path, camera, settings); });
+}
+
 OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
                           [[maybe_unused]] const SensorSettings& given) {
 #ifdef GRASPDB_WITH_FREENECT2
@@ -142,11 +185,38 @@ OpenedSensor OpenKinectV2([[maybe_unused]] const SensorSpec& spec,
 #endif
 }
 
+OpenedSensor OpenGenicamKind([[maybe_unused]] const SensorSpec& spec,
+                             [[maybe_unused]] const SensorSettings& given) {
+#ifdef GRASPDB_WITH_ARAVIS
+  SensorOptions options(spec);
+  GenicamOptions camera;
+  camera.pixel_format = options.Text("format", "");
+  camera.latency = absl::Seconds(
+      options.Number("latency", absl::ToDoubleSeconds(camera.latency), 0, kMaxLatencyS));
+  // The size is that of the image, unless given.
+  const SensorSettings settings = WithIntrinsics(options, 0, 0, given);
+  RETURN_IF_ERROR(options.Finish(spec.kind));
+  return KeepOpen(
+      absl::StrCat("GenICam camera ", spec.target), settings,
+      [id = spec.target, camera, settings] { return OpenGenicam(id, camera, settings); });
+#else
+  return absl::UnimplementedError(
+      "this program is built without Aravis; install libaravis-dev, and build again");
+#endif
+}
+
+#ifdef GRASPDB_WITH_ARAVIS
+constexpr bool kHasAravis = true;
+#else
+constexpr bool kHasAravis = false;
+#endif
 #ifdef GRASPDB_WITH_FREENECT2
 constexpr bool kHasFreenect2 = true;
 #else
 constexpr bool kHasFreenect2 = false;
 #endif
+
+using CameraIds = absl::StatusOr<std::vector<std::string>>;
 
 struct Kind {
   const char* name;
@@ -154,25 +224,44 @@ struct Kind {
   bool is_built;
   const char* package;
   OpenedSensor (*open)(const SensorSpec&, const SensorSettings&);
+  CameraIds (*list)();   // null: there is nothing to list
+  const char* why_none;  // when nothing was found
 };
+
+CameraIds ListGenicamKind() {
+#ifdef GRASPDB_WITH_ARAVIS
+  return ListGenicam();
+#else
+  return std::vector<std::string>();
+#endif
+}
+
+CameraIds ListKinectV2() {
+#ifdef GRASPDB_WITH_FREENECT2
+  return ListFreenect2();
+#else
+  return std::vector<std::string>();
+#endif
+}
 
 constexpr Kind kKinds[] = {
-    {"files", "point files and depth images of a folder", true, "", OpenFiles},
-    {"simulated", "random scenes of sample parts", true, "", OpenSimulated},
-    {"push", "frames that another program pushes, with the SDK of the camera", true, "", OpenPush},
-    {"freenect", "Kinect v1", true, "libfreenect-dev", OpenKinectV1},
-    {"openni2", "cameras and recordings of OpenNI 2", true, "libopenni2-dev", OpenOpenNi2Kind},
-    {"freenect2", "Kinect v2", kHasFreenect2, "libfreenect2, not in Debian 12", OpenKinectV2},
+    {"files", "point files and depth images of a folder", true, "", OpenFiles, nullptr, ""},
+    {"simulated", "random scenes of sample parts", true, "", OpenSimulated, nullptr, ""},
+    {"push", "frames that another program pushes, with the SDK of the camera", true, "", OpenPush,
+     nullptr, ""},
+    {"genicam", "3D cameras of GigE Vision and USB3 Vision", kHasAravis, "libaravis-dev",
+     OpenGenicamKind, ListGenicamKind,
+     "none answered: is the camera in the network of this machine, with an address of it, and does "
+     "the firewall let UDP pass?"},
+    {"v4l2", "depth cameras of Video4Linux, such as RealSense", true, "", OpenV4l2Kind, ListV4l2,
+     ""},
+    {"freenect", "Kinect v1", true, "libfreenect-dev", OpenKinectV1, ListFreenect,
+     "none on a USB port: has it its own power supply?"},
+    {"openni2", "cameras and recordings of OpenNI 2", true, "libopenni2-dev", OpenOpenNi2Kind,
+     ListOpenNi2, "none of the drivers of OpenNI 2 found one"},
+    {"freenect2", "Kinect v2", kHasFreenect2, "libfreenect2, not in Debian 12", OpenKinectV2,
+     ListKinectV2, "none on a USB 3 port: has it its own power supply?"},
 };
-
-absl::StatusOr<std::vector<std::string>> ConnectedOf(const std::string& kind) {
-  if (kind == "freenect") return ListFreenect();
-  if (kind == "openni2") return ListOpenNi2();
-#ifdef GRASPDB_WITH_FREENECT2
-  if (kind == "freenect2") return ListFreenect2();
-#endif
-  return std::vector<std::string>();
-}
 
 }  // namespace
 
@@ -198,11 +287,13 @@ std::vector<SensorListing> ListSensors() {
     entry.what = kind.what;
     entry.is_built = kind.is_built;
     entry.package = kind.package;
-    const absl::StatusOr<std::vector<std::string>> connected = ConnectedOf(kind.name);
+    if (!kind.is_built || kind.list == nullptr) continue;
+    const CameraIds connected = kind.list();
     if (!connected.ok()) {
       entry.trouble = std::string(connected.status().message());
       continue;
     }
+    if (connected->empty()) entry.trouble = kind.why_none;
     for (const std::string& camera : *connected) {
       entry.connected.push_back(absl::StrCat(kind.name, ":", camera));
     }

@@ -20,6 +20,10 @@ namespace graspdb::client {
 //                                   folder instead, see scene_file.h
 //   push:PORT or HOST:PORT          frames that another program pushes, see push_sensor.h; with
 //                                   ?allow-remote also from other machines
+//   genicam[:ID]                    GigE Vision and USB3 Vision, if built with Aravis, see
+//                                   genicam_sensor.h; ?format, ?latency (s)
+//   v4l2:/dev/videoN                Z16 images of Video4Linux, see v4l2_sensor.h; the camera by
+//                                   ?intrinsics=FILE or fx, fy, cx, cy; ?unit (m), ?latency (s)
 //   freenect[:N or SERIAL]          Kinect v1, see freenect_sensor.h
 //   openni2[:URI or FILE.oni[?loop]]  cameras of OpenNI 2 and their recordings
 //   freenect2[:SERIAL]              Kinect v2, if built with libfreenect2
@@ -40,7 +44,7 @@ struct SensorListing {
   bool is_built = true;
   std::string package = {};                 // that provides it
   std::vector<std::string> connected = {};  // as specs
-  std::string trouble = {};                 // why cameras cannot be listed
+  std::string trouble = {};                 // why none was found; empty: there is no list
 };
 
 // Lists all kinds; may take some seconds. Includes cameras that another program uses.

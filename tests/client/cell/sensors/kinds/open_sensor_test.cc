@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <fstream>
 #include <variant>
 
 #include "client/cell/sensors/sensor_spec.h"
@@ -112,6 +113,11 @@ TEST(OpenSensor, InvalidOptionsAreReported) {
       {"freenect?fx=580", "fy"},
       {"freenect:0?fx=580&fy=580&cx=320&cy=tall", "cy"},
       {"openni2?width=320&height=240", "fx"},
+      {"push:7110?loop", "\"loop\""},
+      {"push:all", "push:7110"},
+      {"v4l2", "v4l2:/dev/video2"},
+      {"v4l2:/dev/video99?unit=1", "unit"},
+      {"v4l2:/dev/video99?fx=400", "fy"},
       {"openni2?width=32.5&fx=580&fy=580&cx=320&cy=240", "width"},
   };
   for (const auto& c : cases) {
@@ -192,12 +198,42 @@ TEST(OpenSensor, ASimulationShowsAGivenScene) {
   EXPECT_NE(frames[0], frames[1]);
 }
 
+TEST(OpenSensor, AFileHasTheCameraOfADevice) {
+  const files::TemporaryFolder folder;
+  const std::string file = folder.path() / "d435.json";
+  const auto open = [&file](const std::string& text) {
+    std::ofstream(file) << text;
+    return OpenSensor("v4l2:/dev/video99?intrinsics=" + file, {});
+  };
+  EXPECT_THAT(OpenSensor("v4l2:/dev/video99?intrinsics=" + file, {}),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("d435.json")));
+  EXPECT_THAT(open("{\"fx\": 1}"),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("d435.json")));
+  const std::string camera =
+      R"({"width": 848, "height": 480, "fx": 424, "fy": 424, "cx": 424, "cy": 240)";
+  EXPECT_THAT(open(camera + R"(, "k1": 0.1})"),
+              StatusIs(absl::StatusCode::kFailedPrecondition, HasSubstr("distortion")));
+  const auto sensor = open(camera + "}");
+  ASSERT_THAT(sensor, IsOk());
+  EXPECT_THAT((*sensor)->Next(MonotonicTime::Now() + absl::Minutes(1)),
+              StatusIs(absl::StatusCode::kUnavailable, HasSubstr("/dev/video99")));
+}
+
+TEST(ListSensors, SaysWhyNothingWasFound) {
+  for (const SensorListing& kind : ListSensors()) {
+    const bool is_camera = kind.kind != "files" && kind.kind != "simulated" && kind.kind != "push";
+    if (!is_camera || !kind.is_built) continue;
+    EXPECT_EQ(kind.connected.empty(), !kind.trouble.empty()) << kind.kind;
+  }
+}
+
 TEST(ListSensors, ListsEveryKindOnce) {
   const auto listing = ListSensors();
   std::vector<std::string> kinds;
   kinds.reserve(listing.size());
   for (const SensorListing& kind : listing) kinds.push_back(kind.kind);
-  EXPECT_THAT(kinds, ElementsAre("files", "simulated", "push", "freenect", "openni2", "freenect2"));
+  EXPECT_THAT(kinds, ElementsAre("files", "simulated", "push", "genicam", "v4l2", "freenect",
+                                 "openni2", "freenect2"));
   for (const SensorListing& kind : listing) {
     EXPECT_THAT(SensorsText(listing), HasSubstr(kind.kind + ": " + kind.what));
   }
