@@ -1,3 +1,6 @@
+#include <cstdint>
+
+#include "graspdb/v1/frame_service.pb.h"
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/operations.pb.h"
 #include "tests/fuzz/sample_frames.h"
@@ -183,11 +186,28 @@ Operations Cells() {
   return out;
 }
 
+// The frames of WriteRecognize.
+void WritePushedFrames(const SeedWriter& out) {
+  constexpr std::int64_t kCaptured = 1'700'000'000;
+  v1::PushFrameRequest image;
+  image.set_camera("left");
+  *image.mutable_depth_image() =
+      testing::DepthImageOf(Window(Photograph(kFusedPart, {.turn_deg = 70}, 5), 112, 96));
+  image.mutable_depth_image()->mutable_capture_time()->set_seconds(kCaptured);
+  out.Write("push_frame", "depth-image", image.SerializeAsString());
+  v1::PushFrameRequest cloud;
+  cloud.set_camera("left");
+  *cloud.mutable_cloud() = testing::CloudOf(Window(Photograph(kLoosePart, {}, 6), 64, 56));
+  cloud.mutable_cloud()->mutable_capture_time()->set_seconds(kCaptured);
+  out.Write("push_frame", "cloud", cloud.SerializeAsString());
+}
+
 }  // namespace
 
 void WriteRequestSeeds(const SeedWriter& out) {
   WriteRecognize(out);
   WriteUploads(out);
+  WritePushedFrames(out);
   out.Write("catalogue", "changed", Changed().SerializeAsString());
   out.Write("catalogue", "taught", Taught().SerializeAsString());
   out.Write("catalogue", "taught_in_bulk", TaughtInBulk().SerializeAsString());

@@ -22,7 +22,7 @@ std::string BytesOf(const std::filesystem::path& path);
 
 // Point files, depth images, meshes, capture sets, archives.
 void WriteFileSeeds(const SeedWriter& out);
-// Messages of robots, and arguments of programs.
+// Messages of robots, arguments of programs, and small files.
 void WriteTextSeeds(const SeedWriter& out);
 // Requests with scans of sample parts.
 void WriteRequestSeeds(const SeedWriter& out);

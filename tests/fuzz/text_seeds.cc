@@ -1,4 +1,9 @@
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
 #include "client/cell/robots/gri_message.h"
+#include "tests/fuzz/range_image_input.h"
 #include "tests/fuzz/seed_writer.h"
 
 namespace graspdb::fuzz {
@@ -101,6 +106,29 @@ void WriteIdentities(const SeedWriter& out) {
       "\n");
 }
 
+template <typename Number>
+void WriteRangeImage(const SeedWriter& out, const std::string& name, const RangeImageHeader& header,
+                     const std::vector<Number>& values) {
+  std::string bytes(sizeof(header) + sizeof(Number) * values.size(), '\0');
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  std::memcpy(bytes.data() + sizeof(header), values.data(), sizeof(Number) * values.size());
+  out.Write("range_image", name, bytes);
+}
+
+void WriteRangeImages(const SeedWriter& out) {
+  const std::vector<std::uint16_t> counts = {4000, 0, 3000, 65535};
+  const std::vector<std::uint16_t> disparities = {1280, 0, 640, 2560};
+  const std::vector<std::uint16_t> points = {100, 200, 4000, 0, 0, 0, 300, 400, 5000, 1, 2, 3000};
+  WriteRangeImage(out, "depth", {.format = 0, .mode = 1, .unit = 1}, counts);
+  WriteRangeImage(out, "offset", {.format = 0, .mode = 1, .unit = 1, .offset = 100}, counts);
+  WriteRangeImage(out, "disparity", {.format = 0, .mode = 3, .unit = 4}, disparities);
+  WriteRangeImage(out, "floats", {.format = 1, .mode = 1, .unit = 2},
+                  std::vector<float>{100, 0, 200, 400});
+  WriteRangeImage(out, "points", {.format = 3, .mode = 2, .unit = 1},
+                  std::vector<float>(points.begin(), points.end()));
+  WriteRangeImage(out, "integer-points", {.format = 2, .mode = 2, .unit = 1}, points);
+}
+
 }  // namespace
 
 void WriteTextSeeds(const SeedWriter& out) {
@@ -108,6 +136,7 @@ void WriteTextSeeds(const SeedWriter& out) {
   WriteFrames(out);
   WriteHttp(out);
   WriteRobots(out);
+  WriteRangeImages(out);
   WriteSettings(out);
 }
 

@@ -20,9 +20,11 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "images are little-endian");
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-// The greatest unit of a depth image.
+// Units that a depth image keeps.
+constexpr double kMinUnitM = 1e-6;
 constexpr double kMaxUnitM = 0.1;
-// Depths of the contract end here, m.
+// Depths that a camera measures, m; the contract ends at the far one.
+constexpr double kNearM = 0.001;
 constexpr double kFarM = 100;
 
 absl::Status Unusable(const std::string& what) { return absl::FailedPreconditionError(what); }
@@ -200,7 +202,7 @@ absl::StatusOr<files::ScanMessage> DepthOf(const RangeImage& image, const RangeG
   const std::size_t step = BytesOfPixel(image.format);
   const std::size_t count = image.data.size() / step;
   const bool keeps_counts = is_integer && !is_disparity && reader.offset() == 0 &&
-                            reader.scale() > 0 && reader.scale() <= kMaxUnitM;
+                            reader.scale() >= kMinUnitM && reader.scale() <= kMaxUnitM;
   std::vector<std::uint16_t> counts;
   std::vector<float> depths;
   (keeps_counts ? counts.reserve(count) : depths.reserve(count));
@@ -213,7 +215,7 @@ absl::StatusOr<files::ScanMessage> DepthOf(const RangeImage& image, const RangeG
       continue;
     }
     const double depth = is_disparity && read > 0 ? factor / read : read;
-    const bool is_measured = read > 0 && depth <= kFarM;
+    const bool is_measured = read > 0 && depth >= kNearM && depth <= kFarM;
     depths.push_back(is_measured ? static_cast<float>(depth) : 0);
     far = std::max(far, depths.back());
   }

@@ -97,6 +97,14 @@ TEST(RangeImage, FloatsNeedNoScale) {
   for (std::size_t i = 1; i < 4; ++i) EXPECT_TRUE(std::isnan(depths[i])) << i;
 }
 
+TEST(RangeImage, DepthsThatNoCameraMeasuresAreNone) {
+  RangeGeometry camera = Camera();
+  camera.axes[2].scale = 1e-40;
+  const auto scan = Read(RangeFormat::kC16, Bytes<std::uint16_t>({1, 2, 3, 65534}), 2, camera);
+  ASSERT_THAT(scan, IsOk());
+  for (const float depth : Depths(scan)) EXPECT_TRUE(std::isnan(depth)) << depth;
+}
+
 TEST(RangeImage, DisparitiesNeedFocalLengthAndBaseline) {
   RangeGeometry camera = Camera();
   camera.output_mode = "DisparityC";
