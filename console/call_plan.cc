@@ -6,7 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "console/methods.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::console {
 namespace {

@@ -23,7 +23,7 @@
 #include "client/sdk/client.h"
 #include "files/json_object.h"
 #include "google/rpc/status.pb.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::console {
 namespace {

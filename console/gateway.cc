@@ -16,12 +16,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "console/http_connection.h"
-#include "program/listen_address.h"
-#include "program/listening_sockets.h"
-#include "program/log_field.h"
-#include "program/loopback.h"
-#include "program/pem_files.h"
-#include "program/watched_files.h"
+#include "program/connections/listen_address.h"
+#include "program/connections/listening_sockets.h"
+#include "program/connections/loopback.h"
+#include "program/log/log_field.h"
+#include "program/tls/pem_files.h"
+#include "program/tls/watched_files.h"
 
 namespace graspdb::console {
 namespace {

@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "client/sdk/channel_arguments.h"
 #include "client/sdk/security.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::console {
 namespace {

@@ -16,7 +16,7 @@
 #include "client/sdk/client.h"
 #include "client/sdk/reconnection.h"
 #include "console/upstream.h"
-#include "program/watched_files.h"
+#include "program/tls/watched_files.h"
 
 namespace graspdb::console {
 

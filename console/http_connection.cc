@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "console/methods.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::console {
 namespace {

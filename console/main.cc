@@ -14,7 +14,7 @@
 #include "console/gateway.h"
 #include "console/grpc_upstream.h"
 #include "console/page_file.h"
-#include "program/descriptor_limit.h"
+#include "program/connections/descriptor_limit.h"
 #include "program/standard_streams.h"
 #include "program/stop_signal.h"
 

@@ -3,7 +3,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "program/loopback.h"
+#include "program/connections/loopback.h"
 
 namespace graspdb::console {
 namespace {

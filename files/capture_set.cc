@@ -14,8 +14,8 @@
 #include "base/status_macros.h"
 #include "files/atomic_file.h"
 #include "files/capture_check.h"
-#include "program/json_keys.h"
-#include "program/text_encoding.h"
+#include "program/text/json_keys.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::files {
 namespace {

@@ -19,8 +19,8 @@
 #include "files/depth_png.h"
 #include "files/depth_unit.h"
 #include "files/json_object.h"
-#include "program/json_keys.h"
-#include "program/text_encoding.h"
+#include "program/text/json_keys.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::files {
 namespace {

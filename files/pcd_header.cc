@@ -16,7 +16,7 @@
 #include "absl/strings/str_split.h"
 #include "base/status_macros.h"
 #include "files/point_file.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::files {
 namespace {

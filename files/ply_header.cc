@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
 #include "base/status_macros.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::files {
 namespace {

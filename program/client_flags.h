@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "program/pem_files.h"
+#include "program/tls/pem_files.h"
 
 namespace graspdb {
 

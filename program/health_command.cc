@@ -16,9 +16,9 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "base/status_macros.h"
-#include "program/pem_files.h"
-#include "program/proxy.h"
+#include "program/connections/proxy.h"
 #include "program/settings_file.h"
+#include "program/tls/pem_files.h"
 
 namespace graspdb {
 namespace {

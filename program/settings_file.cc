@@ -20,7 +20,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/string_view.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 #include "program/unknown_command.h"
 
 namespace graspdb {

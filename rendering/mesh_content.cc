@@ -16,7 +16,7 @@
 #include "base/status_macros.h"
 #include "files/ply_file.h"
 #include "files/ply_header.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 #include "rendering/plain_obj.h"
 #include "rendering/stated_unit.h"
 #include "rendering/stl_facets.h"

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "program/background_log.h"
-#include "program/descriptor_limit.h"
+#include "program/connections/descriptor_limit.h"
 #include "program/health_command.h"
-#include "program/log_field.h"
+#include "program/log/background_log.h"
+#include "program/log/log_field.h"
 #include "program/standard_streams.h"
 #include "program/stop_signal.h"
 #include "program/version.h"

@@ -1,6 +1,6 @@
 #include "client/sdk/channel_arguments.h"
 
-#include "program/proxy.h"
+#include "program/connections/proxy.h"
 
 namespace graspdb::client {
 namespace {

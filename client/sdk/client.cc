@@ -10,7 +10,7 @@
 #include "client/sdk/channel_arguments.h"
 #include "client/sdk/client_call.h"
 #include "client/sdk/security.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::client {
 namespace {

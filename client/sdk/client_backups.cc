@@ -3,7 +3,7 @@
 
 #include "base/status_macros.h"
 #include "client/sdk/client_call.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 
 namespace graspdb::client {
 

@@ -24,10 +24,10 @@
 #include "graspdb/v1/object_history_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
-#include "program/monotonic_time.h"
-#include "program/request_id.h"
-#include "program/stop_flag.h"
-#include "program/watched_files.h"
+#include "program/base/monotonic_time.h"
+#include "program/base/stop_flag.h"
+#include "program/log/request_id.h"
+#include "program/tls/watched_files.h"
 
 namespace graspdb::client {
 

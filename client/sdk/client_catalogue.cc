@@ -1,7 +1,7 @@
 // Objects, stable poses, views and cells.
 
 #include "client/sdk/client_call.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 
 namespace graspdb::client {
 namespace {

@@ -19,10 +19,10 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/loopback.h"
-#include "program/proxy.h"
-#include "program/text_encoding.h"
-#include "program/tls_file_set.h"
+#include "program/connections/loopback.h"
+#include "program/connections/proxy.h"
+#include "program/text/text_encoding.h"
+#include "program/tls/tls_file_set.h"
 
 namespace graspdb::client {
 namespace {

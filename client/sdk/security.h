@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "client/sdk/client.h"
-#include "program/watched_files.h"
+#include "program/tls/watched_files.h"
 
 namespace graspdb::client {
 

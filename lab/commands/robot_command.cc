@@ -8,8 +8,8 @@
 #include "files/json_object.h"
 #include "lab/commands/commands.h"
 #include "lab/simulated_robot/pick_run.h"
-#include "program/latency_histogram.h"
-#include "program/listen_address.h"
+#include "program/base/latency_histogram.h"
+#include "program/connections/listen_address.h"
 #include "rendering/sample_parts.h"
 
 namespace graspdb::lab {

@@ -14,8 +14,8 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/json_keys.h"
-#include "program/text_encoding.h"
+#include "program/text/json_keys.h"
+#include "program/text/text_encoding.h"
 #include "rendering/mesh_part.h"
 
 namespace graspdb::lab {

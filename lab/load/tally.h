@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "program/latency_histogram.h"
+#include "program/base/latency_histogram.h"
 
 namespace graspdb::lab {
 

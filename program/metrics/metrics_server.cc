@@ -10,9 +10,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/listen_address.h"
-#include "program/log_field.h"
-#include "program/loopback.h"
+#include "program/connections/listen_address.h"
+#include "program/connections/loopback.h"
+#include "program/log/log_field.h"
 
 namespace graspdb {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::server {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "base/status_macros.h"
-#include "program/json_keys.h"
+#include "program/text/json_keys.h"
 #include "server/access/tokens.h"
 #include "storage/records/resource_name.h"
 

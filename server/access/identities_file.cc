@@ -10,8 +10,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/log_field.h"
-#include "program/text_encoding.h"
+#include "program/log/log_field.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::server {
 namespace {

@@ -8,7 +8,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "program/watched_files.h"
+#include "program/tls/watched_files.h"
 #include "server/access/file_state.h"
 #include "server/access/identities.h"
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/status_macros.h"
-#include "program/log_field.h"
-#include "program/pem_files.h"
-#include "program/tls_file_set.h"
+#include "program/log/log_field.h"
+#include "program/tls/pem_files.h"
+#include "program/tls/tls_file_set.h"
 #include "server/access/client_certificates.h"
 
 namespace graspdb::server {

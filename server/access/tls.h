@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "program/watched_files.h"
+#include "program/tls/watched_files.h"
 #include "server/access/file_state.h"
 #include "server/access/tls_files.h"
 

@@ -16,8 +16,8 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
-#include "program/printable_text.h"
 #include "program/settings_file.h"
+#include "program/text/printable_text.h"
 #include "server/backups/backup_messages.h"
 #include "storage/backups/backups.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/background.h"
 
 namespace graspdb::server {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/time/time.h"
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "server/backups/catalogue_backups.h"
 #include "storage/backups/backups.h"
 

@@ -11,7 +11,7 @@
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/backups/backup_messages.h"
 #include "server/base/bounded_text.h"
 #include "server/base/errors.h"

@@ -1,6 +1,6 @@
 #include "server/base/bounded_text.h"
 
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::server {
 namespace {

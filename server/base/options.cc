@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/listen_address.h"
-#include "program/loopback.h"
+#include "program/connections/listen_address.h"
+#include "program/connections/loopback.h"
 #include "program/metrics/metrics_flags.h"
 #include "program/settings_file.h"
 #include "program/version.h"

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "program/connection_watch.h"
+#include "program/connections/connection_watch.h"
 #include "server/access/audit_log.h"
 #include "server/access/identities_file.h"
 #include "server/base/options.h"

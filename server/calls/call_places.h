@@ -18,7 +18,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "program/log_interval.h"
+#include "program/log/log_interval.h"
 
 namespace graspdb::server {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "absl/time/clock.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/access/method_role.h"
 #include "server/base/bounded_text.h"
 #include "server/calls/call_guard.h"

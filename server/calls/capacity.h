@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "program/connection_watch.h"
+#include "program/connections/connection_watch.h"
 #include "server/base/options.h"
 #include "server/calls/call_places.h"
 #include "server/calls/memory_budget.h"

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "base/status_macros.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/errors.h"
 #include "server/calls/call_guard.h"
 #include "server/requests/request_limits.h"

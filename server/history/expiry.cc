@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "storage/history/history.h"
 #include "storage/uploads/uploads.h"
 

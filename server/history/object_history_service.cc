@@ -9,7 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/background.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"

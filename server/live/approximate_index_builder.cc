@@ -9,7 +9,7 @@
 
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "recognition/index/recall.h"
 #include "storage/database/approximate_file.h"
 

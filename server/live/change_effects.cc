@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/live/records.h"
 #include "server/requests/convert.h"
 #include "storage/database/family.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/background.h"
 
 namespace graspdb::server {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <thread>
 
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "server/live/live_catalogue.h"
 
 namespace graspdb::server {

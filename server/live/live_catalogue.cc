@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/status_macros.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/background.h"
 #include "server/live/change_effects.h"
 #include "server/live/load_views.h"

@@ -13,7 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/live/change_effects.h"
 #include "server/live/records.h"
 #include "storage/uploads/uploads.h"

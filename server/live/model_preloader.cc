@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 #include "server/base/background.h"
 
 namespace graspdb::server {

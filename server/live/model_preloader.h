@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "server/live/live_catalogue.h"
 #include "server/live/view_cloud_cache.h"
 

@@ -3,7 +3,7 @@
 #include <openssl/sha.h>
 
 #include "absl/strings/ascii.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "program/pem_files.h"
+#include "program/tls/pem_files.h"
 #include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/time/time.h"
-#include "program/background_log.h"
-#include "program/pem_files.h"
+#include "program/log/background_log.h"
+#include "program/tls/pem_files.h"
 #include "program/version.h"
 #include "storage/uploads/uploads.h"
 

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "program/connection_acceptor.h"
+#include "program/connections/connection_acceptor.h"
 #include "program/metrics/families.h"
 #include "program/metrics/metrics_server.h"
 #include "server/access/file_state.h"

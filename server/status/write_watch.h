@@ -6,7 +6,7 @@
 #include <functional>
 #include <thread>
 
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {

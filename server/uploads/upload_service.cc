@@ -6,7 +6,7 @@
 #include "absl/cleanup/cleanup.h"
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 #include "server/base/background.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"

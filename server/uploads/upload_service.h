@@ -7,7 +7,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "graspdb/v1/upload_service.grpc.pb.h"
-#include "program/monotonic_cond_var.h"
+#include "program/base/monotonic_cond_var.h"
 #include "recognition/recognizer.h"
 #include "server/calls/admission.h"
 #include "server/calls/memory_budget.h"

@@ -7,7 +7,7 @@
 
 #include "base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "storage/base/restore_advice.h"
 #include "storage/changes/history_rows.h"
 #include "storage/database/family.h"

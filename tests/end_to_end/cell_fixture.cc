@@ -8,7 +8,7 @@
 #include "files/pose_message.h"
 #include "graspdb/v1/cell.pb.h"
 #include "lab/simulated_robot/pick_judge.h"
-#include "program/listen_address.h"
+#include "program/connections/listen_address.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #include "tests/testing/status_matchers.h"

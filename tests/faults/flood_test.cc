@@ -13,7 +13,7 @@
 #include <string_view>
 #include <thread>
 
-#include "program/file_descriptor.h"
+#include "program/connections/file_descriptor.h"
 #include "tests/faults/fault_fixture.h"
 #include "tests/program/loopback_connection.h"
 

@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "program/file_descriptor.h"
+#include "program/connections/file_descriptor.h"
 #include "tests/faults/fault_fixture.h"
 
 namespace graspdb::faults {

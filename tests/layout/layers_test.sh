@@ -42,7 +42,7 @@ forbid '(server|storage)/' client lab
 forbid '(server|storage|recognition|rendering)/' console
 forbid '(storage|server|files|graspdb|google|grpc|grpcpp)/|\S+\.pb\.h' recognition
 forbid 'recognition/' storage
-forbid 'program/(?!uuid\.h)' storage
+forbid 'program/(?!base/uuid\.h)' storage
 forbid 'storage/(?!base/(crc32c|little_endian|folder_sync)\.h)' files
 forbid 'lab/' recognition program storage server files rendering pictures client console
 # Its macros have no prefix; users of the library may have their own of these names.

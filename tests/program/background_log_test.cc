@@ -1,4 +1,4 @@
-#include "program/background_log.h"
+#include "program/log/background_log.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "program/connection_acceptor.h"
+#include "program/connections/connection_acceptor.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "program/connection_shares.h"
+#include "program/connections/connection_shares.h"
 
 #include <gmock/gmock.h>
 #include <poll.h>
@@ -6,7 +6,7 @@
 #include <chrono>
 #include <thread>
 
-#include "program/listening_sockets.h"
+#include "program/connections/listening_sockets.h"
 #include "tests/program/loopback_connection.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,4 +1,4 @@
-#include "program/connection_watch.h"
+#include "program/connections/connection_watch.h"
 
 #include <gmock/gmock.h>
 #include <poll.h>
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "program/listening_sockets.h"
-#include "program/peer_address.h"
+#include "program/connections/listening_sockets.h"
+#include "program/connections/peer_address.h"
 #include "tests/program/loopback_connection.h"
 #include "tests/testing/status_matchers.h"
 

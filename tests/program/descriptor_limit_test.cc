@@ -1,4 +1,4 @@
-#include "program/descriptor_limit.h"
+#include "program/connections/descriptor_limit.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

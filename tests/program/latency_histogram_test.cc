@@ -1,5 +1,5 @@
 // The histogram of a load test.
-#include "program/latency_histogram.h"
+#include "program/base/latency_histogram.h"
 
 #include <gtest/gtest.h>
 

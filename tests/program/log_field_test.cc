@@ -1,4 +1,4 @@
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 #include <gtest/gtest.h>
 

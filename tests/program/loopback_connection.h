@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "program/file_descriptor.h"
+#include "program/connections/file_descriptor.h"
 
 namespace graspdb::testing {
 

@@ -1,4 +1,4 @@
-#include "program/memory_file.h"
+#include "program/tls/memory_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // Times and waits that do not follow the wall clock.
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "program/monotonic_cond_var.h"
+#include "program/base/monotonic_cond_var.h"
 
 namespace graspdb {
 namespace {

@@ -1,4 +1,4 @@
-#include "program/pem_files.h"
+#include "program/tls/pem_files.h"
 
 #include <gmock/gmock.h>
 

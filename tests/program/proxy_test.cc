@@ -1,4 +1,4 @@
-#include "program/proxy.h"
+#include "program/connections/proxy.h"
 
 #include <gmock/gmock.h>
 

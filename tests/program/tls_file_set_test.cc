@@ -1,4 +1,4 @@
-#include "program/tls_file_set.h"
+#include "program/tls/tls_file_set.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>

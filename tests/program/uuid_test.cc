@@ -1,4 +1,4 @@
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 #include "server/access/audit_log.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/server/access_fixture.h"

@@ -12,7 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "server/backups/backup_schedule.h"
 #include "server/backups/catalogue_backups.h"
 #include "server/history/expiry.h"

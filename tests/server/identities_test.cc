@@ -6,8 +6,8 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "program/stop_flag.h"
-#include "program/watched_files.h"
+#include "program/base/stop_flag.h"
+#include "program/tls/watched_files.h"
 #include "server/access/identities_file.h"
 #include "server/access/method_role.h"
 #include "server/access/tokens.h"

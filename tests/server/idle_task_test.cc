@@ -7,7 +7,7 @@
 #include <new>
 #include <string>
 
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 #include "storage/catalogue/catalogue.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

@@ -1,5 +1,5 @@
 // Ids of calls, in the trailing metadata and in the log.
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 #include <gmock/gmock.h>
 #include <spdlog/sinks/ostream_sink.h>

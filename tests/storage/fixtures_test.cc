@@ -3,7 +3,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "storage/changes/schema.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/storage/catalogue_fixture.h"

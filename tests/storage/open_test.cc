@@ -4,7 +4,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/changes/schema.h"
 #include "storage/database/approximate_file.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "tests/storage/catalogue_fixture.h"
 
 namespace graspdb::storage {

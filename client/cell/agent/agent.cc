@@ -20,7 +20,7 @@
 #include "client/sdk/resource_name.h"
 #include "client/sdk/security.h"
 #include "program/client_flags.h"
-#include "program/listen_address.h"
+#include "program/connections/listen_address.h"
 
 namespace graspdb::client {
 namespace {

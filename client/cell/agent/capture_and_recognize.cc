@@ -9,7 +9,7 @@
 #include "client/sdk/retry.h"
 #include "files/pose_message.h"
 #include "files/scan_message.h"
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::client {
 namespace {

@@ -13,8 +13,8 @@
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "program/monotonic_time.h"
-#include "program/stop_flag.h"
+#include "program/base/monotonic_time.h"
+#include "program/base/stop_flag.h"
 
 namespace graspdb::client {
 

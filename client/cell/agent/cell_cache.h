@@ -14,8 +14,8 @@
 #include "absl/time/time.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/sdk/client.h"
-#include "program/monotonic_time.h"
-#include "program/stop_flag.h"
+#include "program/base/monotonic_time.h"
+#include "program/base/stop_flag.h"
 
 namespace graspdb::client {
 

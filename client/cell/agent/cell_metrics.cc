@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "program/background_log.h"
+#include "program/log/background_log.h"
 #include "program/version.h"
 
 namespace graspdb::client {

@@ -10,8 +10,8 @@
 #include "client/cell/agent/cell_runner.h"
 #include "client/cell/blackbox/black_box.h"
 #include "graspdb/v1/catalog.pb.h"
+#include "program/base/monotonic_time.h"
 #include "program/metrics/families.h"
-#include "program/monotonic_time.h"
 
 namespace graspdb::client {
 

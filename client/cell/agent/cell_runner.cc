@@ -12,8 +12,8 @@
 #include "client/cell/agent/hand_guided_teaching.h"
 #include "client/cell/agent/job_answer.h"
 #include "client/cell/agent/refusal.h"
-#include "program/log_field.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

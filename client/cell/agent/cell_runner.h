@@ -11,7 +11,7 @@
 #include "client/cell/agent/labels.h"
 #include "client/cell/agent/reach.h"
 #include "client/cell/robots/job_runner.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

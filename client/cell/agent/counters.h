@@ -11,7 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client/cell/robots/job_runner.h"
-#include "program/latency_histogram.h"
+#include "program/base/latency_histogram.h"
 
 namespace graspdb::client {
 

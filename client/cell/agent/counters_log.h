@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "absl/time/time.h"
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 
 namespace graspdb::client {
 

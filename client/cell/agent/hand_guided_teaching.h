@@ -9,7 +9,7 @@
 #include "client/cell/robots/robot_session.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

@@ -9,9 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/connection_acceptor.h"
-#include "program/listen_address.h"
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
+#include "program/connections/connection_acceptor.h"
+#include "program/connections/listen_address.h"
 
 namespace graspdb::client {
 namespace {

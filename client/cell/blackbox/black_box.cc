@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "base/status_macros.h"
 #include "client/cell/blackbox/bundle_file.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -12,7 +12,7 @@
 #include "base/status_macros.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "files/pose_message.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {

@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "client/cell/robots/gri_data.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -8,7 +8,7 @@
 #include <exception>
 #include <utility>
 
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -20,7 +20,7 @@
 #include "base/status_macros.h"
 #include "client/cell/robots/allow_list.h"
 #include "client/cell/robots/robot_connection.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

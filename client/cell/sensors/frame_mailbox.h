@@ -10,8 +10,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
-#include "program/monotonic_cond_var.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_cond_var.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

@@ -11,7 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cli/backup/restore_command.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::client {
 namespace {

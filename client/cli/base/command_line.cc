@@ -13,9 +13,9 @@
 #include "absl/strings/str_split.h"
 #include "client/sdk/security.h"
 #include "program/client_flags.h"
-#include "program/log.h"
-#include "program/printable_text.h"
+#include "program/log/log.h"
 #include "program/settings_file.h"
+#include "program/text/printable_text.h"
 #include "program/version.h"
 
 namespace graspdb::client {

@@ -18,7 +18,7 @@
 #include "client/cli/cells/table_scan.h"
 #include "files/json_object.h"
 #include "files/pose_message.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {

@@ -13,9 +13,9 @@
 #include "client/cli/cells/cell_text.h"
 #include "client/cli/cells/cell_units.h"
 #include "client/cli/cells/commands.h"
-#include "program/json_keys.h"
-#include "program/printable_text.h"
-#include "program/text_encoding.h"
+#include "program/text/json_keys.h"
+#include "program/text/printable_text.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::client {
 namespace {

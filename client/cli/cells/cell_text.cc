@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "files/pose_message.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::client {
 namespace {

@@ -10,7 +10,7 @@
 #include "client/cli/base/counted.h"
 #include "client/cli/objects/commands.h"
 #include "client/teaching/turntable/look_alikes_text.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::client {
 namespace {

@@ -14,8 +14,8 @@
 #include "client/cli/objects/doctor_server_checks.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 #include "files/json_object.h"
-#include "program/pem_files.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
+#include "program/tls/pem_files.h"
 #include "program/version.h"
 
 namespace graspdb::client {

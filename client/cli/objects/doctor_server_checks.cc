@@ -10,7 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::client {
 namespace {

@@ -13,8 +13,8 @@
 #include "client/teaching/mesh/top_grasps.h"
 #include "files/capture_check.h"
 #include "files/pose_message.h"
-#include "program/json_keys.h"
-#include "program/text_encoding.h"
+#include "program/text/json_keys.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb::client {
 namespace {

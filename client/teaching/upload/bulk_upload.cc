@@ -16,8 +16,8 @@
 #include "base/status_macros.h"
 #include "client/sdk/retry.h"
 #include "client/teaching/upload/known_views.h"
-#include "program/monotonic_cond_var.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_cond_var.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -23,7 +23,7 @@
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "files/depth_message.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 // fakenect, which replaces the library, lacks some of its functions.
 #pragma weak freenect_copy_registration

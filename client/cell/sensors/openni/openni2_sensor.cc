@@ -19,7 +19,7 @@
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "files/depth_message.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

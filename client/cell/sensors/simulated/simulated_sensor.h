@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "client/cell/sensors/depth_sensor.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 #include "rendering/capture_plan.h"
 #include "rendering/depth_camera.h"
 #include "rendering/workpiece.h"

@@ -1,5 +1,5 @@
 #include "client/cell/agent/cell_runner.h"
-#include "program/uuid.h"
+#include "program/base/uuid.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
 #include "tests/testing/busy_status.h"
 #include "tests/testing/status_matchers.h"

@@ -1,6 +1,6 @@
 #include "tests/client/cell/agent/scripted_server.h"
 
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 namespace graspdb::client {
 namespace {

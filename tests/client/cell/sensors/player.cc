@@ -10,7 +10,7 @@
 #include "client/cell/sensors/kinds/open_sensor.h"
 #include "files/depth_message.h"
 #include "files/depth_png.h"
-#include "program/log.h"
+#include "program/log/log.h"
 
 namespace graspdb::client {
 namespace {

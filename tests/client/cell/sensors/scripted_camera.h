@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/cell/sensors/frame_mailbox.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "program/printable_text.h"
+#include "program/text/printable_text.h"
 
 #include <algorithm>
 #include <cstdint>

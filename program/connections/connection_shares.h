@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "program/descriptor_limit.h"
+#include "program/connections/descriptor_limit.h"
 
 namespace graspdb {
 

@@ -1,4 +1,4 @@
-#include "program/json_keys.h"
+#include "program/text/json_keys.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "program/memory_file.h"
+#include "program/tls/memory_file.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "program/file_descriptor.h"
-#include "program/listen_address.h"
+#include "program/connections/file_descriptor.h"
+#include "program/connections/listen_address.h"
 
 namespace graspdb {
 

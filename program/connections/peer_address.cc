@@ -1,4 +1,4 @@
-#include "program/peer_address.h"
+#include "program/connections/peer_address.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "program/proxy.h"
+#include "program/connections/proxy.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "program/loopback.h"
+#include "program/connections/loopback.h"
 
 namespace graspdb {
 namespace {

@@ -13,8 +13,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "program/memory_file.h"
-#include "program/pem_files.h"
+#include "program/tls/memory_file.h"
+#include "program/tls/pem_files.h"
 
 namespace graspdb {
 

@@ -1,4 +1,4 @@
-#include "program/background_log.h"
+#include "program/log/background_log.h"
 
 #include <pthread.h>
 #include <spdlog/async_logger.h>
@@ -19,7 +19,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "program/log.h"
+#include "program/log/log.h"
 
 namespace graspdb {
 namespace {

@@ -1,10 +1,10 @@
-#include "program/connection_shares.h"
+#include "program/connections/connection_shares.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
-#include "program/peer_address.h"
+#include "program/connections/peer_address.h"
 
 namespace graspdb {
 namespace {

@@ -1,4 +1,4 @@
-#include "program/listening_sockets.h"
+#include "program/connections/listening_sockets.h"
 
 #include <netdb.h>
 #include <netinet/in.h>

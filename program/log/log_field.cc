@@ -1,4 +1,4 @@
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"

@@ -1,4 +1,4 @@
-#include "program/pem_files.h"
+#include "program/tls/pem_files.h"
 
 #include <openssl/bio.h>
 #include <openssl/err.h>
@@ -18,7 +18,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 
 namespace graspdb {
 namespace {

@@ -12,7 +12,7 @@ namespace graspdb {
 
 // To be called once, before threads are started. `level`: debug, info, warn, error or off. gRPC's
 // own messages are debug: they are verbose, and ours suggest what to do. Whoever logs waits for the
-// reader of stderr; a server has a background log (program/background_log.h).
+// reader of stderr; a server has a background log (program/log/background_log.h).
 void StartLog(const std::string& program, const std::string& level);
 
 // The same for lines that `logger` writes.

@@ -1,4 +1,4 @@
-#include "program/connection_acceptor.h"
+#include "program/connections/connection_acceptor.h"
 
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "base/status_macros.h"
-#include "program/descriptor_limit.h"
-#include "program/log_field.h"
-#include "program/peer_address.h"
+#include "program/connections/descriptor_limit.h"
+#include "program/connections/peer_address.h"
+#include "program/log/log_field.h"
 
 namespace graspdb {
 namespace {

@@ -1,4 +1,4 @@
-#include "program/latency_histogram.h"
+#include "program/base/latency_histogram.h"
 
 #include <algorithm>
 #include <bit>

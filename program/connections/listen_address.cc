@@ -1,4 +1,4 @@
-#include "program/listen_address.h"
+#include "program/connections/listen_address.h"
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"

@@ -1,4 +1,4 @@
-#include "program/log.h"
+#include "program/log/log.h"
 
 #include <grpc/support/log.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/synchronization/mutex.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb {
 

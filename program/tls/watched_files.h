@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "program/stop_flag.h"
+#include "program/base/stop_flag.h"
 
 namespace graspdb {
 

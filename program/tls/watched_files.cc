@@ -1,4 +1,4 @@
-#include "program/watched_files.h"
+#include "program/tls/watched_files.h"
 
 #include <sys/stat.h>
 

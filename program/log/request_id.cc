@@ -1,4 +1,4 @@
-#include "program/request_id.h"
+#include "program/log/request_id.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "program/text_encoding.h"
+#include "program/text/text_encoding.h"
 
 #include <algorithm>
 

@@ -15,12 +15,12 @@
 #include <thread>
 
 #include "absl/status/statusor.h"
-#include "program/connection_shares.h"
-#include "program/connection_watch.h"
-#include "program/file_descriptor.h"
-#include "program/listen_address.h"
-#include "program/listening_sockets.h"
-#include "program/log_interval.h"
+#include "program/connections/connection_shares.h"
+#include "program/connections/connection_watch.h"
+#include "program/connections/file_descriptor.h"
+#include "program/connections/listen_address.h"
+#include "program/connections/listening_sockets.h"
+#include "program/log/log_interval.h"
 
 namespace graspdb {
 

@@ -5,7 +5,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb {
 

@@ -1,4 +1,4 @@
-#include "program/connection_watch.h"
+#include "program/connections/connection_watch.h"
 
 #include <netinet/in.h>
 // After <netinet/in.h>, which it needs. <netinet/tcp.h> has an older tcp_info, without bytes.
@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "program/log_field.h"
-#include "program/peer_address.h"
+#include "program/connections/peer_address.h"
+#include "program/log/log_field.h"
 
 namespace graspdb {
 namespace {
