@@ -21,7 +21,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "client/sdk/client.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "google/rpc/status.pb.h"
 #include "program/text/printable_text.h"
 

@@ -8,10 +8,10 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/points/point_file.h"
 
 namespace graspdb::files {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "files/scan_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::files {

@@ -18,7 +18,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/atomic_file.h"
+#include "files/base/atomic_file.h"
 #include "rendering/mesh_content.h"
 #include "rendering/outward_faces.h"
 

@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/capture_set.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
 #include "rendering/counter_random.h"
 #include "rendering/simulation.h"
 

@@ -6,9 +6,9 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/capture_set.h"
-#include "files/point_file.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
+#include "files/points/point_file.h"
 #include "rendering/mesh_file.h"
 
 namespace graspdb::rendering {

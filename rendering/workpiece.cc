@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/sdk/client.h"
-#include "files/archive_index.h"
+#include "files/archives/archive_index.h"
 
 namespace graspdb::client {
 

@@ -5,7 +5,7 @@
 #include "base/status_macros.h"
 #include "client/cell/agent/cell_frames.h"
 #include "client/cli/base/camera.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "lab/commands/commands.h"
 #include "lab/simulated_robot/pick_run.h"
 #include "program/base/latency_histogram.h"

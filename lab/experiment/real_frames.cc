@@ -7,7 +7,7 @@
 
 #include "base/status_macros.h"
 #include "client/teaching/mesh/cad_part.h"
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "lab/experiment/trial_source.h"
 #include "rendering/mesh_part.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/status_macros.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/simulation.h"
 
 namespace graspdb::lab {

@@ -1,4 +1,4 @@
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "lab/load/load_report.h"
 
 namespace graspdb::lab {

@@ -1,8 +1,8 @@
 #include "lab/load/simulated_frames.h"
 
 #include "base/status_macros.h"
-#include "files/depth_message.h"
-#include "files/pose_message.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 

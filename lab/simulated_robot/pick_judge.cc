@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::lab {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <random>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "recognition/segmentation/region.h"
 #include "rendering/sample_parts.h"
 #include "tests/recognition/shared_data.h"

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "graspdb/v1/cell.pb.h"
 #include "lab/simulated_robot/pick_judge.h"
 #include "program/connections/listen_address.h"

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "files/capture_set.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/depth_message.h"
+#include "files/points/point_file.h"
 #include "rendering/depth_camera.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"

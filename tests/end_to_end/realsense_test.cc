@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 #include "tests/end_to_end/outcome_matchers.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/recognition/shared_data.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "tests/end_to_end/outcome_matchers.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "files/capture_set.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
 #include "rendering/mesh_file.h"
 #include "rendering/solid.h"
 #include "tests/end_to_end/programs_fixture.h"

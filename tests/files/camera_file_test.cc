@@ -4,7 +4,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "files/depth_png.h"
+#include "files/depth/depth_png.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

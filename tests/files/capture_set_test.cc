@@ -1,4 +1,4 @@
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>

@@ -1,4 +1,4 @@
-#include "files/capture_set_writer.h"
+#include "files/capture_sets/capture_set_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "files/depth_message.h"
+#include "files/messages/depth_message.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "files/cloud_message.h"
+#include "files/messages/cloud_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::files {

@@ -1,5 +1,5 @@
 // Depth images in 16-bit PNG files with the camera beside them.
-#include "files/depth_png.h"
+#include "files/depth/depth_png.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/escaping.h"
-#include "files/depth_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,4 +1,4 @@
-#include "files/lens.h"
+#include "files/depth/lens.h"
 
 #include <gtest/gtest.h>
 

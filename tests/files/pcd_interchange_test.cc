@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
 
 namespace graspdb::files {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
 
 namespace graspdb::files {

@@ -1,4 +1,4 @@
-#include "files/ply_file.h"
+#include "files/points/ply_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/points/point_file.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #include "tests/fuzz/message_mutator.h"

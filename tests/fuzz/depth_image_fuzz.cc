@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/depth_png.h"
+#include "files/depth/depth_png.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 

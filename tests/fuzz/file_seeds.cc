@@ -2,11 +2,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "files/archive_format.h"
-#include "files/archive_writer.h"
-#include "files/capture_set.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
+#include "files/archives/archive_file.h"
+#include "files/archives/archive_writer.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/depth/depth_png.h"
+#include "files/points/point_file.h"
 #include "rendering/mesh_file.h"
 #include "storage/base/little_endian.h"
 #include "tests/fuzz/requirement.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 

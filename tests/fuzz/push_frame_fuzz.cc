@@ -4,8 +4,8 @@
 #include <variant>
 
 #include "client/cell/sensors/push/pushed_frame.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/fuzz/message_target.h"
 #include "tests/fuzz/requirement.h"
 

@@ -11,8 +11,8 @@
 
 #include "client/cell/sensors/genicam/range_image.h"
 #include "client/cell/sensors/video/z16_image.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/fuzz/range_image_input.h"
 #include "tests/fuzz/requirement.h"
 

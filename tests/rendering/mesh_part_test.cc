@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/mesh_file.h"
 #include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"

@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/solid.h"
 #include "tests/rendering/mesh_measure.h"
 #include "tests/testing/status_matchers.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "files/capture_set.h"
-#include "files/point_file.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
+#include "files/points/point_file.h"
 #include "rendering/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {

@@ -7,8 +7,8 @@
 #include "base/status_macros.h"
 #include "client/cell/agent/refusal.h"
 #include "client/sdk/retry.h"
-#include "files/pose_message.h"
-#include "files/scan_message.h"
+#include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "program/log/request_id.h"
 
 namespace graspdb::client {

@@ -1,7 +1,7 @@
 #include "client/cell/agent/cell_frames.h"
 
 #include "base/status_macros.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

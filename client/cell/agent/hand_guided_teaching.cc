@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cell/agent/refusal.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

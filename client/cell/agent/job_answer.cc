@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -9,7 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cell/blackbox/bundle_file.h"
-#include "files/atomic_file.h"
+#include "files/base/atomic_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cell/calibration/hand_eye_equation.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

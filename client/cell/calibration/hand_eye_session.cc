@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "base/status_macros.h"
 #include "client/cell/calibration/calibrated_cell.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "program/base/monotonic_time.h"
 #include "recognition/base/units.h"
 

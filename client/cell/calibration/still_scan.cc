@@ -9,8 +9,8 @@
 #include "absl/status/status.h"
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "files/scan_message.h"
+#include "files/messages/scan_message.h"
 #include "program/base/monotonic_time.h"
 #include "recognition/base/types.h"
 

@@ -10,7 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "program/standard_streams.h"
 
 namespace graspdb::client {

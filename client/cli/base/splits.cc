@@ -1,6 +1,6 @@
 #include "client/cli/base/splits.h"
 
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 
 namespace graspdb::client {
 

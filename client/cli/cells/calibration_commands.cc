@@ -10,7 +10,7 @@
 #include "client/cli/cells/cell_saving.h"
 #include "client/cli/cells/commands.h"
 #include "client/cli/cells/table_scan.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {

@@ -16,8 +16,8 @@
 #include "client/cell/calibration/target.h"
 #include "client/cli/cells/commands.h"
 #include "client/cli/cells/table_scan.h"
-#include "files/json_object.h"
-#include "files/pose_message.h"
+#include "files/base/json_object.h"
+#include "files/messages/pose_message.h"
 #include "program/text/text_encoding.h"
 #include "recognition/base/units.h"
 

@@ -15,11 +15,11 @@
 #include "client/cell/sensors/kinect/simulated_recording.h"
 #include "client/cli/base/camera.h"
 #include "client/cli/cells/commands.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/json_object.h"
-#include "files/point_file.h"
+#include "files/base/json_object.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/points/point_file.h"
 #include "rendering/sample_parts.h"
 
 namespace graspdb::client {

@@ -5,7 +5,7 @@
 
 #include "base/status_macros.h"
 #include "client/cli/base/camera.h"
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 
 namespace graspdb::client {
 namespace {

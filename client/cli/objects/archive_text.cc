@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/base/counted.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 
 namespace graspdb::client {
 namespace {

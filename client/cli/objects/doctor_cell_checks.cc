@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "client/cli/objects/doctor_checks.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -13,7 +13,7 @@
 #include "client/cli/objects/doctor_checks.h"
 #include "client/cli/objects/doctor_server_checks.h"
 #include "client/teaching/turntable/look_alikes_text.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "program/text/printable_text.h"
 #include "program/tls/pem_files.h"
 #include "program/version.h"

@@ -7,11 +7,11 @@
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
-#include "files/capture_set.h"
-#include "files/capture_set_writer.h"
-#include "files/cloud_message.h"
-#include "files/point_file.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/capture_sets/capture_set_writer.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/pose_message.h"
+#include "files/points/point_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -15,8 +15,8 @@
 #include "client/cli/objects/commands.h"
 #include "client/cli/objects/look_alike_notes.h"
 #include "client/teaching/upload/bulk_upload.h"
-#include "files/capture_set.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
 #include "files/scan_file.h"
 
 namespace graspdb::client {

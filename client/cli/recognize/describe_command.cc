@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cli/recognize/commands.h"
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "recognition/descriptors/descriptor.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/segmentation/region.h"

@@ -8,7 +8,7 @@
 #include "client/cell/blackbox/bundle_file.h"
 #include "client/cell/blackbox/replay.h"
 #include "client/cli/recognize/commands.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 
 namespace graspdb::client {
 namespace {

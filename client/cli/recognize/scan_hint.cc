@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/pose_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
 #include "recognition/points/median_point.h"
 
 namespace graspdb::client {

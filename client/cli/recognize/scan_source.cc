@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cli/base/splits.h"
-#include "files/capture_set.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/messages/pose_message.h"
 #include "files/scan_file.h"
 #include "rendering/mesh_part.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/strings/str_format.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {

@@ -9,7 +9,7 @@
 #include "client/cli/teach/commands.h"
 #include "client/teaching/mesh/mesh_grasps.h"
 #include "client/teaching/upload/view_upload.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

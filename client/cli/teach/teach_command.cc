@@ -14,7 +14,7 @@
 #include "client/cli/teach/stable_pose_table.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "client/teaching/upload/cad_views.h"
-#include "files/capture_check.h"
+#include "files/capture_sets/capture_check.h"
 #include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
 #include "rendering/outward_faces.h"

@@ -11,8 +11,8 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/teaching/mesh/top_grasps.h"
-#include "files/capture_check.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_check.h"
+#include "files/messages/pose_message.h"
 #include "program/text/json_keys.h"
 #include "program/text/text_encoding.h"
 

@@ -8,7 +8,7 @@
 #include "base/status_macros.h"
 #include "client/teaching/turntable/turntable_coverage.h"
 #include "client/teaching/upload/view_upload.h"
-#include "files/cloud_message.h"
+#include "files/messages/cloud_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -10,7 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "base/status_macros.h"
 #include "client/teaching/upload/turn_steps.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -10,10 +10,10 @@
 #include "client/cell/agent/cell_frames.h"
 #include "client/cell/calibration/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/pose_message.h"
-#include "files/scan_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -9,9 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/teaching/upload/turn_steps.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
-#include "files/pose_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/counter_random.h"
 #include "rendering/simulation.h"
 

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/teaching/upload/known_views.h"
-#include "files/cloud_message.h"
+#include "files/messages/cloud_message.h"
 
 namespace graspdb::client {
 namespace {

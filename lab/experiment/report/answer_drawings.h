@@ -1,7 +1,7 @@
 // Drawings of answers for the report, after figures 10 and 16 of the paper.
 #pragma once
 
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "lab/experiment/experiment.h"
 
 namespace graspdb::lab {

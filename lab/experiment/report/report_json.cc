@@ -1,7 +1,7 @@
 #include "lab/experiment/report/report_json.h"
 
 #include "absl/strings/str_cat.h"
-#include "files/json_object.h"
+#include "files/base/json_object.h"
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/report/answer_drawings.h"
 #include "lab/experiment/report/case_figures.h"

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/atomic_file.h"
+#include "files/base/atomic_file.h"
 #include "lab/experiment/report/bop_csv.h"
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_markdown.h"

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 #include "lab/commands/commands.h"
 #include "rendering/mesh_file.h"
 #include "rendering/solid.h"

@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "files/capture_set.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/depth_message.h"
+#include "files/points/point_file.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "rendering/mesh_file.h"

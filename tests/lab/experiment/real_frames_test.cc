@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "files/point_file.h"
+#include "files/points/point_file.h"
 #include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/trial.h"

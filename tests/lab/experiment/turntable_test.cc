@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "files/capture_set.h"
+#include "files/capture_sets/capture_set.h"
 #include "lab/experiment/capture_trials.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"

@@ -7,7 +7,7 @@
 
 #include "client/cell/robots/gri_protocol.h"
 #include "client/cell/robots/robot_server.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #include "tests/client/cell/robots/scripted_runner.h"

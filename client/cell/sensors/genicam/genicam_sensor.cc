@@ -17,7 +17,7 @@
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/genicam/camera_features.h"
 #include "client/cell/sensors/genicam/range_image.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "files/scan_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {

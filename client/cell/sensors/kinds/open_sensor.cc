@@ -17,7 +17,7 @@
 #include "client/cell/sensors/sensor_spec.h"
 #include "client/cell/sensors/simulated/simulated_sensor.h"
 #include "client/cell/sensors/video/v4l2_sensor.h"
-#include "files/depth_png.h"
+#include "files/depth/depth_png.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
 #ifdef GRASPDB_WITH_ARAVIS

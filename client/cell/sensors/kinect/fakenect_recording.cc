@@ -9,8 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
-#include "files/atomic_file.h"
-#include "files/json_object.h"
+#include "files/base/atomic_file.h"
+#include "files/base/json_object.h"
 
 namespace graspdb::client {
 namespace {

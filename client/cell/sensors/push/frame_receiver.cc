@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/push/pushed_frame.h"
-#include "program/log_field.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 

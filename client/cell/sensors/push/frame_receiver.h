@@ -11,7 +11,7 @@
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "graspdb/v1/frame_service.pb.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

@@ -12,9 +12,9 @@
 #include "base/status_macros.h"
 #include "client/cell/sensors/push/frame_receiver.h"
 #include "graspdb/v1/frame_service.grpc.pb.h"
-#include "program/connection_acceptor.h"
-#include "program/listen_address.h"
-#include "program/loopback.h"
+#include "program/connections/connection_acceptor.h"
+#include "program/connections/listen_address.h"
+#include "program/connections/loopback.h"
 
 namespace graspdb::client {
 namespace {

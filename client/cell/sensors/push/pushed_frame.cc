@@ -12,8 +12,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 
 namespace graspdb::client {
 namespace {

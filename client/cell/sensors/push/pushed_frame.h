@@ -7,7 +7,7 @@
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "graspdb/v1/frame_service.pb.h"
-#include "program/monotonic_time.h"
+#include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 

@@ -19,8 +19,8 @@
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/video/z16_image.h"
-#include "files/depth_message.h"
-#include "program/log_field.h"
+#include "files/messages/depth_message.h"
+#include "program/log/log_field.h"
 
 namespace graspdb::client {
 namespace {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "program/file_descriptor.h"
+#include "program/connections/file_descriptor.h"
 
 namespace graspdb::client {
 namespace {

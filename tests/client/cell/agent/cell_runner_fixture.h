@@ -9,7 +9,7 @@
 #include "client/cell/agent/cell_metrics.h"
 #include "client/cell/agent/cell_runner.h"
 #include "client/cell/robots/robot_session.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"
 

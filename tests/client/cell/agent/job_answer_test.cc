@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 
 namespace graspdb::client {
 namespace {

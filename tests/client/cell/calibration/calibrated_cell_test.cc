@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "client/cell/agent/cell_frames.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "tests/client/cell/calibration/calibration_server.h"
 #include "tests/testing/status_matchers.h"
 

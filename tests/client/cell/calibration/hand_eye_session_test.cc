@@ -10,7 +10,7 @@
 #include "client/cell/calibration/cell_calibrator.h"
 #include "client/cell/calibration/gripped_region.h"
 #include "client/cell/robots/rotation_vector.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "recognition/base/units.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/calibration/calibration_server.h"

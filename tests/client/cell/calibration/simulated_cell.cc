@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "client/cell/robots/rotation_vector.h"
-#include "files/depth_message.h"
-#include "files/pose_message.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/scene.h"
 #include "rendering/solid.h"
 #include "tests/rendering/small_kinect.h"

@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/depth_message.h"
 #include "program/log/log.h"
 
 namespace graspdb::client {

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "files/capture_set.h"
-#include "files/point_file.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/points/point_file.h"
 #include "rendering/mesh_file.h"
 #include "rendering/solid.h"
 #include "tests/files/temporary_folder.h"

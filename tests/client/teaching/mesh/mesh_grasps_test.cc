@@ -5,7 +5,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/workpiece.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/solid.h"
 
 namespace graspdb::client {

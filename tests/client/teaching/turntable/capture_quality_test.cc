@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "files/depth_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -10,7 +10,7 @@
 
 #include "client/cell/sensors/simulated/simulated_sensor.h"
 #include "client/teaching/turntable/guided_teaching.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "tests/client/catalogue_server.h"
 #include "tests/client/teaching/turntable/turntable_and_person.h"
 #include "tests/rendering/small_kinect.h"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

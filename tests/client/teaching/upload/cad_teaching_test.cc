@@ -3,8 +3,8 @@
 
 #include "client/teaching/mesh/cad_part.h"
 #include "client/teaching/upload/cad_views.h"
-#include "files/cloud_message.h"
-#include "files/pose_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/counter_random.h"
 #include "rendering/depth_camera.h"
 #include "rendering/simulation.h"

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "client/teaching/mesh/cad_part.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
 #include "rendering/solid.h"
 #include "tests/testing/status_matchers.h"
 

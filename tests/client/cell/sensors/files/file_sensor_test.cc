@@ -3,11 +3,11 @@
 
 #include <gmock/gmock.h>
 
-#include "files/capture_set.h"
-#include "files/depth_message.h"
-#include "files/depth_png.h"
-#include "files/point_file.h"
-#include "files/pose_message.h"
+#include "files/capture_sets/capture_set.h"
+#include "files/depth/depth_png.h"
+#include "files/messages/depth_message.h"
+#include "files/messages/pose_message.h"
+#include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/recognition/shared_data.h"
 #include "tests/testing/status_matchers.h"

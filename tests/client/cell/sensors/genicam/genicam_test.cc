@@ -5,8 +5,8 @@
 
 #include "client/cell/sensors/genicam/genicam_sensor.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/client/cell/sensors/genicam/fake_camera.h"
 #include "tests/testing/own_network.h"
 #include "tests/testing/status_matchers.h"

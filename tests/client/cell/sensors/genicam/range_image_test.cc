@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "files/cloud_message.h"
-#include "files/depth_message.h"
+#include "files/messages/cloud_message.h"
+#include "files/messages/depth_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "client/cell/sensors/sensor_spec.h"
-#include "files/point_file.h"
-#include "files/pose_message.h"
+#include "files/messages/pose_message.h"
+#include "files/points/point_file.h"
 #include "rendering/capture_plan.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"
