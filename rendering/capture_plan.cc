@@ -12,8 +12,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "rendering/counter_random.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -10,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "base/status_macros.h"
-#include "rendering/length_unit.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/length_unit.h"
+#include "rendering/meshes/mesh_file.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 
 namespace graspdb::rendering {
 namespace {

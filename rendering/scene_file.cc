@@ -8,7 +8,7 @@
 #include "base/status_macros.h"
 #include "files/capture_sets/capture_set.h"
 #include "files/messages/pose_message.h"
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 #include "rendering/simulation.h"
 
 namespace graspdb::rendering {

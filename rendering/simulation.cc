@@ -9,7 +9,7 @@
 #include "files/capture_sets/capture_set.h"
 #include "files/messages/pose_message.h"
 #include "files/points/point_file.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 
 namespace graspdb::rendering {
 namespace {

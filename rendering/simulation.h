@@ -8,9 +8,9 @@
 #include "absl/status/status.h"
 #include "graspdb/v1/capture_set.pb.h"
 #include "graspdb/v1/geometry.pb.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/camera/scene.h"
 #include "rendering/capture_plan.h"
-#include "rendering/depth_camera.h"
-#include "rendering/scene.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::rendering {

@@ -8,7 +8,7 @@
 
 #include "graspdb/v1/capture_set.pb.h"
 #include "recognition/base/types.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

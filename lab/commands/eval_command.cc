@@ -6,7 +6,7 @@
 #include "lab/commands/commands.h"
 #include "lab/commands/eval_run.h"
 #include "lab/experiment/cases.h"
-#include "rendering/length_unit.h"
+#include "rendering/meshes/length_unit.h"
 
 namespace graspdb::lab {
 namespace {

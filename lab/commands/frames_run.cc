@@ -18,7 +18,7 @@
 #include "lab/experiment/real_frames.h"
 #include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_markdown.h"
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {
 namespace {

@@ -13,8 +13,8 @@
 #include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/commands.h"
-#include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
+#include "rendering/meshes/length_unit.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "lab/experiment/close_scene.h"
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {
 namespace {

@@ -8,8 +8,8 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "rendering/counter_random.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {
 namespace {

@@ -14,8 +14,8 @@
 #include "recognition/frame/frame.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
-#include "rendering/counter_random.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {
 namespace {

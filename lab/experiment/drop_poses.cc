@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/teaching/mesh/cad_part.h"
-#include "rendering/counter_random.h"
 #include "rendering/mesh_part.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {
 namespace {

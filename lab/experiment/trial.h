@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/segmentation/segmentation.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/capture_plan.h"
-#include "rendering/depth_camera.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::lab {

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "graspdb/v1/recognition_service.pb.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::lab {
 

@@ -8,7 +8,7 @@
 
 #include "recognition/base/types.h"
 #include "recognition/segmentation/segmentation.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::bench {
 

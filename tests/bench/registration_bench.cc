@@ -8,7 +8,7 @@
 #include "recognition/matching/matching_parameters.h"
 #include "recognition/matching/refinement.h"
 #include "recognition/points/point_search.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/peer_pcl.h"
 #include "tests/bench/suite.h"

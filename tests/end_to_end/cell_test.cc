@@ -7,7 +7,7 @@
 #include "absl/time/clock.h"
 #include "client/cell/sensors/kinect/fakenect_recording.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/simulation.h"
 #include "tests/end_to_end/cell_fixture.h"
 #include "tests/testing/status_matchers.h"

@@ -8,7 +8,7 @@
 #include "files/depth/depth_png.h"
 #include "files/messages/depth_message.h"
 #include "files/points/point_file.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -8,8 +8,8 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "files/messages/pose_message.h"
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""camera_errors.py FOLDER: the errors of real depth cameras, for rendering/camera_presets.cc.
+"""camera_errors.py FOLDER: the errors of real depth cameras, for rendering/camera/camera_presets.cc.
 
 FOLDER has frames.json as `graspdb eval` reads it, with "intrinsics" and "plane" of each frame. Of
 the planes: the noise of single pixels, errors over some pixels ("bumps") and over the image

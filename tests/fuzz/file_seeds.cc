@@ -7,7 +7,7 @@
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
 #include "files/points/point_file.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 #include "storage/base/little_endian.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/scratch_folder.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/sample_parts.h"
 
 namespace graspdb::rendering {

@@ -1,4 +1,4 @@
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -1,4 +1,4 @@
-#include "rendering/depth_noise.h"
+#include "rendering/camera/depth_noise.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::rendering {
 namespace {

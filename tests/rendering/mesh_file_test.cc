@@ -1,4 +1,4 @@
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/rendering/mesh_measure.h"
 

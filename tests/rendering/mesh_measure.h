@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

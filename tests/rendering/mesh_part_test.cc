@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "files/messages/pose_message.h"
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"
 
 namespace graspdb::rendering {

@@ -1,4 +1,4 @@
-#include "rendering/outward_faces.h"
+#include "rendering/meshes/outward_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 #include "tests/rendering/mesh_measure.h"
 
 namespace graspdb::rendering {

@@ -4,8 +4,8 @@
 
 #include <numbers>
 
+#include "rendering/meshes/solid.h"
 #include "rendering/sample_parts.h"
-#include "rendering/solid.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "files/messages/pose_message.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 #include "tests/rendering/mesh_measure.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,10 +1,10 @@
-#include "rendering/sensor_effects.h"
+#include "rendering/camera/sensor_effects.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -10,7 +10,7 @@
 #include "files/capture_sets/capture_set.h"
 #include "files/messages/pose_message.h"
 #include "files/points/point_file.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/rendering/mesh_measure.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/sample_parts.h"
 #include "rendering/workpiece.h"
 

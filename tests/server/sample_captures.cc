@@ -8,7 +8,7 @@
 #include "files/messages/pose_message.h"
 #include "recognition/points/depth_image.h"
 #include "recognition/segmentation/segmentation.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/sample_parts.h"
 
 namespace graspdb::testing {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "recognition/verification/visibility.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 namespace {

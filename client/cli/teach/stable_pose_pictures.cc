@@ -7,8 +7,8 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "pictures/shaded_picture.h"
-#include "rendering/depth_camera.h"
-#include "rendering/ray_caster.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/camera/ray_caster.h"
 
 namespace graspdb::client {
 namespace {

@@ -15,9 +15,9 @@
 #include "client/teaching/mesh/cad_part.h"
 #include "client/teaching/upload/cad_views.h"
 #include "files/capture_sets/capture_check.h"
-#include "rendering/length_unit.h"
 #include "rendering/mesh_part.h"
-#include "rendering/outward_faces.h"
+#include "rendering/meshes/length_unit.h"
+#include "rendering/meshes/outward_faces.h"
 
 namespace graspdb::client {
 namespace {

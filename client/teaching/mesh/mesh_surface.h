@@ -2,7 +2,7 @@
 #pragma once
 
 #include "recognition/models/surface_model.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/teaching/mesh/convex_hull.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 

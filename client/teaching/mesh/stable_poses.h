@@ -10,7 +10,7 @@
 #include "client/teaching/mesh/resting.h"
 #include "recognition/base/types.h"
 #include "recognition/models/shape_similarity.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 

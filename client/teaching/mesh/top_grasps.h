@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "graspdb/v1/catalog.pb.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 

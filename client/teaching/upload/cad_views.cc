@@ -12,7 +12,7 @@
 #include "files/messages/cloud_message.h"
 #include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 #include "rendering/simulation.h"
 
 namespace graspdb::client {

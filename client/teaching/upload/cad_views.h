@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "client/teaching/upload/view_upload.h"
 #include "graspdb/v1/cell.pb.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::client {

@@ -6,8 +6,8 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "lab/commands/commands.h"
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"
 
 namespace graspdb::lab {

@@ -8,7 +8,7 @@
 #include "files/points/point_file.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 #include "tests/files/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 

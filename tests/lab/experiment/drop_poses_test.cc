@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "lab/experiment/experiment.h"
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

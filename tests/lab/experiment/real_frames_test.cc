@@ -11,7 +11,7 @@
 #include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/trial.h"
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::client {
 

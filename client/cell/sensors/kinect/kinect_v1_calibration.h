@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "recognition/base/types.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::client {
 

@@ -11,8 +11,8 @@
 #include "absl/synchronization/mutex.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "program/base/monotonic_time.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/capture_plan.h"
-#include "rendering/depth_camera.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::client {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "tests/client/catalogue_server.h"
 
 namespace graspdb::testing {

@@ -9,8 +9,8 @@
 #include "client/cell/robots/rotation_vector.h"
 #include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
-#include "rendering/scene.h"
-#include "rendering/solid.h"
+#include "rendering/camera/scene.h"
+#include "rendering/meshes/solid.h"
 #include "tests/rendering/small_kinect.h"
 
 namespace graspdb::testing {

@@ -8,7 +8,7 @@
 #include "client/cell/calibration/hand_eye.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "recognition/base/types.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::testing {

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "recognition/base/units.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 #include "tests/rendering/small_kinect.h"
 #include "tests/testing/status_matchers.h"
 

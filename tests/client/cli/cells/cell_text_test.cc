@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "files/messages/pose_message.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 namespace graspdb::client {
 namespace {

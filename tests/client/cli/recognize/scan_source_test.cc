@@ -5,8 +5,8 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "files/points/point_file.h"
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 
 namespace graspdb::client {
 namespace {

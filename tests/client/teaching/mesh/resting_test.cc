@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 #include "tests/client/teaching/mesh/standing.h"
 #include "tests/testing/status_matchers.h"
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "rendering/mesh_file.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/mesh_file.h"
+#include "rendering/meshes/solid.h"
 #include "tests/client/teaching/mesh/standing.h"
 #include "tests/recognition/shared_data.h"
 #include "tests/testing/status_matchers.h"

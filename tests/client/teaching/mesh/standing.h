@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::client {
 

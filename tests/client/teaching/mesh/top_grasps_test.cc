@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "files/messages/pose_message.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 
 namespace graspdb::client {
 namespace {

@@ -11,8 +11,8 @@
 #include "client/teaching/turntable/teaching_prompt.h"
 #include "client/teaching/turntable/turntable_coverage.h"
 #include "rendering/capture_plan.h"
-#include "rendering/counter_random.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
+#include "rendering/random/counter_random.h"
 #include "rendering/workpiece.h"
 
 namespace graspdb::client {

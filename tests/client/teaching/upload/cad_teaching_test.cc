@@ -5,10 +5,10 @@
 #include "client/teaching/upload/cad_views.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
-#include "rendering/counter_random.h"
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
+#include "rendering/meshes/solid.h"
+#include "rendering/random/counter_random.h"
 #include "rendering/simulation.h"
-#include "rendering/solid.h"
 #include "tests/client/catalogue_server.h"
 #include "tests/testing/status_matchers.h"
 

@@ -4,7 +4,7 @@
 
 #include "client/teaching/mesh/cad_part.h"
 #include "files/messages/pose_message.h"
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "rendering/ray_caster.h"
+#include "rendering/camera/ray_caster.h"
 
 #include <embree3/rtcore.h>
 

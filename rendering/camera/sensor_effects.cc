@@ -1,4 +1,4 @@
-#include "rendering/sensor_effects.h"
+#include "rendering/camera/sensor_effects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "rendering/scene.h"
-#include "rendering/smooth_field.h"
+#include "rendering/camera/scene.h"
+#include "rendering/random/smooth_field.h"
 
 namespace graspdb::rendering {
 namespace {

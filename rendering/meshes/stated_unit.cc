@@ -1,4 +1,4 @@
-#include "rendering/stated_unit.h"
+#include "rendering/meshes/stated_unit.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/string_view.h"
-#include "rendering/length_unit.h"
+#include "rendering/meshes/length_unit.h"
 
 namespace graspdb::rendering {
 namespace {

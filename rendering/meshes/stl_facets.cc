@@ -1,4 +1,4 @@
-#include "rendering/stl_facets.h"
+#include "rendering/meshes/stl_facets.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
-#include "rendering/scene.h"
+#include "rendering/camera/scene.h"
 
 namespace graspdb::rendering {
 

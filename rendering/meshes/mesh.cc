@@ -1,4 +1,4 @@
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::rendering {
 namespace {

@@ -1,7 +1,7 @@
 // Which side of each triangle of a mesh is outside.
 #pragma once
 
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

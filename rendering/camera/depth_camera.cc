@@ -1,4 +1,4 @@
-#include "rendering/depth_camera.h"
+#include "rendering/camera/depth_camera.h"
 
 #include <cmath>
 #include <limits>

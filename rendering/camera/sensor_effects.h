@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "rendering/ray_caster.h"
+#include "rendering/camera/ray_caster.h"
 
 namespace graspdb::rendering {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

@@ -1,4 +1,4 @@
-#include "rendering/mesh_content.h"
+#include "rendering/meshes/mesh_content.h"
 
 #include <algorithm>
 #include <array>
@@ -17,9 +17,9 @@
 #include "files/points/ply_file.h"
 #include "files/points/ply_header.h"
 #include "program/text/text_encoding.h"
-#include "rendering/plain_obj.h"
-#include "rendering/stated_unit.h"
-#include "rendering/stl_facets.h"
+#include "rendering/meshes/plain_obj.h"
+#include "rendering/meshes/stated_unit.h"
+#include "rendering/meshes/stl_facets.h"
 
 namespace graspdb::rendering {
 namespace {

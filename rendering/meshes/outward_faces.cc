@@ -1,4 +1,4 @@
-#include "rendering/outward_faces.h"
+#include "rendering/meshes/outward_faces.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "rendering/plain_obj.h"
+#include "rendering/meshes/plain_obj.h"
 
 #include <algorithm>
 #include <array>

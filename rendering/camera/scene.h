@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "recognition/base/types.h"
-#include "rendering/mesh.h"
+#include "rendering/meshes/mesh.h"
 
 namespace graspdb::rendering {
 

@@ -1,4 +1,4 @@
-#include "rendering/solid.h"
+#include "rendering/meshes/solid.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "rendering/mesh_file.h"
+#include "rendering/meshes/mesh_file.h"
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -19,8 +19,8 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/base/atomic_file.h"
-#include "rendering/mesh_content.h"
-#include "rendering/outward_faces.h"
+#include "rendering/meshes/mesh_content.h"
+#include "rendering/meshes/outward_faces.h"
 
 namespace graspdb::rendering {
 namespace {

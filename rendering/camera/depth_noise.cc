@@ -1,4 +1,4 @@
-#include "rendering/depth_noise.h"
+#include "rendering/camera/depth_noise.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::rendering {
 namespace {

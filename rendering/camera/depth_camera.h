@@ -8,10 +8,10 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
-#include "rendering/depth_noise.h"
-#include "rendering/ray_caster.h"
-#include "rendering/scene.h"
-#include "rendering/sensor_effects.h"
+#include "rendering/camera/depth_noise.h"
+#include "rendering/camera/ray_caster.h"
+#include "rendering/camera/scene.h"
+#include "rendering/camera/sensor_effects.h"
 
 namespace graspdb::rendering {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rendering/counter_random.h"
+#include "rendering/random/counter_random.h"
 
 namespace graspdb::rendering {
 
