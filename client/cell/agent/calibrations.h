@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "client/cell/agent/calibration_config.h"
 #include "client/cell/agent/cell_cache.h"
-#include "client/cell/calibration/cell_calibrator.h"
+#include "client/cell/calibration/hand_eye_session.h"
 #include "client/cell/robots/robot_calibrator.h"
 
 namespace graspdb::client {

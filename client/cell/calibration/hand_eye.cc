@@ -13,7 +13,6 @@
 #include "base/status_macros.h"
 #include "client/cell/calibration/flange_positions.h"
 #include "client/cell/calibration/hand_eye_equation.h"
-#include "client/cell/calibration/hand_eye_refinement.h"
 #include "client/cell/robots/rotation_vector.h"
 #include "recognition/base/units.h"
 

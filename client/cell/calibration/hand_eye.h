@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cell/calibration/pose_certainty.h"
+#include "client/cell/calibration/target/pose_certainty.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {

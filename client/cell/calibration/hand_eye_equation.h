@@ -1,8 +1,10 @@
-// A Y = X B: a pose of the robot A, a pose of the target B, and the unknowns X and Y.
+// A Y = X B: a pose of the robot A, a pose of the target B, and the unknowns X and Y; solved in
+// closed form, then by Gauss-Newton.
 #pragma once
 
 #include <Eigen/Core>
 #include <span>
+#include <vector>
 
 #include "client/cell/calibration/hand_eye.h"
 
@@ -39,5 +41,22 @@ Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& sol
 
 // Norm of the whitened error.
 double SizeOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
+
+// Whitened error above which a sample is an outlier: a false detection, or the target slipped.
+inline constexpr double kMaxInlierSize = 10;
+
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+
+struct RefinedHandEye {
+  HandEyeSolution solution;
+  Matrix12d information = Matrix12d::Zero();  // of small moves of x, then of y, in their frames
+};
+
+// Tukey's weights make outliers count less, from kMaxInlierSize on nothing.
+RefinedHandEye Refine(const std::vector<HandEyeEquation>& equations, HandEyeSolution solution);
+
+// Of a refined solution of inliers.
+HandEyeCertainty CertaintyOf(const std::vector<HandEyeEquation>& inliers,
+                             const HandEyeSolution& solution);
 
 }  // namespace graspdb::client

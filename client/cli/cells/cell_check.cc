@@ -13,7 +13,7 @@
 #include "base/status_macros.h"
 #include "client/cell/calibration/calibrated_cell.h"
 #include "client/cell/calibration/table_level.h"
-#include "client/cell/calibration/target.h"
+#include "client/cell/calibration/target/target.h"
 #include "client/cli/cells/commands.h"
 #include "client/cli/cells/table_scan.h"
 #include "files/base/json_object.h"

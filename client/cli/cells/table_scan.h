@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cell/calibration/still_scan.h"
+#include "client/cell/calibration/target/still_scan.h"
 
 namespace graspdb::client {
 

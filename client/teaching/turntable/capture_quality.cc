@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/calibration/still_scan.h"
+#include "client/cell/calibration/target/still_scan.h"
 
 namespace graspdb::client {
 namespace {

@@ -7,8 +7,6 @@
 #include <cstdlib>
 
 #include "client/cell/calibration/calibrated_cell.h"
-#include "client/cell/calibration/cell_calibrator.h"
-#include "client/cell/calibration/gripped_region.h"
 #include "client/cell/robots/rotation_vector.h"
 #include "files/messages/pose_message.h"
 #include "recognition/base/units.h"

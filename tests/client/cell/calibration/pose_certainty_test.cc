@@ -1,4 +1,4 @@
-#include "client/cell/calibration/pose_certainty.h"
+#include "client/cell/calibration/target/pose_certainty.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "client/cell/calibration/still_scan.h"
+#include "client/cell/calibration/target/still_scan.h"
 
 #include <gmock/gmock.h>
 

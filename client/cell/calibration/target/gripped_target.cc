@@ -1,4 +1,4 @@
-#include "client/cell/calibration/gripped_target.h"
+#include "client/cell/calibration/target/gripped_target.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "client/cell/calibration/orientations.h"
+#include "client/cell/calibration/target/orientations.h"
 #include "recognition/points/voxels.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "client/cell/calibration/target.h"
+#include "client/cell/calibration/target/target.h"
 
 #include <utility>
 #include <vector>
@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/calibration/gripped_target.h"
+#include "client/cell/calibration/target/gripped_target.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
 #include "recognition/segmentation/region.h"

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cell/calibration/pose_certainty.h"
-#include "client/cell/calibration/still_scan.h"
+#include "client/cell/calibration/target/pose_certainty.h"
+#include "client/cell/calibration/target/still_scan.h"
 #include "client/sdk/client.h"
 #include "recognition/base/types.h"
 #include "recognition/models/surface_model.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "client/cell/calibration/target_scan.h"
+#include "client/cell/calibration/target/target_scan.h"
 #include "recognition/models/surface_model.h"
 
 namespace graspdb::client {

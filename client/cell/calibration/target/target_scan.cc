@@ -1,4 +1,4 @@
-#include "client/cell/calibration/target_scan.h"
+#include "client/cell/calibration/target/target_scan.h"
 
 #include <numeric>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "client/cell/calibration/orientations.h"
+#include "client/cell/calibration/target/orientations.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
