@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/robots/gri_data.h"
+#include "client/cell/robots/gri/gri_message.h"
 #include "rendering/scene_file.h"
 
 namespace graspdb::lab {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cell/robots/gri_client.h"
+#include "client/cell/robots/gri/gri_client.h"
 #include "lab/simulated_robot/pick_judge.h"
 
 namespace graspdb::lab {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cell/robots/gri_client.h"
+#include "client/cell/robots/gri/gri_client.h"
 #include "rendering/capture_plan.h"
 #include "rendering/workpiece.h"
 #include "tests/end_to_end/programs_fixture.h"

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "client/cell/robots/gri_protocol.h"
-#include "client/cell/robots/line_protocol.h"
-#include "client/cell/robots/line_reply.h"
+#include "client/cell/robots/gri/gri_protocol.h"
+#include "client/cell/robots/line/line_protocol.h"
+#include "client/cell/robots/line/line_reply.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 #include "tests/fuzz/requirement.h"
 

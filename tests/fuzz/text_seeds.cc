@@ -2,7 +2,7 @@
 #include <cstring>
 #include <vector>
 
-#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/gri/gri_message.h"
 #include "tests/fuzz/range_image_input.h"
 #include "tests/fuzz/seed_writer.h"
 

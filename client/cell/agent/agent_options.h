@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cell/agent/job_config.h"
-#include "client/cell/robots/line_protocol.h"
+#include "client/cell/robots/line/line_protocol.h"
 #include "client/sdk/client.h"
 #include "program/metrics/metrics_server.h"
 

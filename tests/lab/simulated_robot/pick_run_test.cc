@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "client/cell/robots/robot_server.h"
 #include "files/messages/pose_message.h"
 #include "rendering/sample_parts.h"

@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_hand_eye.h"
+#include "client/cell/robots/gri/gri_hand_eye.h"
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/synchronization/notification.h"
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 
 namespace graspdb::client {

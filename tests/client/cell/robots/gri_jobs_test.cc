@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_jobs.h"
+#include "client/cell/robots/gri/gri_jobs.h"
 
 #include <gmock/gmock.h>
 

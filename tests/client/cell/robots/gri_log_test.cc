@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "tests/client/cell/robots/fake_job_runner.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/gri/gri_message.h"
 
 #include <gmock/gmock.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/synchronization/notification.h"
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "tests/client/cell/robots/socket_robot.h"
 #include "tests/testing/status_matchers.h"
 

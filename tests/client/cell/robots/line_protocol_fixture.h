@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cell/robots/line_protocol.h"
+#include "client/cell/robots/line/line_protocol.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 
 namespace graspdb::client {

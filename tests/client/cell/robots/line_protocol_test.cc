@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
-#include "client/cell/robots/line_reply.h"
+#include "client/cell/robots/line/line_reply.h"
 #include "tests/client/cell/robots/line_protocol_fixture.h"
 
 namespace graspdb::client {

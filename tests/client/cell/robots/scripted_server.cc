@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/synchronization/notification.h"
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "client/cell/robots/robot_server.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 

@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_hand_eye.h"
+#include "client/cell/robots/gri/gri_hand_eye.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/robots/gri_data.h"
 #include "program/log/log_field.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "client/cell/robots/line_request.h"
+#include "client/cell/robots/line/line_request.h"
 
 #include <algorithm>
 #include <array>

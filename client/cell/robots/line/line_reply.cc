@@ -1,4 +1,4 @@
-#include "client/cell/robots/line_reply.h"
+#include "client/cell/robots/line/line_reply.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/robots/line_request.h"
+#include "client/cell/robots/line/line_request.h"
 #include "client/cell/robots/pose_format.h"
 #include "recognition/base/units.h"
 

@@ -1,8 +1,7 @@
-#include "client/cell/robots/gri_jobs.h"
+#include "client/cell/robots/gri/gri_jobs.h"
 
 #include <spdlog/spdlog.h>
 
-#include "client/cell/robots/gri_data.h"
 #include "program/log/log_field.h"
 
 namespace graspdb::client {

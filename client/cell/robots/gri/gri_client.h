@@ -11,7 +11,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/gri/gri_message.h"
 
 namespace graspdb::client {
 

@@ -6,7 +6,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/gri/gri_message.h"
 #include "client/cell/robots/robot_calibrator.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_protocol.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 
 #include <spdlog/spdlog.h>
 

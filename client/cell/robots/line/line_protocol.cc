@@ -1,7 +1,7 @@
-#include "client/cell/robots/line_protocol.h"
+#include "client/cell/robots/line/line_protocol.h"
 
 #include "absl/strings/str_cat.h"
-#include "client/cell/robots/line_reply.h"
+#include "client/cell/robots/line/line_reply.h"
 
 namespace graspdb::client {
 namespace {

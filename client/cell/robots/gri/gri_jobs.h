@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/cell/robots/gri_message.h"
+#include "client/cell/robots/gri/gri_message.h"
 #include "client/cell/robots/robot_jobs.h"
 
 namespace graspdb::client {

@@ -1,8 +1,8 @@
 // The Generic Robot Interface for RobotServer.
 #pragma once
 
-#include "client/cell/robots/gri_hand_eye.h"
-#include "client/cell/robots/gri_jobs.h"
+#include "client/cell/robots/gri/gri_hand_eye.h"
+#include "client/cell/robots/gri/gri_jobs.h"
 #include "client/cell/robots/robot_server.h"
 
 namespace graspdb::client {

@@ -1,4 +1,4 @@
-#include "client/cell/robots/gri_client.h"
+#include "client/cell/robots/gri/gri_client.h"
 
 #include <array>
 #include <utility>

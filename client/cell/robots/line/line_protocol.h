@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "client/cell/robots/line_request.h"
+#include "client/cell/robots/line/line_request.h"
 #include "client/cell/robots/robot_jobs.h"
 #include "client/cell/robots/robot_server.h"
 
