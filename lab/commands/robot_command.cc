@@ -3,7 +3,7 @@
 
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/cell_frames.h"
+#include "client/cell/agent/jobs/cell_frames.h"
 #include "client/cli/base/camera.h"
 #include "files/base/json_object.h"
 #include "lab/commands/commands.h"

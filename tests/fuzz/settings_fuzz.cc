@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/strings/str_split.h"
-#include "client/cell/agent/agent_options.h"
-#include "client/cell/agent/calibration_config.h"
+#include "client/cell/agent/settings/agent_options.h"
+#include "client/cell/agent/settings/calibration_config.h"
 #include "client/cell/sensors/sensor_spec.h"
 #include "server/base/options.h"
 #include "tests/fuzz/requirement.h"

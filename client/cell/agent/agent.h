@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cell/agent/agent_options.h"
+#include "client/cell/agent/settings/agent_options.h"
 #include "client/cell/sensors/depth_sensor.h"
 
 namespace graspdb::client {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cell/agent/calibration_config.h"
-#include "client/cell/agent/cell_cache.h"
+#include "client/cell/agent/jobs/cell_cache.h"
+#include "client/cell/agent/settings/calibration_config.h"
 #include "client/cell/calibration/hand_eye_session.h"
 #include "client/cell/robots/robot_calibrator.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "client/cell/agent/agent.h"
-#include "client/cell/agent/agent_options.h"
+#include "client/cell/agent/settings/agent_options.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
 #include "program/connections/descriptor_limit.h"
 #include "program/health_command.h"

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/cell_frames.h"
+#include "client/cell/agent/jobs/cell_frames.h"
 #include "client/cell/calibration/target/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
 #include "files/messages/cloud_message.h"

@@ -1,4 +1,4 @@
-#include "client/cell/agent/agent_options.h"
+#include "client/cell/agent/settings/agent_options.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "client/cell/agent/capture_and_recognize.h"
+#include "client/cell/agent/jobs/capture_and_recognize.h"
 
 #include <gmock/gmock.h>
 

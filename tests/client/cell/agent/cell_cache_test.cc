@@ -1,5 +1,5 @@
 // What the log has of a cell that cannot be read.
-#include "client/cell/agent/cell_cache.h"
+#include "client/cell/agent/jobs/cell_cache.h"
 
 #include <gmock/gmock.h>
 #include <spdlog/sinks/ringbuffer_sink.h>

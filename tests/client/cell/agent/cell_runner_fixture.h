@@ -6,8 +6,8 @@
 #include <atomic>
 #include <vector>
 
-#include "client/cell/agent/cell_metrics.h"
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_metrics.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 #include "client/cell/robots/robot_session.h"
 #include "files/messages/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"

@@ -1,9 +1,9 @@
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 
 #include <functional>
 #include <utility>
 
-#include "client/cell/agent/job_bundle.h"
+#include "client/cell/agent/jobs/job_bundle.h"
 #include "client/cell/blackbox/replay.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
 #include "tests/testing/busy_status.h"

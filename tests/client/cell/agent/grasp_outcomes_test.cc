@@ -1,4 +1,4 @@
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 #include "program/base/uuid.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
 #include "tests/testing/busy_status.h"

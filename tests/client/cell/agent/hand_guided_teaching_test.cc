@@ -1,4 +1,4 @@
-#include "client/cell/agent/hand_guided_teaching.h"
+#include "client/cell/agent/jobs/hand_guided_teaching.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "client/cell/agent/job_answer.h"
+#include "client/cell/agent/jobs/job_answer.h"
 
 #include <gmock/gmock.h>
 

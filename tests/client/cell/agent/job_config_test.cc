@@ -1,4 +1,4 @@
-#include "client/cell/agent/job_config.h"
+#include "client/cell/agent/settings/job_config.h"
 
 #include <gmock/gmock.h>
 

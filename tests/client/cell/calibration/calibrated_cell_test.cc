@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "client/cell/agent/cell_frames.h"
+#include "client/cell/agent/jobs/cell_frames.h"
 #include "files/messages/pose_message.h"
 #include "tests/client/cell/calibration/calibration_server.h"
 #include "tests/testing/status_matchers.h"

@@ -1,4 +1,4 @@
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 
 #include <spdlog/spdlog.h>
 
@@ -8,10 +8,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/cell_metrics.h"
-#include "client/cell/agent/hand_guided_teaching.h"
-#include "client/cell/agent/job_answer.h"
-#include "client/cell/agent/refusal.h"
+#include "client/cell/agent/jobs/capture_and_recognize.h"
+#include "client/cell/agent/jobs/cell_metrics.h"
+#include "client/cell/agent/jobs/hand_guided_teaching.h"
+#include "client/cell/agent/jobs/job_answer.h"
 #include "program/base/uuid.h"
 #include "program/log/log_field.h"
 

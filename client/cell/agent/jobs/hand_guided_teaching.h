@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "absl/status/status.h"
-#include "client/cell/agent/cell_frames.h"
-#include "client/cell/agent/job_config.h"
+#include "client/cell/agent/jobs/cell_frames.h"
+#include "client/cell/agent/settings/job_config.h"
 #include "client/cell/robots/robot_session.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"

@@ -1,4 +1,4 @@
-#include "client/cell/agent/cell_cache.h"
+#include "client/cell/agent/jobs/cell_cache.h"
 
 #include <spdlog/spdlog.h>
 

@@ -1,11 +1,11 @@
-#include "client/cell/agent/capture_and_recognize.h"
+#include "client/cell/agent/jobs/capture_and_recognize.h"
 
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/refusal.h"
 #include "client/sdk/retry.h"
 #include "files/messages/pose_message.h"
 #include "files/messages/scan_message.h"
@@ -31,6 +31,15 @@ bool IsBlank(const files::ScanMessage& scan) {
 }
 
 }  // namespace
+
+absl::Status Refusal(const absl::Status& answered) {
+  if (answered.ok() || absl::IsUnavailable(answered) || absl::IsDeadlineExceeded(answered)) {
+    return answered;
+  }
+  if (BusyDelay(answered)) return absl::UnavailableError(answered.message());
+  return absl::DataLossError(
+      absl::StrCat(absl::StatusCodeToString(answered.code()), ": ", answered.message()));
+}
 
 absl::StatusOr<SensorFrame> CaptureAndRecognize::Grab(MonotonicTime deadline) {
   absl::StatusOr<SensorFrame> frame = sensor_.Next(deadline);

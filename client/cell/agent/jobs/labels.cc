@@ -1,4 +1,4 @@
-#include "client/cell/agent/labels.h"
+#include "client/cell/agent/jobs/labels.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "client/cell/agent/hand_guided_teaching.h"
+#include "client/cell/agent/jobs/hand_guided_teaching.h"
 
 #include <spdlog/spdlog.h>
 
@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/refusal.h"
+#include "client/cell/agent/jobs/capture_and_recognize.h"
 #include "files/messages/pose_message.h"
 
 namespace graspdb::client {

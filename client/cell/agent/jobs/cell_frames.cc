@@ -1,4 +1,4 @@
-#include "client/cell/agent/cell_frames.h"
+#include "client/cell/agent/jobs/cell_frames.h"
 
 #include "base/status_macros.h"
 #include "files/messages/pose_message.h"

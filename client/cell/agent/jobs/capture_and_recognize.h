@@ -7,9 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/cell/agent/cell_cache.h"
+#include "client/cell/agent/jobs/cell_cache.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/recognition_service.pb.h"
@@ -17,6 +18,12 @@
 #include "program/base/stop_flag.h"
 
 namespace graspdb::client {
+
+// Maps the status of a call to the server to JobRunner's errors: UNAVAILABLE and DEADLINE_EXCEEDED
+// stay; RESOURCE_EXHAUSTED of a busy server (see BusyDelay) becomes UNAVAILABLE; every other error
+// becomes DATA_LOSS, and its message starts with the server's code. Otherwise NOT_FOUND for a
+// missing view would be taken for a missing job.
+absl::Status Refusal(const absl::Status& answered);
 
 struct CaptureResult {
   v1::RecognizeRequest request;  // of the last attempt; without a scan if there was no frame

@@ -7,7 +7,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 #include "client/cell/blackbox/black_box.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "program/base/monotonic_time.h"

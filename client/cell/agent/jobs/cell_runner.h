@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "client/cell/agent/capture_and_recognize.h"
-#include "client/cell/agent/counters.h"
-#include "client/cell/agent/job_config.h"
-#include "client/cell/agent/labels.h"
-#include "client/cell/agent/reach.h"
+#include "client/cell/agent/jobs/capture_and_recognize.h"
+#include "client/cell/agent/jobs/counters.h"
+#include "client/cell/agent/jobs/job_answer.h"
+#include "client/cell/agent/jobs/labels.h"
+#include "client/cell/agent/settings/job_config.h"
 #include "client/cell/robots/job_runner.h"
 #include "program/base/monotonic_time.h"
 

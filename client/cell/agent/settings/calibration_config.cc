@@ -1,4 +1,4 @@
-#include "client/cell/agent/calibration_config.h"
+#include "client/cell/agent/settings/calibration_config.h"
 
 #include <set>
 #include <utility>

@@ -1,10 +1,12 @@
-// Counters of a cell's agent.
+// Counters of a cell's agent, and their lines in the log.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
+#include <thread>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -12,6 +14,7 @@
 #include "absl/time/time.h"
 #include "client/cell/robots/job_runner.h"
 #include "program/base/latency_histogram.h"
+#include "program/base/stop_flag.h"
 
 namespace graspdb::client {
 
@@ -33,6 +36,23 @@ class Counters {
   std::map<std::string, std::int64_t> errors_ ABSL_GUARDED_BY(mutex_);  // by code
   std::array<std::int64_t, 3> outcomes_ ABSL_GUARDED_BY(mutex_) = {};   // by PickOutcome
   LatencyHistogram times_ ABSL_GUARDED_BY(mutex_);
+};
+
+// Logs `text` every `period`, and once more at destruction, on its own thread.
+class CountersLog {
+ public:
+  CountersLog(std::function<std::string()> text, absl::Duration period);
+  ~CountersLog();
+  CountersLog(const CountersLog&) = delete;
+  CountersLog& operator=(const CountersLog&) = delete;
+
+ private:
+  void Run();
+
+  const std::function<std::string()> text_;
+  const absl::Duration period_;
+  StopFlag stop_;
+  std::thread thread_;
 };
 
 }  // namespace graspdb::client

@@ -1,6 +1,7 @@
-#include "client/cell/agent/job_answer.h"
+#include "client/cell/agent/jobs/job_answer.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <iterator>
 #include <set>
@@ -84,6 +85,19 @@ JobPose PoseOf(const v1::Detection& detection, JobGrasp grasp) {
 }
 
 }  // namespace
+
+bool IsWithinReach(const Reach& reach, const recognition::Pose& world_base, const ToolPath& path) {
+  const Eigen::Vector3d at = path.world_tcp.translation();
+  const Eigen::Vector3d before =
+      at - path.approach_distance_m * path.world_tcp.linear().col(2).eval();
+  const Eigen::Vector3d above = at + path.retreat_distance_m * Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& point : std::array{at, before, above}) {
+    const double distance = (point - world_base.translation()).norm();
+    if (distance < reach.min_m || distance > reach.max_m) return false;
+    if (reach.workspace && !reach.workspace->Contains(point)) return false;
+  }
+  return true;
+}
 
 std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse& answer,
                               const CellFrames& frames, const Reach& reach,

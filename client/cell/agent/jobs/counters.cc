@@ -1,4 +1,8 @@
-#include "client/cell/agent/counters.h"
+#include "client/cell/agent/jobs/counters.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -35,6 +39,21 @@ std::string Counters::Text() const {
   absl::StrAppend(&out, " picked=", outcomes_[0], " missed=", outcomes_[1],
                   " slipped=", outcomes_[2]);
   return out;
+}
+
+CountersLog::CountersLog(std::function<std::string()> text, absl::Duration period)
+    : text_(std::move(text)), period_(period), thread_([this] { Run(); }) {}
+
+CountersLog::~CountersLog() {
+  stop_.Raise();
+  thread_.join();
+}
+
+void CountersLog::Run() {
+  for (bool last = false; !last;) {
+    last = stop_.Wait(absl::ToChronoNanoseconds(period_));
+    spdlog::info("event=counters {}", text_());
+  }
 }
 
 }  // namespace graspdb::client

@@ -1,4 +1,4 @@
-#include "client/cell/agent/job_bundle.h"
+#include "client/cell/agent/jobs/job_bundle.h"
 
 #include <google/protobuf/util/time_util.h>
 

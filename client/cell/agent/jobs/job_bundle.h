@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "client/cell/agent/cell_runner.h"
+#include "client/cell/agent/jobs/cell_runner.h"
 #include "graspdb/v1/bundle.pb.h"
 
 namespace graspdb::client {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cell/agent/job_config.h"
+#include "client/cell/agent/settings/job_config.h"
 #include "client/cell/robots/line/line_protocol.h"
 #include "client/sdk/client.h"
 #include "program/metrics/metrics_server.h"

@@ -1,10 +1,10 @@
-#include "client/cell/agent/agent_options.h"
+#include "client/cell/agent/settings/agent_options.h"
 
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/agent/calibration_config.h"
+#include "client/cell/agent/settings/calibration_config.h"
 #include "program/client_flags.h"
 #include "program/connections/listen_address.h"
 #include "program/connections/loopback.h"

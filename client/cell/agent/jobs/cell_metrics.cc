@@ -1,4 +1,4 @@
-#include "client/cell/agent/cell_metrics.h"
+#include "client/cell/agent/jobs/cell_metrics.h"
 
 #include <algorithm>
 #include <utility>

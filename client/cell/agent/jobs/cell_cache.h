@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "client/cell/agent/cell_frames.h"
+#include "client/cell/agent/jobs/cell_frames.h"
 #include "client/sdk/client.h"
 #include "program/base/monotonic_time.h"
 #include "program/base/stop_flag.h"

@@ -1,17 +1,37 @@
-// Converts the server's response to poses for a robot.
+// Converts the server's response to poses that a robot can reach.
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "client/cell/agent/cell_frames.h"
-#include "client/cell/agent/job_config.h"
-#include "client/cell/agent/reach.h"
+#include "client/cell/agent/jobs/cell_frames.h"
+#include "client/cell/agent/settings/job_config.h"
 #include "client/cell/robots/job_runner.h"
 #include "graspdb/v1/recognition_service.pb.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::client {
+
+struct Reach {
+  // Distance of the tool centre point from the robot's base, metres.
+  double min_m = 0;
+  double max_m = std::numeric_limits<double>::infinity();
+  // World frame.
+  std::optional<recognition::Box> workspace = {};
+};
+
+// Path of the tool: approach along its z axis, grasp, retreat upwards.
+struct ToolPath {
+  recognition::Pose world_tcp = recognition::Pose::Identity();  // at the grasp
+  double approach_distance_m = 0;
+  double retreat_distance_m = 0;  // straight up in the world frame
+};
+
+// Whether a robot at `world_base` (T_world_base) reaches approach, grasp and retreat.
+bool IsWithinReach(const Reach& reach, const recognition::Pose& world_base, const ToolPath& path);
 
 // Whether the object of this resource name has the label.
 using HasLabel = std::function<bool(const std::string& object, const std::string& label)>;
