@@ -5,7 +5,7 @@
 #include "lab/commands/command_text.h"
 #include "lab/commands/commands.h"
 #include "lab/commands/eval_run.h"
-#include "lab/experiment/cases.h"
+#include "lab/experiment/trials/cases.h"
 #include "rendering/meshes/length_unit.h"
 
 namespace graspdb::lab {

@@ -13,14 +13,14 @@
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/frames_run.h"
 #include "lab/commands/report_page.h"
-#include "lab/experiment/capture_trials.h"
 #include "lab/experiment/descriptor_comparison.h"
-#include "lab/experiment/drop_poses.h"
 #include "lab/experiment/experiment.h"
-#include "lab/experiment/frames_file.h"
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/report/answer_drawings.h"
 #include "lab/experiment/report/report_writer.h"
+#include "lab/experiment/trials/capture_trials.h"
+#include "lab/experiment/trials/drop_poses.h"
+#include "lab/experiment/trials/frames_file.h"
 
 namespace graspdb::lab {
 namespace {

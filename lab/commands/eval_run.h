@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "lab/experiment/part_set.h"
+#include "lab/experiment/trials/part_set.h"
 #include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/matching/matching_parameters.h"
 

@@ -14,10 +14,10 @@
 #include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/frame_picture.h"
-#include "lab/experiment/composites.h"
 #include "lab/experiment/real_frames.h"
 #include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_markdown.h"
+#include "lab/experiment/trials/composites.h"
 #include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lab/experiment/part_set.h"
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/part_set.h"
+#include "lab/experiment/trials/trial.h"
 #include "lab/experiment/true_pose.h"
 #include "recognition/recognizer.h"
 #include "rendering/pose_error.h"

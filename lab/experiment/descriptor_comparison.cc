@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/status_macros.h"
-#include "lab/experiment/shown_segment.h"
+#include "lab/experiment/trials/trial.h"
 
 namespace graspdb::lab {
 namespace {

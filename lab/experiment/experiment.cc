@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 #include "base/status_macros.h"
 #include "lab/experiment/kept_scans.h"
-#include "lab/experiment/own_thresholds.h"
+#include "recognition/threshold_proposals.h"
 
 namespace graspdb::lab {
 namespace {
@@ -20,6 +22,26 @@ void MeasureTaught(Gallery* gallery, PartSet* set) {
     set->shapes[i] = std::make_shared<const rendering::MeasuredShape>(rendering::Measure(
         model ? *model : recognition::SurfaceModel({}, 0), set->parts[i].symmetry_order));
   }
+}
+
+// `taught` with the threshold of each stable pose from recognition::ProposeThresholds. Errors as
+// there.
+absl::StatusOr<recognition::CatalogueSnapshot> WithOwnThresholds(
+    recognition::CatalogueSnapshot taught, const recognition::RecognitionParameters& parameters,
+    const recognition::ThresholdProgress& report, Gallery* gallery) {
+  ASSIGN_OR_RETURN(const auto proposals,
+                   recognition::ProposeThresholds(
+                       taught, *gallery, /*object=*/"", parameters, [] { return false; }, report));
+  auto poses = *taught.stable_poses;
+  for (const recognition::ThresholdProposal& proposal : proposals) {
+    if (!proposal.min_score) continue;
+    auto& pose = poses.at(proposal.stable_pose);
+    auto changed = std::make_shared<recognition::TaughtStablePose>(*pose);
+    changed->min_score = proposal.min_score;
+    pose = std::move(changed);
+  }
+  taught.stable_poses = std::make_shared<const decltype(poses)>(std::move(poses));
+  return taught;
 }
 
 // The taught catalogue with the thresholds of the run. A step without a name is not reported.

@@ -6,11 +6,11 @@
 
 #include "absl/status/statusor.h"
 #include "lab/experiment/answer.h"
-#include "lab/experiment/cases.h"
 #include "lab/experiment/experiment_run.h"
-#include "lab/experiment/last_gallery.h"
-#include "lab/experiment/part_set.h"
-#include "lab/experiment/trial_source.h"
+#include "lab/experiment/gallery.h"
+#include "lab/experiment/trials/cases.h"
+#include "lab/experiment/trials/part_set.h"
+#include "lab/experiment/trials/trial_source.h"
 
 namespace graspdb::lab {
 

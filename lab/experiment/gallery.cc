@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "lab/experiment/shown_segment.h"
+#include "lab/experiment/trials/trial.h"
 #include "recognition/base/bounds.h"
 
 namespace graspdb::lab {
@@ -134,6 +134,22 @@ std::shared_ptr<const recognition::SurfaceModel> Gallery::ModelOf(
   const auto posed = std::ranges::find_if(views, [](const auto& v) { return v->shares_frame; });
   auto model = LoadModel(posed == views.end() ? *views.front() : **posed, *pose->second);
   return model.ok() ? *model : nullptr;
+}
+
+absl::StatusOr<Gallery*> LastGallery::Teach(const ExperimentCase& experiment, const PartSet& set,
+                                            const TrialSource& teaching, const ExperimentRun& run) {
+  std::vector<std::string> taught;
+  for (std::size_t i = 0; i < set.taught_count; ++i) taught.push_back(StablePoseName(set.parts[i]));
+  if (gallery_ != nullptr && taught == taught_ && TeachesAlike(experiment, experiment_)) {
+    return gallery_.get();
+  }
+  gallery_ = std::make_unique<Gallery>(set.parts, run.parameters);
+  absl::Status status = gallery_->Teach(teaching, experiment.name + ": teaching", run);
+  experiment_ = experiment;
+  taught_ = std::move(taught);
+  if (status.ok()) return gallery_.get();
+  gallery_.reset();
+  return status;
 }
 
 }  // namespace graspdb::lab

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "lab/experiment/experiment_run.h"
-#include "lab/experiment/trial_source.h"
+#include "lab/experiment/trials/cases.h"
+#include "lab/experiment/trials/trial_source.h"
 #include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 
@@ -51,5 +53,18 @@ class Gallery : public recognition::CloudsInMemory {
 // Resource names of a workpiece and of its stable pose.
 std::string ObjectName(const rendering::Workpiece& part);
 std::string StablePoseName(const rendering::Workpiece& part);
+
+// One gallery. For rendered trials of one run, in which names of meshes are unique.
+class LastGallery {
+ public:
+  // The gallery of `teaching`; kept until another one is requested. Errors as Gallery::Teach.
+  absl::StatusOr<Gallery*> Teach(const ExperimentCase& experiment, const PartSet& set,
+                                 const TrialSource& teaching, const ExperimentRun& run);
+
+ private:
+  std::unique_ptr<Gallery> gallery_;
+  ExperimentCase experiment_;
+  std::vector<std::string> taught_;  // stable poses
+};
 
 }  // namespace graspdb::lab

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lab/experiment/part_set.h"
+#include "lab/experiment/trials/part_set.h"
 #include "recognition/base/pose_observer.h"
 
 namespace graspdb::lab {

@@ -8,7 +8,7 @@
 #include "base/status_macros.h"
 #include "client/teaching/mesh/cad_part.h"
 #include "files/points/point_file.h"
-#include "lab/experiment/trial_source.h"
+#include "lab/experiment/trials/trial_source.h"
 #include "rendering/mesh_part.h"
 
 namespace graspdb::lab {

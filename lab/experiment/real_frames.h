@@ -10,10 +10,10 @@
 
 #include "absl/status/statusor.h"
 #include "lab/experiment/experiment_run.h"
-#include "lab/experiment/frames_file.h"
 #include "lab/experiment/gallery.h"
-#include "lab/experiment/part_set.h"
 #include "lab/experiment/pose_stages.h"
+#include "lab/experiment/trials/frames_file.h"
+#include "lab/experiment/trials/part_set.h"
 #include "lab/experiment/true_pose.h"
 
 namespace graspdb::lab {

@@ -1,6 +1,6 @@
 #include "tests/bench/seen_parts.h"
 
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/trial.h"
 
 namespace graspdb::bench {
 

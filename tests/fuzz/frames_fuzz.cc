@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "lab/experiment/frames_file.h"
+#include "lab/experiment/trials/frames_file.h"
 #include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 

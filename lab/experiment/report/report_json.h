@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/descriptor_figures.h"
+#include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/real_frames.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/experiment/descriptor_figures.h"
+#include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/report/case_figures.h"
 
 namespace graspdb::lab {

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "lab/experiment/descriptor_figures.h"
+#include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/report/case_figures.h"
 

@@ -1,4 +1,4 @@
-#include "lab/experiment/capture_trials.h"
+#include "lab/experiment/trials/capture_trials.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // Sample parts that are rendered into a frame, which is rendered, too.
-#include "lab/experiment/composites.h"
+#include "lab/experiment/trials/composites.h"
 
 #include <gmock/gmock.h>
 

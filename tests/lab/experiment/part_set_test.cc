@@ -1,4 +1,4 @@
-#include "lab/experiment/part_set.h"
+#include "lab/experiment/trials/part_set.h"
 
 #include <gmock/gmock.h>
 

@@ -10,7 +10,7 @@
 #include "files/points/point_file.h"
 #include "lab/experiment/report/frames_report.h"
 #include "lab/experiment/report/report_json.h"
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/trial.h"
 #include "rendering/meshes/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"

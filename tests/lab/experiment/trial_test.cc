@@ -1,10 +1,10 @@
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/trial.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "lab/experiment/cases.h"
+#include "lab/experiment/trials/cases.h"
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "recognition/recognizer.h"
 #include "recognition/segmentation/segmentation.h"
 #include "rendering/camera/depth_camera.h"
 #include "rendering/capture_plan.h"
@@ -52,5 +53,16 @@ class TrialRenderer {
   const std::vector<rendering::Workpiece>* parts_;
   rendering::DepthCamera camera_;
 };
+
+struct ShownSegment {
+  recognition::Segment segment;
+  recognition::Pose world_sensor = recognition::Pose::Identity();  // T_world_sensor
+  recognition::WorldFrame world_frame = recognition::WorldFrame::kGiven;
+};
+
+// The segment of the trial's first object. FAILED_PRECONDITION if it is not visible; errors as
+// SegmentScan.
+absl::StatusOr<ShownSegment> SegmentShown(const Trial& trial,
+                                          const recognition::RecognitionParameters& parameters);
 
 }  // namespace graspdb::lab

@@ -1,4 +1,4 @@
-#include "lab/experiment/composites.h"
+#include "lab/experiment/trials/composites.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "lab/experiment/close_scene.h"
+#include "lab/experiment/trials/close_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/part_set.h"
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/part_set.h"
+#include "lab/experiment/trials/trial.h"
 
 namespace graspdb::lab {
 

@@ -1,4 +1,4 @@
-#include "lab/experiment/drop_poses.h"
+#include "lab/experiment/trials/drop_poses.h"
 
 #include <map>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "lab/experiment/frames_file.h"
+#include "lab/experiment/trials/frames_file.h"
 
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>

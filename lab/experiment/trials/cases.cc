@@ -1,4 +1,4 @@
-#include "lab/experiment/cases.h"
+#include "lab/experiment/trials/cases.h"
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "lab/experiment/close_scene.h"
+#include "lab/experiment/trials/close_scene.h"
 #include "rendering/random/counter_random.h"
 
 namespace graspdb::lab {

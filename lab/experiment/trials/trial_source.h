@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/cases.h"
-#include "lab/experiment/part_set.h"
-#include "lab/experiment/trial.h"
+#include "lab/experiment/trials/cases.h"
+#include "lab/experiment/trials/part_set.h"
+#include "lab/experiment/trials/trial.h"
 
 namespace graspdb::lab {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/frames_file.h"
-#include "lab/experiment/part_set.h"
+#include "lab/experiment/trials/frames_file.h"
+#include "lab/experiment/trials/part_set.h"
 #include "recognition/points/scan.h"
 #include "recognition/recognizer.h"
 

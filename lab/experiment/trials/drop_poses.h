@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/part_set.h"
+#include "lab/experiment/trials/part_set.h"
 
 namespace graspdb::lab {
 

@@ -1,4 +1,4 @@
-#include "lab/experiment/trial_source.h"
+#include "lab/experiment/trials/trial_source.h"
 
 #include <memory>
 #include <utility>
